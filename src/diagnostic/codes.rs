@@ -1,0 +1,232 @@
+//! The register of finding codes: every code once, with its title and the long text that `ncfix explain` prints.
+//!
+//! Groups: `E01` what was written (syntax), `E02` what it means (execution), `E03` safety and machine limits,
+//! `E04` machine file and error model; `W…` the same groups as warnings. Codes are stable: one that is no longer
+//! used stays retired. A test demands a sample file that provokes each code.
+
+use std::fmt;
+
+use super::Severity;
+
+/// A stable finding code such as `E0203`.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Code(pub(super) &'static str);
+
+/// What is known of a code.
+#[derive(Clone, Copy, Debug)]
+pub struct CodeRow {
+    /// The code.
+    pub code: Code,
+    /// A few words.
+    pub title: &'static str,
+    /// The long text: what it means, why the program stops there, what to do, with an example where one helps.
+    pub explain: &'static str,
+}
+
+impl Code {
+    /// The code as text.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        self.0
+    }
+
+    /// The row of a code given as text in any case, `e0203`.
+    #[must_use]
+    pub fn find(text: &str) -> Option<&'static CodeRow> {
+        CODES.iter().find(|row| row.code.0.eq_ignore_ascii_case(text))
+    }
+
+    /// Weight by its first letter.
+    #[must_use]
+    pub fn severity(self) -> Severity {
+        if self.0.starts_with('W') { Severity::Warning } else { Severity::Error }
+    }
+
+    /// Whether the finding says that the program text itself was not understood (exit status 3, not 4).
+    #[must_use]
+    pub fn is_language(self) -> bool {
+        self.0.starts_with("E01") || self.0 == "E0201"
+    }
+}
+
+impl fmt::Debug for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+macro_rules! codes {
+    ($($name:ident = $code:literal $title:literal $explain:literal;)*) => {
+        impl Code {
+            $(#[doc = concat!("`", $code, "`: ", $title, ".")] pub const $name: Code = Code($code);)*
+        }
+        /// All codes, in order.
+        pub const CODES: &[CodeRow] =
+            &[$(CodeRow { code: Code::$name, title: $title, explain: $explain }),*];
+    };
+}
+
+codes! {
+    UNEXPECTED = "E0101" "unexpected text"
+"The text at this place is no word, statement or expression of the dialect.
+
+A common cause is a missing '=': a value that is no plain number needs one (X=R1*2, CR=5, S2=500). Another is a comment
+without ';' in a Sinumerik program, where ( ) belongs to expressions.";
+    BAD_NUMBER = "E0102" "malformed number"
+"A number is digits with at most one decimal point; the exponent of a Sinumerik number is written EX, as in 1.5EX-3.
+Numbers beyond the range of a double are refused too.";
+    MISSING_VALUE = "E0103" "address without a value"
+"An address letter (X, F, G, …) needs a number, or '=' and an expression, behind it.";
+    BAD_EXPRESSION = "E0104" "malformed expression"
+"The expression ends early or has something in it that is no operand or operator.";
+    UNCLOSED = "E0105" "bracket or quotation mark not closed"
+"A '(', '[' or '\"' that was opened in this block is not closed in it.";
+    UNMATCHED_STRUCTURE = "E0106" "control structure not closed or not opened"
+"IF needs ENDIF, WHILE needs ENDWHILE, FOR needs ENDFOR, LOOP needs ENDLOOP, REPEAT needs UNTIL, each in the same program
+and properly nested. ELSE stands once between IF and ENDIF.";
+    TOO_DEEP = "E0107" "nested too deeply"
+"Brackets in an expression may be nested 64 deep, control structures 32 deep. Controls allow far less.";
+    MUST_STAND_ALONE = "E0108" "statement must stand alone in its block"
+"Control statements, DEF, PROC, TRANS and ATRANS and calls share their block with nothing but the block number, a label and a
+comment (TRANS also with its axis words).";
+    BLOCK_TOO_LONG = "E0109" "block too long"
+"A block has more than 4096 bytes. A Sinumerik 840D sl takes 512 characters. The file is probably no part program, or its line
+ends were lost on the way.";
+    NOT_A_PROGRAM = "E0110" "not a part program"
+"The file is empty, or most of it cannot be read as blocks of the dialect. Check --dialect, and that the file is no archive,
+picture or setting-data save.";
+    DOUBLE_WORD = "E0111" "word given twice in one block"
+"An address that takes effect once per block (an axis, F, a G code of one group …) was programmed twice in it. The control would
+raise an alarm or use the last one, depending on its version; this program does not guess.";
+
+    NOT_SUPPORTED = "E0201" "not supported yet"
+"The program uses a code, statement, cycle or system variable that ncfix does not execute yet. It is refused because skipping it
+could change the motion. The message names it.";
+    NO_CENTER = "E0202" "arc without center or radius"
+"G2 and G3 need a center (I, J, K, incremental from the start, or absolute with =AC()) or a radius (CR=).";
+    ARC_OFF_CIRCLE = "E0203" "arc end is not on the circle"
+"The radius at the start of the arc and the radius at its end differ by more than the control allows, or the center is off the
+perpendicular bisector of the chord by more than that. The limit is the larger of control.arc_tolerance_mm and
+control.arc_tolerance_ratio times the radius (Sinumerik MD21000 and MD21010, default 0.01 mm and 0.001).
+
+  N10 G1 X0 Y0
+  N20 G2 X10 Y0 I4 J0     start radius 4 mm, end radius 6 mm
+
+Correct I and J, or the end point.";
+    RADIUS_TOO_SMALL = "E0204" "arc radius smaller than half the chord"
+"With CR= the two points must be at most 2 · CR apart. A full circle cannot be programmed with CR: start and end coincide and the
+center is not determined; use I, J, K.";
+    BAD_ARC = "E0205" "arc that is no arc"
+"The center coincides with the start, center words lie outside the working plane, or center and CR were given together.";
+    UNDEFINED_VARIABLE = "E0206" "variable not defined"
+"The name is no variable that was defined with DEF in this program, no R parameter and no known function.";
+    BAD_INDEX = "E0207" "index outside the array or parameter range"
+"R parameters run from R0 to R9999; an array index from 0 to its length minus 1.";
+    TYPE_MISMATCH = "E0208" "value of the wrong type"
+"A number was expected and a string found, or the other way round, or a value cannot be converted (an INT is no fraction).";
+    NOT_COMPUTABLE = "E0209" "expression has no value"
+"Division by zero, root of a negative number, logarithm of zero, or a result beyond the range of a double.";
+    BAD_WORD_VALUE = "E0210" "value not allowed for this word"
+"A G, M, T, D, N, L or P number must be a whole number in range; a feed and a dwell must not be negative.";
+    NO_TARGET = "E0211" "jump target not found"
+"The label or block number does not occur in the direction of the search: GOTOF looks towards the end of this program, GOTOB towards
+its start, never into other programs.";
+    NO_SUBPROGRAM = "E0212" "subprogram not found"
+"The called program is neither in this file (as a %_N_…_SPF section) nor beside it. Names searched: NAME.SPF, NAME.MPF, NAME, and the
+same in lower case. L10 and L010 are different programs.";
+    TOO_MANY_CALLS = "E0213" "subprogram calls nested too deeply"
+"A Sinumerik nests 16 program levels. A program that calls itself without end is refused here.";
+    TOO_MANY_BLOCKS = "E0214" "more blocks executed than allowed"
+"The program executed more blocks than --max-blocks. It may never end (WHILE TRUE, a backward jump). Raise --max-blocks if it does
+end; nothing was written.";
+    MISSING_FEED = "E0215" "feed motion without a feed"
+"G1, G2 and G3 need F, programmed earlier or in the block. The control stops here.";
+    DUPLICATE_NAME = "E0216" "name defined twice"
+"A variable was defined twice in one program, or with the name of a function or keyword.";
+    SKIPPED_INTO = "E0217" "jump into a control structure"
+"A jump led into a FOR loop whose start was not executed, so its end value is unknown.";
+
+    ALREADY_CORRECTED = "E0301" "this program was corrected before"
+"The first comment says that ncfix made this file. Correcting it again would add the corrections twice. Correct the original.";
+    OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
+"A corrected position lies beyond axis.….travel_mm (travel_deg). The message gives the axis, the position and the limit. Check zero
+offset and tool length first: a wrong one moves the whole program.";
+    CORRECTION_TOO_LARGE = "E0303" "correction larger than allowed"
+"A correction exceeds --max-correction (default 0.2 mm; rotary axes are judged by the arc at the tool). Geometric errors of a machine in
+working order are smaller: check the units in the machine file before raising the limit.";
+    UNKNOWN_START = "E0304" "motion from an unknown position"
+"An incremental move or an arc starts from a position that the program has not stated: at its beginning, or after a tool change. The
+corrected program is absolute, so it would move somewhere else than the original. Begin with an absolute position, or give
+--start X0,Y0,Z0 for the beginning.";
+    UNITS_DOUBT = "E0305" "units in doubt"
+"Positions were programmed before the unit was stated, and the program switches between inch (G70, G700) and metric (G71, G710) later.
+Whether the first positions are mm or inch depends on what was active on the control before. State the unit in the first block.";
+    NO_OFFSET = "E0306" "zero offset has no value"
+"The program selects a zero offset that the machine file does not know, so the place in the machine, and with it the correction, is
+unknown. Add it to the machine file or to a set-up file given with --setup:
+
+  [zero_offset.G54]
+  X_mm = 350.0
+  Y_mm = 200.0
+  Z_mm = 80.0";
+    NO_TOOL = "E0307" "tool has no value"
+"The program activates a tool or cutting edge that the machine file does not know; the correction depends on its length. Add it to
+the machine file or to a set-up file given with --setup:
+
+  [[tool]]
+  number = 5
+  edge = 1
+  length_mm = 120.0
+  radius_mm = 5.0";
+    NOT_CONVERGED = "E0308" "no correction found"
+"The iteration on the exact kinematics did not reach 1e-6 mm. The error model is far too large for this pose, or the machine cannot
+move the tool in some direction.";
+    NO_AXIS = "E0309" "axis that the machine lacks"
+"The program moves an axis that is not in the machine's topology.";
+    WRONG_FILE = "E0310" "input and output are the same file"
+"The original program is never overwritten. Choose another output, or --in-place, which keeps the original as a .bak file.";
+    CANNOT_ALIGN = "E0311" "programs cannot be compared"
+"verify walks the original and the corrected program side by side. Their motions do not follow the same path, or one has more moves than the
+other.";
+
+    BAD_TOML = "E0401" "machine file is no TOML"
+"The file breaks the rules of TOML 1.0 at this place.";
+    UNKNOWN_KEY = "E0402" "unknown key in the machine file"
+"The key is not known in this section; a misspelt key would be silently without effect, so it is refused.";
+    MISSING_KEY = "E0403" "missing key in the machine file"
+"The section needs this key.";
+    BAD_VALUE = "E0404" "value not allowed in the machine file"
+"The value has the wrong type, is not finite, or is outside its range; the message says what is expected.";
+    BAD_TOPOLOGY = "E0405" "topology that makes no machine"
+"A topology reads from the workpiece w through the foundation F to the tool t, for example wCBXFZYSt; axis letters X Y Z U V W A B C at most
+once each, S (optional) just before t, every letter with its [axis.…] section.";
+    UNKNOWN_COMPONENT = "E0406" "unknown error component"
+"A component is E, a direction (X Y Z A B C) and an axis of this machine for [[motion]], or E, a direction, 0 and an axis or S for [location]:
+EXX, EAY, EC0Y, EX0S.";
+    WRONG_UNIT = "E0407" "wrong unit for this component"
+"EX EY EZ are displacements (values_um, amplitude_um, value_um), EA EB EC rotations (…_urad); positions of linear axes are _mm, of rotary
+axes _deg.";
+    BAD_TABLE = "E0408" "table that does not increase"
+"positions_mm (positions_deg) must increase strictly and have as many entries as the values.";
+
+    SKIP_EXECUTED = "W0201" "skip blocks are decided"
+"Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
+    OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
+"The machine file has no value for this zero offset. For check and snc zero is used; a correction is refused.";
+    TOOL_ASSUMED = "W0303" "tool assumed without length and radius"
+"The machine file has no value for this tool. For check and snc zero is used; a correction is refused.";
+    NO_MACHINE = "W0304" "demo machine used"
+"No --machine was given and there is no ncfix.toml in this folder or above it, so the embedded demo machine was used. The output is
+good for looking at, not for a real machine.";
+    TOLERANCE_NOT_REACHED = "W0305" "tolerance not reached"
+"At some place the pieces became as short as 0.01 mm, or as fine as the increment, and still deviate by more than --tolerance. The
+tolerance is below what the increment can express, or the error model has a step there.";
+    NO_TRAVEL = "W0401" "axis without travel limits"
+"The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be found.";
+}

@@ -1,0 +1,75 @@
+//! Findings as plain data: what was found, where, and what to do. Drawing them is the business of `report`.
+
+mod codes;
+
+pub use codes::{CODES, Code, CodeRow};
+
+use crate::source::{FileId, Span};
+
+/// How much a finding weighs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The run goes on; the person should know.
+    Warning,
+    /// Nothing is written.
+    Error,
+}
+
+impl Severity {
+    /// The word shown to the user and in JSON.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        }
+    }
+}
+
+/// A place in one of the files of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Place {
+    /// The file.
+    pub file: FileId,
+    /// The bytes in question.
+    pub span: Span,
+}
+
+/// One finding. No color, no file name, no source text in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnostic {
+    /// Stable code, see [`CODES`].
+    pub code: Code,
+    /// Where; `None` where a finding has no place in a file.
+    pub place: Option<Place>,
+    /// What was found, with numbers and units: one sentence, lower case, no full stop.
+    pub message: String,
+    /// What to do about it: one sentence in the same manner.
+    pub help: String,
+}
+
+impl Diagnostic {
+    /// A finding at a place.
+    #[must_use]
+    pub fn at(code: Code, place: Place, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Diagnostic { code, place: Some(place), message: message.into(), help: help.into() }
+    }
+
+    /// A finding that has no place in a file.
+    #[must_use]
+    pub fn nowhere(code: Code, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Diagnostic { code, place: None, message: message.into(), help: help.into() }
+    }
+
+    /// Its weight, which follows from the code.
+    #[must_use]
+    pub fn severity(&self) -> Severity {
+        self.code.severity()
+    }
+
+    /// Whether it forbids output.
+    #[must_use]
+    pub fn is_error(&self) -> bool {
+        self.severity() == Severity::Error
+    }
+}

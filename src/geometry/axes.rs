@@ -1,0 +1,215 @@
+//! The nine axis letters of ISO 841 and vectors over them.
+
+use std::fmt;
+use std::ops::{Add, Index, IndexMut, Sub};
+
+use super::Vector;
+
+/// A machine axis by its ISO 841 letter; the number is its slot in an [`AxisVector`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+#[expect(missing_docs, reason = "the letters are the documentation")]
+pub enum Axis {
+    X,
+    Y,
+    Z,
+    U,
+    V,
+    W,
+    A,
+    B,
+    C,
+}
+
+/// Number of slots in an [`AxisVector`].
+pub const AXIS_COUNT: usize = 9;
+/// All axes in slot order.
+pub const AXES: [Axis; AXIS_COUNT] =
+    [Axis::X, Axis::Y, Axis::Z, Axis::U, Axis::V, Axis::W, Axis::A, Axis::B, Axis::C];
+/// The linear axes in slot order.
+pub const LINEAR_AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::U, Axis::V, Axis::W];
+/// The rotary axes in slot order.
+pub const ROTARY_AXES: [Axis; 3] = [Axis::A, Axis::B, Axis::C];
+
+impl Axis {
+    /// The axis of a letter, upper or lower case.
+    #[must_use]
+    pub fn from_letter(letter: u8) -> Option<Axis> {
+        AXES.into_iter().find(|axis| axis.letter() == letter.to_ascii_uppercase())
+    }
+
+    /// Its letter, upper case ASCII.
+    #[must_use]
+    pub fn letter(self) -> u8 {
+        b"XYZUVWABC"[self.slot()]
+    }
+
+    /// Its slot in an [`AxisVector`].
+    #[must_use]
+    pub fn slot(self) -> usize {
+        self as usize
+    }
+
+    /// Whether it is one of A, B, C.
+    #[must_use]
+    pub fn is_rotary(self) -> bool {
+        self >= Axis::A
+    }
+
+    /// The direction of space that a linear axis moves along (X and U: 0, …), or that a rotary axis turns about.
+    #[must_use]
+    pub fn dimension(self) -> usize {
+        self.slot() % 3
+    }
+}
+
+impl fmt::Display for Axis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", char::from(self.letter()))
+    }
+}
+
+/// A set of axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct AxisSet(u16);
+
+impl AxisSet {
+    /// No axis.
+    pub const EMPTY: AxisSet = AxisSet(0);
+    /// X, Y and Z.
+    pub const XYZ: AxisSet = AxisSet(0b111);
+
+    /// Adds an axis.
+    pub fn insert(&mut self, axis: Axis) {
+        self.0 |= 1 << axis.slot();
+    }
+
+    /// Takes an axis out.
+    pub fn remove(&mut self, axis: Axis) {
+        self.0 &= !(1 << axis.slot());
+    }
+
+    /// Whether the axis is in the set.
+    #[must_use]
+    pub fn contains(self, axis: Axis) -> bool {
+        self.0 & (1 << axis.slot()) != 0
+    }
+
+    /// Whether there is none in it.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The axes of both.
+    #[must_use]
+    pub fn union(self, other: AxisSet) -> AxisSet {
+        AxisSet(self.0 | other.0)
+    }
+
+    /// The axes that are in both.
+    #[must_use]
+    pub fn intersection(self, other: AxisSet) -> AxisSet {
+        AxisSet(self.0 & other.0)
+    }
+
+    /// The axes of this set that the other lacks.
+    #[must_use]
+    pub fn difference(self, other: AxisSet) -> AxisSet {
+        AxisSet(self.0 & !other.0)
+    }
+
+    /// Its axes in slot order.
+    pub fn iter(self) -> impl Iterator<Item = Axis> {
+        AXES.into_iter().filter(move |&axis| self.contains(axis))
+    }
+}
+
+impl FromIterator<Axis> for AxisSet {
+    fn from_iter<I: IntoIterator<Item = Axis>>(axes: I) -> Self {
+        let mut set = AxisSet::EMPTY;
+        axes.into_iter().for_each(|axis| set.insert(axis));
+        set
+    }
+}
+
+/// One value per axis: mm for X Y Z U V W, rad for A B C. Axes that a machine lacks are 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisVector(pub [f64; AXIS_COUNT]);
+
+impl AxisVector {
+    /// All zero.
+    pub const ZERO: AxisVector = AxisVector([0.0; AXIS_COUNT]);
+
+    /// The X, Y and Z values as a vector, mm.
+    #[must_use]
+    pub fn xyz(&self) -> Vector {
+        Vector::new(self.0[0], self.0[1], self.0[2])
+    }
+
+    /// Replaces the X, Y and Z values, mm.
+    pub fn set_xyz(&mut self, xyz: Vector) {
+        self.0[..3].copy_from_slice(xyz.as_slice());
+    }
+
+    /// The point at `fraction` (0 … 1) of the way to `end`, every axis linear.
+    #[must_use]
+    pub fn lerp(&self, end: &AxisVector, fraction: f64) -> AxisVector {
+        let mut out = *self;
+        for (value, end) in out.0.iter_mut().zip(end.0) {
+            *value += (end - *value) * fraction;
+        }
+        out
+    }
+
+    /// The largest magnitude among the given axes.
+    #[must_use]
+    pub fn max_abs(&self, axes: &[Axis]) -> f64 {
+        axes.iter().fold(0.0, |max, &axis| self[axis].abs().max(max))
+    }
+}
+
+impl Index<Axis> for AxisVector {
+    type Output = f64;
+    fn index(&self, axis: Axis) -> &f64 {
+        &self.0[axis.slot()]
+    }
+}
+
+impl IndexMut<Axis> for AxisVector {
+    fn index_mut(&mut self, axis: Axis) -> &mut f64 {
+        &mut self.0[axis.slot()]
+    }
+}
+
+impl Add for AxisVector {
+    type Output = AxisVector;
+    fn add(mut self, other: AxisVector) -> AxisVector {
+        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
+        self
+    }
+}
+
+impl Sub for AxisVector {
+    type Output = AxisVector;
+    fn sub(mut self, other: AxisVector) -> AxisVector {
+        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a -= b);
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_and_slots_agree() {
+        for axis in AXES {
+            assert_eq!(Axis::from_letter(axis.letter().to_ascii_lowercase()), Some(axis));
+            assert_eq!(axis.is_rotary(), b"ABC".contains(&axis.letter()));
+        }
+        assert_eq!(Axis::W.dimension(), 2);
+        assert_eq!(Axis::B.dimension(), 1);
+        assert_eq!(Axis::from_letter(b'S'), None);
+    }
+}

@@ -1,0 +1,14 @@
+//! Axis vectors, frames, lines and arcs: values that evaluate and split themselves, without knowledge of machines.
+
+mod arc;
+mod axes;
+mod frame;
+
+pub use arc::{Arc, CenterFault, Plane};
+pub use axes::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
+pub use frame::Frame;
+
+/// A vector in space, mm or a direction.
+pub type Vector = nalgebra::Vector3<f64>;
+/// A 3 × 3 matrix, here always a rotation or a frame's linear part.
+pub type Matrix = nalgebra::Matrix3<f64>;

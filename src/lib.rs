@@ -1,0 +1,9 @@
+//! ncfix (map to be completed)
+
+pub mod diagnostic;
+pub mod geometry;
+pub mod machine;
+pub mod model;
+pub mod snc;
+pub mod source;
+pub mod units;

@@ -1,0 +1,157 @@
+//! The machine: chain of bodies, axes, travel, tools, zero offsets, control settings, and the state it is in.
+//!
+//! Says nothing of errors: [`crate::model`] adds them.
+
+mod chain;
+pub mod file;
+mod state;
+
+pub use chain::{Branch, Topology, TopologyFault};
+pub use state::State;
+
+use std::collections::BTreeMap;
+
+use crate::geometry::{Axis, AxisSet, AxisVector, Vector};
+
+/// A machine as its file describes it. Lengths mm, angles rad, directions unit vectors in F at the zero pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Machine {
+    /// `machine.name`.
+    pub name: String,
+    /// Order of the bodies from workpiece to tool.
+    pub topology: Topology,
+    /// Dialect of its programs, as written (`sinumerik`); the register of dialects resolves it.
+    pub controller: String,
+    /// Temperature at which the model holds, °C.
+    pub reference_temperature_c: f64,
+    /// Axes by slot; `None` where the machine lacks the axis.
+    pub axes: [Option<AxisData>; crate::geometry::AXIS_COUNT],
+    /// Spindle.
+    pub spindle: Spindle,
+    /// Settings of the control.
+    pub control: Control,
+    /// Settable zero offsets by name, `G54` …
+    pub zero_offsets: BTreeMap<String, AxisVector>,
+    /// Tools by number and edge.
+    pub tools: Vec<Tool>,
+}
+
+/// One axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisData {
+    /// Which.
+    pub axis: Axis,
+    /// Motion of the moving body (the side away from F) in F for a positive command: unit vector, turning axis for rotary axes.
+    pub direction: Vector,
+    /// A point of the axis line in F at the zero pose, mm.
+    pub point_mm: Vector,
+    /// Lowest and highest command, mm or rad; `None` without limits.
+    pub travel: Option<[f64; 2]>,
+    /// Highest feed, mm/min or deg/min as in the file; `None` where not given.
+    pub max_feed: Option<f64>,
+    /// How location and motion errors act.
+    pub lever: Lever,
+}
+
+/// Where the motion errors of an axis act in its transform.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lever {
+    /// `L · D(e0) · M(q) · D(e) · L⁻¹`: errors move with the carriage (Esmaeili).
+    #[default]
+    Carried,
+    /// `L · D(e0) · D(e) · M(q) · L⁻¹`: the arm includes the axis's own motion (Spaan eq. 2.7–2.9).
+    Fixed,
+}
+
+/// The spindle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spindle {
+    /// Gauge point in F at the zero pose, mm.
+    pub origin_mm: Vector,
+    /// Unit vector from the tip to the spindle.
+    pub axis: Vector,
+}
+
+/// What differs from control to control and changes positions or text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Control {
+    /// Smallest increment of linear axes in a program, mm.
+    pub increment_mm: f64,
+    /// Smallest increment of rotary axes in a program, rad.
+    pub increment_rad: f64,
+    /// Sinumerik MD21000: allowed radius difference of an arc, mm.
+    pub arc_tolerance_mm: f64,
+    /// Sinumerik MD21010: the same as a share of the radius.
+    pub arc_tolerance_ratio: f64,
+    /// Whether T takes effect at once, or with M6 (Sinumerik MD22550).
+    pub tool_change: ToolChange,
+    /// Edge that is active behind a tool change (Sinumerik MD20270).
+    pub edge_after_tool_change: u32,
+    /// Sinumerik SD42440: an incremental word behind a frame change also traverses the change.
+    pub incremental_traverses_frame_change: bool,
+    /// Program levels, main program included.
+    pub max_program_levels: u32,
+    /// `G500`, `G54`: the zero offset that is active at the start.
+    pub initial_zero_offset: String,
+}
+
+/// When a tool takes effect.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ToolChange {
+    /// T selects, M6 changes.
+    #[default]
+    M6,
+    /// T changes.
+    T,
+}
+
+/// A cutting edge of a tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tool {
+    /// T number.
+    pub number: u32,
+    /// T name, where it has one.
+    pub name: Option<String>,
+    /// D number.
+    pub edge: u32,
+    /// Lengths L1, L2, L3 (in G17 along Z, Y, X), wear and base included, mm.
+    pub length_mm: [f64; 3],
+    /// Radius, mm.
+    pub radius_mm: f64,
+}
+
+impl Default for Control {
+    fn default() -> Self {
+        Control {
+            increment_mm: 1e-4,
+            increment_rad: 1e-4_f64.to_radians(),
+            arc_tolerance_mm: 0.01,
+            arc_tolerance_ratio: 0.001,
+            tool_change: ToolChange::M6,
+            edge_after_tool_change: 1,
+            incremental_traverses_frame_change: true,
+            max_program_levels: 16,
+            initial_zero_offset: "G500".into(),
+        }
+    }
+}
+
+impl Machine {
+    /// The axes that the machine has.
+    #[must_use]
+    pub fn axis_set(&self) -> AxisSet {
+        self.axes.iter().flatten().map(|axis| axis.axis).collect()
+    }
+
+    /// Data of an axis that the machine has.
+    #[must_use]
+    pub fn axis(&self, axis: Axis) -> Option<&AxisData> {
+        self.axes[axis.slot()].as_ref()
+    }
+
+    /// The edge of a tool.
+    #[must_use]
+    pub fn tool(&self, number: u32, edge: u32) -> Option<&Tool> {
+        self.tools.iter().find(|tool| tool.number == number && tool.edge == edge)
+    }
+}

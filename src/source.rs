@@ -1,0 +1,128 @@
+//! Bytes of a file and places in them.
+//!
+//! Part programs are bytes, not text: comments come in UTF-8, Latin-1 or GBK, and paper-tape leaders hold NULs.
+//! Nothing here decodes them; a [`Span`] is a range of byte offsets and text is recovered by slicing.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Identifies one of the files of a run (the program, its subprograms, the machine file) in findings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct FileId(pub u16);
+
+/// A range of byte offsets in one file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Span {
+    /// Offset of the first byte.
+    pub start: u32,
+    /// Offset behind the last byte.
+    pub end: u32,
+}
+
+impl Span {
+    /// The span from `start` to before `end`.
+    #[must_use]
+    pub fn new(start: usize, end: usize) -> Self {
+        Span { start: clamp(start), end: clamp(end) }
+    }
+
+    /// The span as an index range.
+    #[must_use]
+    pub fn range(self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+
+    /// The smallest span that holds both.
+    #[must_use]
+    pub fn to(self, other: Span) -> Span {
+        Span { start: self.start.min(other.start), end: self.end.max(other.end) }
+    }
+}
+
+/// Offsets are 32 bits; [`Source::new`] refuses files beyond that, so this never loses anything.
+fn clamp(offset: usize) -> u32 {
+    u32::try_from(offset).unwrap_or(u32::MAX)
+}
+
+/// The largest file that is read, in bytes: offsets are stored in 32 bits.
+pub const MAX_BYTES: usize = u32::MAX as usize - 1;
+
+/// A file: its name as shown to the user and its bytes, cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Source {
+    id: FileId,
+    name: Arc<str>,
+    bytes: Arc<[u8]>,
+}
+
+impl Source {
+    /// Wraps bytes that were read from the file `name`.
+    ///
+    /// # Errors
+    /// Hands the bytes back when there are more than [`MAX_BYTES`] of them.
+    pub fn new(id: FileId, name: &str, bytes: Vec<u8>) -> Result<Self, Vec<u8>> {
+        if bytes.len() > MAX_BYTES {
+            return Err(bytes);
+        }
+        Ok(Source { id, name: name.into(), bytes: bytes.into() })
+    }
+
+    /// Which file this is.
+    #[must_use]
+    pub fn id(&self) -> FileId {
+        self.id
+    }
+
+    /// The name to show in findings.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// All bytes.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// The bytes of a span; empty where the span lies outside.
+    #[must_use]
+    pub fn slice(&self, span: Span) -> &[u8] {
+        self.bytes.get(span.range()).unwrap_or_default()
+    }
+
+    /// Line and column, both from 1, of a byte offset. Columns count bytes, tabs as one.
+    ///
+    /// Costs a pass over the bytes before the offset; meant for findings, not for every block.
+    #[must_use]
+    pub fn line_column(&self, offset: u32) -> (usize, usize) {
+        let before = &self.bytes[..(offset as usize).min(self.bytes.len())];
+        let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+        let line = before[..line_start].iter().filter(|&&b| b == b'\n').count() + 1;
+        (line, before.len() - line_start + 1)
+    }
+
+    /// The line that holds `offset`, without its line end, and the offset at which it starts.
+    #[must_use]
+    pub fn line_at(&self, offset: u32) -> (&[u8], u32) {
+        let at = (offset as usize).min(self.bytes.len());
+        let start = self.bytes[..at].iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
+        let end = self.bytes[at..].iter().position(|&b| b == b'\n').map_or(self.bytes.len(), |i| at + i);
+        let line = &self.bytes[start..end];
+        (line.strip_suffix(b"\r").unwrap_or(line), clamp(start))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn line_and_column_count_from_one_and_stop_at_crlf() {
+        let source = Source::new(FileId(0), "a", b"N10\r\nN20 G2\r\n".to_vec()).unwrap();
+        assert_eq!(source.line_column(0), (1, 1));
+        assert_eq!(source.line_column(9), (2, 5));
+        assert_eq!(source.line_at(9), (&b"N20 G2"[..], 5));
+        assert_eq!(source.slice(Span::new(9, 11)), b"G2");
+    }
+}

@@ -1,0 +1,51 @@
+//! The edge of units: mm, rad, s inside; µm, µrad, degrees, inches in files, options and reports.
+
+/// mm per inch, exact by definition (ISO 31, 1959 international inch).
+pub const MM_PER_INCH: f64 = 25.4;
+
+/// µm as mm.
+#[must_use]
+pub fn mm_from_um(um: f64) -> f64 {
+    um * 1e-3
+}
+
+/// mm as µm.
+#[must_use]
+pub fn um_from_mm(mm: f64) -> f64 {
+    mm * 1e3
+}
+
+/// µrad as rad.
+#[must_use]
+pub fn rad_from_urad(urad: f64) -> f64 {
+    urad * 1e-6
+}
+
+/// Reads a length with its unit, `1um`, `0.02mm`, `1e-3 mm`, `0.001in`, as mm; a bare number has no unit and is refused.
+///
+/// # Errors
+/// A sentence that says what was found and what is expected.
+pub fn parse_length_mm(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let (number, factor) = [("um", 1e-3), ("µm", 1e-3), ("nm", 1e-6), ("mm", 1.0), ("in", MM_PER_INCH)]
+        .iter()
+        .find_map(|&(unit, factor)| text.strip_suffix(unit).map(|number| (number, factor)))
+        .ok_or_else(|| format!("'{text}' has no unit; write for example 1um or 0.02mm"))?;
+    let value: f64 = number.trim().parse().map_err(|_| format!("'{number}' is no number"))?;
+    if value.is_finite() { Ok(value * factor) } else { Err(format!("'{text}' is not finite")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parse_length_mm;
+
+    #[test]
+    fn a_length_needs_its_unit() {
+        assert_eq!(parse_length_mm("20mm"), Ok(20.0));
+        assert_eq!(parse_length_mm("0.5 um"), Ok(0.0005));
+        assert_eq!(parse_length_mm("2in"), Ok(50.8));
+        assert!(parse_length_mm("5").is_err());
+        assert!(parse_length_mm("x mm").is_err());
+        assert!(parse_length_mm("infmm").is_err());
+    }
+}
