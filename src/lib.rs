@@ -1,6 +1,7 @@
 //! ncfix (map to be completed)
 
 pub mod diagnostic;
+pub mod dialect;
 pub mod geometry;
 pub mod machine;
 pub mod model;

@@ -63,7 +63,8 @@ pub enum Kind {
     After(Vec<Word>),
     /// A feed without a motion in its block, as written in the program's feed mode.
     Feed(f64),
-    /// A word of the program's language that changes no position and is passed on: `G64`, `G17`, `SOFT`.
+    /// A word of the program's language that changes no position and is passed on: `G64`, `G17`, `SOFT`, and the
+    /// `G53`, `G153`, `SUPA` of a block whose move is [`Move::in_machine_frame`].
     Keep(&'static str),
     /// From here on positions relate to axis commands like this. Does not show in the text form.
     Setup(sync::Arc<Setup>),
@@ -71,7 +72,8 @@ pub enum Kind {
     Frame(FrameWords),
     /// `MSG("…")`, evaluated; bytes as in the source.
     Message(Vec<u8>),
-    /// The comment of the block, with its `;`, bytes as in the source.
+    /// The comment of the block, with its `;`, bytes as in the source. Comes before the motion of its block, so that a
+    /// writer can put it on the first line.
     Comment(Vec<u8>),
     /// A header line, written as it is (`%_N_…_MPF`, `;$PATH=…`).
     Header(Vec<u8>),
