@@ -7,4 +7,5 @@ pub mod machine;
 pub mod model;
 pub mod snc;
 pub mod source;
+pub mod syntax;
 pub mod units;

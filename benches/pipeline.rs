@@ -1,0 +1,2 @@
+//! Benches of the pipeline.
+fn main() {}

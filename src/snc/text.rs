@@ -1,0 +1,397 @@
+//! The text form of the stream: one element a line, stable, printed and read.
+//!
+//! ```text
+//! ; snc 1 machine=demo units=mm
+//! G0 X10 Y0 Z100 ;@12
+//! G2 X30 Y10 Z-1 I0 J10 K0 P17 F500 ;@14<3
+//! ```
+//!
+//! Positions are at the tool center point, mm and degrees, up to 6 decimals. `;@14<3` is line 14 called from line 3.
+//! `I J K` is the center minus the start, `P` the plane, `L` the number of extra full turns.
+
+use std::io::{self, Write};
+
+use super::{Dwell, Element, Kind, Move, Origin, Word, WordValue};
+use crate::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Plane, Vector};
+use crate::source::Span;
+
+/// Writes elements as text.
+pub struct TextWriter<'a, W: Write> {
+    out: W,
+    axes: AxisSet,
+    turned_tool_mm: Box<dyn Fn(&AxisVector, &Vector) -> Vector + 'a>,
+    position: AxisVector,
+    tool_mm: Vector,
+    line: Vec<u8>,
+    count: u64,
+}
+
+impl<'a, W: Write> TextWriter<'a, W> {
+    /// Writes the head line. `turned_tool_mm` gives the tool vector as the rotary axes of the tool side turn it at an axis
+    /// command, along F's directions, mm.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn new(
+        mut out: W,
+        machine: &str,
+        axes: AxisSet,
+        turned_tool_mm: impl Fn(&AxisVector, &Vector) -> Vector + 'a,
+    ) -> io::Result<Self> {
+        writeln!(out, "; snc 1 machine={machine} units=mm")?;
+        Ok(TextWriter {
+            out,
+            axes,
+            turned_tool_mm: Box::new(turned_tool_mm),
+            position: AxisVector::ZERO,
+            tool_mm: Vector::zeros(),
+            line: Vec::with_capacity(160),
+            count: 0,
+        })
+    }
+
+    /// Number of lines written, the head not counted.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Sets the axis command at which the stream starts.
+    pub fn start_at(&mut self, position: AxisVector) {
+        self.position = position;
+    }
+
+    /// Writes one element; `call_lines` are the lines that called its program, innermost first.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write(&mut self, element: &Element, call_lines: &[u32]) -> io::Result<()> {
+        self.line.clear();
+        match &element.kind {
+            Kind::Setup(setup) => self.tool_mm = setup.tool_mm,
+            Kind::Move(motion) => self.motion(motion),
+            Kind::Dwell(Dwell::Seconds(seconds)) => {
+                self.line.extend_from_slice(b"G4");
+                push_value(&mut self.line, b" S", *seconds);
+            }
+            Kind::Dwell(Dwell::Turns(turns)) => {
+                self.line.extend_from_slice(b"G4");
+                push_value(&mut self.line, b" R", *turns);
+            }
+            Kind::Tool(value) => push_word(&mut self.line, b'T', None, value),
+            Kind::Before(words) | Kind::After(words) => {
+                for word in words {
+                    push_word(&mut self.line, word.letter, word.extension, &word.value);
+                }
+            }
+            _ => {}
+        }
+        if !element.kind.is_in_text() || self.line.is_empty() {
+            return Ok(());
+        }
+        self.line.extend_from_slice(b" ;@");
+        push_integer(&mut self.line, u64::from(element.origin.line));
+        for &line in call_lines {
+            self.line.push(b'<');
+            push_integer(&mut self.line, u64::from(line));
+        }
+        self.line.push(b'\n');
+        self.count += 1;
+        self.out.write_all(&self.line)
+    }
+
+    /// Flushes and gives the writer back.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn finish(mut self) -> io::Result<W> {
+        self.out.flush()?;
+        Ok(self.out)
+    }
+
+    fn motion(&mut self, motion: &Move) {
+        let code: &[u8] = match (motion.rapid, &motion.arc) {
+            (true, _) => b"G0",
+            (false, None) => b"G1",
+            (false, Some(arc)) if arc.clockwise => b"G2",
+            (false, Some(_)) => b"G3",
+        };
+        self.line.extend_from_slice(code);
+        let mut tip = motion.target;
+        tip.set_xyz(tip.xyz() + (self.turned_tool_mm)(&motion.target, &self.tool_mm));
+        for axis in AXES {
+            if self.axes.contains(axis) {
+                let value = if axis.is_rotary() { tip[axis].to_degrees() } else { tip[axis] };
+                push_value(&mut self.line, &[b' ', axis.letter()], value);
+            }
+        }
+        if let Some(arc) = &motion.arc {
+            let ijk = arc.center_from_start_mm(&self.position);
+            for (letter, value) in [b" I", b" J", b" K"].into_iter().zip(ijk.iter()) {
+                push_value(&mut self.line, letter, *value);
+            }
+            self.line.extend_from_slice(b" P");
+            push_integer(&mut self.line, u64::from(arc.plane.number()));
+            if arc.extra_turns > 0 {
+                self.line.extend_from_slice(b" L");
+                push_integer(&mut self.line, u64::from(arc.extra_turns));
+            }
+        }
+        if !motion.rapid && motion.feed > 0.0 {
+            push_value(&mut self.line, b" F", motion.feed);
+        }
+        self.position = motion.target;
+    }
+}
+
+fn push_word(line: &mut Vec<u8>, letter: u8, extension: Option<u32>, value: &WordValue) {
+    if !line.is_empty() {
+        line.push(b' ');
+    }
+    line.push(letter);
+    if let Some(extension) = extension {
+        push_integer(line, u64::from(extension));
+        line.push(b'=');
+    }
+    match value {
+        WordValue::Number(number) => push_value(line, b"", *number),
+        WordValue::Name(name) => {
+            if extension.is_none() {
+                line.push(b'=');
+            }
+            line.push(b'"');
+            line.extend_from_slice(name);
+            line.push(b'"');
+        }
+    }
+}
+
+/// Beyond this the value times 10⁶ is no exact integer in 64 bits any more.
+const FIXED_LIMIT: f64 = 9e12;
+
+/// Appends up to 6 decimals, trailing zeros dropped, never `-0`.
+fn push_value(line: &mut Vec<u8>, prefix: &[u8], value: f64) {
+    line.extend_from_slice(prefix);
+    if !(value.abs() < FIXED_LIMIT) {
+        line.extend_from_slice(format!("{value}").as_bytes());
+        return;
+    }
+    let micro = (value * 1e6).round() as i64;
+    if micro < 0 {
+        line.push(b'-');
+    }
+    let micro = micro.unsigned_abs();
+    push_integer(line, micro / 1_000_000);
+    let mut fraction = micro % 1_000_000;
+    if fraction > 0 {
+        line.push(b'.');
+        let mut power = 100_000;
+        while fraction > 0 {
+            line.push(b'0' + u8::try_from(fraction / power).unwrap_or(0));
+            fraction %= power;
+            power /= 10;
+        }
+    }
+}
+
+fn push_integer(line: &mut Vec<u8>, value: u64) {
+    let mut digits = [0_u8; 20];
+    let mut at = digits.len();
+    let mut rest = value;
+    loop {
+        at -= 1;
+        digits[at] = b'0' + (rest % 10) as u8;
+        rest /= 10;
+        if rest == 0 {
+            break;
+        }
+    }
+    line.extend_from_slice(&digits[at..]);
+}
+
+/// Why a line of SNC text cannot be read: the line, from 1, and the reason.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TextError {
+    /// Line number.
+    pub line: usize,
+    /// What was found.
+    pub message: String,
+}
+
+/// Reads SNC text. Positions are taken as axis commands, that is, for a tool of length zero.
+pub struct TextReader<'a> {
+    lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    position: AxisVector,
+    known: AxisSet,
+}
+
+impl<'a> TextReader<'a> {
+    /// Reads from text.
+    #[must_use]
+    pub fn new(text: &'a str) -> Self {
+        TextReader { lines: text.lines().enumerate(), position: AxisVector::ZERO, known: AxisSet::EMPTY }
+    }
+
+    fn element(&mut self, text: &str, number: usize) -> Result<Option<Element>, String> {
+        let (words, comment) = text.split_once(';').unwrap_or((text, ""));
+        let mut values = Vec::new();
+        for word in words.split_ascii_whitespace() {
+            let letter = word.as_bytes()[0];
+            let rest = word.get(1..).ok_or("a word begins with no letter")?;
+            values.push((letter, rest));
+        }
+        let Some(&(first, code)) = values.first() else { return Ok(None) };
+        let line = match comment.strip_prefix('@') {
+            Some(origin) => origin.split('<').next().unwrap_or("").trim().parse().map_err(|_| "the origin ;@ has no line")?,
+            None => u32::try_from(number).unwrap_or(u32::MAX),
+        };
+        let origin = Origin { line, span: Span::default(), ..Origin::default() };
+        let kind = match (first, code) {
+            (b'G', "4") => self.dwell(&values[1..])?,
+            (b'G', "0" | "1" | "2" | "3") => Kind::Move(self.motion(code, &values[1..])?),
+            (b'G', _) => return Err(format!("G{code} does not occur in SNC")),
+            (b'T', _) => Kind::Tool(value_of(code)?),
+            _ => Kind::Before(values.iter().map(|&(letter, rest)| auxiliary(letter, rest)).collect::<Result<_, _>>()?),
+        };
+        Ok(Some(Element { origin, starts_block: true, number: None, kind }))
+    }
+
+    fn dwell(&self, values: &[(u8, &str)]) -> Result<Kind, String> {
+        match values {
+            [(b'S', seconds)] => Ok(Kind::Dwell(Dwell::Seconds(parse(seconds)?))),
+            [(b'R', turns)] => Ok(Kind::Dwell(Dwell::Turns(parse(turns)?))),
+            _ => Err("G4 needs S with seconds or R with turns".into()),
+        }
+    }
+
+    fn motion(&mut self, code: &str, values: &[(u8, &str)]) -> Result<Move, String> {
+        let mut target = self.position;
+        let mut named = AxisSet::EMPTY;
+        let (mut ijk, mut plane, mut extra_turns, mut feed) = ([0.0; 3], Plane::XY, 0, None);
+        for &(letter, text) in values {
+            let value: f64 = parse(text)?;
+            match (Axis::from_letter(letter), letter) {
+                (Some(axis), _) => {
+                    target[axis] = if axis.is_rotary() { value.to_radians() } else { value };
+                    named.insert(axis);
+                }
+                (None, b'I' | b'J' | b'K') => ijk[usize::from(letter - b'I')] = value,
+                (None, b'P') => {
+                    let number = text.parse().map_err(|_| "P is 17, 18 or 19")?;
+                    plane = Plane::from_number(number).ok_or("P is 17, 18 or 19")?;
+                }
+                (None, b'L') => extra_turns = text.parse().map_err(|_| "L is a whole number")?,
+                (None, b'F') => feed = Some(value),
+                _ => return Err(format!("'{}' is no word of a motion", char::from(letter))),
+            }
+        }
+        let arc = matches!(code, "2" | "3").then(|| {
+            let [abscissa, ordinate, _] = plane.axes();
+            Arc {
+                plane,
+                clockwise: code == "2",
+                center_mm: [
+                    self.position[abscissa] + ijk[abscissa.slot()],
+                    self.position[ordinate] + ijk[ordinate.slot()],
+                ],
+                extra_turns,
+            }
+        });
+        self.position = target;
+        self.known = self.known.union(named);
+        Ok(Move {
+            rapid: code == "0",
+            arc,
+            target,
+            named,
+            known: self.known,
+            feed: feed.unwrap_or(0.0),
+            feed_named: feed.is_some(),
+            in_machine_frame: false,
+        })
+    }
+}
+
+impl Iterator for TextReader<'_> {
+    type Item = Result<Element, TextError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let (index, text) = self.lines.next()?;
+            match self.element(text, index + 1) {
+                Ok(None) => {}
+                Ok(Some(element)) => return Some(Ok(element)),
+                Err(message) => return Some(Err(TextError { line: index + 1, message })),
+            }
+        }
+    }
+}
+
+fn auxiliary(letter: u8, rest: &str) -> Result<Word, String> {
+    let (extension, text) = match rest.split_once('=') {
+        Some((extension, text)) => (Some(extension.parse().map_err(|_| "an address extension is a whole number")?), text),
+        None => (None, rest),
+    };
+    Ok(Word { letter, extension, value: value_of(text)? })
+}
+
+fn value_of(text: &str) -> Result<WordValue, String> {
+    match text.trim_start_matches('=').strip_prefix('"').and_then(|name| name.strip_suffix('"')) {
+        Some(name) => Ok(WordValue::Name(name.as_bytes().to_vec())),
+        None => Ok(WordValue::Number(parse(text)?)),
+    }
+}
+
+fn parse(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| format!("'{text}' is no number"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "; snc 1 machine=demo units=mm
+G0 X10 Y0 Z100 ;@12
+G1 X20.5 Y0 Z-1 F500 ;@13
+G2 X30.5 Y10 Z-1 I0 J10 K0 P17 L2 F500 ;@14
+G4 S1.5 ;@15
+T5 ;@16
+T=\"MILL_10\" ;@16
+M3 S1200 S2=500 ;@16
+";
+
+    #[test]
+    fn text_that_is_read_and_printed_is_the_same() {
+        let mut out = TextWriter::new(Vec::new(), "demo", AxisSet::XYZ, |_, tool| *tool).unwrap();
+        for element in TextReader::new(TEXT) {
+            out.write(&element.unwrap(), &[]).unwrap();
+        }
+        assert_eq!(out.count(), 7);
+        assert_eq!(String::from_utf8(out.finish().unwrap()).unwrap(), TEXT);
+    }
+
+    #[test]
+    fn values_have_at_most_six_decimals_and_no_negative_zero() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.000_000_4, "0"),
+            (-0.000_001, "-0.000001"),
+            (1.25, "1.25"),
+            (-1234.500_000_1, "-1234.5"),
+            (999_999.999_999_9, "1000000"),
+        ] {
+            let mut line = Vec::new();
+            push_value(&mut line, b"", value);
+            assert_eq!(String::from_utf8(line).unwrap(), text, "{value}");
+        }
+    }
+
+    #[test]
+    fn faults_name_their_line() {
+        let mut reader = TextReader::new("G0 X1\nG9 X1\nG1 Q4\nG1 Xfoo\n");
+        assert!(reader.next().unwrap().is_ok());
+        for line in 2..=4 {
+            assert_eq!(reader.next().unwrap().unwrap_err().line, line);
+        }
+    }
+}

@@ -1,0 +1,333 @@
+//! Blocks: splits the file into lines, sections and words, and goes on behind whatever cannot be read.
+
+use super::token::{Fault, Input, Parsed, blanks, fault, identifier, is_blank, number, small_number};
+use super::tree::{Address, Block, Body, NameId, Names, Program, Section, Value, Word};
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::dialect::Dialect;
+use crate::snc::BlockNumber;
+use crate::source::{Source, Span};
+
+/// A block longer than this is refused; controls take 512 characters.
+const MAX_BLOCK_BYTES: usize = 4096;
+
+/// The parser's state: the tree that grows, and where the line ends that is being read.
+pub(super) struct Parser {
+    pub(super) program: Program,
+    findings: Vec<Diagnostic>,
+    line_end: usize,
+    pub(super) depth: u32,
+}
+
+/// A block while its line is being read.
+pub(super) struct Draft {
+    pub(super) block: Block,
+}
+
+impl Parser {
+    pub(super) fn new(source: Source, dialect: &'static Dialect) -> Parser {
+        let program = Program {
+            source,
+            dialect,
+            sections: vec![Section { name: String::new(), ending: String::new(), headers: Vec::new(), blocks: 0..0 }],
+            blocks: Vec::new(),
+            words: Vec::new(),
+            exprs: Vec::new(),
+            arguments: Vec::new(),
+            jumps: Vec::new(),
+            definitions: Vec::new(),
+            names: Names::default(),
+        };
+        Parser { program, findings: Vec::new(), line_end: 0, depth: 0 }
+    }
+
+    pub(super) fn finish(self) -> (Program, Vec<Diagnostic>) {
+        (self.program, self.findings)
+    }
+
+    /// Reads all lines.
+    pub(super) fn run(&mut self) {
+        let source = self.program.source.clone();
+        let bytes = source.bytes();
+        let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
+        let mut line = 0;
+        while start < bytes.len() {
+            let length = bytes[start..].iter().position(|&byte| byte == b'\n');
+            let next = length.map_or(bytes.len(), |length| start + length + 1);
+            let mut end = length.map_or(bytes.len(), |length| start + length);
+            while end > start && is_blank(bytes[end - 1]) {
+                end -= 1;
+            }
+            line += 1;
+            self.line_end = end;
+            self.read_line(&bytes[start..end], line);
+            start = next;
+        }
+        self.close_section();
+        // Anything before the first header that does nothing is a leader.
+        self.program.sections.retain(|section| !(section.blocks.is_empty() && section.headers.is_empty()));
+    }
+
+    /// The offset in the file of the first byte of `input`.
+    pub(super) fn offset(&self, input: Input<'_>) -> usize {
+        self.line_end - input.len()
+    }
+
+    pub(super) fn intern(&mut self, name: &[u8]) -> NameId {
+        self.program.names.intern(name)
+    }
+
+    pub(super) fn report(&mut self, fault: &Fault) {
+        let start = self.line_end - fault.left.min(self.line_end);
+        let end = (start + fault.length.max(1)).min(self.line_end.max(start + 1));
+        let place = Place { file: self.program.source.id(), span: Span::new(start, end) };
+        self.findings.push(Diagnostic::at(fault.code, place, fault.message, help_for(fault.code)));
+    }
+
+    fn read_line(&mut self, text: &[u8], line: u32) {
+        let text = blanks(text);
+        if text.first() == Some(&b'%') {
+            self.open_section(text);
+            return;
+        }
+        let is_path = text.len() >= 6 && text[..6].eq_ignore_ascii_case(b";$PATH");
+        let start = self.offset(text);
+        if is_path && self.section_is_fresh() {
+            let span = Span::new(start, self.line_end);
+            if let Some(section) = self.program.sections.last_mut() {
+                section.headers.push(span);
+            }
+            return;
+        }
+        if text.is_empty() {
+            return;
+        }
+        let block = Block {
+            span: Span::new(start, self.line_end),
+            line,
+            skip: None,
+            number: None,
+            label: None,
+            body: Body::Empty,
+            first_word: u32::try_from(self.program.words.len()).unwrap_or(u32::MAX),
+            word_count: 0,
+            has_names: false,
+            comment: Span::new(self.line_end, self.line_end),
+            partner: u32::MAX,
+        };
+        let mut draft = Draft { block };
+        if text.len() > MAX_BLOCK_BYTES {
+            self.report(&Fault {
+                code: Code::BLOCK_TOO_LONG,
+                left: text.len(),
+                length: 40,
+                message: "this block has more than 4096 bytes",
+            });
+            draft.block.body = Body::Faulty;
+        } else if let Err(nom::Err::Error(fault) | nom::Err::Failure(fault)) = self.block(text, &mut draft) {
+            self.report(&fault);
+            draft.block.body = Body::Faulty;
+        }
+        let count = self.program.words.len() - draft.block.first_word as usize;
+        draft.block.word_count = u16::try_from(count).unwrap_or(u16::MAX);
+        self.program.blocks.push(draft.block);
+    }
+
+    /// Number, skip, label, then a statement or words.
+    fn block<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
+        let mut input = input;
+        loop {
+            input = blanks(input);
+            input = match *input {
+                [b'/', ..] if draft.block.skip.is_none() => {
+                    let level = input.get(1).filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0');
+                    draft.block.skip = Some(level.unwrap_or(0));
+                    &input[if level.is_some() { 2 } else { 1 }..]
+                }
+                [b'N' | b'n' | b':', digit, ..] if digit.is_ascii_digit() && draft.block.number.is_none() => {
+                    let (rest, number) = small_number(&input[1..])?;
+                    draft.block.number = Some(BlockNumber { main: input[0] == b':', number });
+                    rest
+                }
+                _ => break,
+            };
+        }
+        match input.first() {
+            None => return Ok((input, ())),
+            Some(b';') => {
+                self.comment(input, draft);
+                return Ok((input, ()));
+            }
+            _ => {}
+        }
+        let mut input = input;
+        if starts_name(input)
+            && let Ok((rest, name)) = identifier(input)
+        {
+            let behind = blanks(rest);
+            if behind.first() == Some(&b':') && behind.get(1) != Some(&b'=') {
+                draft.block.label = Some(self.intern(name));
+                input = blanks(&behind[1..]);
+            }
+        }
+        if starts_name(input)
+            && let Some(result) = self.statement(input, draft)
+        {
+            let (rest, body) = result?;
+            draft.block.body = body;
+            return self.end_of_statement(rest, draft);
+        }
+        self.words(input, draft)
+    }
+
+    /// Nothing but a comment may follow a statement.
+    fn end_of_statement<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
+        let rest = blanks(input);
+        match rest.first() {
+            None => Ok((rest, ())),
+            Some(b';') => {
+                self.comment(rest, draft);
+                Ok((rest, ()))
+            }
+            Some(_) => fault(Code::MUST_STAND_ALONE, rest, rest.len(), "this stands behind a statement that needs its own block"),
+        }
+    }
+
+    pub(super) fn comment(&mut self, input: Input<'_>, draft: &mut Draft) {
+        draft.block.comment = Span::new(self.offset(input), self.line_end);
+    }
+
+    fn words<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
+        let mut input = input;
+        loop {
+            input = blanks(input);
+            match input.first() {
+                None => return Ok((input, ())),
+                Some(b';') => {
+                    self.comment(input, draft);
+                    return Ok((input, ()));
+                }
+                Some(_) => {}
+            }
+            draft.block.body = Body::Words;
+            let (rest, word) = self.word(input, draft)?;
+            self.program.words.push(word);
+            input = rest;
+        }
+    }
+
+    fn word<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Word> {
+        let start = self.offset(input);
+        if !input[0].is_ascii_alphabetic() || starts_name(input) {
+            return self.named_word(input, draft);
+        }
+        let letter = input[0].to_ascii_uppercase();
+        let rest = blanks(&input[1..]);
+        let (rest, address, value) = match rest.first() {
+            Some(b'0'..=b'9' | b'.' | b'-' | b'+') => {
+                let signed = matches!(rest[0], b'-' | b'+');
+                let (behind, number) = number(if signed { blanks(&rest[1..]) } else { rest })?;
+                let next = blanks(behind);
+                if !signed && number.is_integer && next.first() == Some(&b'=') && next.get(1) != Some(&b'=') {
+                    let (_, extension) = small_number(rest)?;
+                    draft.block.has_names |= letter == b'R';
+                    let (behind, value) = self.assigned_value(&next[1..])?;
+                    (behind, Address::Extended(letter, extension), value)
+                } else {
+                    let value = if rest[0] == b'-' { -number.value } else { number.value };
+                    (behind, Address::Letter(letter), Value::Number(value, number.is_integer))
+                }
+            }
+            Some(b'=') => {
+                let (behind, value) = self.assigned_value(&rest[1..])?;
+                (behind, Address::Letter(letter), value)
+            }
+            Some(b'[') => return self.named_word(input, draft),
+            _ => {
+                return fault(Code::MISSING_VALUE, input, 1, "this address has no value; a value that is no number needs '='");
+            }
+        };
+        Ok((rest, Word { span: Span::new(start, self.offset(rest)), address, value }))
+    }
+
+    /// `NAME`, `NAME=…`, `NAME[…]=…`, `NAME(…)`, `R[…]=…`, `$P_…=…`.
+    fn named_word<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Word> {
+        let start = self.offset(input);
+        let Ok((rest, name)) = identifier(input) else {
+            return fault(Code::UNEXPECTED, input, 1, "no word of this language begins like this");
+        };
+        draft.block.has_names = true;
+        let behind = blanks(rest);
+        let (rest, address, value) = match behind.first() {
+            Some(b'=') => {
+                let address = Address::Name(self.intern(name));
+                let (rest, value) = self.assigned_value(&behind[1..])?;
+                (rest, address, value)
+            }
+            Some(b'(') => {
+                let address = Address::Name(self.intern(name));
+                let (rest, range) = self.arguments(behind, b')')?;
+                (rest, address, Value::Arguments(range))
+            }
+            Some(b'[') => {
+                let (rest, left) = self.left_side(input)?;
+                let equals = blanks(rest);
+                if equals.first() != Some(&b'=') {
+                    return fault(Code::MISSING_VALUE, input, name.len(), "this needs '=' and a value behind its index");
+                }
+                let (rest, value) = self.assigned_value(&equals[1..])?;
+                (rest, Address::Indexed(left), value)
+            }
+            _ => (rest, Address::Name(self.intern(name)), Value::None),
+        };
+        Ok((rest, Word { span: Span::new(start, self.offset(rest)), address, value }))
+    }
+
+    fn section_is_fresh(&self) -> bool {
+        self.program.sections.last().is_some_and(|section| {
+            section.headers.len() == 1 && self.program.blocks.len() == section.blocks.start
+        })
+    }
+
+    fn close_section(&mut self) {
+        let end = self.program.blocks.len();
+        if let Some(section) = self.program.sections.last_mut() {
+            section.blocks.end = end;
+        }
+    }
+
+    /// `%_N_NAME_MPF`, `%NAME_MPF` or a bare `%`.
+    fn open_section(&mut self, text: &[u8]) {
+        let span = Span::new(self.offset(text), self.line_end);
+        self.close_section();
+        let shown = String::from_utf8_lossy(&text[1..]).trim().to_ascii_uppercase();
+        let full = shown.strip_prefix("_N_").unwrap_or(&shown);
+        let (name, ending) = match full.rsplit_once('_') {
+            Some((name, ending)) if ending.len() == 3 => (name.to_owned(), ending.to_owned()),
+            _ => (full.to_owned(), String::new()),
+        };
+        let start = self.program.blocks.len();
+        self.program.sections.push(Section { name, ending, headers: vec![span], blocks: start..start });
+    }
+}
+
+/// Two or more letters or underscores, or a `$`: a name, not an address letter.
+fn starts_name(input: Input<'_>) -> bool {
+    match *input {
+        [b'$' | b'_', ..] => true,
+        [first, second, ..] => first.is_ascii_alphabetic() && (second.is_ascii_alphabetic() || second == b'_'),
+        _ => false,
+    }
+}
+
+fn help_for(code: Code) -> &'static str {
+    match code {
+        Code::BAD_NUMBER => "write digits with one decimal point at most; an exponent is written EX",
+        Code::MISSING_VALUE => "give the address a value, for example X10 or X=R1",
+        Code::BAD_EXPRESSION => "complete or correct the expression",
+        Code::UNCLOSED => "close it before the end of the block",
+        Code::TOO_DEEP => "take the expression apart over several blocks",
+        Code::MUST_STAND_ALONE => "move it to a block of its own",
+        Code::BLOCK_TOO_LONG => "check that the file is a part program and still has its line ends",
+        _ => "correct the block, or check --dialect",
+    }
+}

@@ -1,0 +1,438 @@
+//! The nodes of the syntax tree.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use crate::dialect::Dialect;
+use crate::snc::BlockNumber;
+use crate::source::{Source, Span};
+
+/// Number of an expression in [`Program::exprs`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ExprId(pub(super) u32);
+
+/// Number of a name in [`Program::names`]; equal ids are equal names, whatever their case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct NameId(pub(super) u32);
+
+/// A range of [`Program::arguments`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ArgumentRange {
+    pub(super) start: u32,
+    pub(super) count: u16,
+}
+
+/// A parsed file.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// The bytes that all spans refer to.
+    pub source: Source,
+    /// The dialect it was parsed as.
+    pub dialect: &'static Dialect,
+    /// The files of the archive; a file without headers is one section.
+    pub sections: Vec<Section>,
+    /// All blocks of all sections in order.
+    pub blocks: Vec<Block>,
+    /// Words of all blocks.
+    pub words: Vec<Word>,
+    /// Expressions of all blocks.
+    pub exprs: Vec<Expr>,
+    /// Arguments of calls and indices; `None` is an empty slot.
+    pub arguments: Vec<Option<ExprId>>,
+    /// Jumps of all blocks.
+    pub jumps: Vec<Jump>,
+    /// Variables of all DEF blocks.
+    pub definitions: Vec<Definition>,
+    /// All identifiers.
+    pub names: Names,
+}
+
+/// One file of an archive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Name without `_N_` and ending, upper case; empty where the file has no header.
+    pub name: String,
+    /// `MPF`, `SPF` …, upper case; empty where the file has no header.
+    pub ending: String,
+    /// Header lines, each without its line end.
+    pub headers: Vec<Span>,
+    /// Its blocks in [`Program::blocks`].
+    pub blocks: Range<usize>,
+}
+
+/// One line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// The line without its line end.
+    pub span: Span,
+    /// Line number, from 1.
+    pub line: u32,
+    /// Skip level of a leading `/`.
+    pub skip: Option<u8>,
+    /// `N10` or `:10`.
+    pub number: Option<BlockNumber>,
+    /// `NAME:`.
+    pub label: Option<NameId>,
+    /// Statement or words.
+    pub body: Body,
+    /// First word in [`Program::words`].
+    pub(super) first_word: u32,
+    /// Number of words.
+    pub(super) word_count: u16,
+    /// Whether a word may assign a variable, so that assignments must be looked for.
+    pub has_names: bool,
+    /// Comment with its `;`; empty where there is none.
+    pub comment: Span,
+    /// The block at the other side of a control structure, see [`Body`]; `u32::MAX` where there is none.
+    pub(super) partner: u32,
+}
+
+/// What a block does.
+///
+/// `partner` of a block is: of IF its ELSE or ENDIF; of ELSE its ENDIF; of WHILE, FOR, LOOP their end, of these ends their start;
+/// of UNTIL its REPEAT.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Body {
+    /// Nothing but number, label, comment.
+    Empty,
+    /// Words, among them keywords and calls.
+    Words,
+    /// `IF` without jump.
+    If(ExprId),
+    /// `ELSE`
+    Else,
+    /// `ENDIF`
+    EndIf,
+    /// `LOOP`
+    Loop,
+    /// `ENDLOOP`
+    EndLoop,
+    /// `FOR variable = from TO to`
+    For {
+        /// The variable: a parameter or variable expression.
+        variable: ExprId,
+        /// Start value.
+        from: ExprId,
+        /// Last value.
+        to: ExprId,
+    },
+    /// `ENDFOR`
+    EndFor,
+    /// `WHILE`
+    While(ExprId),
+    /// `ENDWHILE`
+    EndWhile,
+    /// `REPEAT` alone
+    Repeat,
+    /// `UNTIL`
+    Until(ExprId),
+    /// Jumps, evaluated from left to right: a range of [`Program::jumps`].
+    Jumps {
+        /// First.
+        start: u32,
+        /// How many.
+        count: u16,
+    },
+    /// `DEF`: a range of [`Program::definitions`].
+    Define {
+        /// First.
+        start: u32,
+        /// How many.
+        count: u16,
+    },
+    /// `PROC`.
+    Proc {
+        /// The name.
+        name: NameId,
+        /// Where the parameter list stands, if there is one with anything in it.
+        parameters: Option<Span>,
+        /// Where `SAVE` stands, if it does.
+        save: Option<Span>,
+    },
+    /// A statement that is known but not executed yet: its keyword.
+    Unsupported(Span),
+    /// Could not be read; a finding says why.
+    Faulty,
+}
+
+/// A word: an address and its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Word {
+    /// All of it.
+    pub span: Span,
+    /// Left of the value.
+    pub address: Address,
+    /// The value.
+    pub value: Value,
+}
+
+/// What stands left of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Address {
+    /// `X`, `G`, upper case.
+    Letter(u8),
+    /// `S2=`, `M1=`, `R5=`: letter and extension.
+    Extended(u8, u32),
+    /// `CR=`, `SOFT`, `MSG(…)`, a variable.
+    Name(NameId),
+    /// `R[…]=`, `NAME[…]=`, `$P_UIFR[…]=`: the left side as an expression.
+    Indexed(ExprId),
+}
+
+/// The value of a word.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// None: a bare word.
+    None,
+    /// A plain number behind a letter; true where it was written without decimal point and exponent.
+    Number(f64, bool),
+    /// `=` and an expression.
+    Expr(ExprId),
+    /// `=AC(…)` and its kin.
+    Dimension(DimensionFunction, ExprId),
+    /// `(…)` behind a name.
+    Arguments(ArgumentRange),
+}
+
+/// Functions that say how one value is meant, whatever G90 or G91 say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DimensionFunction {
+    /// `AC`: absolute.
+    Absolute,
+    /// `IC`: incremental.
+    Incremental,
+    /// `DC`: rotary axis, absolute on the shortest way.
+    Shortest,
+    /// `ACP`: rotary axis, absolute in the positive sense.
+    Positive,
+    /// `ACN`: rotary axis, absolute in the negative sense.
+    Negative,
+    /// Any other one, which is known but not executed yet (`QU`, `CAC`, `DIC` …).
+    Other,
+}
+
+/// An expression.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expr {
+    /// Its bytes.
+    pub span: Span,
+    /// What it is.
+    pub node: Node,
+}
+
+/// What an expression is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Node {
+    /// `1.5`, `1EX3`
+    Real(f64),
+    /// `15`, `'H1F'`, `'B101'`
+    Integer(i64),
+    /// `TRUE`
+    Boolean(bool),
+    /// `"…"`: the bytes between the quotation marks.
+    Text(Span),
+    /// `R5`
+    Parameter(u32),
+    /// `R[…]`
+    ParameterAt(ExprId),
+    /// A name: variable, axis, system variable.
+    Name(NameId),
+    /// `NAME[…]`
+    Indexed(NameId, ArgumentRange),
+    /// `SIN(…)`
+    Call(NameId, ArgumentRange),
+    /// `-a`, `NOT a`
+    Unary(UnaryOperator, ExprId),
+    /// `a + b`
+    Binary(Operator, ExprId, ExprId),
+}
+
+/// Operators with one operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnaryOperator {
+    /// `+`
+    Plus,
+    /// `-`
+    Minus,
+    /// `NOT`
+    Not,
+    /// `B_NOT`
+    BitNot,
+}
+
+/// Operators with two operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names are the operators' names")]
+pub enum Operator {
+    Multiply,
+    Divide,
+    Div,
+    Mod,
+    Add,
+    Subtract,
+    BitAnd,
+    BitXor,
+    BitOr,
+    And,
+    Xor,
+    Or,
+    Concatenate,
+    Equal,
+    NotEqual,
+    Greater,
+    Less,
+    GreaterEqual,
+    LessEqual,
+    /// `:` between frames
+    Chain,
+}
+
+/// A jump of a block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jump {
+    /// From the keyword to the target.
+    pub span: Span,
+    /// `IF …` before it.
+    pub condition: Option<ExprId>,
+    /// Where to look.
+    pub search: Search,
+    /// What to look for.
+    pub target: JumpTarget,
+}
+
+/// Where a jump looks for its target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Search {
+    /// `GOTOF`
+    Forward,
+    /// `GOTOB`
+    Backward,
+    /// `GOTO`: to the end, then from the start.
+    Around,
+    /// `GOTOC`: the same, going on where it finds nothing.
+    AroundIfAny,
+    /// `GOTOS`: the start of the program.
+    Start,
+}
+
+/// What a jump looks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JumpTarget {
+    /// A label.
+    Label(NameId),
+    /// A block number.
+    Number(BlockNumber),
+    /// A computed name, which is known but not executed yet.
+    Computed,
+    /// The start (GOTOS).
+    Start,
+}
+
+/// Type of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names are the types' names")]
+pub enum DefinitionType {
+    Int,
+    Real,
+    Bool,
+    Char,
+    String,
+    Axis,
+    Frame,
+}
+
+/// A variable of a DEF block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Definition {
+    /// Name and initial value.
+    pub span: Span,
+    /// Type.
+    pub kind: DefinitionType,
+    /// Name.
+    pub name: NameId,
+    /// Whether it is an array, or has an initial value list.
+    pub is_array: bool,
+    /// Initial value.
+    pub value: Option<ExprId>,
+}
+
+/// Identifiers of a program, each once.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    ids: HashMap<String, u32>,
+    texts: Vec<String>,
+}
+
+impl Names {
+    /// The id of a name in any case.
+    pub(super) fn intern(&mut self, bytes: &[u8]) -> NameId {
+        let text: String = bytes.iter().map(|b| char::from(b.to_ascii_uppercase())).collect();
+        if let Some(&id) = self.ids.get(&text) {
+            return NameId(id);
+        }
+        let id = u32::try_from(self.texts.len()).unwrap_or(u32::MAX);
+        self.texts.push(text.clone());
+        self.ids.insert(text, id);
+        NameId(id)
+    }
+
+    /// A name's text, upper case.
+    #[must_use]
+    pub fn text(&self, id: NameId) -> &str {
+        self.texts.get(id.0 as usize).map_or("", String::as_str)
+    }
+
+    /// All names in the order of their ids.
+    pub fn iter(&self) -> impl Iterator<Item = &str> {
+        self.texts.iter().map(String::as_str)
+    }
+}
+
+impl NameId {
+    /// Its place in the order of [`Names::iter`].
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl Block {
+    /// The block at the other side of its control structure, see [`Body`].
+    #[must_use]
+    pub fn partner(&self) -> Option<usize> {
+        (self.partner != u32::MAX).then_some(self.partner as usize)
+    }
+}
+
+impl Program {
+    /// The words of a block.
+    #[must_use]
+    pub fn words_of(&self, block: &Block) -> &[Word] {
+        let start = block.first_word as usize;
+        &self.words[start..start + usize::from(block.word_count)]
+    }
+
+    /// An expression.
+    #[must_use]
+    pub fn expr(&self, id: ExprId) -> &Expr {
+        &self.exprs[id.0 as usize]
+    }
+
+    /// Arguments of a call or index.
+    #[must_use]
+    pub fn arguments_of(&self, range: ArgumentRange) -> &[Option<ExprId>] {
+        &self.arguments[range.start as usize..range.start as usize + usize::from(range.count)]
+    }
+
+    /// Jumps of a block.
+    #[must_use]
+    pub fn jumps_of(&self, start: u32, count: u16) -> &[Jump] {
+        &self.jumps[start as usize..start as usize + usize::from(count)]
+    }
+
+    /// Definitions of a block.
+    #[must_use]
+    pub fn definitions_of(&self, start: u32, count: u16) -> &[Definition] {
+        &self.definitions[start as usize..start as usize + usize::from(count)]
+    }
+}
