@@ -5,6 +5,7 @@ pub mod dialect;
 pub mod geometry;
 pub mod machine;
 pub mod model;
+pub mod report;
 pub mod snc;
 pub mod source;
 pub mod syntax;

@@ -1,0 +1,137 @@
+//! What a correction did: the table for people and the object for programs.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::json::{Finding, Spread};
+use super::number::{duration, grouped, micrometers, significant};
+
+/// The result of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted on the error model.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Correction {
+    /// As programmed; `null` where the program was refused.
+    pub before: Option<Spread>,
+    /// As emitted, rounding included.
+    pub after: Option<Spread>,
+    /// Largest correction of each axis by its size: `X_um`, `C_urad`.
+    pub max_correction: BTreeMap<String, f64>,
+    /// Executed blocks.
+    pub blocks_in: u64,
+    /// Written blocks.
+    pub blocks_out: u64,
+    /// Wall time of the run.
+    pub seconds: f64,
+    /// Source line of the largest remaining error.
+    pub max_at_line: Option<u32>,
+    /// The written file, `-` for standard output; `null` where nothing was written.
+    pub output: Option<String>,
+    /// Name of the machine.
+    pub machine: String,
+    /// Findings in the order in which they were met.
+    pub diagnostics: Vec<Finding>,
+}
+
+impl Correction {
+    /// The table for people, with a line feed behind every line.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut out = String::new();
+        // Writing into a String cannot fail.
+        let mut row = |name: &str, text: &str| {
+            let _ = writeln!(out, "{name:<13}{text}");
+        };
+        if let (Some(before), Some(after)) = (self.before, self.after) {
+            row("", &format!("{:>12}{:>12}{:>12}", "mean", "RMS", "max"));
+            row("error before", &columns(before));
+            let place = self.max_at_line.map_or(String::new(), |line| format!("   largest at line {line}"));
+            row("error after", &format!("{}{place}", columns(after)));
+            row("improvement", &improvement(before, after));
+        }
+        if !self.max_correction.is_empty() {
+            let parts: Vec<String> = self.max_correction.iter().map(|(key, &size)| largest(key, size)).collect();
+            row("correction", &format!("up to {}", parts.join(", ")));
+        }
+        row("blocks", &format!("{} in, {} out", grouped(self.blocks_in), grouped(self.blocks_out)));
+        row("time", &duration(self.seconds));
+        row("machine", &self.machine);
+        if let Some(output) = &self.output {
+            row("written", if output == "-" { "standard output" } else { output });
+        }
+        out
+    }
+}
+
+/// The three columns of the error table.
+fn columns(spread: Spread) -> String {
+    let [mean, rms, max] = [spread.mean_um, spread.rms_um, spread.max_um].map(micrometers);
+    format!("{mean:>12}{rms:>12}{max:>12}")
+}
+
+/// Share of the mean error that the correction took away, Spaan's efficiency (eq. 3.6).
+fn improvement(before: Spread, after: Spread) -> String {
+    if before.mean_um > 0.0 {
+        let percent = (1.0 - after.mean_um / before.mean_um) * 100.0;
+        // Rounding must not claim that nothing is left.
+        if percent < 99.95 {
+            format!("{percent:.1} % of the mean")
+        } else {
+            format!("{:.2} % of the mean", percent.min(99.99))
+        }
+    } else {
+        "none: the model has no error on this path".into()
+    }
+}
+
+/// `X 12.3 µm`, `C 4.56 µrad` from a key such as `X_um`.
+fn largest(key: &str, size: f64) -> String {
+    let (axis, unit) = key.split_once('_').unwrap_or((key, ""));
+    let unit = if unit == "urad" { "µrad" } else { "µm" };
+    format!("{axis} {} {unit}", significant(size))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Correction {
+        Correction {
+            before: Some(Spread { mean_um: 25.04, rms_um: 28.1, max_um: 103.2 }),
+            after: Some(Spread { mean_um: 0.25, rms_um: 0.31, max_um: 0.98 }),
+            max_correction: [("X_um".to_owned(), 41.26), ("C_urad".to_owned(), 3.0)].into(),
+            blocks_in: 1234,
+            blocks_out: 2345,
+            seconds: 0.123,
+            max_at_line: Some(17),
+            output: Some("out.mpf".into()),
+            machine: "demo".into(),
+            diagnostics: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn the_table_is_aligned() {
+        insta::assert_snapshot!(sample().table(), @r"
+                             mean         RMS         max
+        error before      25.0 µm     28.1 µm      103 µm
+        error after      0.250 µm    0.310 µm    0.980 µm   largest at line 17
+        improvement  99.0 % of the mean
+        correction   up to C 3.00 µrad, X 41.3 µm
+        blocks       1,234 in, 2,345 out
+        time         0.12 s
+        machine      demo
+        written      out.mpf
+        ");
+    }
+
+    #[test]
+    fn improvement_never_reaches_a_hundred_by_rounding() {
+        let before = Spread { mean_um: 20.0, ..Spread::default() };
+        let after = |mean_um| Spread { mean_um, ..Spread::default() };
+        assert_eq!(improvement(before, after(1.0)), "95.0 % of the mean");
+        assert_eq!(improvement(before, after(0.004)), "99.98 % of the mean");
+        assert_eq!(improvement(before, after(0.000_01)), "99.99 % of the mean");
+        assert_eq!(improvement(before, after(30.0)), "-50.0 % of the mean");
+    }
+}

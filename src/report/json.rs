@@ -1,0 +1,122 @@
+//! The shape of findings and of `check` and `verify` results in `--json`. Keys are stable; numbers carry their unit in the key.
+
+use serde::Serialize;
+
+use super::excerpt::Excerpt;
+use crate::diagnostic::Diagnostic;
+use crate::source::Source;
+
+/// A finding.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// Stable code, `E0203`.
+    pub code: &'static str,
+    /// `error` or `warning`.
+    pub severity: &'static str,
+    /// Name of the file, `null` where a finding has no place.
+    pub file: Option<String>,
+    /// Line from 1.
+    pub line: Option<usize>,
+    /// Column from 1, in characters; in a line that is no UTF-8, in bytes.
+    pub column: Option<usize>,
+    /// What was found.
+    pub message: String,
+    /// What to do.
+    pub help: String,
+}
+
+impl Finding {
+    /// A finding with the file of its place.
+    #[must_use]
+    pub fn new(diagnostic: &Diagnostic, source: Option<&Source>) -> Finding {
+        let excerpt = diagnostic.place.zip(source).map(|(place, source)| Excerpt::new(source, place));
+        Finding {
+            code: diagnostic.code.as_str(),
+            severity: diagnostic.severity().word(),
+            file: diagnostic.place.and(source).map(|source| source.name().to_owned()),
+            line: excerpt.as_ref().map(|excerpt| excerpt.line),
+            column: excerpt.as_ref().map(|excerpt| excerpt.column),
+            message: diagnostic.message.clone(),
+            help: diagnostic.help.clone(),
+        }
+    }
+}
+
+/// What `ncfix check` found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Check {
+    /// Whether the text was understood without an error.
+    pub parsed: bool,
+    /// Whether it was executed to its end without an error.
+    pub executed: bool,
+    /// Elements of the flat stream (moves, dwells, tool and auxiliary words).
+    pub elements: u64,
+    /// Findings in the order in which they were met.
+    pub diagnostics: Vec<Finding>,
+}
+
+/// Mean, root mean square and maximum of a distance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// Mean, µm.
+    pub mean_um: f64,
+    /// Root of the mean square, µm.
+    pub rms_um: f64,
+    /// Maximum, µm.
+    pub max_um: f64,
+}
+
+/// What `ncfix verify` measured on the error model: distance of the tool tip from the nominal path of the original.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Verification {
+    /// Of the original program.
+    pub before: Option<Spread>,
+    /// Of the corrected program.
+    pub after: Option<Spread>,
+    /// Points at which both were evaluated.
+    pub samples: u64,
+    /// Findings.
+    pub diagnostics: Vec<Finding>,
+}
+
+/// A value as one line of JSON, with its line feed.
+///
+/// # Errors
+/// None for the types of this room, whose keys are all texts; the reason in words if that should ever change.
+pub fn line(value: &impl Serialize) -> Result<String, String> {
+    serde_json::to_string(value).map(|text| text + "\n").map_err(|error| error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostic::{Code, Place};
+    use crate::source::{FileId, Span};
+
+    #[test]
+    fn a_finding_has_the_documented_keys() {
+        let source = Source::new(FileId(0), "a.mpf", b"N1 G0\nN2 Q\n".to_vec()).unwrap();
+        let place = Place { file: FileId(0), span: Span::new(9, 10) };
+        let found = Diagnostic::at(Code::NOT_SUPPORTED, place, "Q is not supported yet", "remove it");
+        let check = Check {
+            parsed: true,
+            executed: false,
+            elements: 1,
+            diagnostics: vec![Finding::new(&found, Some(&source))],
+        };
+        assert_eq!(
+            line(&check).unwrap(),
+            concat!(
+                r#"{"parsed":true,"executed":false,"elements":1,"diagnostics":[{"code":"E0201","severity":"error","#,
+                r#""file":"a.mpf","line":2,"column":4,"message":"Q is not supported yet","help":"remove it"}]}"#,
+                "\n"
+            )
+        );
+    }
+
+    #[test]
+    fn a_finding_without_place_has_nulls() {
+        let found = Finding::new(&Diagnostic::nowhere(Code::NO_MACHINE, "m", "h"), None);
+        assert_eq!((found.severity, found.file, found.line, found.column), ("warning", None, None, None));
+    }
+}

@@ -1,0 +1,75 @@
+//! Numbers for people: thousands in groups, µm with a sensible number of decimals.
+
+/// A count with its thousands separated: `1,234,567`.
+#[must_use]
+pub fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let mut out = String::with_capacity(digits.len() * 4 / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// A distance in µm with the decimals that matter: `213 µm`, `21.4 µm`, `2.14 µm`, `0.021 µm`.
+#[must_use]
+pub fn micrometers(um: f64) -> String {
+    format!("{} µm", significant(um))
+}
+
+/// Three significant digits, at most three decimals.
+#[must_use]
+pub fn significant(value: f64) -> String {
+    let decimals = match value.abs() {
+        size if size >= 99.95 => 0,
+        size if size >= 9.995 => 1,
+        size if size >= 0.9995 => 2,
+        _ => 3,
+    };
+    format!("{value:.decimals$}")
+}
+
+/// A time: `0.42 s`, `12.3 s`, `3 min 20 s`.
+#[must_use]
+pub fn duration(seconds: f64) -> String {
+    if seconds < 10.0 {
+        format!("{seconds:.2} s")
+    } else if seconds < 60.0 {
+        format!("{seconds:.1} s")
+    } else {
+        format!("{:.0} min {:.0} s", (seconds / 60.0).floor(), seconds % 60.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_are_grouped() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(1_000), "1,000");
+        assert_eq!(grouped(12_345_678), "12,345,678");
+    }
+
+    #[test]
+    fn three_digits_are_shown() {
+        assert_eq!(micrometers(213.4), "213 µm");
+        assert_eq!(micrometers(99.96), "100 µm");
+        assert_eq!(micrometers(21.44), "21.4 µm");
+        assert_eq!(micrometers(2.144), "2.14 µm");
+        assert_eq!(micrometers(0.0214), "0.021 µm");
+        assert_eq!(micrometers(0.0), "0.000 µm");
+    }
+
+    #[test]
+    fn minutes_are_split() {
+        assert_eq!(duration(0.417), "0.42 s");
+        assert_eq!(duration(12.34), "12.3 s");
+        assert_eq!(duration(200.0), "3 min 20 s");
+    }
+}
