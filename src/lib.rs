@@ -2,6 +2,7 @@
 
 pub mod diagnostic;
 pub mod dialect;
+pub mod exec;
 pub mod geometry;
 pub mod machine;
 pub mod model;

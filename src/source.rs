@@ -53,6 +53,7 @@ pub struct Source {
     id: FileId,
     name: Arc<str>,
     bytes: Arc<[u8]>,
+    line_end: u8,
 }
 
 impl Source {
@@ -64,7 +65,9 @@ impl Source {
         if bytes.len() > MAX_BYTES {
             return Err(bytes);
         }
-        Ok(Source { id, name: name.into(), bytes: bytes.into() })
+        // Old files end their lines with a carriage return alone.
+        let line_end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
+        Ok(Source { id, name: name.into(), bytes: bytes.into(), line_end })
     }
 
     /// Which file this is.
@@ -85,6 +88,12 @@ impl Source {
         &self.bytes
     }
 
+    /// The byte that ends a line: a line feed, or a carriage return in a file that has no line feed.
+    #[must_use]
+    pub fn line_end(&self) -> u8 {
+        self.line_end
+    }
+
     /// The bytes of a span; empty where the span lies outside.
     #[must_use]
     pub fn slice(&self, span: Span) -> &[u8] {
@@ -97,8 +106,8 @@ impl Source {
     #[must_use]
     pub fn line_column(&self, offset: u32) -> (usize, usize) {
         let before = &self.bytes[..(offset as usize).min(self.bytes.len())];
-        let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-        let line = before[..line_start].iter().filter(|&&b| b == b'\n').count() + 1;
+        let line_start = before.iter().rposition(|&b| b == self.line_end).map_or(0, |i| i + 1);
+        let line = before[..line_start].iter().filter(|&&b| b == self.line_end).count() + 1;
         (line, before.len() - line_start + 1)
     }
 
@@ -106,8 +115,8 @@ impl Source {
     #[must_use]
     pub fn line_at(&self, offset: u32) -> (&[u8], u32) {
         let at = (offset as usize).min(self.bytes.len());
-        let start = self.bytes[..at].iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-        let end = self.bytes[at..].iter().position(|&b| b == b'\n').map_or(self.bytes.len(), |i| at + i);
+        let start = self.bytes[..at].iter().rposition(|&b| b == self.line_end).map_or(0, |i| i + 1);
+        let end = self.bytes[at..].iter().position(|&b| b == self.line_end).map_or(self.bytes.len(), |i| at + i);
         let line = &self.bytes[start..end];
         (line.strip_suffix(b"\r").unwrap_or(line), clamp(start))
     }

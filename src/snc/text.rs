@@ -242,7 +242,9 @@ impl<'a> TextReader<'a> {
         }
         let Some(&(first, code)) = values.first() else { return Ok(None) };
         let line = match comment.strip_prefix('@') {
-            Some(origin) => origin.split('<').next().unwrap_or("").trim().parse().map_err(|_| "the origin ;@ has no line")?,
+            Some(origin) => {
+                origin.split('<').next().unwrap_or("").trim().parse().map_err(|_| "the origin ;@ has no line")?
+            }
             None => u32::try_from(number).unwrap_or(u32::MAX),
         };
         let origin = Origin { line, span: Span::default(), ..Origin::default() };
@@ -329,7 +331,9 @@ impl Iterator for TextReader<'_> {
 
 fn auxiliary(letter: u8, rest: &str) -> Result<Word, String> {
     let (extension, text) = match rest.split_once('=') {
-        Some((extension, text)) => (Some(extension.parse().map_err(|_| "an address extension is a whole number")?), text),
+        Some((extension, text)) => {
+            (Some(extension.parse().map_err(|_| "an address extension is a whole number")?), text)
+        }
         None => (None, rest),
     };
     Ok(Word { letter, extension, value: value_of(text)? })

@@ -50,8 +50,9 @@ impl Parser {
         let bytes = source.bytes();
         let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         let mut line = 0;
+        let line_end = source.line_end();
         while start < bytes.len() {
-            let length = bytes[start..].iter().position(|&byte| byte == b'\n');
+            let length = bytes[start..].iter().position(|&byte| byte == line_end);
             let next = length.map_or(bytes.len(), |length| start + length + 1);
             let mut end = length.map_or(bytes.len(), |length| start + length);
             while end > start && is_blank(bytes[end - 1]) {
@@ -188,7 +189,12 @@ impl Parser {
                 self.comment(rest, draft);
                 Ok((rest, ()))
             }
-            Some(_) => fault(Code::MUST_STAND_ALONE, rest, rest.len(), "this stands behind a statement that needs its own block"),
+            Some(_) => fault(
+                Code::MUST_STAND_ALONE,
+                rest,
+                rest.len(),
+                "this stands behind a statement that needs its own block",
+            ),
         }
     }
 
@@ -243,7 +249,12 @@ impl Parser {
             }
             Some(b'[') => return self.named_word(input, draft),
             _ => {
-                return fault(Code::MISSING_VALUE, input, 1, "this address has no value; a value that is no number needs '='");
+                return fault(
+                    Code::MISSING_VALUE,
+                    input,
+                    1,
+                    "this address has no value; a value that is no number needs '='",
+                );
             }
         };
         Ok((rest, Word { span: Span::new(start, self.offset(rest)), address, value }))
@@ -272,7 +283,12 @@ impl Parser {
                 let (rest, left) = self.left_side(input)?;
                 let equals = blanks(rest);
                 if equals.first() != Some(&b'=') {
-                    return fault(Code::MISSING_VALUE, input, name.len(), "this needs '=' and a value behind its index");
+                    return fault(
+                        Code::MISSING_VALUE,
+                        input,
+                        name.len(),
+                        "this needs '=' and a value behind its index",
+                    );
                 }
                 let (rest, value) = self.assigned_value(&equals[1..])?;
                 (rest, Address::Indexed(left), value)
@@ -283,9 +299,10 @@ impl Parser {
     }
 
     fn section_is_fresh(&self) -> bool {
-        self.program.sections.last().is_some_and(|section| {
-            section.headers.len() == 1 && self.program.blocks.len() == section.blocks.start
-        })
+        self.program
+            .sections
+            .last()
+            .is_some_and(|section| section.headers.len() == 1 && self.program.blocks.len() == section.blocks.start)
     }
 
     fn close_section(&mut self) {

@@ -5,7 +5,9 @@ use nom::bytes::complete::{tag, tag_no_case, take_while1};
 use nom::combinator::{map, value, verify};
 
 use super::block::Parser;
-use super::token::{Fault, Input, Parsed, blanks, digits, fault, identifier, is_name_byte, number, small_number, string};
+use super::token::{
+    Fault, Input, Parsed, blanks, digits, fault, identifier, is_name_byte, number, small_number, string,
+};
 use super::tree::{ArgumentRange, DimensionFunction, Expr, ExprId, Node, Operator, UnaryOperator, Value};
 use crate::diagnostic::Code;
 use crate::source::Span;
@@ -290,7 +292,9 @@ impl Parser {
             match rest.first() {
                 Some(b',') => rest = &rest[1..],
                 Some(byte) if *byte == close => break,
-                Some(_) => return fault(Code::BAD_EXPRESSION, rest, 1, "a ',' or the closing bracket was expected here"),
+                Some(_) => {
+                    return fault(Code::BAD_EXPRESSION, rest, 1, "a ',' or the closing bracket was expected here");
+                }
                 None => return fault(Code::UNCLOSED, input, 1, "this bracket is not closed in the block"),
             }
         }

@@ -10,8 +10,8 @@ use crate::source::Span;
 
 /// Statements that are known and not executed yet; the rest of their block is not read.
 const NOT_YET: &[&str] = &[
-    "CASE", "CALL", "CALLPATH", "PCALL", "ISOCALL", "EXTCALL", "MCALL", "REPEATB", "EXTERN", "DEFINE", "ID", "IDS", "WHEN",
-    "WHENEVER", "EVERY", "FROM", "DO", "REDEF", "PROC_DEF",
+    "CASE", "CALL", "CALLPATH", "PCALL", "ISOCALL", "EXTCALL", "MCALL", "REPEATB", "EXTERN", "DEFINE", "ID", "IDS",
+    "WHEN", "WHENEVER", "EVERY", "FROM", "DO", "REDEF", "PROC_DEF",
 ];
 
 impl Parser {
@@ -37,10 +37,9 @@ impl Parser {
             b"GOTO" | b"GOTOF" | b"GOTOB" | b"GOTOC" | b"GOTOS" => Some(self.jumps(input, None)),
             b"DEF" => Some(self.define(input, rest)),
             b"PROC" => Some(self.proc(rest, draft)),
-            upper => NOT_YET
-                .iter()
-                .any(|known| known.as_bytes() == upper)
-                .then(|| self.unsupported(input, rest, draft)),
+            upper => {
+                NOT_YET.iter().any(|known| known.as_bytes() == upper).then(|| self.unsupported(input, rest, draft))
+            }
         }
     }
 
@@ -60,7 +59,9 @@ impl Parser {
         match blanks(rest).first() {
             None | Some(b';') => Ok((rest, Body::If(condition))),
             Some(_) if starts_jump(blanks(rest)) => self.jumps(input, Some((rest, condition))),
-            Some(_) => fault(Code::UNEXPECTED, blanks(rest), 1, "GOTOF, GOTOB, GOTO or the end of the block was expected here"),
+            Some(_) => {
+                fault(Code::UNEXPECTED, blanks(rest), 1, "GOTOF, GOTOB, GOTO or the end of the block was expected here")
+            }
         }
     }
 
@@ -96,7 +97,8 @@ impl Parser {
             ("GOTOS", Search::Start),
             ("GOTO", Search::Around),
         ];
-        let Some((rest, search)) = searches.iter().find_map(|&(word, search)| Some((keyword(word, input)?, search))) else {
+        let Some((rest, search)) = searches.iter().find_map(|&(word, search)| Some((keyword(word, input)?, search)))
+        else {
             return fault(Code::UNEXPECTED, input, 1, "GOTOF, GOTOB or GOTO was expected here");
         };
         let at = blanks(rest);
@@ -110,7 +112,9 @@ impl Parser {
         } else {
             match identifier(at) {
                 Ok((rest, name)) => (rest, JumpTarget::Label(self.intern(name))),
-                Err(_) => return fault(Code::UNEXPECTED, at, 1, "a label or block number was expected behind the jump"),
+                Err(_) => {
+                    return fault(Code::UNEXPECTED, at, 1, "a label or block number was expected behind the jump");
+                }
             }
         };
         let span = Span::new(self.offset(input), self.offset(rest));
@@ -139,7 +143,12 @@ impl Parser {
         let mut rest = blanks(rest);
         let kind = loop {
             let Ok((behind, word)) = identifier(rest) else {
-                return fault(Code::UNEXPECTED, input, 3, "a type was expected behind DEF: INT, REAL, BOOL, CHAR, STRING, AXIS or FRAME");
+                return fault(
+                    Code::UNEXPECTED,
+                    input,
+                    3,
+                    "a type was expected behind DEF: INT, REAL, BOOL, CHAR, STRING, AXIS or FRAME",
+                );
             };
             rest = blanks(behind);
             match word.to_ascii_uppercase().as_slice() {

@@ -16,12 +16,19 @@ pub(super) fn connect(program: &mut Program, findings: &mut Vec<Diagnostic>) {
             match program.blocks[index].body {
                 Body::If(_) | Body::Loop | Body::For { .. } | Body::While(_) | Body::Repeat => {
                     if open.len() == MAX_DEPTH {
-                        faults.push((index, Code::TOO_DEEP, "control structures are nested more than 32 deep".to_owned()));
+                        faults.push((
+                            index,
+                            Code::TOO_DEEP,
+                            "control structures are nested more than 32 deep".to_owned(),
+                        ));
                     }
                     open.push(index);
                 }
                 Body::Else => match open.last() {
-                    Some(&start) if matches!(program.blocks[start].body, Body::If(_)) && start_is_free(&program.blocks[start]) => {
+                    Some(&start)
+                        if matches!(program.blocks[start].body, Body::If(_))
+                            && start_is_free(&program.blocks[start]) =>
+                    {
                         program.blocks[start].partner = place_of(index);
                     }
                     _ => faults.push((index, Code::UNMATCHED_STRUCTURE, "ELSE without an open IF".to_owned())),

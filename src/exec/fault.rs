@@ -1,0 +1,28 @@
+//! A finding while it still lacks its file.
+
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::source::{FileId, Span};
+
+/// A finding in the program that is being executed. Boxed, because it travels through every result.
+pub(super) type Fault = Box<FaultData>;
+
+/// Its contents.
+#[derive(Debug)]
+pub(super) struct FaultData {
+    pub(super) code: Code,
+    pub(super) span: Span,
+    pub(super) message: String,
+    pub(super) help: String,
+}
+
+/// Makes a finding.
+pub(super) fn fault(code: Code, span: Span, message: impl Into<String>, help: impl Into<String>) -> Fault {
+    Box::new(FaultData { code, span, message: message.into(), help: help.into() })
+}
+
+impl FaultData {
+    /// The finding with its file.
+    pub(super) fn in_file(self, file: FileId) -> Diagnostic {
+        Diagnostic::at(self.code, Place { file, span: self.span }, self.message, self.help)
+    }
+}

@@ -1,0 +1,430 @@
+//! Gathers the words of one block before anything is executed: gather, check, execute.
+
+use super::expression::Scope;
+use super::fault::{Fault, fault};
+use super::names::Meaning;
+use super::value::Value as ExecValue;
+use crate::diagnostic::Code;
+use crate::dialect::{CodeEntry, CodeTable, Effect};
+use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector};
+use crate::snc::{Word as AuxWord, WordValue};
+use crate::source::Span;
+use crate::syntax::{Address, ArgumentRange, Block, DimensionFunction, NameId, Value, Word};
+
+/// A settable zero offset: its number in `$P_UIFR` and its name.
+pub(super) type OffsetName = String;
+
+/// A call found in a block.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Call {
+    pub(super) name: String,
+    pub(super) repeats: u32,
+    pub(super) span: Span,
+}
+
+/// All that one block says, values as written (program units, degrees).
+#[derive(Debug)]
+pub(super) struct Gathered {
+    pub(super) groups: u64,
+    pub(super) motion: Option<(u8, Span)>,
+    pub(super) dwell: Option<Span>,
+    pub(super) plane: Option<u8>,
+    /// Inch, and whether the feed is meant too.
+    pub(super) inch: Option<(bool, bool)>,
+    pub(super) incremental: Option<bool>,
+    pub(super) offset: Option<(OffsetName, Span)>,
+    pub(super) suppress: Option<&'static str>,
+    pub(super) frame: Option<(bool, Span)>,
+    pub(super) keep: Vec<&'static str>,
+    pub(super) axes: AxisVector,
+    pub(super) axis_spans: [Span; AXIS_COUNT],
+    pub(super) named: AxisSet,
+    pub(super) as_absolute: AxisSet,
+    pub(super) as_incremental: AxisSet,
+    pub(super) center: [Option<(f64, bool)>; 3],
+    pub(super) center_span: Span,
+    pub(super) radius: Option<(f64, Span)>,
+    pub(super) turns: Option<(f64, Span)>,
+    pub(super) feed: Option<(f64, Span)>,
+    pub(super) speed: Option<(f64, Span)>,
+    pub(super) tool: Option<(WordValue, Span)>,
+    pub(super) edge: Option<(u32, Span)>,
+    pub(super) before: Vec<AuxWord>,
+    pub(super) after: Vec<AuxWord>,
+    pub(super) tool_change: bool,
+    pub(super) program_end: Option<u32>,
+    pub(super) is_return: bool,
+    pub(super) message: Option<Vec<u8>>,
+    pub(super) call: Option<Call>,
+    pub(super) call_repeats: Option<(u32, Span)>,
+}
+
+impl Gathered {
+    pub(super) fn new() -> Self {
+        Gathered {
+            groups: 0,
+            motion: None,
+            dwell: None,
+            plane: None,
+            inch: None,
+            incremental: None,
+            offset: None,
+            suppress: None,
+            frame: None,
+            keep: Vec::new(),
+            axes: AxisVector::ZERO,
+            axis_spans: [Span::default(); AXIS_COUNT],
+            named: AxisSet::EMPTY,
+            as_absolute: AxisSet::EMPTY,
+            as_incremental: AxisSet::EMPTY,
+            center: [None; 3],
+            center_span: Span::default(),
+            radius: None,
+            turns: None,
+            feed: None,
+            speed: None,
+            tool: None,
+            edge: None,
+            before: Vec::new(),
+            after: Vec::new(),
+            tool_change: false,
+            program_end: None,
+            is_return: false,
+            message: None,
+            call: None,
+            call_repeats: None,
+        }
+    }
+}
+
+/// Gathers blocks of one program.
+#[derive(Clone, Copy)]
+pub(super) struct Gatherer<'a> {
+    pub(super) scope: Scope<'a>,
+    pub(super) meanings: &'a [Meaning],
+    pub(super) codes: &'static CodeTable,
+    pub(super) machine_axes: AxisSet,
+}
+
+impl Gatherer<'_> {
+    /// Reads all words of a block. Assignments were carried out before.
+    pub(super) fn gather(&self, block: &Block) -> Result<Gathered, Fault> {
+        let mut out = Gathered::new();
+        let words = self.scope.program.words_of(block);
+        for word in words {
+            self.word(word, &mut out)?;
+        }
+        if let Some((repeats, span)) = out.call_repeats {
+            match &mut out.call {
+                Some(call) => call.repeats = repeats,
+                None => {
+                    return Err(bad_value(span, "P without a subprogram call", "put P behind the name of the program"));
+                }
+            }
+        }
+        if let Some(call) = &out.call
+            && words.len() > 1 + usize::from(out.call_repeats.is_some())
+        {
+            return Err(fault(
+                Code::MUST_STAND_ALONE,
+                call.span,
+                format!("the call of {} shares its block", call.name),
+                "give the call a block of its own",
+            ));
+        }
+        Ok(out)
+    }
+
+    fn word(&self, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+        match word.address {
+            Address::Letter(letter) => self.letter(letter, word, out),
+            Address::Extended(b'R', _) | Address::Indexed(_) => Ok(()),
+            Address::Extended(letter @ (b'S' | b'M'), extension) => {
+                let value = self.number(word)?;
+                let word = AuxWord { letter, extension: Some(extension), value: WordValue::Number(value) };
+                out.before.push(word);
+                Ok(())
+            }
+            Address::Extended(..) => Err(self.unsupported(word)),
+            Address::Name(name) => self.name(name, word, out),
+        }
+    }
+
+    fn letter(&self, letter: u8, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+        match letter {
+            b'G' => self.g_code(word, out),
+            b'X' | b'Y' | b'Z' | b'A' | b'B' | b'C' | b'U' | b'V' | b'W' => self.axis(letter, word, out),
+            b'I' | b'J' | b'K' => {
+                let slot = usize::from(letter - b'I');
+                let absolute = match word.value {
+                    Value::Dimension(DimensionFunction::Absolute, _) => true,
+                    Value::Dimension(DimensionFunction::Incremental, _) => false,
+                    Value::Dimension(..) => return Err(self.unsupported(word)),
+                    _ => false,
+                };
+                if out.center[slot].replace((self.number(word)?, absolute)).is_some() {
+                    return Err(twice(word.span));
+                }
+                out.center_span = word.span;
+                Ok(())
+            }
+            b'F' => {
+                let value = self.number(word)?;
+                if !(value >= 0.0) {
+                    return Err(bad_value(word.span, "a feed must not be negative", "program F with a positive value"));
+                }
+                once(&mut out.feed, (value, word.span), word.span)
+            }
+            b'S' => once(&mut out.speed, (self.number(word)?, word.span), word.span),
+            b'T' => {
+                let value = match self.text_value(word)? {
+                    Some(name) => WordValue::Name(name),
+                    None => WordValue::Number(f64::from(self.whole(word, u32::MAX)?)),
+                };
+                once(&mut out.tool, (value, word.span), word.span)
+            }
+            b'D' => once(&mut out.edge, (self.whole(word, 99_999)?, word.span), word.span),
+            b'M' => {
+                let number = self.whole(word, 99_999_999)?;
+                let aux = AuxWord { letter, extension: None, value: WordValue::Number(f64::from(number)) };
+                match number {
+                    2 | 17 | 30 => out.program_end = Some(number),
+                    0 | 1 | 5 | 9 => out.after.push(aux),
+                    6 => {
+                        out.tool_change = true;
+                        out.before.push(aux);
+                    }
+                    _ => out.before.push(aux),
+                }
+                Ok(())
+            }
+            b'H' => {
+                let value = WordValue::Number(self.number(word)?);
+                out.before.push(AuxWord { letter, extension: None, value });
+                Ok(())
+            }
+            b'L' => {
+                let digits = self.scope.program.source.slice(word.span);
+                let name: String = digits
+                    .iter()
+                    .filter(|b| !b.is_ascii_whitespace())
+                    .map(|&b| char::from(b.to_ascii_uppercase()))
+                    .collect();
+                if !name[1..].bytes().all(|b| b.is_ascii_digit()) {
+                    return Err(bad_value(word.span, "L takes the number of a subprogram", "write for example L10"));
+                }
+                self.call(name, word.span, out)
+            }
+            b'P' => {
+                let repeats = self.whole(word, 9999)?;
+                once(&mut out.call_repeats, (repeats, word.span), word.span)
+            }
+            _ => Err(self.unsupported(word)),
+        }
+    }
+
+    fn call(&self, name: String, span: Span, out: &mut Gathered) -> Result<(), Fault> {
+        if let Some(first) = &out.call {
+            return Err(fault(
+                Code::UNEXPECTED,
+                span,
+                format!("{name} and {} in one block", first.name),
+                "give each call its block",
+            ));
+        }
+        out.call = Some(Call { name, repeats: 1, span });
+        Ok(())
+    }
+
+    fn g_code(&self, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+        let number = self.whole(word, 999)?;
+        match self.codes.g(number as usize) {
+            Some(entry) => self.code(entry, word.span, out),
+            None if (505..=599).contains(&number) => {
+                self.group(8, word.span, out)?;
+                out.offset = Some((format!("G{number}"), word.span));
+                Ok(())
+            }
+            None => Err(fault(
+                Code::NOT_SUPPORTED,
+                word.span,
+                format!("G{number} is not supported"),
+                "check the code; if the control knows it, it cannot be executed here yet",
+            )),
+        }
+    }
+
+    fn group(&self, group: u8, span: Span, out: &mut Gathered) -> Result<(), Fault> {
+        let bit = 1_u64 << (group & 63);
+        if group > 0 && out.groups & bit != 0 {
+            let message = format!("this is the second code of G group {group} in the block");
+            return Err(fault(Code::DOUBLE_WORD, span, message, "keep one of them, or split the block"));
+        }
+        out.groups |= bit;
+        Ok(())
+    }
+
+    fn code(&self, entry: &'static CodeEntry, span: Span, out: &mut Gathered) -> Result<(), Fault> {
+        self.group(entry.group, span, out)?;
+        match entry.effect {
+            Effect::Motion => out.motion = Some((entry.name.as_bytes()[1] - b'0', span)),
+            Effect::Dwell => out.dwell = Some(span),
+            Effect::Plane => {
+                out.plane = entry.name[1..].parse().ok();
+                out.keep.push(entry.name);
+            }
+            Effect::Unit => out.inch = Some((entry.name.starts_with("G70"), entry.name.len() == 4)),
+            Effect::Dimension => out.incremental = Some(entry.name == "G91"),
+            Effect::Offset => out.offset = Some((entry.name.to_owned(), span)),
+            Effect::Suppress => {
+                out.suppress = Some(entry.name);
+                out.keep.push(entry.name);
+            }
+            Effect::Frame => out.frame = Some((entry.name == "ATRANS", span)),
+            Effect::Keep => out.keep.push(entry.name),
+            Effect::Display => {}
+            Effect::Refuse => {
+                let message = format!("{} ({}) is not supported yet", entry.name, entry.meaning);
+                return Err(fault(Code::NOT_SUPPORTED, span, message, "the program cannot be corrected with it"));
+            }
+        }
+        Ok(())
+    }
+
+    fn axis(&self, letter: u8, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+        let Some(axis) = Axis::from_letter(letter) else { return Err(self.unsupported(word)) };
+        if !self.machine_axes.contains(axis) {
+            let message = format!("the machine has no axis {axis}");
+            return Err(fault(
+                Code::NO_AXIS,
+                word.span,
+                message,
+                "check the topology in the machine file, or the program",
+            ));
+        }
+        if out.named.contains(axis) {
+            return Err(twice(word.span));
+        }
+        match word.value {
+            Value::Dimension(DimensionFunction::Absolute, _) => out.as_absolute.insert(axis),
+            Value::Dimension(DimensionFunction::Incremental, _) => out.as_incremental.insert(axis),
+            Value::Dimension(..) => return Err(self.unsupported(word)),
+            _ => {}
+        }
+        out.axes[axis] = self.number(word)?;
+        out.axis_spans[axis.slot()] = word.span;
+        out.named.insert(axis);
+        Ok(())
+    }
+
+    fn name(&self, name: NameId, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+        let text = self.scope.program.names.text(name);
+        match (self.meanings[name.index()], word.value) {
+            (Meaning::Code(entry), Value::Arguments(_)) if entry.effect == Effect::Display => Ok(()),
+            (Meaning::Code(entry), Value::None) => self.code(entry, word.span, out),
+            (Meaning::Code(entry), Value::Arguments(range))
+                if entry.effect == Effect::Keep && range == ArgumentRange::default() =>
+            {
+                self.code(entry, word.span, out)
+            }
+            (Meaning::Code(entry), _) if entry.effect == Effect::Refuse => self.code(entry, word.span, out),
+            (Meaning::Radius, Value::Expr(_)) => once(&mut out.radius, (self.number(word)?, word.span), word.span),
+            (Meaning::Turns, Value::Expr(_)) => once(&mut out.turns, (self.number(word)?, word.span), word.span),
+            (Meaning::Message, Value::Arguments(range)) => {
+                let text = match self.scope.program.arguments_of(range) {
+                    [] | [None] => Vec::new(),
+                    [Some(id), ..] => self.scope.value(*id)?.text(),
+                    [None, ..] => return Err(self.unsupported(word)),
+                };
+                once(&mut out.message, text, word.span)
+            }
+            (Meaning::Return, Value::None) => {
+                out.is_return = true;
+                Ok(())
+            }
+            (Meaning::Unsupported | Meaning::Return | Meaning::System, _) => Err(self.unsupported(word)),
+            // Assignments were carried out before the words are gathered.
+            (Meaning::Free, Value::Expr(_)) if self.scope.variables.has(name) => Ok(()),
+            (Meaning::Free, Value::Expr(_)) => Err(fault(
+                Code::UNDEFINED_VARIABLE,
+                word.span,
+                format!("{text} is neither a variable nor a known address"),
+                "define it with DEF at the start of this program",
+            )),
+            (Meaning::Free, Value::None) => self.call(text.to_owned(), word.span, out),
+            (Meaning::Free, Value::Arguments(range)) if range == ArgumentRange::default() => {
+                self.call(text.to_owned(), word.span, out)
+            }
+            (Meaning::Free, Value::Arguments(_)) => {
+                let what = if super::names::is_cycle(text) { "the cycle" } else { "a call with parameters:" };
+                let message = format!("{what} {text} is not supported yet");
+                Err(fault(
+                    Code::NOT_SUPPORTED,
+                    word.span,
+                    message,
+                    "write its moves out, or call a program without parameters",
+                ))
+            }
+            _ => Err(fault(
+                Code::UNEXPECTED,
+                word.span,
+                format!("{text} is used in a way it does not allow"),
+                "check its spelling and value",
+            )),
+        }
+    }
+
+    fn unsupported(&self, word: &Word) -> Fault {
+        let text = String::from_utf8_lossy(self.scope.program.source.slice(word.span)).into_owned();
+        let shown: String = text.chars().take(40).collect();
+        fault(
+            Code::NOT_SUPPORTED,
+            word.span,
+            format!("{shown} is not supported yet"),
+            "the program cannot be corrected with it",
+        )
+    }
+
+    /// The number behind an address.
+    fn number(&self, word: &Word) -> Result<f64, Fault> {
+        match word.value {
+            Value::Number(value, _) => Ok(value),
+            Value::Expr(id) | Value::Dimension(_, id) => self.scope.number(id),
+            Value::None | Value::Arguments(_) => {
+                Err(fault(Code::MISSING_VALUE, word.span, "this address has no value", "give it a value"))
+            }
+        }
+    }
+
+    /// A whole number from 0 to `max`.
+    fn whole(&self, word: &Word, max: u32) -> Result<u32, Fault> {
+        let value = self.number(word)?;
+        if value.fract() == 0.0 && (0.0..=f64::from(max)).contains(&value) {
+            return Ok(value as u32);
+        }
+        Err(bad_value(word.span, format!("{value} is not a whole number from 0 to {max}"), "correct the number"))
+    }
+
+    fn text_value(&self, word: &Word) -> Result<Option<Vec<u8>>, Fault> {
+        let Value::Expr(id) = word.value else { return Ok(None) };
+        Ok(match self.scope.value(id)? {
+            ExecValue::Text(text) => Some(text),
+            _ => None,
+        })
+    }
+}
+
+fn once<T>(place: &mut Option<T>, value: T, span: Span) -> Result<(), Fault> {
+    match place.replace(value) {
+        Some(_) => Err(twice(span)),
+        None => Ok(()),
+    }
+}
+
+fn twice(span: Span) -> Fault {
+    fault(Code::DOUBLE_WORD, span, "this address stands twice in the block", "keep one of them, or split the block")
+}
+
+pub(super) fn bad_value(span: Span, message: impl Into<String>, help: &str) -> Fault {
+    fault(Code::BAD_WORD_VALUE, span, message, help)
+}

@@ -1,0 +1,426 @@
+//! Executes a program as the control would and yields the flat stream, lazily and in bounded memory.
+//!
+//! Each block goes through three steps: its words are gathered, checked, and executed in a fixed order (assignments, modal
+//! codes, zero offset and frame, tool, feed and speed, auxiliary functions that act before the motion, motion, the others).
+//! Findings are items of the stream too; after an error the execution goes on, so that one run shows them all, but what it
+//! yields is then no longer good for anything but more findings.
+
+mod channel;
+mod expression;
+mod fault;
+mod flow;
+mod gather;
+mod modal;
+mod motion;
+mod names;
+mod value;
+mod variables;
+
+use std::collections::{HashMap, HashSet};
+
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::geometry::AxisVector;
+use crate::machine::Machine;
+use crate::snc::{Element, Kind, Origin};
+use crate::source::{FileId, Source, Span};
+use crate::syntax::{self, Block, Program};
+
+use channel::Channel;
+use expression::Scope;
+use fault::{Fault, fault};
+use flow::{Action, Level};
+use gather::{Call, Gatherer};
+use names::Meaning;
+
+/// Finds subprograms that are not in the file of the main program.
+pub trait Library {
+    /// The file of the subprogram `name` (upper case, without ending): the name to show, and its bytes.
+    fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)>;
+}
+
+/// A library without programs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoLibrary;
+
+impl Library for NoLibrary {
+    fn load(&mut self, _name: &str) -> Option<(String, Vec<u8>)> {
+        None
+    }
+}
+
+/// How to execute.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Skip levels whose blocks are left out.
+    pub skip_levels: [bool; 10],
+    /// Executed blocks after which the run stops with a finding; `None` for ten million, or twenty times the blocks of the
+    /// main program if that is more.
+    pub max_blocks: Option<u64>,
+    /// Axis commands (mm, rad) at the start, where they are known.
+    pub start: Option<AxisVector>,
+    /// Refuse what a correction must not assume: zero offsets and tools without value, motions from unknown positions.
+    pub strict: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { skip_levels: [false; 10], max_blocks: None, start: None, strict: false }
+    }
+}
+
+/// Default of [`Options::max_blocks`].
+const MAX_BLOCKS: u64 = 10_000_000;
+/// After the first error so many blocks more are executed in search of others.
+const BLOCKS_AFTER_ERROR: u64 = 1_000_000;
+/// After so many different errors the run ends.
+const MAX_ERRORS: usize = 100;
+
+/// A program file, ready to run.
+struct Loaded {
+    program: Program,
+    meanings: Vec<Meaning>,
+    /// Targets of its jumps, where they were looked up already.
+    targets: Vec<Option<usize>>,
+    /// Blocks whose comments were passed on already.
+    commented: Vec<bool>,
+}
+
+impl Loaded {
+    fn new(program: Program) -> Self {
+        let meanings = names::resolve(&program, program.dialect);
+        let targets = vec![None; program.jumps.len()];
+        let commented = vec![false; program.blocks.len()];
+        Loaded { program, meanings, targets, commented }
+    }
+}
+
+/// A running program: an iterator over the elements of the flat stream and the findings.
+pub struct Execution<'a> {
+    machine: &'a Machine,
+    library: Box<dyn Library + 'a>,
+    options: Options,
+    programs: Vec<Loaded>,
+    sources: Vec<Source>,
+    levels: Vec<Level>,
+    channel: Channel<'a>,
+    findings: std::collections::VecDeque<Diagnostic>,
+    reported: HashSet<(Code, Option<Place>)>,
+    errors: usize,
+    executed: u64,
+    limit: u64,
+    /// Call chains: the chain of the caller and its line.
+    chains: Vec<(u32, u32)>,
+    chain_ids: HashMap<(u32, u32), u32>,
+    found: HashMap<String, Option<(usize, usize)>>,
+    is_over: bool,
+}
+
+impl<'a> Execution<'a> {
+    /// Starts a program. Syntax findings of the main program are the caller's business; faulty blocks do nothing here.
+    #[must_use]
+    pub fn new(program: Program, machine: &'a Machine, library: Box<dyn Library + 'a>, options: Options) -> Self {
+        let limit = options.max_blocks.unwrap_or_else(|| MAX_BLOCKS.max(program.blocks.len() as u64 * 20));
+        let main = program
+            .sections
+            .iter()
+            .position(|section| section.ending == "MPF" && !section.blocks.is_empty())
+            .or_else(|| program.sections.iter().position(|section| !section.blocks.is_empty()))
+            .unwrap_or(0);
+        let mut channel = Channel::new(machine, &options);
+        let source = program.source.clone();
+        if let Some(section) = program.sections.get(main) {
+            for &header in &section.headers {
+                channel.begin_block(Origin { file: source.id(), line: 1, span: header, calls: 0 }, None);
+                channel.push(Kind::Header(source.slice(header).to_vec()));
+            }
+        }
+        let start = program.sections.get(main).map_or(0, |section| section.blocks.start);
+        Execution {
+            machine,
+            library,
+            options,
+            sources: vec![source],
+            programs: vec![Loaded::new(program)],
+            levels: vec![Level::new(0, main, start, 0)],
+            channel,
+            findings: std::collections::VecDeque::new(),
+            reported: HashSet::new(),
+            errors: 0,
+            executed: 0,
+            limit,
+            chains: Vec::new(),
+            chain_ids: HashMap::new(),
+            found: HashMap::new(),
+            is_over: false,
+        }
+    }
+
+    /// All files of the run so far, by [`FileId`].
+    #[must_use]
+    pub fn sources(&self) -> &[Source] {
+        &self.sources
+    }
+
+    /// Blocks executed so far.
+    #[must_use]
+    pub fn executed_blocks(&self) -> u64 {
+        self.executed
+    }
+
+    /// Lines of the calls that led to an element, innermost first; empty in the main program.
+    #[must_use]
+    pub fn call_lines(&self, origin: &Origin) -> Vec<u32> {
+        let mut lines = Vec::new();
+        let mut chain = origin.calls;
+        while let Some(&(caller, line)) = (chain as usize).checked_sub(1).and_then(|index| self.chains.get(index)) {
+            lines.push(line);
+            chain = caller;
+        }
+        lines
+    }
+
+    fn report(&mut self, finding: Diagnostic) {
+        if !self.reported.insert((finding.code, finding.place)) {
+            return;
+        }
+        if finding.is_error() {
+            self.errors += 1;
+            if self.errors == 1 {
+                self.limit = self.limit.min(self.executed + BLOCKS_AFTER_ERROR);
+            }
+            if self.errors >= MAX_ERRORS {
+                self.is_over = true;
+            }
+        }
+        self.findings.push_back(finding);
+    }
+
+    /// Executes one block.
+    fn step(&mut self) {
+        let Some(level) = self.levels.last_mut() else {
+            self.is_over = true;
+            return;
+        };
+        let loaded = &mut self.programs[level.program];
+        let section = &loaded.program.sections[level.section];
+        let index = level.next;
+        if index >= section.blocks.end {
+            self.end_of_program(None);
+            return;
+        }
+        level.next += 1;
+        let (program, calls, section_blocks) = (level.program, level.calls, section.blocks.clone());
+        let block = loaded.program.blocks[index];
+        let file = loaded.program.source.id();
+        if self.executed >= self.limit {
+            self.over_limit(file, &block);
+            return;
+        }
+        self.executed += 1;
+        if let Some(skip) = block.skip {
+            let place = Place { file, span: block.span };
+            let is_skipped = self.options.skip_levels.get(usize::from(skip)).copied().unwrap_or(false);
+            // One finding a run: every further block would say the same.
+            if !self.reported.iter().any(|(code, _)| *code == Code::SKIP_EXECUTED) {
+                let done = if is_skipped { "skipped" } else { "executed" };
+                let help = "choose with --skip which levels are left out";
+                self.report(Diagnostic::at(
+                    Code::SKIP_EXECUTED,
+                    place,
+                    format!("blocks with / are decided now; this one is {done}"),
+                    help,
+                ));
+            }
+            if is_skipped {
+                return;
+            }
+        }
+        let loaded = &mut self.programs[program];
+        let comment = take_comment(loaded, index, &block);
+        let origin = Origin { file, line: block.line, span: block.span, calls };
+        self.channel.begin_block(origin, block.number);
+        let action = match self.levels.last_mut() {
+            Some(level) => {
+                flow::block(loaded, level, &mut self.channel, &block, index, section_blocks, comment, self.machine)
+            }
+            None => Ok(Action::Next),
+        };
+        let warnings = std::mem::take(&mut self.channel.warnings);
+        for warning in warnings {
+            self.report(warning.in_file(file));
+        }
+        match action {
+            Ok(action) => self.act(action, &block),
+            Err(found) => self.report(found.in_file(file)),
+        }
+    }
+
+    fn act(&mut self, action: Action, block: &Block) {
+        match action {
+            Action::Next => {}
+            Action::Jump(target) => {
+                if let Some(level) = self.levels.last_mut() {
+                    level.next = target;
+                }
+            }
+            Action::Call(call) => self.call(&call, block),
+            Action::Return => self.end_of_program(None),
+            Action::End(word) => self.end_of_program(Some(word)),
+        }
+    }
+
+    /// The end of a program: back to the caller, or the end of the run. `word` is M2, M17 or M30 or none.
+    fn end_of_program(&mut self, word: Option<u32>) {
+        if self.levels.len() <= 1 {
+            if let Some(number) = word {
+                self.channel.push_end(number);
+            }
+            self.is_over = true;
+            return;
+        }
+        let Some(level) = self.levels.last_mut() else { return };
+        if level.repeats > 1 {
+            level.repeats -= 1;
+            let start = self.programs[level.program].program.sections[level.section].blocks.start;
+            level.next = start;
+            level.restart();
+            self.channel.variables.exchange(variables::Locals::default());
+            return;
+        }
+        if let Some(level) = self.levels.pop() {
+            self.channel.variables.exchange(level.callers_variables);
+        }
+    }
+
+    fn call(&mut self, call: &Call, block: &Block) {
+        let Some(level) = self.levels.last() else { return };
+        let file = self.programs[level.program].program.source.id();
+        if self.levels.len() as u64 >= u64::from(self.machine.control.max_program_levels) {
+            let message = format!("{} would be program level {}", call.name, self.levels.len() + 1);
+            let help = "a program that calls itself never ends; the limit is control.max_program_levels";
+            self.report(fault(Code::TOO_MANY_CALLS, call.span, message, help).in_file(file));
+            return;
+        }
+        if call.repeats == 0 {
+            return;
+        }
+        let caller = (level.calls, block.line);
+        let Some((program, section)) = self.find(&call.name, level.program) else {
+            let cycle = names::is_cycle(&call.name);
+            let (code, message) = if cycle {
+                (Code::NOT_SUPPORTED, format!("the cycle {} is not supported yet", call.name))
+            } else {
+                (Code::NO_SUBPROGRAM, format!("there is no program {}", call.name))
+            };
+            let help = if cycle { "write its moves out" } else { "put it beside the main program, as NAME.SPF" };
+            self.report(fault(code, call.span, message, help).in_file(file));
+            return;
+        };
+        let next_id = u32::try_from(self.chains.len() + 1).unwrap_or(u32::MAX);
+        let calls = *self.chain_ids.entry(caller).or_insert(next_id);
+        if calls == next_id {
+            self.chains.push(caller);
+        }
+        let start = self.programs[program].program.sections[section].blocks.start;
+        let mut level = Level::new(program, section, start, calls);
+        level.repeats = call.repeats;
+        level.callers_variables = self.channel.variables.exchange(variables::Locals::default());
+        self.levels.push(level);
+    }
+
+    /// The program and section of a name: in the file of the caller, in files loaded before, in the library.
+    fn find(&mut self, name: &str, caller: usize) -> Option<(usize, usize)> {
+        let in_caller = section_of(&self.programs[caller].program, name).map(|section| (caller, section));
+        let in_main = || section_of(&self.programs[0].program, name).map(|section| (0, section));
+        if let Some(found) = in_caller.or_else(in_main) {
+            return Some(found);
+        }
+        if let Some(found) = self.found.get(name) {
+            return *found;
+        }
+        let found = self.load(name);
+        self.found.insert(name.to_owned(), found);
+        found
+    }
+
+    fn load(&mut self, name: &str) -> Option<(usize, usize)> {
+        let (shown, bytes) = self.library.load(name)?;
+        let id = FileId(u16::try_from(self.sources.len()).ok()?);
+        let source = Source::new(id, &shown, bytes).ok()?;
+        let (program, findings) = syntax::parse(&source, self.programs[0].program.dialect);
+        self.sources.push(source);
+        for finding in findings {
+            self.report(finding);
+        }
+        let section = section_of(&program, name)
+            .or_else(|| program.sections.iter().position(|section| !section.blocks.is_empty()))?;
+        self.programs.push(Loaded::new(program));
+        Some((self.programs.len() - 1, section))
+    }
+
+    fn over_limit(&mut self, file: FileId, block: &Block) {
+        self.is_over = true;
+        if self.errors == 0 {
+            let place = Place { file, span: block.span };
+            let message = format!("{} blocks were executed and the program goes on here", self.executed);
+            self.report(Diagnostic::at(
+                Code::TOO_MANY_BLOCKS,
+                place,
+                message,
+                "raise --max-blocks if the program does end",
+            ));
+        }
+    }
+}
+
+impl Iterator for Execution<'_> {
+    type Item = Result<Element, Diagnostic>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some(finding) = self.findings.pop_front() {
+                return Some(Err(finding));
+            }
+            if let Some(element) = self.channel.queue.pop_front() {
+                return Some(Ok(element));
+            }
+            if self.is_over {
+                return None;
+            }
+            self.step();
+        }
+    }
+}
+
+/// The section of a program that has this name.
+fn section_of(program: &Program, name: &str) -> Option<usize> {
+    program.sections.iter().position(|section| section.name == name)
+}
+
+/// The comment of a block the first time it is executed: a loop does not repeat its comments.
+fn take_comment(loaded: &mut Loaded, index: usize, block: &Block) -> Option<Vec<u8>> {
+    if block.comment.start == block.comment.end || std::mem::replace(&mut loaded.commented[index], true) {
+        return None;
+    }
+    Some(loaded.program.source.slice(block.comment).to_vec())
+}
+
+/// Everything in scope of a block's expressions.
+fn scope_of<'s>(loaded: &'s Loaded, channel: &'s Channel<'_>) -> Scope<'s> {
+    Scope { program: &loaded.program, variables: &channel.variables }
+}
+
+/// Gathers the words of one block.
+fn gatherer<'s>(loaded: &'s Loaded, channel: &'s Channel<'_>, machine: &Machine) -> Gatherer<'s> {
+    Gatherer {
+        scope: scope_of(loaded, channel),
+        meanings: &loaded.meanings,
+        codes: loaded.program.dialect.codes(),
+        machine_axes: machine.axis_set(),
+    }
+}
+
+/// A finding about a part of a block.
+fn at(span: Span, code: Code, message: impl Into<String>, help: &str) -> Fault {
+    fault(code, span, message, help)
+}

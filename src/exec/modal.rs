@@ -1,0 +1,111 @@
+//! What stays in force from block to block: modal codes, frames, tool, position.
+
+use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
+use crate::machine::{Machine, Tool};
+use crate::snc::{Setup, WordValue};
+use crate::units::MM_PER_INCH;
+
+/// Modal state of the channel.
+#[derive(Clone, Debug)]
+pub(super) struct Modal {
+    /// 0 … 3: G0 … G3.
+    pub(super) motion: u8,
+    pub(super) plane: Plane,
+    pub(super) incremental: bool,
+    pub(super) inch: bool,
+    pub(super) inch_feed: bool,
+    /// mm/min, 0 for none yet.
+    pub(super) feed: f64,
+    /// `G500`, `G54` …
+    pub(super) offset: AxisVector,
+    /// TRANS, ATRANS.
+    pub(super) programmable: AxisVector,
+    /// Where frame or tool has no value in the machine file.
+    pub(super) offset_assumed: bool,
+    pub(super) tool_assumed: bool,
+    /// Selected with T, not yet changed to.
+    pub(super) selected: Option<WordValue>,
+    /// In the spindle.
+    pub(super) active: Option<WordValue>,
+    pub(super) edge: u32,
+    /// Lengths L1, L2, L3 in force, mm.
+    pub(super) length_mm: [f64; 3],
+    /// Axis commands, mm and rad.
+    pub(super) command: AxisVector,
+    /// Last programmed values per axis; after a frame change they may belong to the old frame (Sinumerik SD42440).
+    pub(super) programmed: AxisVector,
+    /// Axes whose position the program has stated.
+    pub(super) known: AxisSet,
+}
+
+impl Modal {
+    pub(super) fn new(start: Option<AxisVector>, machine: &Machine) -> Self {
+        let command = start.unwrap_or_default();
+        Modal {
+            motion: 1,
+            plane: Plane::XY,
+            incremental: false,
+            inch: false,
+            inch_feed: false,
+            feed: 0.0,
+            offset: AxisVector::ZERO,
+            programmable: AxisVector::ZERO,
+            offset_assumed: false,
+            tool_assumed: false,
+            selected: None,
+            active: None,
+            edge: 0,
+            length_mm: [0.0; 3],
+            command,
+            programmed: command,
+            known: if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY },
+        }
+    }
+
+    /// mm per programmed length unit.
+    pub(super) fn scale(&self) -> f64 {
+        if self.inch { MM_PER_INCH } else { 1.0 }
+    }
+
+    /// Total frame: settable, then programmable nearest to the programmed value.
+    pub(super) fn frame(&self) -> Frame {
+        Frame::translation(self.offset).compose(&Frame::translation(self.programmable))
+    }
+
+    /// Gauge point to tip as the control sees it: L1, L2, L3 lie along the plane's axes (G17: Z, Y, X).
+    pub(super) fn tool_mm(&self) -> Vector {
+        let [abscissa, ordinate, applicate] = self.plane.axes();
+        let mut tool = Vector::zeros();
+        let [first, second, third] = self.length_mm;
+        tool[applicate.slot()] = -first;
+        tool[ordinate.slot()] = if self.plane == Plane::XY { -second } else { -third };
+        tool[abscissa.slot()] = if self.plane == Plane::XY { -third } else { -second };
+        tool
+    }
+
+    /// How programmed positions relate to axis commands now.
+    pub(super) fn setup(&self) -> Setup {
+        Setup {
+            frame: self.frame(),
+            tool_mm: self.tool_mm(),
+            plane: self.plane,
+            assumed: self.offset_assumed || self.tool_assumed,
+        }
+    }
+
+    /// The tool of a number or name.
+    pub(super) fn find_tool<'m>(&self, machine: &'m Machine, tool: &WordValue, edge: u32) -> Option<&'m Tool> {
+        match tool {
+            WordValue::Number(number) => machine.tool(*number as u32, edge),
+            WordValue::Name(name) => machine.tools.iter().find(|candidate| {
+                let known = candidate.name.as_deref().unwrap_or_default();
+                candidate.edge == edge && known.as_bytes().eq_ignore_ascii_case(name)
+            }),
+        }
+    }
+
+    /// The position is unknown from here on: a tool change has moved the machine.
+    pub(super) fn forget_position(&mut self) {
+        self.known = AxisSet::EMPTY;
+    }
+}
