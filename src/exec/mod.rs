@@ -21,7 +21,7 @@ use std::collections::{HashMap, HashSet};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::AxisVector;
 use crate::machine::Machine;
-use crate::snc::{Element, Kind, Origin};
+use crate::snc::{BlockNumber, Element, Kind, Origin};
 use crate::source::{FileId, Source, Span};
 use crate::syntax::{self, Block, Program};
 
@@ -238,7 +238,8 @@ impl<'a> Execution<'a> {
         let loaded = &mut self.programs[program];
         let comment = take_comment(loaded, index, &block);
         let origin = Origin { file, line: block.line, span: block.span, calls };
-        self.channel.begin_block(origin, block.number);
+        let number = block.number.map(|written| BlockNumber { main: written.main, number: written.number });
+        self.channel.begin_block(origin, number);
         let action = match self.levels.last_mut() {
             Some(level) => {
                 flow::block(loaded, level, &mut self.channel, &block, index, section_blocks, comment, self.machine)

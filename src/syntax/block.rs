@@ -1,10 +1,9 @@
 //! Blocks: splits the file into lines, sections and words, and goes on behind whatever cannot be read.
 
 use super::token::{Fault, Input, Parsed, blanks, fault, identifier, is_blank, number, small_number};
-use super::tree::{Address, Block, Body, NameId, Names, Program, Section, Value, Word};
+use super::tree::{Address, Block, BlockNumber, Body, NameId, Names, Program, Section, Value, Word};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Dialect;
-use crate::snc::BlockNumber;
 use crate::source::{Source, Span};
 
 /// A block longer than this is refused; controls take 512 characters.
@@ -227,6 +226,9 @@ impl Parser {
             return self.named_word(input, draft);
         }
         let letter = input[0].to_ascii_uppercase();
+        if letter == b'L' && is_call_with_arguments(input) {
+            return self.named_word(input, draft);
+        }
         let rest = blanks(&input[1..]);
         let (rest, address, value) = match rest.first() {
             Some(b'0'..=b'9' | b'.' | b'-' | b'+') => {
@@ -334,6 +336,12 @@ fn starts_name(input: Input<'_>) -> bool {
         [first, second, ..] => first.is_ascii_alphabetic() && (second.is_ascii_alphabetic() || second == b'_'),
         _ => false,
     }
+}
+
+/// `L140(1)`: the name of a subprogram, not an address with a number.
+fn is_call_with_arguments(input: Input<'_>) -> bool {
+    let length = input[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    length > 0 && blanks(&input[1 + length..]).first() == Some(&b'(')
 }
 
 fn help_for(code: Code) -> &'static str {

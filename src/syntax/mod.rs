@@ -12,7 +12,7 @@ mod token;
 mod tree;
 
 pub use tree::{
-    Address, ArgumentRange, Block, Body, Definition, DefinitionType, DimensionFunction, Expr, ExprId, Jump, JumpTarget,
+    Address, ArgumentRange, Block, BlockNumber, Body, Definition, DefinitionType, DimensionFunction, Expr, ExprId, Jump, JumpTarget,
     NameId, Names, Node, Operator, Program, Search, Section, UnaryOperator, Value, Word,
 };
 

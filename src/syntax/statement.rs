@@ -3,9 +3,8 @@
 use super::block::{Draft, Parser};
 use super::expression::{keyword, target_number};
 use super::token::{Input, Parsed, blanks, fault, identifier};
-use super::tree::{Body, Definition, DefinitionType, ExprId, Jump, JumpTarget, Search};
+use super::tree::{BlockNumber, Body, Definition, DefinitionType, ExprId, Jump, JumpTarget, Search};
 use crate::diagnostic::Code;
-use crate::snc::BlockNumber;
 use crate::source::Span;
 
 /// Statements that are known and not executed yet; the rest of their block is not read.

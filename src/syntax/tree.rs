@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::dialect::Dialect;
-use crate::snc::BlockNumber;
 use crate::source::{Source, Span};
 
 /// Number of an expression in [`Program::exprs`].
@@ -14,6 +13,15 @@ pub struct ExprId(pub(super) u32);
 /// Number of a name in [`Program::names`]; equal ids are equal names, whatever their case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NameId(pub(super) u32);
+
+/// A block number: `N10` or `:10`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockNumber {
+    /// `:` instead of `N`.
+    pub main: bool,
+    /// The number.
+    pub number: u32,
+}
 
 /// A range of [`Program::arguments`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,0 +1,143 @@
+//! The house rules that a compiler does not check: who may know whom, what every file opens with, how long files get,
+//! and that every register is complete.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The foundation: rooms that every other room may name.
+const FOUNDATION: &[&str] = &["source", "diagnostic", "units"];
+
+/// Each room and the rooms that it may name beside the foundation and itself.
+const MAY_NAME: &[(&str, &[&str])] = &[
+    ("source", &[]),
+    ("diagnostic", &[]),
+    ("units", &[]),
+    ("geometry", &[]),
+    ("dialect", &[]),
+    ("syntax", &["dialect"]),
+    ("machine", &["geometry"]),
+    ("snc", &["geometry"]),
+    ("exec", &["syntax", "dialect", "machine", "geometry", "snc"]),
+    ("model", &["machine", "geometry"]),
+    ("path", &["snc", "model", "machine", "geometry"]),
+    ("emit", &["dialect", "path", "snc", "geometry", "machine"]),
+    ("report", &["geometry", "path", "emit", "machine", "model", "snc"]),
+    (
+        "cli",
+        &["geometry", "dialect", "syntax", "machine", "snc", "exec", "model", "path", "emit", "report"],
+    ),
+];
+
+/// A file longer than this says why in its first comment with the words "long because".
+const MAX_LINES: usize = 400;
+
+fn sources() -> Vec<(PathBuf, String)> {
+    fn walk(folder: &Path, out: &mut Vec<(PathBuf, String)>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                walk(&path, out);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                out.push((path.clone(), fs::read_to_string(&path).unwrap()));
+            }
+        }
+    }
+    let mut out = Vec::new();
+    walk(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut out);
+    out.sort();
+    assert!(out.len() > 30, "the walk finds the sources");
+    out
+}
+
+fn room_of(path: &Path) -> String {
+    let inside = path.strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).unwrap();
+    let first = inside.components().next().unwrap().as_os_str().to_string_lossy().into_owned();
+    first.trim_end_matches(".rs").to_owned()
+}
+
+/// The rooms that a text names with `crate::room` or `crate::{room, …}`.
+fn named_rooms(text: &str) -> Vec<String> {
+    let mut rooms = Vec::new();
+    for (at, _) in text.match_indices("crate::") {
+        let rest = &text[at + "crate::".len()..];
+        let names: Vec<&str> = match rest.strip_prefix('{') {
+            Some(list) => list.split('}').next().unwrap().split(',').map(str::trim).collect(),
+            None => vec![rest],
+        };
+        for name in names {
+            let end = name.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(name.len());
+            rooms.push(name[..end].to_owned());
+        }
+    }
+    rooms
+}
+
+#[test]
+fn every_file_names_only_rooms_that_it_may_know() {
+    let rows: BTreeMap<&str, &[&str]> = MAY_NAME.iter().copied().collect();
+    let mut faults = Vec::new();
+    for (path, text) in sources() {
+        let room = room_of(&path);
+        if matches!(room.as_str(), "lib" | "main") {
+            continue;
+        }
+        let Some(allowed) = rows.get(room.as_str()) else {
+            faults.push(format!("{}: room {room} has no row in MAY_NAME", path.display()));
+            continue;
+        };
+        for named in named_rooms(&text) {
+            let is_foundation = FOUNDATION.contains(&named.as_str()) && (!FOUNDATION.contains(&room.as_str()) || room == "diagnostic");
+            if rows.contains_key(named.as_str()) && named != room && !is_foundation && !allowed.contains(&named.as_str()) {
+                faults.push(format!("{}: {room} must not know {named}", path.display()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn every_file_opens_with_a_sentence_and_stays_readable() {
+    let mut faults = Vec::new();
+    for (path, text) in sources() {
+        if !text.starts_with("//! ") {
+            faults.push(format!("{}: the first line is no //! sentence", path.display()));
+        }
+        let head: String = text.lines().take_while(|line| line.starts_with("//!")).collect();
+        let lines = text.lines().count();
+        if lines > MAX_LINES && !head.contains("long because") {
+            faults.push(format!("{}: {lines} lines, at most {MAX_LINES} without a reason", path.display()));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn every_room_is_on_the_map_in_lib_rs() {
+    let lib = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).unwrap();
+    for (room, _) in MAY_NAME {
+        assert!(lib.contains(&format!("[`{room}`]")), "src/lib.rs does not explain {room}");
+    }
+}
+
+#[test]
+fn every_executable_dialect_has_codes_samples_and_a_writer() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for dialect in ncfix::dialect::DIALECTS.iter().filter(|dialect| dialect.is_executable) {
+        assert!(!dialect.codes().rows().is_empty(), "{} has no code table", dialect.name);
+        assert!(root.join(format!("grammars/{}-codes.tsv", dialect.name)).exists(), "{}", dialect.name);
+        let samples = root.join(format!("samples/programs/{}", dialect.name));
+        let count = fs::read_dir(&samples).unwrap().count();
+        assert!(count >= 8, "{} has {count} samples", dialect.name);
+        assert!(ncfix::emit::writer_for(dialect).is_some(), "{} has no writer in the register", dialect.name);
+    }
+}
+
+#[test]
+fn the_text_of_the_project_speaks_of_the_project_alone() {
+    for (path, text) in sources() {
+        for word in ["../shared", "/work/", "TODO", "FIXME"] {
+            assert!(!text.contains(word), "{} mentions {word}", path.display());
+        }
+    }
+}
