@@ -2,3 +2,5 @@
 
 mod exec;
 mod machines;
+mod grammar;
+//mod architecture;
