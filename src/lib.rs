@@ -1,4 +1,59 @@
-//! ncfix (map to be completed)
+//! ncfix reads a part program, executes it into a flat stream of simple moves, adds the corrections that the measured error
+//! model of one machine asks for, and writes a program for exactly this machine.
+//!
+//! # The program as signatures
+//!
+//! ```text
+//! bytes ─▶ Source ─▶ Program ─▶ Element … ─▶ Output … ─▶ text
+//!
+//! syntax::parse(&Source, &Dialect)                 -> (Program, Vec<Diagnostic>)       never fails, reports all
+//! exec::Execution::new(Program, &Machine, …)       :  Iterator<Item = Result<Element, Diagnostic>>      lazy SNC
+//! path::Corrector::new(elements, &Model, …)        :  Iterator<Item = Result<Output, Diagnostic>>       corrected pieces
+//! emit::…::write(&Output, …)                       -> lines of the program's own language
+//!
+//! model::Model::actual(command, tool, state)       -> Pose            THE forward function: correction inverts it,
+//! model::Model::solve(nominal, tool, state, …)     -> command         prediction projects it; there is no second formula
+//! path::compare(original, corrected, &Model)       -> Comparison      what `ncfix verify` prints
+//! ```
+//!
+//! Everything streams: no stage holds the path, so an endless program can be fed and memory is bounded by the program text.
+//!
+//! # Rooms
+//!
+//! In the order in which data passes. `tests/architecture.rs` holds the table of who may name whom.
+//!
+//! | room | what it is | must never know |
+//! | --- | --- | --- |
+//! | [`source`], [`diagnostic`], [`units`] | bytes and spans; findings as plain data; the edge of units | NC, machines |
+//! | [`geometry`] | axis vectors, frames, arcs: values that evaluate themselves | machines, programs |
+//! | [`dialect`] | one value per control language: code table from `grammars/`, switches | syntax, execution |
+//! | [`syntax`] | nom parsers and the tree: what was written | what a code means |
+//! | [`machine`] | chain of bodies, axes, travel, tools, zero offsets, control; the TOML file | errors |
+//! | [`snc`] | elements of the flat stream, their text form, provenance | dialects, the model |
+//! | [`exec`] | modal state, variables, flow, frames → SNC | the error model |
+//! | [`model`] | error functions, forward kinematics with errors, the inverse | programs, instruments |
+//! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
+//! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
+//! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
+//! | [`cli`] | one file per command; the only room that opens files | — |
+//!
+//! # To add something
+//!
+//! | to add | write | register in |
+//! | --- | --- | --- |
+//! | a dialect | `dialect/x.rs`, `grammars/x-codes.tsv`, `grammars/x.ebnf`, a writer in `emit/`, samples | [`dialect::DIALECTS`] |
+//! | a G code or word | one row; an arm in `exec/` if it moves the machine | `grammars/x-codes.tsv` |
+//! | a kind of motion error | `model/motion/x.rs` with formula and source | the register of kinds there |
+//! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |
+//! | a command | `cli/x.rs` | `cli/mod.rs` |
+//!
+//! A forgotten registration, sample or row makes a test fail and say what is missing.
+//!
+//! # Conventions
+//!
+//! mm, rad, s inside; units in every name at the edges. Axis letters are those of ISO 841, error names those of ISO 230-1:
+//! `EXX` positioning of X, `EYX` its straightness, `EAX` its roll, `EC0Y` the squareness of Y about Z. An error is the deviation of
+//! the moving body, also on the workpiece side; a correction is what is added to a command.
 
 pub mod diagnostic;
 pub mod dialect;
