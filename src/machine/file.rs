@@ -1,35 +1,334 @@
-//! The machine file: a TOML document whose every value knows its place.
+//! The machine file: what it says of the machine itself. Its error model is read by [`crate::model::file`].
+//!
+//! Units are in the keys: mm, degrees, mm/min. A file is read as a whole and everything that is wrong with it is reported in
+//! one run. A set-up file holds zero offsets and tools only and is laid over a machine by [`apply_setup`].
 
-use crate::diagnostic::Diagnostic;
+use std::collections::BTreeMap;
+
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
 use crate::source::Source;
 
-use super::Machine;
+use super::{AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
 
-/// The machine that is built in, for looking at; not for a real machine.
+pub use super::document::{Document as MachineFile, Section, nearest};
+
+/// The machine that is built in so that the program can be tried without one: good for looking at, not for a real machine.
 pub const DEMO: &str = include_str!("../../samples/machines/demo.toml");
 
-/// A machine file, parsed.
-#[derive(Clone, Debug)]
-pub struct MachineFile;
+/// Top-level sections that describe the machine.
+pub const SECTIONS: &[&str] = &["machine", "axis", "spindle", "control", "zero_offset", "tool"];
 
-impl MachineFile {
-    /// Parses the TOML text.
-    ///
-    /// # Errors
-    /// The findings of text that is no TOML.
-    pub fn parse(_source: &Source) -> Result<MachineFile, Vec<Diagnostic>> {
-        Ok(MachineFile)
+/// How far the direction of a linear axis may be off its direction of F.
+const PARALLEL_LIMIT: f64 = 1e-9;
+
+/// Reads the machine without its errors. There is one only where no finding is an error.
+#[must_use]
+pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
+    let mut findings = Vec::new();
+    let mut root = file.root();
+    let named = root.required("machine", "a section [machine] with name and topology", Section::section);
+    let head = named.and_then(|section| read_head(section, &mut findings));
+    let (axes, headers) = read_axes(root.section("axis"), &mut findings);
+    if let Some(head) = &head {
+        check_chain(head, &headers, &mut findings);
+    }
+    let spindle = read_spindle(root.section("spindle"), &mut findings);
+    let control = read_control(root.section("control"), &mut findings);
+    let axis_set = head.as_ref().map_or(AXES.into_iter().collect(), |head| head.topology.axis_set());
+    let zero_offsets = read_zero_offsets(&mut root, axis_set, &mut findings);
+    let tools = read_tools(&mut root, &mut findings);
+    // Other rooms have sections of their own; who reads the last one reports the unknown ones.
+    let keys: Vec<&str> = root.keys().collect();
+    keys.into_iter().for_each(|key| root.accept(key));
+    root.finish(&mut findings);
+    let sound = !findings.iter().any(Diagnostic::is_error);
+    let machine = head.filter(|_| sound).map(|head| {
+        let Head { name, topology, controller, reference_temperature_c, .. } = head;
+        Machine { name, topology, controller, reference_temperature_c, axes, spindle, control, zero_offsets, tools }
+    });
+    (machine, findings)
+}
+
+/// Lays a set-up file over a machine: `[zero_offset.*]` and `[[tool]]` replace those of the same name, number and edge or add to them.
+/// The machine is left as it is where an error is found.
+#[must_use]
+pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
+    let file = match MachineFile::parse(source) {
+        Ok(file) => file,
+        Err(findings) => return findings,
+    };
+    let mut findings = Vec::new();
+    let mut root = file.root();
+    let zero_offsets = read_zero_offsets(&mut root, machine.topology.axis_set(), &mut findings);
+    let tools = read_tools(&mut root, &mut findings);
+    root.finish(&mut findings);
+    if findings.iter().any(Diagnostic::is_error) {
+        return findings;
+    }
+    machine.zero_offsets.extend(zero_offsets);
+    for tool in tools {
+        match machine.tools.iter_mut().find(|old| (old.number, old.edge) == (tool.number, tool.edge)) {
+            Some(old) => *old = tool,
+            None => machine.tools.push(tool),
+        }
+    }
+    findings
+}
+
+struct Head {
+    name: String,
+    topology: Topology,
+    topology_place: Place,
+    controller: String,
+    reference_temperature_c: f64,
+}
+
+fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<Head> {
+    let name = section.required("name", "\"my machine\"", Section::text);
+    let written = section.required("topology", "\"wXYFZSt\"", Section::text);
+    let controller = section.text("controller").unwrap_or("sinumerik").to_owned();
+    let reference_temperature_c = section.number("reference_temperature_C").unwrap_or(20.0);
+    let topology_place = section.place_of("topology");
+    let topology = written.and_then(|text| match text.parse::<Topology>() {
+        Ok(topology) => Some(topology),
+        Err(fault) => {
+            let help =
+                "write the bodies from the workpiece w over the foundation F to the tool t, for example wCBXFZYSt";
+            section.report(Code::BAD_TOPOLOGY, topology_place, format!("topology {text}: {fault}"), help);
+            None
+        }
+    });
+    section.finish(findings);
+    Some(Head { name: name?.to_owned(), topology: topology?, topology_place, controller, reference_temperature_c })
+}
+
+/// The axes that could be read, and the header of every axis section.
+type Axes = ([Option<AxisData>; AXIS_COUNT], [Option<Place>; AXIS_COUNT]);
+
+fn read_axes(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> Axes {
+    let mut axes = [const { None }; AXIS_COUNT];
+    let mut headers = [None; AXIS_COUNT];
+    let Some(mut section) = section else { return (axes, headers) };
+    for axis in AXES {
+        let key = axis.to_string();
+        if section.has(&key) {
+            headers[axis.slot()] = Some(section.place_of(&key));
+        }
+        if let Some(own) = section.section(&key) {
+            axes[axis.slot()] = read_axis(axis, own, findings);
+        }
+    }
+    section.finish(findings);
+    (axes, headers)
+}
+
+fn read_axis(axis: Axis, mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<AxisData> {
+    let (travel_key, feed_key, to_internal) = if axis.is_rotary() {
+        ("travel_deg", "max_feed_deg_min", f64::to_radians as fn(f64) -> f64)
+    } else {
+        ("travel_mm", "max_feed_mm_min", std::convert::identity as fn(f64) -> f64)
+    };
+    let direction = section
+        .required("direction", "[1, 0, 0]", Section::vector)
+        .and_then(|direction| checked_direction(axis, direction, &mut section));
+    let point_mm = section.vector("point_mm").unwrap_or_default();
+    let travel = section.numbers(travel_key).and_then(|travel| match *travel.as_slice() {
+        [low, high] if low < high => Some([to_internal(low), to_internal(high)]),
+        _ => {
+            let message = format!("{travel_key} of axis {axis} must be the lowest and the highest position");
+            let help = format!("write two numbers that increase, for example `{travel_key} = [0, 500]`");
+            section.report(Code::BAD_VALUE, section.place_of(travel_key), message, help);
+            None
+        }
+    });
+    if !section.has(travel_key) {
+        let message = format!("axis {axis} has no {travel_key}");
+        let help = format!("add `{travel_key} = [lowest, highest]`, so that positions outside the travel are found");
+        section.report(Code::NO_TRAVEL, section.place(), message, help);
+    }
+    let max_feed = section.number_where(feed_key, "a number above 0", |feed| feed > 0.0);
+    let lever = match section.text("lever") {
+        None | Some("carried") => Lever::Carried,
+        Some("fixed") => Lever::Fixed,
+        Some(other) => {
+            let message = format!("lever must be \"carried\" or \"fixed\", found \"{other}\"");
+            let help = "carried: errors move with the carriage; fixed: their arm includes the axis's own motion";
+            section.report(Code::BAD_VALUE, section.place_of("lever"), message, help);
+            Lever::Carried
+        }
+    };
+    section.finish(findings);
+    Some(AxisData { axis, direction: direction?, point_mm, travel, max_feed, lever })
+}
+
+/// The unit vector of a direction; a linear axis must run along its own direction of F, a deviation is an error, not a direction.
+fn checked_direction(axis: Axis, direction: Vector, section: &mut Section<'_>) -> Option<Vector> {
+    let place = section.place_of("direction");
+    let Some(unit) = direction.try_normalize(1e-12).filter(|unit| unit.norm().is_finite()) else {
+        section.report(
+            Code::BAD_VALUE,
+            place,
+            format!("the direction of axis {axis} has no length"),
+            "write for example [1, 0, 0]",
+        );
+        return None;
+    };
+    let own = axis.dimension();
+    let strays = (0..3).any(|dimension| dimension != own && unit[dimension].abs() > PARALLEL_LIMIT);
+    if !axis.is_rotary() && strays {
+        let letter = ['X', 'Y', 'Z'][own];
+        let message = format!("axis {axis} must run along {letter} of F");
+        let help = "put the deviation into [location], for example EC0Y for an axis Y that leans towards X";
+        section.report(Code::BAD_VALUE, place, message, help);
+        return None;
+    }
+    Some(unit)
+}
+
+/// Every letter of the topology has its section and every section its letter.
+fn check_chain(head: &Head, headers: &[Option<Place>; AXIS_COUNT], findings: &mut Vec<Diagnostic>) {
+    for axis in AXES {
+        match (head.topology.branch(axis), headers[axis.slot()]) {
+            (Some(_), None) => {
+                let message = format!("axis {axis} of the topology has no section [axis.{axis}]");
+                let help = format!("add [axis.{axis}] with its direction, or take {axis} out of the topology");
+                findings.push(Diagnostic::at(Code::BAD_TOPOLOGY, head.topology_place, message, help));
+            }
+            (None, Some(place)) => {
+                let message = format!("axis {axis} is not in the topology {}", head.topology);
+                let help = format!("take {axis} into the topology, or remove the section");
+                findings.push(Diagnostic::at(Code::BAD_TOPOLOGY, place, message, help));
+            }
+            _ => {}
+        }
     }
 }
 
-/// Reads the machine, without its errors.
-#[must_use]
-pub fn read_machine(_file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
-    (None, Vec::new())
+fn read_spindle(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> Spindle {
+    let mut spindle = Spindle { origin_mm: Vector::zeros(), axis: Vector::z() };
+    let Some(mut section) = section else { return spindle };
+    if let Some(origin_mm) = section.vector("origin_mm") {
+        spindle.origin_mm = origin_mm;
+    }
+    if let Some(axis) = section.vector("axis") {
+        match axis.try_normalize(1e-12) {
+            Some(unit) => spindle.axis = unit,
+            None => {
+                let help = "write the direction from the tip to the spindle, for example [0, 0, 1]";
+                section.report(Code::BAD_VALUE, section.place_of("axis"), "the spindle axis has no length", help);
+            }
+        }
+    }
+    section.finish(findings);
+    spindle
 }
 
-/// Reads a set-up file, `[zero_offset.*]` and `[[tool]]`, into a machine: entries replace or add to what it has.
-#[must_use]
-pub fn apply_setup(_source: &Source, _machine: &mut Machine) -> Vec<Diagnostic> {
-    Vec::new()
+fn read_control(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> Control {
+    let mut control = Control::default();
+    let Some(mut section) = section else { return control };
+    let positive = |value: f64| value > 0.0;
+    let not_negative = |value: f64| value >= 0.0;
+    if let Some(value) = section.number_where("increment_mm", "a number above 0", positive) {
+        control.increment_mm = value;
+    }
+    if let Some(value) = section.number_where("increment_deg", "a number above 0", positive) {
+        control.increment_rad = value.to_radians();
+    }
+    if let Some(value) = section.number_where("arc_tolerance_mm", "a number that is not negative", not_negative) {
+        control.arc_tolerance_mm = value;
+    }
+    if let Some(value) = section.number_where("arc_tolerance_ratio", "a number that is not negative", not_negative) {
+        control.arc_tolerance_ratio = value;
+    }
+    match section.text("tool_change") {
+        None | Some("M6") => {}
+        Some("T") => control.tool_change = ToolChange::T,
+        Some(other) => {
+            let message = format!("tool_change must be \"M6\" or \"T\", found \"{other}\"");
+            let help = "M6: T selects and M6 changes; T: T changes at once";
+            section.report(Code::BAD_VALUE, section.place_of("tool_change"), message, help);
+        }
+    }
+    if let Some(value) = section.integer("edge_after_tool_change") {
+        control.edge_after_tool_change = value;
+    }
+    if let Some(value) = section.boolean("incremental_traverses_frame_change") {
+        control.incremental_traverses_frame_change = value;
+    }
+    if let Some(value) = section.number_where("max_program_levels", "a whole number from 1 to 100", |levels| {
+        (1.0..=100.0).contains(&levels) && levels.fract() == 0.0
+    }) {
+        control.max_program_levels = value as u32;
+    }
+    if let Some(name) = section.text("initial_zero_offset") {
+        if is_zero_offset_name(name) {
+            control.initial_zero_offset = name.to_owned();
+        } else {
+            let message = format!("\"{name}\" is no settable zero offset");
+            section.report(Code::BAD_VALUE, section.place_of("initial_zero_offset"), message, ZERO_OFFSET_NAMES);
+        }
+    }
+    section.finish(findings);
+    control
+}
+
+const ZERO_OFFSET_NAMES: &str = "settable zero offsets are G500, G54 to G57 and G505 to G599";
+
+fn is_zero_offset_name(name: &str) -> bool {
+    let number = name.strip_prefix('G').filter(|digits| digits.bytes().all(|digit| digit.is_ascii_digit()));
+    let number: Option<u32> = number.and_then(|digits| digits.parse().ok());
+    number.is_some_and(|number| matches!(number, 54..=57 | 500 | 505..=599)) && !name.starts_with("G0")
+}
+
+fn read_zero_offsets(
+    root: &mut Section<'_>,
+    axes: AxisSet,
+    findings: &mut Vec<Diagnostic>,
+) -> BTreeMap<String, AxisVector> {
+    let mut offsets = BTreeMap::new();
+    let Some(mut section) = root.section("zero_offset") else { return offsets };
+    let names: Vec<&str> = section.keys().collect();
+    for name in names {
+        if !is_zero_offset_name(name) {
+            let message = format!("\"{name}\" is no settable zero offset");
+            section.accept(name);
+            section.report(Code::UNKNOWN_KEY, section.place_of_key(name), message, ZERO_OFFSET_NAMES);
+            continue;
+        }
+        let Some(mut own) = section.section(name) else { continue };
+        let mut offset = AxisVector::ZERO;
+        for axis in axes.iter() {
+            if axis.is_rotary() {
+                offset[axis] = own.number(&format!("{axis}_deg")).map_or(0.0, f64::to_radians);
+            } else {
+                offset[axis] = own.number(&format!("{axis}_mm")).unwrap_or(0.0);
+            }
+        }
+        own.finish(findings);
+        offsets.insert(name.to_owned(), offset);
+    }
+    section.finish(findings);
+    offsets
+}
+
+fn read_tools(root: &mut Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<Tool> {
+    let mut tools: Vec<Tool> = Vec::new();
+    for mut section in root.sections("tool") {
+        let number = section.required("number", "1", Section::integer);
+        let name = section.text("name").map(str::to_owned);
+        let edge = section.integer("edge").unwrap_or(1);
+        let length_mm = section.required("length_mm", "120.0", Section::number_or_three);
+        let radius_mm = section.number_where("radius_mm", "a number that is not negative", |radius| radius >= 0.0);
+        if let (Some(number), Some(length_mm)) = (number, length_mm) {
+            if tools.iter().any(|tool| (tool.number, tool.edge) == (number, edge)) {
+                let message = format!("tool {number} with edge {edge} stands in the file twice");
+                let help = "give the second one another number or edge, or remove it";
+                section.report(Code::BAD_VALUE, section.place_of("number"), message, help);
+            }
+            tools.push(Tool { number, name, edge, length_mm, radius_mm: radius_mm.unwrap_or(0.0) });
+        }
+        section.finish(findings);
+    }
+    tools
 }

@@ -3,6 +3,7 @@
 //! Says nothing of errors: [`crate::model`] adds them.
 
 mod chain;
+mod document;
 pub mod file;
 mod state;
 

@@ -1,20 +1,121 @@
-//! Reads machine and error model from one file.
+//! The machine file: what it says of the errors, `[location]` and `[[motion]]`, and reading the file as a whole.
+//!
+//! Displacements are µm and rotations µrad in the file; polynomial coefficients are mm and rad per power of mm or rad.
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::geometry::{Axis, AxisSet};
 use crate::machine::Machine;
-use crate::machine::file::{MachineFile, read_machine};
+use crate::machine::file::{MachineFile, SECTIONS, Section, nearest, read_machine};
 use crate::source::Source;
+use crate::units::{mm_from_um, rad_from_urad};
 
-use super::ErrorModel;
+use super::motion::{Entry, KINDS};
+use super::name::{ErrorKind, ErrorName};
+use super::{ErrorModel, LocationError, MotionError};
 
-/// Reads a machine file; all findings of the file in one run.
+/// Reads a machine file. All findings are reported in one run, in the order of the file; there is a machine only where none of
+/// them is an error.
 #[must_use]
 pub fn load(source: &Source) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>) {
-    match MachineFile::parse(source) {
-        Ok(file) => {
-            let (machine, findings) = read_machine(&file);
-            (machine.map(|machine| (machine, ErrorModel::default())), findings)
-        }
-        Err(findings) => (None, findings),
+    let file = match MachineFile::parse(source) {
+        Ok(file) => file,
+        Err(findings) => return (None, findings),
+    };
+    let (machine, mut findings) = read_machine(&file);
+    let mut root = file.root();
+    for &section in SECTIONS {
+        root.accept(section);
     }
+    let axes = axes_in(file.root());
+    let location = root.section("location").map(|section| read_location(section, axes, &mut findings));
+    let sections = root.sections("motion");
+    let motion = sections.into_iter().filter_map(|section| read_motion(section, axes, &mut findings)).collect();
+    root.finish(&mut findings);
+    findings.sort_by_key(|finding| finding.place);
+    let sound = !findings.iter().any(Diagnostic::is_error);
+    let errors = ErrorModel { location: location.unwrap_or_default(), motion };
+    (machine.filter(|_| sound).map(|machine| (machine, errors)), findings)
+}
+
+/// The axes that have a section, whether or not it is sound: faults of the chain are reported elsewhere and must not hide others.
+fn axes_in(mut root: Section<'_>) -> AxisSet {
+    let letters = root.section("axis").map(|section| section.keys().collect::<Vec<_>>()).unwrap_or_default();
+    letters
+        .into_iter()
+        .filter_map(|key| match key.as_bytes() {
+            [letter @ b'A'..=b'Z'] => Axis::from_letter(*letter),
+            _ => None,
+        })
+        .collect()
+}
+
+fn read_location(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<Diagnostic>) -> Vec<LocationError> {
+    let mut errors = Vec::new();
+    let keys: Vec<&str> = section.keys().collect();
+    for key in keys {
+        section.accept(key);
+        let help = "write E, a direction, 0 and an axis of the machine or S, for example EC0Y or EX0S";
+        let place = section.place_of_key(key);
+        let Some(name) = known_component(&mut section, key, place, axes, ErrorKind::Location, help) else { continue };
+        if let Some(value) = section.number(key) {
+            let value = if name.direction.is_rotation() { rad_from_urad(value) } else { mm_from_um(value) };
+            errors.push(LocationError { name, value });
+        }
+    }
+    section.finish(findings);
+    errors
+}
+
+fn read_motion(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<Diagnostic>) -> Option<MotionError> {
+    let component = section.required("component", "\"EXX\"", Section::text);
+    let place = section.place_of("component");
+    let help = "write E, a direction and an axis of the machine, for example EXX or EAY";
+    let name = component.and_then(|text| known_component(&mut section, text, place, axes, ErrorKind::Motion, help));
+    let kind = section.required("kind", "\"polynomial\"", Section::text).and_then(|text| {
+        let kind = KINDS.iter().find(|kind| kind.name == text);
+        if kind.is_none() {
+            let known: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+            let help = match nearest(text, known.iter().copied()) {
+                Some(near) => format!("did you mean \"{near}\"?"),
+                None => format!("write one of {}", known.join(", ")),
+            };
+            section.report(Code::BAD_VALUE, section.place_of("kind"), format!("unknown kind \"{text}\""), help);
+        }
+        kind
+    });
+    let (Some(name), Some(kind)) = (name, kind) else {
+        // Without component and kind the other keys cannot be judged.
+        let keys: Vec<&str> = section.keys().collect();
+        keys.into_iter().for_each(|key| section.accept(key));
+        section.finish(findings);
+        return None;
+    };
+    let mut entry = Entry { section, name, axes };
+    let function = (kind.read)(&mut entry);
+    entry.section.finish(findings);
+    Some(MotionError { name, function: function? })
+}
+
+/// The component of a name; reports `E0406` where it is none of this machine or not of this kind.
+fn known_component(
+    section: &mut Section<'_>,
+    text: &str,
+    place: Place,
+    axes: AxisSet,
+    kind: ErrorKind,
+    help: &str,
+) -> Option<ErrorName> {
+    let fault = match text.parse::<ErrorName>() {
+        Err(_) => format!("\"{text}\" is no error component"),
+        Ok(name) if name.axis().is_some_and(|axis| !axes.contains(axis)) => {
+            format!("{text}: the machine has no axis {}", char::from(text.as_bytes()[text.len() - 1]))
+        }
+        Ok(name) if name.kind != kind => match kind {
+            ErrorKind::Location => format!("{text} is a motion error, it belongs into [[motion]]"),
+            ErrorKind::Motion => format!("{text} is a location error, it belongs into [location]"),
+        },
+        Ok(name) => return Some(name),
+    };
+    section.report(Code::UNKNOWN_COMPONENT, place, fault, help);
+    None
 }

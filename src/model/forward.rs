@@ -1,85 +1,149 @@
-//! Forward kinematics with errors.
+//! Forward kinematics: where the tool is in the workpiece for given axis commands, with and without errors.
+//!
+//! wTt = (F→w)⁻¹ (F→t). The tool frame has its origin at the tip and is parallel to F at the zero pose; it is carried through the
+//! spindle, through the axes of the tool side to F, and back through the axes of the workpiece side ([`super::link`]). The spindle
+//! is D(e0) at its gauge point.
 
-use crate::geometry::{Axis, AxisVector, Matrix, Vector};
-use crate::machine::{Machine, State};
+use crate::geometry::{Axis, AxisVector, Vector};
+use crate::machine::{AxisData, Machine, State};
 
-use super::ErrorModel;
+use super::body::{Body, Place, Pointer, Witness};
+use super::link::{Displacement, Link};
+use super::motion::Functions;
+use super::name::{Carrier, ErrorKind, ErrorName};
+use super::rotation::vector_of;
+use super::{ErrorModel, Features, Pose, features, location};
 
 /// A machine and its errors, prepared for fast evaluation.
 #[derive(Clone, Debug)]
 pub struct Model {
-    features: Features,
+    /// From the spindle to F.
+    pub(super) tool_side: Vec<Link>,
+    /// From F to the workpiece.
+    pub(super) workpiece_side: Vec<Link>,
+    spindle_mm: Vector,
+    spindle_axis: Vector,
+    spindle_error: Option<Displacement>,
+    features: [Features; crate::geometry::AXIS_COUNT],
+    is_empty: bool,
 }
 
-/// Where the tool is: the map from tool coordinates to workpiece coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
-    /// Rotation.
-    pub rotation: Matrix,
-    /// The tool tip in the workpiece frame, mm.
-    pub translation: Vector,
-}
-
-/// A small displacement.
+/// A small displacement: of the actual tool frame from the nominal one, in the nominal tool frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Twist {
-    /// mm.
+    /// Of the tip, mm.
     pub translation: Vector,
     /// Rotation vector, rad.
     pub rotation: Vector,
 }
 
-/// How finely the error functions of one axis must be sampled.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Features {
-    /// Length (mm or rad) over which the functions are smooth; a piece of 1/8 of it is a safe sampling step.
-    pub length: f64,
-    /// Commands (mm or rad) at which a function has a kink, increasing.
-    pub knots: Vec<f64>,
-    /// Whether a function depends on the sense of motion.
-    pub backlash: bool,
-}
-
 impl Model {
-    /// Prepares a machine and its errors.
+    /// Prepares a machine and its errors. Errors of axes that the machine lacks have no effect.
     #[must_use]
-    pub fn new(_machine: &Machine, _errors: &ErrorModel) -> Model {
-        Model { features: Features { length: 500.0, knots: Vec::new(), backlash: false } }
+    pub fn new(machine: &Machine, errors: &ErrorModel) -> Model {
+        let link = |data: &AxisData| {
+            let location = location::components(&errors.location, Carrier::Axis(data.axis));
+            Link::new(data, &location, Functions::of(data.axis, &errors.motion))
+        };
+        let branch = |axes: &[Axis]| axes.iter().filter_map(|&axis| machine.axis(axis)).map(link).collect::<Vec<_>>();
+        let mut tool_side = branch(&machine.topology.tool);
+        tool_side.reverse();
+        let workpiece_side = branch(&machine.topology.workpiece);
+        let spindle_error = Displacement::unless_zero(&location::components(&errors.location, Carrier::Spindle));
+        let is_empty = spindle_error.is_none() && tool_side.iter().chain(&workpiece_side).all(Link::is_ideal);
+        Model {
+            tool_side,
+            workpiece_side,
+            spindle_mm: machine.spindle.origin_mm,
+            spindle_axis: machine.spindle.axis,
+            spindle_error,
+            features: features::of(machine, errors),
+            is_empty,
+        }
     }
 
-    /// Whether no error can ever be other than zero.
+    /// Whether no error can ever differ from zero.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        true
+        self.is_empty
     }
 
-    /// Pose of the tool in the workpiece without errors.
+    /// How finely the errors of an axis must be sampled.
+    #[must_use]
+    pub fn features(&self, axis: Axis) -> &Features {
+        &self.features[axis.slot()]
+    }
+
+    /// Pose of the tool in the workpiece without errors. `tool_mm` runs from the spindle gauge point to the tip, in F at the zero pose.
     #[must_use]
     pub fn nominal(&self, command: &AxisVector, tool_mm: &Vector) -> Pose {
-        Pose { rotation: Matrix::identity(), translation: command.xyz() + tool_mm }
+        self.carry(Pose::parallel_at(*tool_mm), command, None)
     }
 
-    /// Pose of the tool in the workpiece with errors.
+    /// Pose of the tool in the workpiece with errors: the one forward function of correction and prediction.
     #[must_use]
-    pub fn actual(&self, command: &AxisVector, tool_mm: &Vector, _state: &State) -> Pose {
-        self.nominal(command, tool_mm)
+    pub fn actual(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Pose {
+        self.carry(Pose::parallel_at(*tool_mm), command, Some(state))
     }
 
-    /// Volumetric error in the tool frame.
+    /// Volumetric error: the actual tool frame as seen from the nominal one at the same command (Esmaeili 2021, eq. 4).
     #[must_use]
-    pub fn volumetric_error(&self, _command: &AxisVector, _tool_mm: &Vector, _state: &State) -> Twist {
-        Twist { translation: Vector::zeros(), rotation: Vector::zeros() }
+    pub fn volumetric_error(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Twist {
+        let seen = self.nominal(command, tool_mm).inverse_times(&self.actual(command, tool_mm, state));
+        Twist { translation: seen.translation, rotation: vector_of(&seen.rotation) }
     }
 
-    /// Tip at `command` with errors minus nominal tip at `nominal`, workpiece frame, mm.
+    /// The tip at `command` with errors minus the nominal tip at `nominal`, in the workpiece frame, mm.
     #[must_use]
-    pub fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, _tool_mm: &Vector, _state: &State) -> Vector {
-        command.xyz() - nominal.xyz()
+    pub fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, tool_mm: &Vector, state: &State) -> Vector {
+        self.carry(*tool_mm, command, Some(state)) - self.carry(*tool_mm, nominal, None)
     }
 
-    /// Sampling hints of an axis.
+    /// First-order effect of one error component on the volumetric error, per mm or rad of the component, in the nominal tool frame.
+    ///
+    /// With Q the tool frame as seen from the place where the error ε, ω acts: rotation Qᵀω, translation Qᵀ(ε + ω × t); negative
+    /// on the workpiece side, because the workpiece moves instead of the tool (transport matrices of Esmaeili 2021, eq. 53).
+    /// Zero for an axis that the machine lacks.
     #[must_use]
-    pub fn features(&self, _axis: Axis) -> &Features {
-        &self.features
+    pub fn sensitivity(&self, name: ErrorName, command: &AxisVector, tool_mm: &Vector) -> Twist {
+        let place = if name.kind == ErrorKind::Location { Place::Location } else { Place::Motion };
+        let witness = Witness::new(Pose::parallel_at(*tool_mm), name.carrier, place);
+        let Some(seen) = self.carry(witness, command, None).seen else {
+            return Twist { translation: Vector::zeros(), rotation: Vector::zeros() };
+        };
+        let on_workpiece_side = self.workpiece_side.iter().any(|link| name.axis() == Some(link.axis));
+        let back = seen.rotation.transpose() * if on_workpiece_side { -1.0 } else { 1.0 };
+        let unit = Vector::ith(name.direction.index() % 3, 1.0);
+        if name.direction.is_rotation() {
+            Twist { translation: back * unit.cross(&seen.translation), rotation: back * unit }
+        } else {
+            Twist { translation: back * unit, rotation: Vector::zeros() }
+        }
+    }
+
+    /// Tip and axis of the tool with their derivatives by the commands, in the workpiece frame.
+    pub(super) fn pointer(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Pointer {
+        self.carry(Pointer::new(*tool_mm, self.spindle_axis), command, errors)
+    }
+
+    /// The tip in the workpiece frame, mm.
+    pub(super) fn tip(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Vector {
+        self.carry(*tool_mm, command, errors)
+    }
+
+    /// Carries a body from the spindle to the workpiece; with errors where there is a state.
+    fn carry<B: Body>(&self, mut body: B, command: &AxisVector, errors: Option<&State>) -> B {
+        body.visit(Carrier::Spindle, Place::Location);
+        if let (Some(error), Some(_)) = (&self.spindle_error, errors) {
+            error.apply(&mut body);
+        }
+        body.translate(&self.spindle_mm);
+        for link in &self.tool_side {
+            link.carry(&mut body, command, errors);
+        }
+        for link in &self.workpiece_side {
+            link.uncarry(&mut body, command, errors);
+        }
+        body
     }
 }

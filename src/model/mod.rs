@@ -1,13 +1,29 @@
 //! The error model of a machine: forward kinematics with errors, and the commands that cancel them.
+//!
+//! [`ErrorModel`] is what the file says: location errors ([`location`]) and motion errors ([`motion`], one file per kind of
+//! function), named as in ISO 230-1 ([`name`]). [`Model`] is machine and errors prepared for evaluation; [`Model::actual`] is the only
+//! forward function, and [`Model::solve`] inverts it. Nothing here knows of programs or instruments.
 
+mod body;
+mod features;
 pub mod file;
 mod forward;
 mod inverse;
+mod link;
+pub mod location;
+pub mod motion;
+pub mod name;
+mod rotation;
 
-pub use forward::{Features, Model, Pose, Twist};
+pub use body::Pose;
+pub use features::Features;
+pub use forward::{Model, Twist};
 pub use inverse::{NotConverged, Solve};
+pub use location::LocationError;
+pub use motion::MotionError;
+pub use name::ErrorName;
 
-/// The errors of a machine as its file gives them.
+/// The errors of a machine as its file gives them, in mm and rad.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ErrorModel {
     /// Position-independent errors.
@@ -15,11 +31,3 @@ pub struct ErrorModel {
     /// Position-dependent errors; entries of one component add up.
     pub motion: Vec<MotionError>,
 }
-
-/// A position-independent error.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LocationError {}
-
-/// A position-dependent error.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MotionError {}

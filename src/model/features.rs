@@ -1,0 +1,69 @@
+//! How finely the errors of an axis must be sampled along a path.
+
+use crate::geometry::{AXES, AXIS_COUNT};
+use crate::machine::Machine;
+
+use super::ErrorModel;
+
+/// Length over which an axis without error functions is called smooth, mm.
+const LINEAR_LENGTH_MM: f64 = 500.0;
+/// The same for a rotary axis: its motion bends every path, rad.
+const ROTARY_LENGTH_RAD: f64 = std::f64::consts::FRAC_PI_6;
+
+/// Where the error functions of one axis bend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Features {
+    /// Length (mm or rad) over which the functions of the axis may be taken as smooth: a piece of 1/8 of it is a safe sampling step.
+    pub length: f64,
+    /// Commands (mm or rad) at which a function has a kink, strictly increasing.
+    pub knots: Vec<f64>,
+    /// Whether a function depends on the sense of motion of the axis.
+    pub backlash: bool,
+}
+
+impl Features {
+    pub(super) fn note_length(&mut self, length: f64) {
+        self.length = self.length.min(length);
+    }
+
+    /// A polynomial of degree d bends about d times over the travel; a constant does not bend.
+    pub(super) fn note_degree(&mut self, degree: usize, travel: f64) {
+        if degree > 0 {
+            self.note_length(travel / degree as f64 / 2.0);
+        }
+    }
+
+    /// Kinks, increasing, and the smallest distance between two of them.
+    pub(super) fn note_knots(&mut self, knots: impl Iterator<Item = f64>) {
+        let mut last = None;
+        for knot in knots {
+            if let Some(last) = last {
+                self.note_length(knot - last);
+            }
+            last = Some(knot);
+            self.knots.push(knot);
+        }
+    }
+}
+
+/// The features of every axis by slot; also of axes that the machine lacks.
+pub(super) fn of(machine: &Machine, errors: &ErrorModel) -> [Features; AXIS_COUNT] {
+    let limit = AXES.map(|axis| if axis.is_rotary() { ROTARY_LENGTH_RAD } else { LINEAR_LENGTH_MM });
+    let travels = AXES.map(|axis| {
+        let travel = machine.axis(axis).and_then(|data| data.travel);
+        // Without travel limits: one turn, or what makes a line as smooth as no error at all.
+        let unlimited = if axis.is_rotary() { std::f64::consts::TAU } else { 2.0 * LINEAR_LENGTH_MM };
+        travel.map_or(unlimited, |[low, high]| high - low)
+    });
+    let mut features = limit.map(|length| Features { length, knots: Vec::new(), backlash: false });
+    for error in errors.motion.iter().filter(|error| !error.function.is_zero()) {
+        if let Some(axis) = error.name.axis() {
+            error.function.note_features(axis, &travels, &mut features);
+        }
+    }
+    for feature in &mut features {
+        feature.knots.sort_by(f64::total_cmp);
+        feature.knots.dedup();
+    }
+    features
+}

@@ -1,0 +1,132 @@
+//! One `[[motion]]` entry while it is read: its keys carry units that follow from the component and its axis.
+
+use crate::diagnostic::Code;
+use crate::geometry::AxisSet;
+use crate::machine::file::Section;
+use crate::model::name::ErrorName;
+use crate::units::{mm_from_um, rad_from_urad};
+
+/// Units that a key may carry by mistake.
+const UNITS: [&str; 9] = ["um", "mm", "urad", "mrad", "rad", "deg", "arcsec", "nm", "in"];
+
+/// An entry whose component is known.
+#[derive(Debug)]
+pub struct Entry<'a> {
+    /// The section.
+    pub section: Section<'a>,
+    /// The component.
+    pub name: ErrorName,
+    /// The axes of the machine.
+    pub axes: AxisSet,
+}
+
+impl Entry<'_> {
+    fn is_rotary(&self) -> bool {
+        self.name.axis().is_some_and(|axis| axis.is_rotary())
+    }
+
+    /// The key of a deviation: `values` as `values_um` or `values_urad`.
+    pub(super) fn deviation_key(&self, stem: &str) -> String {
+        format!("{stem}_{}", if self.name.direction.is_rotation() { "urad" } else { "um" })
+    }
+
+    /// The key of a position: `positions` as `positions_mm` or `positions_deg`.
+    pub(super) fn position_key(&self, stem: &str) -> String {
+        format!("{stem}_{}", if self.is_rotary() { "deg" } else { "mm" })
+    }
+
+    /// The factor from the unit of deviations to mm or rad.
+    fn deviation_factor(&self) -> f64 {
+        if self.name.direction.is_rotation() { rad_from_urad(1.0) } else { mm_from_um(1.0) }
+    }
+
+    /// A position as it stands in the file as mm or rad.
+    pub(super) fn position_from_file(&self, value: f64) -> f64 {
+        if self.is_rotary() { value.to_radians() } else { value }
+    }
+
+    /// A deviation, mm or rad.
+    pub(super) fn deviation(&mut self, stem: &str) -> Option<f64> {
+        let key = self.deviation_key(stem);
+        self.check_unit(stem, &key)?;
+        Some(self.section.required(&key, "6.0", Section::number)? * self.deviation_factor())
+    }
+
+    /// Deviations, mm or rad.
+    pub(super) fn deviations(&mut self, stem: &str) -> Option<Vec<f64>> {
+        let key = self.deviation_key(stem);
+        self.check_unit(stem, &key)?;
+        let values = self.section.required(&key, "[0, 4, -1]", Section::numbers)?;
+        Some(values.into_iter().map(|value| value * self.deviation_factor()).collect())
+    }
+
+    /// A length along the axis above zero, mm or rad.
+    pub(super) fn length(&mut self, stem: &str) -> Option<f64> {
+        let key = self.position_key(stem);
+        self.check_unit(stem, &key)?;
+        let value = self.section.required(&key, "10.0", |section, key| {
+            section.number_where(key, "a number above 0", |length| length > 0.0)
+        })?;
+        Some(self.position_from_file(value))
+    }
+
+    /// Positions, mm or rad.
+    pub(super) fn positions(&mut self, stem: &str) -> Option<Vec<f64>> {
+        let key = self.position_key(stem);
+        self.check_unit(stem, &key)?;
+        let values = self.section.required(&key, "[0, 350, 700]", Section::numbers)?;
+        Some(values.into_iter().map(|value| self.position_from_file(value)).collect())
+    }
+
+    /// Reports the key with another unit than its component or axis has.
+    fn check_unit(&mut self, stem: &str, key: &str) -> Option<()> {
+        let Some(wrong) =
+            UNITS.iter().map(|unit| format!("{stem}_{unit}")).find(|wrong| wrong != key && self.section.has(wrong))
+        else {
+            return Some(());
+        };
+        let place = self.section.place_of_key(&wrong);
+        let kind = if key.ends_with("um") || key.ends_with("urad") {
+            format!(
+                "{} is a {}",
+                self.name,
+                if self.name.direction.is_rotation() { "rotation" } else { "displacement" }
+            )
+        } else {
+            format!("the axis of {} is {}", self.name, if self.is_rotary() { "rotary" } else { "linear" })
+        };
+        self.section.accept(&wrong);
+        self.section.accept(key);
+        self.section.report(
+            Code::WRONG_UNIT,
+            place,
+            format!("{wrong}: {kind}"),
+            format!("write {key}, with values in that unit"),
+        );
+        None
+    }
+
+    /// Coefficients, mm and rad as they are.
+    pub(super) fn coefficients(&mut self, key: &str) -> Option<Vec<f64>> {
+        self.section.required(key, "[0, 1e-5]", Section::numbers)
+    }
+
+    /// Reports `E0408` where positions do not increase strictly.
+    pub(super) fn demand_increase(&mut self, key: &str, positions: &[f64]) -> Option<()> {
+        let fault = positions.windows(2).position(|pair| pair[0] >= pair[1]);
+        if let Some(index) = fault {
+            let place = self.section.place_of_item(key, index + 1);
+            let message = format!("position {} of {key} is not above the one before it", index + 2);
+            self.section.report(Code::BAD_TABLE, place, message, "sort the positions and remove double ones");
+            return None;
+        }
+        Some(())
+    }
+
+    /// Closes a subsection of this entry.
+    pub(super) fn take_findings(&mut self, subsection: Section<'_>) {
+        let mut findings = Vec::new();
+        subsection.finish(&mut findings);
+        self.section.add(findings);
+    }
+}

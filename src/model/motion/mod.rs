@@ -1,0 +1,212 @@
+//! Position-dependent errors: one file per kind of function, and their sum per axis.
+//!
+//! A function gives one component (mm or rad) from the actual commands of its axis, of another axis ([`cross`]) or from the
+//! sense of the last motion ([`backlash`]). A kind is a file here and a line in [`KINDS`].
+
+pub mod backlash;
+pub mod cross;
+mod entry;
+pub mod periodic;
+pub mod piecewise;
+pub mod polynomial;
+pub mod table;
+
+pub use entry::Entry;
+
+use crate::geometry::{Axis, AxisVector};
+use crate::machine::State;
+
+use super::Features;
+use super::name::ErrorName;
+
+/// A position-dependent error: one entry of the machine file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionError {
+    /// The component that it adds to.
+    pub name: ErrorName,
+    /// Its value.
+    pub function: Function,
+}
+
+/// A function of one kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Function {
+    /// See [`polynomial`].
+    Polynomial(polynomial::Polynomial),
+    /// See [`table`].
+    Table(table::Table),
+    /// See [`piecewise`].
+    Piecewise(piecewise::Piecewise),
+    /// See [`periodic`].
+    Periodic(periodic::Periodic),
+    /// See [`backlash`].
+    Backlash(backlash::Backlash),
+    /// See [`cross`].
+    Cross(cross::Cross),
+}
+
+/// A kind of function as the machine file names it.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    /// `kind = "…"`.
+    pub name: &'static str,
+    /// Reads the keys of the kind; what is wrong is reported in the entry.
+    pub read: fn(&mut Entry<'_>) -> Option<Function>,
+}
+
+/// All kinds.
+pub const KINDS: &[Kind] = &[
+    Kind { name: "polynomial", read: polynomial::read },
+    Kind { name: "table", read: table::read },
+    Kind { name: "piecewise", read: piecewise::read },
+    Kind { name: "periodic", read: periodic::read },
+    Kind { name: "backlash", read: backlash::read },
+    Kind { name: "cross", read: cross::read },
+];
+
+impl Function {
+    /// The value, mm or rad, of a function of `axis`.
+    #[must_use]
+    pub fn value(&self, axis: Axis, command: &AxisVector, state: &State) -> f64 {
+        let own = command[axis];
+        match self {
+            Function::Polynomial(polynomial) => polynomial.value(own),
+            Function::Table(table) => table.value(own),
+            Function::Piecewise(piecewise) => piecewise.value(own),
+            Function::Periodic(periodic) => periodic.value(own),
+            Function::Backlash(backlash) => backlash.value(state.direction(axis)),
+            Function::Cross(cross) => cross.value(own, command[cross.with]),
+        }
+    }
+
+    /// Whether the value is zero everywhere.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        let all_zero = |values: &[f64]| values.iter().all(|&value| value == 0.0);
+        match self {
+            Function::Polynomial(polynomial) => all_zero(&polynomial.coefficients),
+            Function::Table(table) => all_zero(&table.values),
+            Function::Piecewise(piecewise) => {
+                all_zero(&piecewise.coefficients) && piecewise.knots.iter().all(|knot| all_zero(&knot.coefficients))
+            }
+            Function::Periodic(periodic) => periodic.amplitude == 0.0,
+            Function::Backlash(backlash) => backlash.value == 0.0,
+            Function::Cross(cross) => all_zero(&cross.coefficients) || all_zero(&cross.with_coefficients),
+        }
+    }
+
+    /// Notes in the features of `axis`, whose function this is, and of the axes that it depends on besides, how finely it must be
+    /// sampled. `travels` are the lengths of travel, mm or rad, by slot.
+    pub(super) fn note_features(&self, axis: Axis, travels: &[f64], features: &mut [Features]) {
+        let travel = travels[axis.slot()];
+        let own = &mut features[axis.slot()];
+        match self {
+            Function::Polynomial(polynomial) => own.note_degree(polynomial::degree(&polynomial.coefficients), travel),
+            Function::Table(table) => own.note_knots(table.positions.iter().copied()),
+            Function::Piecewise(piecewise) => {
+                own.note_degree(piecewise.degree(), travel);
+                own.note_knots(piecewise.knots.iter().map(|knot| knot.at));
+            }
+            Function::Periodic(periodic) => own.note_length(periodic.period / 2.0),
+            Function::Backlash(_) => own.backlash = true,
+            Function::Cross(cross) => {
+                own.note_degree(polynomial::degree(&cross.coefficients), travel);
+                let with = cross.with.slot();
+                features[with].note_degree(polynomial::degree(&cross.with_coefficients), travels[with]);
+            }
+        }
+    }
+}
+
+/// All motion errors of one axis, prepared for evaluation: polynomials of all components are summed and evaluated side by side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Functions {
+    /// Coefficients of the six components, highest degree first.
+    polynomial: Vec<[f64; 6]>,
+    others: Vec<(usize, Function)>,
+}
+
+impl Functions {
+    /// The functions of one axis.
+    pub(super) fn of(axis: Axis, errors: &[MotionError]) -> Functions {
+        let mut functions = Functions::default();
+        let own = errors.iter().filter(|error| error.name.axis() == Some(axis) && !error.function.is_zero());
+        for error in own {
+            let row = error.name.direction.index();
+            match &error.function {
+                Function::Polynomial(polynomial) => functions.add_polynomial(row, &polynomial.coefficients),
+                Function::Piecewise(piecewise) => {
+                    functions.add_polynomial(row, &piecewise.coefficients);
+                    let knots = piecewise.knots.clone();
+                    let rest = Function::Piecewise(piecewise::Piecewise { coefficients: Vec::new(), knots });
+                    functions.others.push((row, rest));
+                }
+                other => functions.others.push((row, other.clone())),
+            }
+        }
+        functions
+    }
+
+    fn add_polynomial(&mut self, row: usize, coefficients: &[f64]) {
+        while self.polynomial.len() < coefficients.len() {
+            self.polynomial.insert(0, [0.0; 6]);
+        }
+        for (sum, coefficient) in self.polynomial.iter_mut().rev().zip(coefficients) {
+            sum[row] += coefficient;
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.polynomial.is_empty() && self.others.is_empty()
+    }
+
+    /// EX EY EZ (mm) and EA EB EC (rad) of the axis.
+    pub(super) fn evaluate(&self, axis: Axis, command: &AxisVector, state: &State) -> [f64; 6] {
+        let own = command[axis];
+        let mut components = [0.0; 6];
+        for coefficients in &self.polynomial {
+            for (component, coefficient) in components.iter_mut().zip(coefficients) {
+                *component = *component * own + coefficient;
+            }
+        }
+        for (row, function) in &self.others {
+            components[*row] += function.value(axis, command, state);
+        }
+        components
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::name::Direction;
+
+    #[test]
+    fn entries_of_one_component_add_up() {
+        let exx = ErrorName::motion(Direction::X, Axis::X);
+        let eax = ErrorName::motion(Direction::A, Axis::X);
+        let polynomial =
+            |coefficients: &[f64]| Function::Polynomial(polynomial::Polynomial { coefficients: coefficients.to_vec() });
+        let errors = [
+            MotionError { name: exx, function: polynomial(&[1.0, 2.0]) },
+            MotionError { name: exx, function: polynomial(&[0.5, 0.0, 0.25, 0.125]) },
+            MotionError { name: eax, function: polynomial(&[0.0, 1.0]) },
+            MotionError { name: exx, function: Function::Backlash(backlash::Backlash { value: 6.0 }) },
+            MotionError { name: ErrorName::motion(Direction::X, Axis::Y), function: polynomial(&[100.0]) },
+        ];
+        let functions = Functions::of(Axis::X, &errors);
+        let mut command = AxisVector::ZERO;
+        command[Axis::X] = 2.0;
+        let mut state = State::default();
+        state.direction[0] = -1;
+        // 1 + 4, 0.5 + 1 + 1, −3; and 2 for the roll.
+        assert_eq!(functions.evaluate(Axis::X, &command, &state), [4.5, 0.0, 0.0, 2.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_function_of_zeros_is_left_out() {
+        let zero = Function::Polynomial(polynomial::Polynomial { coefficients: vec![0.0, 0.0] });
+        let errors = [MotionError { name: ErrorName::motion(Direction::X, Axis::X), function: zero }];
+        assert!(Functions::of(Axis::X, &errors).is_empty());
+    }
+}
