@@ -170,7 +170,7 @@ impl Gatherer<'_> {
             }
             b'F' => {
                 let value = self.number(word)?;
-                if !(value >= 0.0) {
+                if value.is_nan() || value < 0.0 {
                     return Err(bad_value(word.span, "a feed must not be negative", "program F with a positive value"));
                 }
                 once(&mut out.feed, (value, word.span), word.span)

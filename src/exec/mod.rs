@@ -49,7 +49,7 @@ impl Library for NoLibrary {
 }
 
 /// How to execute.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Skip levels whose blocks are left out.
     pub skip_levels: [bool; 10],
@@ -60,12 +60,6 @@ pub struct Options {
     pub start: Option<AxisVector>,
     /// Refuse what a correction must not assume: zero offsets and tools without value, motions from unknown positions.
     pub strict: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options { skip_levels: [false; 10], max_blocks: None, start: None, strict: false }
-    }
 }
 
 /// Default of [`Options::max_blocks`].

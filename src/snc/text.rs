@@ -15,11 +15,14 @@ use super::{Dwell, Element, Kind, Move, Origin, Word, WordValue};
 use crate::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Plane, Vector};
 use crate::source::Span;
 
+/// Turns a tool vector with the rotary axes of the tool side at an axis command.
+type TurnTool<'a> = Box<dyn Fn(&AxisVector, &Vector) -> Vector + 'a>;
+
 /// Writes elements as text.
 pub struct TextWriter<'a, W: Write> {
     out: W,
     axes: AxisSet,
-    turned_tool_mm: Box<dyn Fn(&AxisVector, &Vector) -> Vector + 'a>,
+    turned_tool_mm: TurnTool<'a>,
     position: AxisVector,
     tool_mm: Vector,
     line: Vec<u8>,
@@ -172,7 +175,7 @@ const FIXED_LIMIT: f64 = 9e12;
 /// Appends up to 6 decimals, trailing zeros dropped, never `-0`.
 fn push_value(line: &mut Vec<u8>, prefix: &[u8], value: f64) {
     line.extend_from_slice(prefix);
-    if !(value.abs() < FIXED_LIMIT) {
+    if value.is_nan() || value.abs() >= FIXED_LIMIT {
         line.extend_from_slice(format!("{value}").as_bytes());
         return;
     }
@@ -378,11 +381,11 @@ M3 S1200 S2=500 ;@16
     fn values_have_at_most_six_decimals_and_no_negative_zero() {
         for (value, text) in [
             (0.0, "0"),
-            (-0.000_000_4, "0"),
+            (-4e-7, "0"),
             (-0.000_001, "-0.000001"),
             (1.25, "1.25"),
-            (-1234.500_000_1, "-1234.5"),
-            (999_999.999_999_9, "1000000"),
+            (-1234.5 - 1e-7, "-1234.5"),
+            (1e6 - 1e-7, "1000000"),
         ] {
             let mut line = Vec::new();
             push_value(&mut line, b"", value);

@@ -133,8 +133,7 @@ impl Parser {
     }
 
     /// Number, skip, label, then a statement or words.
-    fn block<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
-        let mut input = input;
+    fn block<'a>(&mut self, mut input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
         loop {
             input = blanks(input);
             input = match *input {
@@ -159,7 +158,6 @@ impl Parser {
             }
             _ => {}
         }
-        let mut input = input;
         if starts_name(input)
             && let Ok((rest, name)) = identifier(input)
         {
@@ -201,8 +199,7 @@ impl Parser {
         draft.block.comment = Span::new(self.offset(input), self.line_end);
     }
 
-    fn words<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
-        let mut input = input;
+    fn words<'a>(&mut self, mut input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
         loop {
             input = blanks(input);
             match input.first() {

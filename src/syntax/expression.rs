@@ -219,7 +219,7 @@ impl Parser {
     fn named<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         if matches!(input, [b'R' | b'r', digit, ..] if digit.is_ascii_digit())
             && let Ok((rest, index)) = small_number(&input[1..])
-            && !rest.first().is_some_and(|&byte| byte == b'_')
+            && rest.first() != Some(&b'_')
         {
             return Ok((rest, self.push_between(input, rest, Node::Parameter(index))));
         }

@@ -12,8 +12,8 @@ mod token;
 mod tree;
 
 pub use tree::{
-    Address, ArgumentRange, Block, BlockNumber, Body, Definition, DefinitionType, DimensionFunction, Expr, ExprId, Jump, JumpTarget,
-    NameId, Names, Node, Operator, Program, Search, Section, UnaryOperator, Value, Word,
+    Address, ArgumentRange, Block, BlockNumber, Body, Definition, DefinitionType, DimensionFunction, Expr, ExprId,
+    Jump, JumpTarget, NameId, Names, Node, Operator, Program, Search, Section, UnaryOperator, Value, Word,
 };
 
 use crate::diagnostic::{Code, Diagnostic, Place};
