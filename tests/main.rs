@@ -4,4 +4,5 @@
 // mod architecture;
 mod exec;
 mod grammar;
+mod hostile;
 mod machines;

@@ -196,7 +196,11 @@ impl<'a> Execution<'a> {
             return;
         };
         let loaded = &mut self.programs[level.program];
-        let section = &loaded.program.sections[level.section];
+        // An empty file has no section.
+        let Some(section) = loaded.program.sections.get(level.section) else {
+            self.is_over = true;
+            return;
+        };
         let index = level.next;
         if index >= section.blocks.end {
             self.end_of_program(None);

@@ -1,0 +1,84 @@
+//! Whatever comes in: no panic, no endless run.
+
+use std::fs;
+use std::path::Path;
+
+use ncfix::dialect;
+use ncfix::exec::{Execution, NoLibrary, Options};
+use ncfix::source::{FileId, Source};
+use ncfix::syntax;
+use proptest::prelude::*;
+
+use crate::machines::xyz_machine;
+
+/// Parses and executes; gives the number of items of the stream.
+fn run(bytes: Vec<u8>) -> usize {
+    let source = Source::new(FileId(0), "hostile", bytes).unwrap();
+    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    for finding in &findings {
+        let place = finding.place.unwrap();
+        assert!(place.span.start <= place.span.end && place.span.end as usize <= source.bytes().len() + 1, "{finding:?}");
+    }
+    let machine = xyz_machine();
+    let options = Options { max_blocks: Some(2000), strict: true, ..Options::default() };
+    Execution::new(program, &machine, Box::new(NoLibrary), options).count()
+}
+
+fn samples() -> Vec<Vec<u8>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples/programs/sinumerik");
+    let mut files: Vec<_> = [root.clone(), root.join("bad")]
+        .iter()
+        .flat_map(|folder| fs::read_dir(folder).unwrap())
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.is_file())
+        .collect();
+    files.sort();
+    files.into_iter().map(|path| fs::read(path).unwrap()).collect()
+}
+
+/// Pieces that programs are made of, to get past the first byte of a parser.
+const PIECES: &[&str] = &[
+    "G0", "G2", "X", "Y=", "R1=", "R[", "]", "(", ")", "IF ", "GOTOF ", "GOTOB AB", "AB:", "WHILE ", "ENDWHILE", "FOR R1=1 TO ", "ENDFOR",
+    "REPEAT", "UNTIL ", "LOOP", "ENDLOOP", "ELSE", "ENDIF", "\n", "\n", " ", "1", "-", ".5", "EX9", "9999999999", "\"", ";", "'H", "SIN(",
+    "==", "<<", " AND ", "NOT ", "DEF INT ", "AA", "TRANS ", "M30", "L1", "P2", "%_N_A_MPF\n", "/", "N1", "CR=", "I1", "AC(", "\0", "\u{e9}",
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn random_bytes(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+        run(bytes);
+    }
+
+    #[test]
+    fn random_pieces(pieces in proptest::collection::vec(proptest::sample::select(PIECES), 0..80)) {
+        prop_assert!(run(pieces.concat().into_bytes()) < 20_000);
+    }
+
+    #[test]
+    fn damaged_samples(index in 0_usize..1000, at in any::<prop::sample::Index>(), byte in any::<u8>(), cut in any::<bool>()) {
+        let samples = samples();
+        let mut bytes = samples[index % samples.len()].clone();
+        if !bytes.is_empty() {
+            let at = at.index(bytes.len());
+            if cut { bytes.truncate(at) } else { bytes[at] = byte }
+        }
+        run(bytes);
+    }
+}
+
+#[test]
+fn deep_nesting_is_refused_not_overflowed() {
+    for text in [
+        format!("R1={}1{}", "(".repeat(2000), ")".repeat(2000)),
+        format!("R1={}1", "-".repeat(3000)),
+        format!("R1={}1", "NOT ".repeat(1000)),
+        format!("G0 X={}", "SIN(".repeat(1000)),
+        format!("R1={}0{}", "R[".repeat(1500), "]".repeat(1500)),
+        "IF 1\n".repeat(5000),
+        format!("R1=1{}", "+1".repeat(2000)),
+    ] {
+        run(text.into_bytes());
+    }
+}
