@@ -217,6 +217,9 @@ axes _deg.";
 
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
+    FEED_ASSUMED = "W0202" "feed motion without a feed"
+"G1, G2 and G3 need F; the control stops at this block. For check and snc the motion is shown without a feed; a correction is refused
+(E0215).";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. For check and snc zero is used; a correction is refused.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"

@@ -33,6 +33,7 @@ pub(super) struct Channel<'a> {
     /// Where the first positions stand that were programmed before any unit code.
     unitless: Option<Span>,
     unit_stated: bool,
+    feed_warned: bool,
 }
 
 impl<'a> Channel<'a> {
@@ -51,6 +52,7 @@ impl<'a> Channel<'a> {
             setup_changed: true,
             unitless: None,
             unit_stated: false,
+            feed_warned: false,
         };
         if let Some(offset) = machine.zero_offsets.get(&machine.control.initial_zero_offset) {
             channel.modal.offset = *offset;
@@ -349,6 +351,10 @@ impl<'a> Channel<'a> {
         let setup = Arc::clone(&self.setup);
         let context = self.context(&setup, span);
         let step = motion(gathered, &mut self.modal, context)?;
+        if !step.rapid && step.feed <= 0.0 && !std::mem::replace(&mut self.feed_warned, true) {
+            let message = "a feed motion, and no F was programmed yet";
+            self.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));
+        }
         self.push(Kind::Move(step));
         Ok(())
     }

@@ -56,6 +56,7 @@ impl Scope<'_> {
                     (UnaryOperator::Minus, Value::Int(value)) => value.checked_neg().map(Value::Int),
                     (UnaryOperator::Minus, _) => inner.number().map(|value| Value::Real(-value)),
                     (UnaryOperator::Not, _) => inner.truth().map(|value| Value::Bool(!value)),
+                    (UnaryOperator::ToText, _) => Some(Value::Text(inner.text())),
                     (UnaryOperator::BitNot, _) => inner.whole().map(|value| Value::Int(!value)),
                 };
                 value.ok_or_else(|| self.type_fault(id))?

@@ -30,7 +30,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
     let target = target(gathered, modal, context)?;
     let rapid = modal.motion == 0;
     let is_arc = modal.motion >= 2;
-    if !rapid && modal.feed <= 0.0 {
+    if !rapid && modal.feed <= 0.0 && context.strict {
         return Err(fault(
             Code::MISSING_FEED,
             context.span,

@@ -111,8 +111,15 @@ impl Parser {
                 };
             }
         }
-        let (rest, id) = self.expression(input)?;
-        Ok((rest, Value::Expr(id)))
+        match self.expression(input) {
+            Ok((rest, id)) => Ok((rest, Value::Expr(id))),
+            // A list, `(1,2,3)`, fails as an expression at its first comma.
+            Err(_) if input.first() == Some(&b'(') && self.depth == 0 => {
+                let (rest, range) = self.arguments(input, b')')?;
+                Ok((rest, Value::Arguments(range)))
+            }
+            Err(error) => Err(error),
+        }
     }
 
     /// A whole expression.
@@ -180,6 +187,8 @@ impl Parser {
                 Ok((rest, self.push_between(input, rest, node)))
             }
             b'\'' => self.based_constant(input),
+            // `<<R1` makes a text of a number.
+            b'<' if input.starts_with(b"<<") => self.unary(input, 2, UnaryOperator::ToText),
             _ => self.named(input),
         }
     }

@@ -266,6 +266,8 @@ pub enum UnaryOperator {
     Not,
     /// `B_NOT`
     BitNot,
+    /// `<<` without a left side
+    ToText,
 }
 
 /// Operators with two operands.
