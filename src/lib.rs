@@ -57,10 +57,12 @@
 
 pub mod diagnostic;
 pub mod dialect;
+pub mod emit;
 pub mod exec;
 pub mod geometry;
 pub mod machine;
 pub mod model;
+pub mod path;
 pub mod report;
 pub mod snc;
 pub mod source;

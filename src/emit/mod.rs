@@ -1,0 +1,111 @@
+//! Writes corrected pieces in the language of a control: numbers, blocks, the stamp, one writer per dialect.
+//!
+//! A writer turns one [`Output`] after the other into bytes of a reusable buffer; [`emit`] drives it into a file or link. To add a
+//! dialect, write its file and register it in [`WRITERS`].
+
+mod number;
+mod sinumerik;
+mod stamp;
+
+pub use number::Decimals;
+pub use stamp::{Stamp, is_stamped};
+
+use std::io::{self, Write};
+
+use crate::diagnostic::Diagnostic;
+use crate::path::{Increments, Output, OutputFrame};
+
+/// What a writer must know beside the stream.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WriterOptions {
+    /// What the counts of the pieces are multiples of.
+    pub increments: Increments,
+    /// What the coordinates of the pieces relate to.
+    pub frame: OutputFrame,
+    /// Line end of the source: CR LF rather than LF.
+    pub crlf: bool,
+    /// The first comment.
+    pub stamp: Stamp,
+}
+
+/// Turns corrected output into lines of a control's language.
+pub trait Writer {
+    /// Appends the lines that `output` completes.
+    fn write(&mut self, output: &Output, out: &mut Vec<u8>);
+    /// Appends what is still held back; the end of the program.
+    fn finish(&mut self, out: &mut Vec<u8>);
+    /// Lines with words written so far, comments and headers not counted.
+    fn blocks(&self) -> u64;
+}
+
+/// A dialect that can be written.
+#[derive(Clone, Copy, Debug)]
+pub struct WriterEntry {
+    /// Name of the dialect.
+    pub dialect: &'static str,
+    /// Makes its writer.
+    pub create: fn(&WriterOptions) -> Box<dyn Writer>,
+}
+
+/// All dialects that can be written.
+pub const WRITERS: &[WriterEntry] = &[WriterEntry { dialect: "sinumerik", create: sinumerik::create }];
+
+/// The writer of a dialect; `None` where it cannot be written.
+#[must_use]
+pub fn writer(dialect: &str, options: &WriterOptions) -> Option<Box<dyn Writer>> {
+    let entry = WRITERS.iter().find(|entry| entry.dialect.eq_ignore_ascii_case(dialect))?;
+    Some((entry.create)(options))
+}
+
+/// Bytes after which the buffer is handed on.
+const CHUNK: usize = 64 * 1024;
+
+/// Writes a whole stream; findings go to `report`. After an error nothing more is written, but the stream is followed to its end,
+/// so that all findings come up. Returns the number of blocks written.
+///
+/// # Errors
+/// Those of `sink`.
+pub fn emit(
+    outputs: impl Iterator<Item = Result<Output, Diagnostic>>,
+    writer: &mut dyn Writer,
+    sink: &mut dyn Write,
+    mut report: impl FnMut(Diagnostic),
+) -> io::Result<u64> {
+    let mut buffer = Vec::with_capacity(CHUNK + 4096);
+    let mut is_good = true;
+    for output in outputs {
+        match output {
+            Ok(output) if is_good => {
+                writer.write(&output, &mut buffer);
+                if buffer.len() >= CHUNK {
+                    sink.write_all(&buffer)?;
+                    buffer.clear();
+                }
+            }
+            Ok(_) => {}
+            Err(finding) => {
+                is_good &= !finding.is_error();
+                report(finding);
+            }
+        }
+    }
+    if is_good {
+        writer.finish(&mut buffer);
+        sink.write_all(&buffer)?;
+    }
+    sink.flush()?;
+    Ok(writer.blocks())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dialect;
+
+    #[test]
+    fn every_executable_dialect_has_a_writer() {
+        for dialect in dialect::DIALECTS.iter().filter(|dialect| dialect.is_executable) {
+            assert!(WRITERS.iter().any(|entry| entry.dialect == dialect.name), "{} has no writer", dialect.name);
+        }
+    }
+}

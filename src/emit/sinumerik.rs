@@ -1,0 +1,331 @@
+//! Programs of the Sinumerik 840D and 828D.
+//!
+//! A line is put together word by word and written when the next one begins, so that what belongs behind the last piece of a move
+//! (M words of the end, exact stop) and what belongs on its first line (number, comment) find their places. Lines that a block of the
+//! source needs beside its first carry the comment `;+`, steps on the spot `;~`.
+
+use crate::geometry::{Axis, AxisVector};
+use crate::path::{Output, OutputFrame, Piece};
+use crate::snc::{BlockNumber, Dwell, Element, FrameWords, Kind, Word, WordValue};
+
+use super::number::{push_integer, push_value};
+use super::{Decimals, Writer, WriterOptions};
+
+/// What the output takes for granted: absolute coordinates in mm.
+const ASSUMED: &[u8] = b"G90 G71";
+/// Stands in each block with machine coordinates.
+const IN_MACHINE_FRAME: &str = "G153";
+/// Words that suppress frames for their block.
+const SUPPRESSING: [&str; 3] = ["G53", "G153", "SUPA"];
+/// Acts at the end of its block.
+const EXACT_STOP: &str = "G9";
+/// Shifts are written to this many parts of a mm or degree: far below any increment, without the noise of the arithmetic.
+const SHIFT_PARTS: f64 = 1e9;
+
+/// The writer of the dialect.
+pub(super) fn create(options: &WriterOptions) -> Box<dyn Writer> {
+    // A control whose increment is no decimal does not exist; a tenth of a micrometer serves the reader of the file then.
+    const FALLBACK: f64 = 1e-4;
+    let decimals = |increment| Decimals::of_increment(increment).or_else(|| Decimals::of_increment(FALLBACK));
+    let linear = decimals(options.increments.linear_mm);
+    let rotary = decimals(options.increments.rotary_deg);
+    Box::new(Sinumerik {
+        linear: linear.unwrap_or(Decimals::WHOLE),
+        rotary: rotary.unwrap_or(Decimals::WHOLE),
+        in_machine_frame: options.frame == OutputFrame::Machine,
+        line_end: if options.crlf { b"\r\n" } else { b"\n" },
+        stamp: options.stamp.text(),
+        is_stamped: false,
+        has_assumed: false,
+        line: Vec::with_capacity(256),
+        comment: Vec::with_capacity(64),
+        has_words: false,
+        is_open: false,
+        suppressing: None,
+        stops_exactly: false,
+        motion: 0,
+        feed: 0.0,
+        blocks: 0,
+    })
+}
+
+struct Sinumerik {
+    linear: Decimals,
+    rotary: Decimals,
+    in_machine_frame: bool,
+    line_end: &'static [u8],
+    stamp: String,
+    is_stamped: bool,
+    has_assumed: bool,
+    /// The line so far, without its comment.
+    line: Vec<u8>,
+    comment: Vec<u8>,
+    has_words: bool,
+    is_open: bool,
+    /// The suppressing word of the block.
+    suppressing: Option<&'static str>,
+    /// Whether the block has an exact stop that is not written yet.
+    stops_exactly: bool,
+    /// The G word of motion in force: `b'0'` to `b'3'`, 0 for none yet.
+    motion: u8,
+    feed: f64,
+    blocks: u64,
+}
+
+impl Writer for Sinumerik {
+    fn write(&mut self, output: &Output, out: &mut Vec<u8>) {
+        match output {
+            Output::Piece(piece) => {
+                if piece.starts_block || !piece.first {
+                    self.begin(piece.starts_block, piece.number, out);
+                }
+                self.assume(out);
+                self.piece(piece);
+            }
+            Output::Element(element) => {
+                if element.starts_block {
+                    self.begin(true, element.number, out);
+                }
+                self.element(element, out);
+            }
+        }
+    }
+
+    fn finish(&mut self, out: &mut Vec<u8>) {
+        self.end_line(out);
+        self.stamp(out);
+    }
+
+    fn blocks(&self) -> u64 {
+        self.blocks
+    }
+}
+
+impl Sinumerik {
+    /// Ends the line before and begins another.
+    fn begin(&mut self, is_block: bool, number: Option<BlockNumber>, out: &mut Vec<u8>) {
+        self.end_line(out);
+        self.is_open = true;
+        if is_block {
+            self.suppressing = None;
+            self.stops_exactly = false;
+        }
+        if let Some(number) = number {
+            self.line.push(if number.main { b':' } else { b'N' });
+            push_integer(&mut self.line, u64::from(number.number));
+        }
+    }
+
+    fn end_line(&mut self, out: &mut Vec<u8>) {
+        if !std::mem::take(&mut self.is_open) {
+            return;
+        }
+        if self.stops_exactly {
+            // Its block has no motion.
+            self.exact_stop();
+        }
+        if !self.line.is_empty() || !self.comment.is_empty() {
+            out.extend_from_slice(&self.line);
+            if !self.line.is_empty() && !self.comment.is_empty() {
+                out.push(b' ');
+            }
+            out.extend_from_slice(&self.comment);
+            out.extend_from_slice(self.line_end);
+            self.blocks += u64::from(self.has_words);
+        }
+        self.line.clear();
+        self.comment.clear();
+        self.has_words = false;
+    }
+
+    /// Writes the stamp unless it is there.
+    fn stamp(&mut self, out: &mut Vec<u8>) {
+        if !std::mem::replace(&mut self.is_stamped, true) {
+            out.extend_from_slice(b"; ");
+            out.extend_from_slice(self.stamp.as_bytes());
+            out.extend_from_slice(self.line_end);
+        }
+    }
+
+    /// Before the first words: what the coordinates of this file mean, in a line of its own.
+    fn assume(&mut self, out: &mut Vec<u8>) {
+        if self.has_assumed {
+            return;
+        }
+        self.stamp(out);
+        self.has_assumed = true;
+        out.extend_from_slice(ASSUMED);
+        out.extend_from_slice(self.line_end);
+        self.blocks += 1;
+    }
+
+    fn element(&mut self, element: &Element, out: &mut Vec<u8>) {
+        if let Kind::Header(bytes) = &element.kind {
+            out.extend_from_slice(bytes);
+            out.extend_from_slice(self.line_end);
+            return;
+        }
+        self.stamp(out);
+        match &element.kind {
+            Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Empty => {}
+            Kind::Comment(bytes) => {
+                if !self.comment.is_empty() {
+                    self.comment.push(b' ');
+                }
+                self.comment.extend_from_slice(bytes);
+            }
+            Kind::Frame(_) if self.in_machine_frame => {}
+            kind => {
+                self.assume(out);
+                self.words(kind);
+            }
+        }
+    }
+
+    fn words(&mut self, kind: &Kind) {
+        match kind {
+            Kind::Keep(word) if SUPPRESSING.contains(word) => {
+                self.suppressing = Some(word);
+                if !self.in_machine_frame {
+                    self.word(word.as_bytes());
+                }
+            }
+            Kind::Keep(word) if *word == EXACT_STOP => self.stops_exactly = true,
+            Kind::Keep(word) => self.word(word.as_bytes()),
+            Kind::Frame(words) => self.frame(words),
+            Kind::Tool(value) => self.auxiliary(b'T', None, value),
+            Kind::Before(words) | Kind::After(words) => {
+                for Word { letter, extension, value } in words {
+                    self.auxiliary(*letter, *extension, value);
+                }
+            }
+            Kind::Feed(feed) => self.feed_word(*feed),
+            Kind::Dwell(dwell) => {
+                let (letter, value) = match dwell {
+                    Dwell::Seconds(seconds) => (&b"F"[..], *seconds),
+                    Dwell::Turns(turns) => (&b"S"[..], *turns),
+                };
+                self.word(b"G4");
+                self.word(letter);
+                push_value(&mut self.line, value);
+            }
+            Kind::Message(text) => {
+                self.word(b"MSG(\"");
+                self.line.extend_from_slice(text);
+                self.line.extend_from_slice(b"\")");
+            }
+            Kind::Header(_) | Kind::Comment(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Empty => {}
+        }
+    }
+
+    /// Appends a word with a blank before it.
+    fn word(&mut self, bytes: &[u8]) {
+        self.is_open = true;
+        self.has_words = true;
+        if !self.line.is_empty() {
+            self.line.push(b' ');
+        }
+        self.line.extend_from_slice(bytes);
+    }
+
+    fn exact_stop(&mut self) {
+        if std::mem::take(&mut self.stops_exactly) {
+            self.word(EXACT_STOP.as_bytes());
+        }
+    }
+
+    fn feed_word(&mut self, feed: f64) {
+        self.word(b"F");
+        push_value(&mut self.line, feed);
+        self.feed = feed;
+    }
+
+    fn auxiliary(&mut self, letter: u8, extension: Option<u32>, value: &WordValue) {
+        self.word(&[letter]);
+        if let Some(extension) = extension {
+            push_integer(&mut self.line, u64::from(extension));
+        }
+        match value {
+            WordValue::Number(number) => {
+                if extension.is_some() {
+                    self.line.push(b'=');
+                }
+                push_value(&mut self.line, *number);
+            }
+            WordValue::Name(name) => {
+                self.line.extend_from_slice(b"=\"");
+                self.line.extend_from_slice(name);
+                self.line.push(b'"');
+            }
+        }
+    }
+
+    fn frame(&mut self, words: &FrameWords) {
+        match words {
+            FrameWords::Settable(name) => self.word(name.as_bytes()),
+            FrameWords::Translate { additive, shift, named } => {
+                self.word(if *additive { b"ATRANS" } else { b"TRANS" });
+                for axis in named.iter() {
+                    self.word(&[axis.letter()]);
+                    push_value(&mut self.line, shown_shift(axis, shift));
+                }
+            }
+        }
+    }
+
+    fn piece(&mut self, piece: &Piece) {
+        if piece.last {
+            self.exact_stop();
+        }
+        let is_continued = !piece.first;
+        if self.in_machine_frame {
+            self.word(IN_MACHINE_FRAME.as_bytes());
+        } else if let Some(word) = self.suppressing.filter(|_| is_continued && piece.in_machine_frame) {
+            self.word(word.as_bytes());
+        }
+        let motion = match (piece.rapid, &piece.arc) {
+            (true, _) => b'0',
+            (false, None) => b'1',
+            (false, Some(arc)) if arc.clockwise => b'2',
+            (false, Some(_)) => b'3',
+        };
+        if piece.starts_block || piece.first || motion != self.motion {
+            self.word(&[b'G', motion]);
+            self.motion = motion;
+        }
+        for axis in piece.words.iter() {
+            self.word(&[axis.letter()]);
+            let decimals = if axis.is_rotary() { self.rotary } else { self.linear };
+            decimals.push(&mut self.line, piece.counts[axis.slot()]);
+        }
+        if let Some(arc) = &piece.arc {
+            let across = arc.plane.axes()[2];
+            for (letter, axis) in [(b'I', Axis::X), (b'J', Axis::Y), (b'K', Axis::Z)] {
+                if axis != across {
+                    self.word(&[letter]);
+                    self.linear.push(&mut self.line, arc.center_counts[axis.slot()]);
+                }
+            }
+            if arc.extra_turns > 0 {
+                self.word(b"TURN=");
+                push_integer(&mut self.line, u64::from(arc.extra_turns));
+            }
+        }
+        if piece.feed_named || !piece.rapid && piece.feed > 0.0 && piece.feed != self.feed {
+            self.feed_word(piece.feed);
+        }
+        if self.comment.is_empty() {
+            match (piece.take_up, is_continued) {
+                (true, _) => self.comment.extend_from_slice(b";~"),
+                (false, true) => self.comment.extend_from_slice(b";+"),
+                (false, false) => {}
+            }
+        }
+    }
+}
+
+/// A shift in mm or degrees without the noise of the arithmetic.
+fn shown_shift(axis: Axis, shift: &AxisVector) -> f64 {
+    let value = if axis.is_rotary() { shift[axis].to_degrees() } else { shift[axis] };
+    (value * SHIFT_PARTS).round() / SHIFT_PARTS
+}

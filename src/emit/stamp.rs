@@ -1,0 +1,95 @@
+//! The first comment of a corrected program: which machine, model and source it was made for, and that it is good for nothing else.
+//!
+//! A corrected program is ephemeral: it holds the errors of one machine at one time. The stamp keeps it from being corrected again
+//! and from being taken for the part program.
+
+/// What stands in the stamp.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Stamp {
+    /// Name of the machine.
+    pub machine: String,
+    /// First digits of the hash of the machine file, lower-case hexadecimal.
+    pub model: String,
+    /// First digits of the hash of the part program.
+    pub source: String,
+    /// Whether the machine is the one built in.
+    pub is_demo: bool,
+}
+
+/// What every stamp begins with.
+const MARK: &str = "ncfix ";
+/// What every stamp holds.
+const EPHEMERAL: &str = "ephemeral: for this machine only";
+/// A stamp stands within so many bytes of the start.
+const HEAD_BYTES: usize = 4096;
+
+impl Stamp {
+    /// The text of the comment, without the sign that makes it one. Plain ASCII without the characters that end a comment in some
+    /// dialect.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let machine: String = self.machine.chars().map(|c| if is_harmless(c) { c } else { '_' }).collect();
+        let version = env!("CARGO_PKG_VERSION");
+        let (model, source) = (&self.model, &self.source);
+        let warning = if self.is_demo { " DEMO MACHINE: not for a real machine" } else { "" };
+        format!("{MARK}{version} machine=\"{machine}\" model={model} source={source} {EPHEMERAL}{warning}")
+    }
+}
+
+fn is_harmless(character: char) -> bool {
+    character == ' ' || character.is_ascii_graphic() && !b"\"();".contains(&(character as u8))
+}
+
+/// Whether a program carries a stamp: a comment, `; …` or `( … )`, among its first lines. Line numbers, header lines and
+/// line ends do not matter.
+#[must_use]
+pub fn is_stamped(bytes: &[u8]) -> bool {
+    bytes[..bytes.len().min(HEAD_BYTES)].split(|&byte| byte == b'\n' || byte == b'\r').any(|line| {
+        let Some(at) = line.iter().position(|&byte| byte == b';' || byte == b'(') else { return false };
+        let comment = line[at + 1..].trim_ascii_start();
+        let holds = |part: &[u8]| comment.windows(part.len()).any(|window| window == part);
+        comment.starts_with(MARK.as_bytes()) && holds(b"machine=") && holds(EPHEMERAL.as_bytes())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stamp() -> Stamp {
+        Stamp { machine: "mill".into(), model: "0123456789ab".into(), source: "ba9876543210".into(), is_demo: false }
+    }
+
+    #[test]
+    fn a_stamp_says_all_and_is_found() {
+        let text = stamp().text();
+        let version = env!("CARGO_PKG_VERSION");
+        let expected = format!(
+            "ncfix {version} machine=\"mill\" model=0123456789ab source=ba9876543210 ephemeral: for this machine only"
+        );
+        assert_eq!(text, expected);
+        for program in [
+            format!("; {text}\nG0 X0\n"),
+            format!("%_N_A_MPF\r\n;$PATH=/_N_MPF_DIR\r\n;{text}\r\nG0"),
+            format!("%\nO1000\nN10 ({text})\n"),
+            format!("; {}", Stamp { is_demo: true, ..stamp() }.text()),
+        ] {
+            assert!(is_stamped(program.as_bytes()), "{program}");
+        }
+    }
+
+    #[test]
+    fn other_programs_carry_none() {
+        let late = format!("{}; {}\n", "G1 X1\n".repeat(1000), stamp().text());
+        for program in ["", "; ncfix is a program\nG0 X0", "G0 X0", "; for ncfix 0.1 machine=", late.as_str()] {
+            assert!(!is_stamped(program.as_bytes()), "{program}");
+        }
+    }
+
+    #[test]
+    fn a_strange_name_does_not_end_the_comment() {
+        let odd = Stamp { machine: "a\"b(c)\nd;e µ".into(), ..stamp() };
+        assert!(odd.text().contains("machine=\"a_b_c__d_e _\""), "{}", odd.text());
+        assert!(is_stamped(format!("({})", odd.text()).as_bytes()));
+    }
+}

@@ -1,0 +1,73 @@
+//! Where a piece must be looked at so that nothing between its ends is missed.
+//!
+//! The error functions of an axis are smooth over a known length (`Features::length`); an eighth of it is a safe distance of samples. Kinks
+//! of tables are looked at exactly.
+
+use std::f64::consts::FRAC_PI_8;
+
+use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet};
+use crate::model::Model;
+
+use super::route::Route;
+
+/// Samples per smooth length.
+const SAMPLES_PER_LENGTH: f64 = 8.0;
+/// Bounds the time that the check of one piece takes; the pieces that come out of a check are far shorter than so many samples.
+const MOST_SAMPLES: f64 = 4096.0;
+
+/// Chooses the places.
+#[derive(Clone, Debug)]
+pub(super) struct Sampler {
+    /// Samples per mm or rad of each axis.
+    density: [f64; AXIS_COUNT],
+    knots: Vec<(Axis, Vec<f64>)>,
+    /// Axes whose errors depend on the sense of motion.
+    pub(super) backlash: AxisSet,
+}
+
+impl Sampler {
+    pub(super) fn new(model: &Model) -> Sampler {
+        let of_axis = |axis| model.features(axis);
+        Sampler {
+            density: AXES.map(|axis| SAMPLES_PER_LENGTH / of_axis(axis).length),
+            knots: AXES
+                .map(|axis| (axis, of_axis(axis).knots.clone()))
+                .into_iter()
+                .filter(|(_, k)| !k.is_empty())
+                .collect(),
+            backlash: AXES.into_iter().filter(|&axis| of_axis(axis).backlash).collect(),
+        }
+    }
+
+    /// Samples that the whole route needs; pieces need their share.
+    pub(super) fn whole(&self, route: &Route) -> f64 {
+        AXES.into_iter().map(|axis| route.travel(axis) * self.density[axis.slot()]).sum()
+    }
+
+    /// Fills `fractions` with the places between the ends of the piece of `route` between two parameters: fractions (0 … 1) of it.
+    /// `whole` is what [`Sampler::whole`] says of the route.
+    pub(super) fn fractions(&self, route: &Route, whole: f64, between: [f64; 2], fractions: &mut Vec<f64>) {
+        fractions.clear();
+        let share = between[1] - between[0];
+        let needed = whole * share;
+        let turned = (route.sweep_rad() * share).abs() / FRAC_PI_8;
+        // Odd, so that the middle, where a bend deviates most, is among them. The conversion is exact: at most 4096.
+        let count = needed.max(turned).ceil().min(MOST_SAMPLES) as u32 | 1;
+        fractions.extend((1..=count).map(|k| f64::from(k) / f64::from(count + 1)));
+        if self.knots.is_empty() {
+            return;
+        }
+        let first = fractions.len();
+        for (axis, knots) in &self.knots {
+            let [a, b] = [route.at(between[0])[*axis], route.at(between[1])[*axis]];
+            let reach = route.travel(*axis) * share;
+            let from = knots.partition_point(|&knot| knot < a.min(b) - reach);
+            for &knot in knots[from..].iter().take_while(|&&knot| knot <= a.max(b) + reach) {
+                route.crossings(*axis, knot, between, fractions);
+            }
+        }
+        for fraction in &mut fractions[first..] {
+            *fraction = (*fraction - between[0]) / share;
+        }
+    }
+}

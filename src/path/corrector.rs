@@ -1,0 +1,424 @@
+//! The adapter: elements in, corrected pieces and the other elements out, in order, one move at a time.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use crate::diagnostic::Diagnostic;
+use crate::geometry::AxisSet;
+use crate::machine::{Machine, ToolChange};
+use crate::model::Model;
+use crate::snc::{BlockNumber, Element, Kind, Move, Origin, Setup, Word, WordValue};
+
+use super::check::Sampler;
+use super::extend::{Reach, longest};
+use super::findings::{Findings, placing_axes};
+use super::place::{Placed, Placer};
+use super::prediction::sample_count;
+use super::route::Route;
+use super::trial::{Bench, Standing, Trial};
+use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision};
+
+/// Pieces shorter than this are not made, mm.
+const SHORTEST_MM: f64 = 0.01;
+/// Arcs that are no full circle turn by at most this in one piece, rad: near a full turn, rounding could swap start and end.
+const MOST_SWEEP: f64 = 330.0 * std::f64::consts::PI / 180.0;
+/// A sweep this near to a full turn is one, rad.
+const SAME_ANGLE: f64 = 1e-7;
+/// An arc piece that saves fewer chords than this is not worth its words.
+const USEFUL_CHORDS: f64 = 3.0;
+/// A count this near to a whole number is one: the noise of the arithmetic.
+const WHOLE_COUNT: f64 = 1e-4;
+/// Parameters nearer than this to each other are one place.
+const SAME_PARAMETER: f64 = 1e-9;
+
+/// Corrects a stream of elements. Findings are items of the stream too: after an error the correction goes on, so that one run shows
+/// them all.
+pub struct Corrector<'a, I> {
+    elements: I,
+    machine: &'a Machine,
+    options: Options,
+    placer: Placer<'a>,
+    sampler: Sampler,
+    placing: AxisSet,
+    standing: Standing,
+    ever_named: AxisSet,
+    active: Option<Active>,
+    pending: VecDeque<Result<Output, Diagnostic>>,
+    findings: Findings<'a>,
+    prediction: Prediction,
+    scratch: Vec<f64>,
+}
+
+/// The move that is being cut.
+#[derive(Debug)]
+struct Active {
+    origin: Origin,
+    starts_block: bool,
+    number: Option<BlockNumber>,
+    motion: Move,
+    treatment: Treatment,
+    route: Route,
+    /// Samples that the whole route needs.
+    samples: f64,
+    /// Where the next piece begins.
+    parameter: f64,
+    /// Length of the last piece, as a parameter; the whole move before the first.
+    length: f64,
+    is_first: bool,
+    /// No useful arc fits.
+    as_chords: bool,
+    /// Whether its error counts in the prediction.
+    is_counted: bool,
+}
+
+/// What is done with a move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Treatment {
+    /// Rounded only.
+    Round,
+    /// Corrected at its end, in one piece.
+    End,
+    /// Corrected along the way.
+    Way,
+}
+
+impl<'a, I> Corrector<'a, I>
+where
+    I: Iterator<Item = Result<Element, Diagnostic>>,
+{
+    /// Starts a correction. The model must be that of the machine.
+    #[must_use]
+    pub fn new(elements: I, machine: &'a Machine, model: &'a Model, options: Options) -> Self {
+        let mut standing = Standing::default();
+        if let Some(start) = options.start {
+            // The machine stands there as the control sees it, uncorrected.
+            standing.nominal = start;
+            standing.command = start;
+            standing.known = machine.axis_set();
+            standing.written = standing.known;
+            standing.is_doubtful = true;
+        }
+        Corrector {
+            elements,
+            machine,
+            placer: Placer::new(machine, model, &options),
+            sampler: Sampler::new(model),
+            placing: placing_axes(machine),
+            standing,
+            ever_named: AxisSet::EMPTY,
+            active: None,
+            pending: VecDeque::with_capacity(8),
+            findings: Findings::new(machine, options.max_correction_mm),
+            prediction: Prediction::default(),
+            scratch: Vec::with_capacity(64),
+            options,
+        }
+    }
+
+    /// The error along the path so far; complete when the stream has ended.
+    #[must_use]
+    pub fn prediction(&self) -> &Prediction {
+        &self.prediction
+    }
+
+    /// The stream of elements, for what it knows beside them.
+    #[must_use]
+    pub fn elements(&self) -> &I {
+        &self.elements
+    }
+
+    fn take_in(&mut self, element: Element) {
+        match &element.kind {
+            Kind::Move(motion) => {
+                self.begin(&element, motion);
+                return;
+            }
+            Kind::Setup(setup) => self.set_up(Arc::clone(setup)),
+            Kind::Tool(_) if self.machine.control.tool_change == ToolChange::T => self.forget(),
+            Kind::Before(words) | Kind::After(words) if words.iter().any(is_tool_change) => self.forget(),
+            _ => {}
+        }
+        self.pending.push_back(Ok(Output::Element(element)));
+    }
+
+    /// A tool change moves the machine: where it stands is unknown behind it.
+    fn forget(&mut self) {
+        self.standing.known = AxisSet::EMPTY;
+        self.standing.written = AxisSet::EMPTY;
+    }
+
+    /// From here on coordinates mean something else; the machine stands where it stood.
+    fn set_up(&mut self, setup: Arc<Setup>) {
+        let standing = &mut self.standing;
+        standing.is_doubtful |= setup.tool_mm != self.placer.setup.tool_mm;
+        self.placer.setup = setup;
+        let programmed = self.placer.programmed(&standing.command);
+        for axis in standing.written.iter() {
+            let ratio = self.placer.increments.ratio(axis, programmed[axis]);
+            if (ratio - ratio.round()).abs() < WHOLE_COUNT {
+                standing.counts[axis.slot()] = self.placer.increments.count(axis, programmed[axis]);
+            } else {
+                standing.written.remove(axis);
+            }
+        }
+    }
+
+    fn begin(&mut self, element: &Element, motion: &Move) {
+        let standing = &mut self.standing;
+        let starts_at_known = motion.named.difference(standing.known).is_empty();
+        let is_placed = self.placing.difference(motion.known).is_empty();
+        standing.written = standing.written.intersection(motion.known);
+        self.ever_named = self.ever_named.union(motion.named);
+        let treatment = match (motion.rapid, self.options.rapids) {
+            (true, Rapids::None) => Treatment::Round,
+            (true, Rapids::Ends) => Treatment::End,
+            _ if starts_at_known && is_placed => Treatment::Way,
+            _ => Treatment::End,
+        };
+        let route = Route::new(standing.nominal, motion.target, motion.arc);
+        self.prediction.moves += 1;
+        self.active = Some(Active {
+            origin: element.origin,
+            starts_block: element.starts_block,
+            number: element.number,
+            motion: *motion,
+            treatment,
+            samples: self.sampler.whole(&route),
+            route,
+            parameter: 0.0,
+            length: 1.0,
+            is_first: true,
+            as_chords: self.options.arcs == Arcs::Chords,
+            is_counted: starts_at_known && self.ever_named.difference(motion.known).is_empty(),
+        });
+    }
+
+    /// Makes the next piece of the move.
+    fn advance(&mut self, mut active: Active) {
+        let trial = self.next_piece(&mut active);
+        self.accept(&mut active, &trial);
+        if active.parameter < 1.0 {
+            self.active = Some(active);
+        } else {
+            self.standing.known = active.motion.known;
+            self.standing.is_doubtful = active.treatment == Treatment::Round;
+        }
+    }
+
+    fn next_piece(&mut self, active: &mut Active) -> Trial {
+        let route = active.route;
+        let bench = Bench {
+            placer: &self.placer,
+            sampler: &self.sampler,
+            control: &self.machine.control,
+            route: &route,
+            samples: active.samples,
+            known: active.motion.known,
+            tolerance_mm: self.options.tolerance_mm,
+            takes_up: active.treatment == Treatment::Way,
+        };
+        let (standing, scratch) = (&self.standing, &mut self.scratch);
+        let from = active.parameter;
+        if active.treatment == Treatment::Round {
+            return bench.rounded(standing);
+        }
+        if active.treatment == Treatment::End || self.placer.model.is_empty() {
+            if route.arc().is_none() {
+                return bench.unmeasured(standing, [from, 1.0]);
+            }
+            if let Some(trial) = bench.unmeasured_arc(standing, [from, 1.0]).filter(|_| !active.as_chords) {
+                return trial;
+            }
+        }
+        let turning = route.next_turning(self.sampler.backlash, from);
+        let size_mm = route.size_mm();
+        if let (Subdivision::Step(step_mm), None) = (self.options.subdivision, route.arc()) {
+            return bench.unmeasured(standing, [from, next_step(&route, from, step_mm)]);
+        }
+        let step = match self.options.subdivision {
+            Subdivision::Adaptive => f64::INFINITY,
+            Subdivision::Step(step_mm) => step_mm / size_mm,
+        };
+        if route.arc().is_some() && !active.as_chords {
+            if let Some(trial) = fit_arc(&bench, standing, active, turning, step, scratch) {
+                return trial;
+            }
+            active.as_chords = true;
+            active.length = 1.0;
+        }
+        let reach = Reach {
+            from,
+            limit: turning.min(from + step),
+            guess: active.length,
+            floor: SHORTEST_MM / size_mm,
+            order: 2.0,
+        };
+        let trial = longest(reach, |between| Some(bench.straight(standing, between, scratch)));
+        trial.unwrap_or_else(|| bench.unmeasured(standing, [from, turning]))
+    }
+
+    /// Makes a tried piece real.
+    fn accept(&mut self, active: &mut Active, trial: &Trial) {
+        let [from, to] = trial.between;
+        let is_last = to >= 1.0;
+        let known = active.motion.known;
+        if let Some(start) = &trial.take_up {
+            let way = Route::new(self.standing.command, start.command, None);
+            self.findings.check(&active.origin, known, &active.route.at(from), &way, &self.placer.setup.tool_mm);
+            self.write(active, start, None, true, false);
+        }
+        let nominal = active.route.at(to);
+        self.findings.check(&active.origin, known, &nominal, &trial.emitted, &self.placer.setup.tool_mm);
+        if let Some(failure) = trial.end.failure.or(trial.take_up.and_then(|start| start.failure)) {
+            self.findings.not_converged(&active.origin, failure);
+        }
+        let is_measured = trial.deviation_mm > 0.0 && !self.placer.model.is_empty();
+        if is_measured && trial.deviation_mm > self.options.tolerance_mm {
+            self.findings.tolerance_missed(&active.origin, self.options.tolerance_mm);
+        }
+        self.write(active, &trial.end, Some(trial), false, is_last);
+        if !self.sampler.backlash.is_empty() {
+            self.standing.nominal_state.note_motion(&active.route.at(from), &nominal);
+        }
+        if active.is_counted && self.prediction.wants(active.motion.rapid) {
+            self.predict(active, trial);
+        }
+        self.prediction.note_correction(&nominal, &trial.end.command);
+        let standing = &mut self.standing;
+        standing.nominal = nominal;
+        standing.correction = trial.end.command - nominal;
+        standing.state = trial.state;
+        standing.is_doubtful = false;
+        active.parameter = to;
+        active.length = to - from;
+    }
+
+    /// Puts a piece into the output.
+    fn write(&mut self, active: &mut Active, placed: &Placed, trial: Option<&Trial>, take_up: bool, is_last: bool) {
+        let standing = &mut self.standing;
+        let motion = &active.motion;
+        let first = std::mem::take(&mut active.is_first);
+        let mut words = if first { motion.named } else { AxisSet::EMPTY };
+        for axis in motion.known.iter() {
+            let slot = axis.slot();
+            if !standing.written.contains(axis) || placed.counts[slot] != standing.counts[slot] {
+                words.insert(axis);
+            }
+        }
+        let arc = trial.and_then(|trial| trial.circle);
+        standing.counts = placed.counts;
+        standing.command = placed.command;
+        standing.written = motion.known;
+        if words.is_empty() && arc.is_none() && !first && !is_last {
+            // Shorter than an increment.
+            return;
+        }
+        self.prediction.pieces += 1;
+        let piece = Piece {
+            origin: active.origin,
+            starts_block: first && active.starts_block,
+            number: if first { active.number } else { None },
+            first,
+            last: is_last,
+            take_up,
+            rapid: motion.rapid,
+            arc,
+            counts: placed.counts,
+            words,
+            feed: motion.feed,
+            feed_named: first && motion.feed_named,
+            in_machine_frame: motion.in_machine_frame,
+            command: placed.command,
+        };
+        self.pending.push_back(Ok(Output::Piece(piece)));
+    }
+
+    /// Samples the error along a piece.
+    fn predict(&mut self, active: &Active, trial: &Trial) {
+        let [from, to] = trial.between;
+        let count = sample_count(active.route.size_mm() * (to - from), self.options.sample_mm);
+        for k in 0..count {
+            let fraction = (f64::from(k) + 0.5) / f64::from(count);
+            let nominal = active.route.at(from + (to - from) * fraction);
+            let before_mm = self.placer.tip_error_mm(&nominal, &nominal, &self.standing.nominal_state);
+            let after_mm = match trial.middle_mm {
+                Some(middle_mm) if count == 1 => middle_mm,
+                _ => self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &trial.state),
+            };
+            self.prediction.add(active.motion.rapid, before_mm, after_mm, &active.origin);
+        }
+    }
+}
+
+impl<I> Iterator for Corrector<'_, I>
+where
+    I: Iterator<Item = Result<Element, Diagnostic>>,
+{
+    type Item = Result<Output, Diagnostic>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some(item) = self.pending.pop_front() {
+                return Some(item);
+            }
+            if let Some(active) = self.active.take() {
+                self.advance(active);
+                if !self.findings.is_empty() {
+                    self.pending.extend(self.findings.take().map(Err));
+                }
+                continue;
+            }
+            match self.elements.next()? {
+                Ok(element) => self.take_in(element),
+                Err(finding) => return Some(Err(finding)),
+            }
+        }
+    }
+}
+
+/// The longest useful arc from here; `None` where chords do as well.
+fn fit_arc(
+    bench: &Bench<'_, '_>,
+    standing: &Standing,
+    active: &Active,
+    turning: f64,
+    step: f64,
+    scratch: &mut Vec<f64>,
+) -> Option<Trial> {
+    let from = active.parameter;
+    let swept = bench.route.sweep_rad().abs();
+    if from == 0.0 && turning >= 1.0 && step >= 1.0 {
+        let whole = bench.arc(standing, [0.0, 1.0], scratch);
+        if whole.is_some_and(|trial| trial.fits()) {
+            return whole;
+        }
+    }
+    let turn = std::f64::consts::TAU / swept;
+    let full_turn = from + turn;
+    if full_turn <= turning.min(from + step) + SAME_ANGLE / swept {
+        let to = if full_turn > 1.0 - SAME_PARAMETER { 1.0 } else { full_turn };
+        let circle = bench.arc(standing, [from, to], scratch);
+        if circle.is_some_and(|trial| trial.fits()) {
+            return circle;
+        }
+    }
+    let limit = turning.min(from + step).min(from + MOST_SWEEP / swept);
+    // Half the angle over which a chord of the tolerance stretches.
+    let half_chord = (1.0 - bench.tolerance_mm / bench.route.radius_mm()).max(-1.0).acos();
+    let reach =
+        Reach { from, limit, guess: active.length, floor: USEFUL_CHORDS * 2.0 * half_chord / swept, order: 3.0 };
+    longest(reach, |between| bench.arc(standing, between, scratch)).filter(Trial::fits)
+}
+
+/// The end of a piece of fixed length along the axis that moves farthest.
+fn next_step(route: &Route, from: f64, step_mm: f64) -> f64 {
+    let leading = route.leading_mm();
+    let steps = (from * leading / step_mm + SAME_PARAMETER).floor() + 1.0;
+    let to = steps * step_mm / leading;
+    if to < 1.0 - SAME_PARAMETER { to } else { 1.0 }
+}
+
+/// M6, wherever it stands.
+fn is_tool_change(word: &Word) -> bool {
+    word.letter == b'M' && word.extension.is_none() && word.value == WordValue::Number(6.0)
+}

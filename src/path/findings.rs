@@ -1,0 +1,146 @@
+//! What the correction finds out about a program: positions outside the travel, corrections that are too large or do not exist.
+//!
+//! Each kind once per source line; after a hundred, no more.
+
+use std::collections::HashSet;
+
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::geometry::{AXES, Axis, AxisSet, AxisVector, Vector};
+use crate::machine::{AxisData, Machine};
+use crate::model::NotConverged;
+use crate::snc::Origin;
+use crate::source::FileId;
+
+use super::route::Route;
+
+/// More findings than this help nobody.
+const MOST_FINDINGS: usize = 100;
+/// A command this much beyond its limit is on it: the noise of the arithmetic, mm or rad.
+const ON_LIMIT: f64 = 1e-9;
+
+/// Collects findings.
+#[derive(Debug)]
+pub(super) struct Findings<'a> {
+    machine: &'a Machine,
+    max_correction_mm: f64,
+    reported: HashSet<(FileId, u32, Code)>,
+    new: Vec<Diagnostic>,
+    tolerance_was_missed: bool,
+}
+
+impl<'a> Findings<'a> {
+    pub(super) fn new(machine: &'a Machine, max_correction_mm: f64) -> Findings<'a> {
+        Findings { machine, max_correction_mm, reported: HashSet::new(), new: Vec::new(), tolerance_was_missed: false }
+    }
+
+    /// Takes the findings that have come up.
+    pub(super) fn take(&mut self) -> impl Iterator<Item = Diagnostic> + '_ {
+        self.new.drain(..)
+    }
+
+    /// Whether there are any to take.
+    pub(super) fn is_empty(&self) -> bool {
+        self.new.is_empty()
+    }
+
+    /// Checks travel and correction of a piece along `emitted`; `nominal` is its programmed end.
+    pub(super) fn check(
+        &mut self,
+        origin: &Origin,
+        known: AxisSet,
+        nominal: &AxisVector,
+        emitted: &Route,
+        tool_mm: &Vector,
+    ) {
+        let machine = self.machine;
+        for data in machine.axes.iter().flatten().filter(|data| known.contains(data.axis)) {
+            let end = emitted.end[data.axis];
+            if let Some([low, high]) = data.travel {
+                let (mut least, mut most) = (end, end);
+                if emitted.arc().is_some() {
+                    let mut at = 0.0;
+                    loop {
+                        at = emitted.next_turning([data.axis].into_iter().collect(), at);
+                        if at >= 1.0 {
+                            break;
+                        }
+                        let turning = emitted.at(at)[data.axis];
+                        (least, most) = (least.min(turning), most.max(turning));
+                    }
+                }
+                if !(least >= low - ON_LIMIT) {
+                    self.out_of_travel(origin, data.axis, least, low, "below");
+                }
+                if !(most <= high + ON_LIMIT) {
+                    self.out_of_travel(origin, data.axis, most, high, "above");
+                }
+            }
+            let correction = end - nominal[data.axis];
+            let at_tip_mm = if data.axis.is_rotary() && correction != 0.0 {
+                correction * self.lever_mm(data, nominal, tool_mm)
+            } else {
+                correction
+            };
+            if !(at_tip_mm.abs() <= self.max_correction_mm) {
+                let message = format!(
+                    "the correction of {} is {} at the tool, more than {} µm",
+                    data.axis,
+                    micrometers(at_tip_mm),
+                    self.max_correction_mm * 1e3
+                );
+                let help = "check the units in the machine file before raising --max-correction";
+                self.report(origin, Code::CORRECTION_TOO_LARGE, message, help.into());
+            }
+        }
+    }
+
+    /// Distance of the tool point from the line of a rotary axis, mm: linear axes move the tool relative to the line, whichever
+    /// side of the machine carries them.
+    fn lever_mm(&self, data: &AxisData, command: &AxisVector, tool_mm: &Vector) -> f64 {
+        let reach = self.machine.spindle.origin_mm + command.xyz() + tool_mm - data.point_mm;
+        reach.cross(&data.direction).norm()
+    }
+
+    pub(super) fn not_converged(&mut self, origin: &Origin, failure: NotConverged) {
+        let message = format!("no correction was found here; {} are left", micrometers(failure.residual_mm));
+        let help = "check the error model, and that the machine can move the tool in all directions";
+        self.report(origin, Code::NOT_CONVERGED, message, help.into());
+    }
+
+    /// Says once that a piece deviates by more than asked for.
+    pub(super) fn tolerance_missed(&mut self, origin: &Origin, tolerance_mm: f64) {
+        if !std::mem::replace(&mut self.tolerance_was_missed, true) {
+            let message = format!("here the emitted path cannot stay within {} µm", tolerance_mm * 1e3);
+            let help = "allow a larger --tolerance, or a finer control.increment_mm";
+            self.report(origin, Code::TOLERANCE_NOT_REACHED, message, help.into());
+        }
+    }
+
+    fn out_of_travel(&mut self, origin: &Origin, axis: Axis, position: f64, limit: f64, side: &str) {
+        let unit = if axis.is_rotary() { "deg" } else { "mm" };
+        let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+        let message = format!("{axis} {:.4} {unit} is {side} the limit of {} {unit}", shown(position), shown(limit));
+        let help = format!("check zero offset and tool length, or axis.{axis}.travel_{unit} in the machine file");
+        self.report(origin, Code::OUT_OF_TRAVEL, message, help);
+    }
+
+    fn report(&mut self, origin: &Origin, code: Code, message: String, help: String) {
+        let key = (origin.file, origin.line, code);
+        if self.reported.len() < MOST_FINDINGS && self.reported.insert(key) {
+            let place = Place { file: origin.file, span: origin.span };
+            self.new.push(Diagnostic::at(code, place, message, help));
+        }
+    }
+}
+
+/// A length for a sentence.
+fn micrometers(mm: f64) -> String {
+    format!("{:.1} µm", mm * 1e3)
+}
+
+/// The linear axes that place the tip in space: X Y Z, and U V W where the machine lacks the primary letter.
+pub(super) fn placing_axes(machine: &Machine) -> AxisSet {
+    let of_dimension =
+        |dimension| AXES.into_iter().filter(move |axis| !axis.is_rotary() && axis.dimension() == dimension);
+    (0..3).filter_map(|dimension| of_dimension(dimension).find(|&axis| machine.axis(axis).is_some())).collect()
+}

@@ -1,0 +1,59 @@
+//! Positions as whole numbers of the smallest increment that a program of the control can express.
+
+use crate::geometry::Axis;
+use crate::machine::Control;
+
+/// The increments of a control: mm for linear axes, degrees for rotary ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Increments {
+    /// Smallest step of a linear axis in a program, mm.
+    pub linear_mm: f64,
+    /// Smallest step of a rotary axis in a program, degrees.
+    pub rotary_deg: f64,
+}
+
+impl Increments {
+    /// Those of a control.
+    #[must_use]
+    pub fn new(control: &Control) -> Increments {
+        // The increment is a short decimal in degrees; its way through radians must not leave a rest in the last digits.
+        let rotary_deg = (control.increment_rad.to_degrees() * 1e12).round() / 1e12;
+        Increments { linear_mm: control.increment_mm, rotary_deg }
+    }
+
+    /// The nearest whole number of increments to a position of an axis (mm, rad).
+    #[must_use]
+    pub fn count(&self, axis: Axis, position: f64) -> i64 {
+        self.ratio(axis, position).round() as i64
+    }
+
+    /// The position in increments, not rounded.
+    #[must_use]
+    pub fn ratio(&self, axis: Axis, position: f64) -> f64 {
+        if axis.is_rotary() { position.to_degrees() / self.rotary_deg } else { position / self.linear_mm }
+    }
+
+    /// The position of an axis (mm, rad) at a number of increments.
+    #[must_use]
+    pub fn position(&self, axis: Axis, count: i64) -> f64 {
+        if axis.is_rotary() { (count as f64 * self.rotary_deg).to_radians() } else { count as f64 * self.linear_mm }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_of_counts_count_back_to_themselves() {
+        let increments = Increments::new(&Control::default());
+        assert_eq!(increments.rotary_deg, 1e-4);
+        for count in [-3_600_001, -1, 0, 1, 7, 123_456_789, 900_000_000_000] {
+            for axis in [Axis::X, Axis::C] {
+                assert_eq!(increments.count(axis, increments.position(axis, count)), count);
+            }
+        }
+        assert_eq!(increments.count(Axis::Y, 12.345_649), 123_456);
+        assert_eq!(increments.count(Axis::A, 90_f64.to_radians()), 900_000);
+    }
+}

@@ -1,0 +1,174 @@
+//! From the flat stream to corrected pieces: subdivision, correction, arc fitting, and the error that is left along the path.
+//!
+//! [`Corrector`] adapts an iterator of elements and is as lazy as that: it holds one move at a time. Every position that leaves it is
+//! a whole number of the control's increments, rounded from an absolute position, so nothing accumulates; everything behind the
+//! rounding (deviation, sense of motion, prediction, the start of the next piece) uses the rounded commands.
+//!
+//! One forward function judges all: the deviation of a piece is the distance of the tool tip at the emitted command, with all errors,
+//! from the nominal tip at the same parameter of the programmed move.
+
+mod arc_fit;
+mod check;
+
+mod corrector;
+mod extend;
+mod findings;
+mod increment;
+mod place;
+mod prediction;
+mod route;
+mod trial;
+
+pub use corrector::Corrector;
+pub use increment::Increments;
+pub use prediction::{Prediction, Spread};
+
+use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector, Plane};
+use crate::snc::{BlockNumber, Element, Origin};
+
+/// What is to be done with a program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Largest deviation of an emitted piece from the exactly corrected path, mm.
+    pub tolerance_mm: f64,
+    /// How moves are cut into pieces.
+    pub subdivision: Subdivision,
+    /// What becomes of arcs.
+    pub arcs: Arcs,
+    /// What becomes of rapid moves.
+    pub rapids: Rapids,
+    /// What the emitted coordinates relate to.
+    pub frame: OutputFrame,
+    /// Corrections beyond this are refused, mm; rotary axes are judged by the arc at the tool tip.
+    pub max_correction_mm: f64,
+    /// Whether rotary axes take part in the correction.
+    pub rotary: Rotary,
+    /// Distance of the samples of the prediction along the path, mm.
+    pub sample_mm: f64,
+    /// Programmed position before the first block (mm, rad), where the program relies on one.
+    pub start: Option<AxisVector>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            tolerance_mm: 1e-3,
+            subdivision: Subdivision::Adaptive,
+            arcs: Arcs::Keep,
+            rapids: Rapids::Ends,
+            frame: OutputFrame::Work,
+            max_correction_mm: 0.2,
+            rotary: Rotary::Correct,
+            sample_mm: 1.0,
+            start: None,
+        }
+    }
+}
+
+/// How moves are cut into pieces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Subdivision {
+    /// As few pieces as keep the deviation within the tolerance.
+    Adaptive,
+    /// A fixed step along the axis that moves farthest, mm (Spaan, ch. 7). A rotary axis counts with an arm of 100 mm. Arcs are
+    /// cut by the tolerance too, as chords of a fixed step would leave the circle.
+    Step(f64),
+}
+
+/// What becomes of arcs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Arcs {
+    /// They stay arcs where one fits within the tolerance and the control's check of the center.
+    #[default]
+    Keep,
+    /// They become straight pieces.
+    Chords,
+}
+
+/// What becomes of rapid moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rapids {
+    /// The end point is corrected, the way is one piece.
+    #[default]
+    Ends,
+    /// They stay as programmed, rounded to the increment (Spaan).
+    None,
+    /// They are treated like moves with feed.
+    All,
+}
+
+/// What the emitted coordinates relate to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OutputFrame {
+    /// The zero offset and frame of the program.
+    #[default]
+    Work,
+    /// Machine coordinates of the tool center point.
+    Machine,
+}
+
+/// Whether rotary axes take part in the correction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rotary {
+    /// They turn so that the tool axis points where it should.
+    #[default]
+    Correct,
+    /// They stay as programmed; only the position of the tip is corrected.
+    Hold,
+}
+
+/// What leaves the corrector: elements without motion in their places, and pieces of moves.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Output {
+    /// An element without motion, unchanged.
+    Element(Element),
+    /// A piece of a move.
+    Piece(Piece),
+}
+
+/// A straight or circular piece of a move, its end a whole number of increments on every axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Where its move comes from.
+    pub origin: Origin,
+    /// Whether a new executed block starts with it.
+    pub starts_block: bool,
+    /// The block number, on the piece that starts the block.
+    pub number: Option<BlockNumber>,
+    /// First piece of its move.
+    pub first: bool,
+    /// Last piece of its move.
+    pub last: bool,
+    /// The path stands still: the axes only go from the command that was right before to the one that is right for what
+    /// follows (reversal of an axis with backlash, a rapid move that was left uncorrected).
+    pub take_up: bool,
+    /// Rapid or with feed.
+    pub rapid: bool,
+    /// Center and sense where it is an arc.
+    pub arc: Option<PieceArc>,
+    /// Programmed coordinates at the end, in increments ([`Increments`]), in the emitted frame.
+    pub counts: [i64; AXIS_COUNT],
+    /// Axes to write.
+    pub words: AxisSet,
+    /// Feed in force, as in the source.
+    pub feed: f64,
+    /// Whether the source names the feed in the block and this is the first piece of it.
+    pub feed_named: bool,
+    /// Whether the source writes machine coordinates for this block only (G53, G153, SUPA).
+    pub in_machine_frame: bool,
+    /// Axis commands at the end, without tool: mm, rad.
+    pub command: AxisVector,
+}
+
+/// The circle of a piece, in the emitted frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PieceArc {
+    /// Plane of the circle.
+    pub plane: Plane,
+    /// G2 rather than G3.
+    pub clockwise: bool,
+    /// Center minus start along X, Y, Z in increments: I J K.
+    pub center_counts: [i64; 3],
+    /// Full turns beyond the arc itself.
+    pub extra_turns: u32,
+}

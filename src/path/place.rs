@@ -1,0 +1,157 @@
+//! Puts a nominal position onto the grid of increments so that the tool is where it should be: correction and rounding.
+//!
+//! Rotary axes are rounded first; the linear axes are then solved for the rounded rotary commands and rounded last. So the tip is
+//! off by the rounding of the linear axes only, whatever the lever of the rotary ones.
+
+use std::sync::Arc;
+
+use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
+use crate::machine::{Machine, State};
+use crate::model::{Model, NotConverged, Solve};
+use crate::snc::Setup;
+
+use super::{Increments, Options, OutputFrame, Rotary};
+
+/// A position that can be written: counts in the emitted frame, and the axis command that they stand for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Placed {
+    pub(super) counts: [i64; AXIS_COUNT],
+    pub(super) command: AxisVector,
+    /// Why the position is not corrected.
+    pub(super) failure: Option<NotConverged>,
+}
+
+/// Corrects and rounds positions.
+#[derive(Clone, Debug)]
+pub(super) struct Placer<'a> {
+    pub(super) model: &'a Model,
+    pub(super) setup: Arc<Setup>,
+    pub(super) increments: Increments,
+    frame: OutputFrame,
+    has_rotary: bool,
+    turns_rotary: bool,
+    is_empty: bool,
+}
+
+impl<'a> Placer<'a> {
+    pub(super) fn new(machine: &Machine, model: &'a Model, options: &Options) -> Placer<'a> {
+        let has_rotary = machine.axis_set().iter().any(Axis::is_rotary);
+        Placer {
+            model,
+            setup: Arc::default(),
+            increments: Increments::new(&machine.control),
+            frame: options.frame,
+            has_rotary,
+            turns_rotary: has_rotary && options.rotary == Rotary::Correct,
+            is_empty: model.is_empty(),
+        }
+    }
+
+    /// Coordinates in the emitted frame.
+    pub(super) fn programmed(&self, command: &AxisVector) -> AxisVector {
+        match self.frame {
+            OutputFrame::Work => self.setup.programmed(command),
+            OutputFrame::Machine => {
+                let mut out = *command;
+                out.set_xyz(out.xyz() + self.setup.tool_mm);
+                out
+            }
+        }
+    }
+
+    fn command(&self, programmed: &AxisVector) -> AxisVector {
+        match self.frame {
+            OutputFrame::Work => self.setup.command(programmed),
+            OutputFrame::Machine => {
+                let mut out = *programmed;
+                out.set_xyz(out.xyz() - self.setup.tool_mm);
+                out
+            }
+        }
+    }
+
+    /// Whether directions in the emitted frame are those of the axes.
+    pub(super) fn is_parallel(&self) -> bool {
+        self.frame == OutputFrame::Machine || self.setup.frame.is_translation()
+    }
+
+    /// The command on the grid that brings the tip to where it is nominally at `nominal`. Axes outside `known` stay there.
+    /// `guess` is a correction nearby.
+    pub(super) fn place(&self, nominal: &AxisVector, known: AxisSet, state: &State, guess: &AxisVector) -> Placed {
+        match self.exact(nominal, known, state, guess) {
+            Ok(exact) => self.round(&exact, known),
+            Err(failure) => Placed { failure: Some(failure), ..self.round(nominal, known) },
+        }
+    }
+
+    /// The same before the linear axes are rounded.
+    pub(super) fn exact(
+        &self,
+        nominal: &AxisVector,
+        known: AxisSet,
+        state: &State,
+        guess: &AxisVector,
+    ) -> Result<AxisVector, NotConverged> {
+        if self.is_empty {
+            return Ok(*nominal);
+        }
+        let tool_mm = &self.setup.tool_mm;
+        let mut start = *nominal + *guess;
+        if self.turns_rotary {
+            let turned = self.model.solve(nominal, tool_mm, state, &start, Solve::Full)?;
+            start = self.round_axes(&self.keep_unknown(turned, nominal, known), &ROTARY_AXES, known);
+        } else if self.has_rotary {
+            for axis in ROTARY_AXES {
+                start[axis] = nominal[axis];
+            }
+            start = self.round_axes(&start, &ROTARY_AXES, known);
+        }
+        let exact = self.model.solve(nominal, tool_mm, state, &start, Solve::PositionOnly)?;
+        Ok(self.keep_unknown(exact, nominal, known))
+    }
+
+    /// The nearest position on the grid.
+    pub(super) fn round(&self, command: &AxisVector, known: AxisSet) -> Placed {
+        let mut programmed = self.programmed(command);
+        let mut counts = [0; AXIS_COUNT];
+        let axes: &[Axis] = if self.has_rotary { &crate::geometry::AXES } else { &LINEAR_AXES };
+        for &axis in axes {
+            if known.contains(axis) {
+                let count = self.increments.count(axis, programmed[axis]);
+                counts[axis.slot()] = count;
+                programmed[axis] = self.increments.position(axis, count);
+            }
+        }
+        Placed { counts, command: self.keep_unknown(self.command(&programmed), command, known), failure: None }
+    }
+
+    fn round_axes(&self, command: &AxisVector, axes: &[Axis], known: AxisSet) -> AxisVector {
+        let programmed = self.programmed(command);
+        let mut rounded = programmed;
+        for &axis in axes {
+            if known.contains(axis) {
+                rounded[axis] = self.increments.position(axis, self.increments.count(axis, programmed[axis]));
+            }
+        }
+        let rounded = self.command(&rounded);
+        let mut out = *command;
+        for &axis in axes {
+            out[axis] = rounded[axis];
+        }
+        out
+    }
+
+    fn keep_unknown(&self, mut command: AxisVector, nominal: &AxisVector, known: AxisSet) -> AxisVector {
+        for axis in crate::geometry::AXES {
+            if !known.contains(axis) {
+                command[axis] = nominal[axis];
+            }
+        }
+        command
+    }
+
+    /// Distance of the tip at `command` with errors from the nominal tip at `nominal`, mm.
+    pub(super) fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, state: &State) -> f64 {
+        self.model.tip_error_mm(nominal, command, &self.setup.tool_mm, state).norm()
+    }
+}

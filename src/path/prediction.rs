@@ -1,0 +1,160 @@
+//! The error of the tool tip along the path, before and after the correction, gathered while the program streams by.
+//!
+//! Samples lie between the ends of the pieces: at least one in every piece, and one about every `sample_mm` of the way. "Before" is the
+//! programmed command on the error model with the programmed sense of motion, "after" the emitted command, rounding
+//! included; both are measured from the nominal tip at the same parameter of the move.
+
+use crate::geometry::AxisVector;
+use crate::snc::Origin;
+
+/// Mean, RMS and maximum of distances, mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spread {
+    /// Number of samples.
+    pub samples: u64,
+    sum_mm: f64,
+    square_sum_mm2: f64,
+    /// Largest, mm.
+    pub max_mm: f64,
+}
+
+impl Spread {
+    /// Adds a distance, mm.
+    pub fn add(&mut self, distance_mm: f64) {
+        self.samples += 1;
+        self.sum_mm += distance_mm;
+        self.square_sum_mm2 += distance_mm * distance_mm;
+        self.max_mm = self.max_mm.max(distance_mm);
+    }
+
+    /// Mean, mm; 0 without samples.
+    #[must_use]
+    pub fn mean_mm(&self) -> f64 {
+        if self.samples == 0 { 0.0 } else { self.sum_mm / self.samples as f64 }
+    }
+
+    /// Root of the mean square, mm; 0 without samples.
+    #[must_use]
+    pub fn rms_mm(&self) -> f64 {
+        if self.samples == 0 { 0.0 } else { (self.square_sum_mm2 / self.samples as f64).sqrt() }
+    }
+}
+
+/// What a correction does to the error along the path.
+///
+/// Only moves with feed count, or all of them in a program that has none. Left out are moves made while an axis that the program has
+/// moved before is at an unknown place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prediction {
+    feed: Pair,
+    rapid: Pair,
+    /// Largest correction of each axis by size: mm, rad.
+    pub max_correction: AxisVector,
+    /// Moves of the program.
+    pub moves: u64,
+    /// Pieces that they became.
+    pub pieces: u64,
+}
+
+/// Spreads before and after.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Pair {
+    pub(super) before: Spread,
+    pub(super) after: Spread,
+    pub(super) max_at: Option<Origin>,
+}
+
+impl Pair {
+    pub(super) fn add(&mut self, before_mm: f64, after_mm: f64, origin: &Origin) {
+        self.before.add(before_mm);
+        if self.max_at.is_none() || after_mm > self.after.max_mm {
+            self.max_at = Some(*origin);
+        }
+        self.after.add(after_mm);
+    }
+}
+
+impl Prediction {
+    /// Error of the program as it was written.
+    #[must_use]
+    pub fn before(&self) -> &Spread {
+        &self.counted().before
+    }
+
+    /// Error of the emitted program.
+    #[must_use]
+    pub fn after(&self) -> &Spread {
+        &self.counted().after
+    }
+
+    /// Where the largest error of the emitted program lies.
+    #[must_use]
+    pub fn max_at(&self) -> Option<Origin> {
+        self.counted().max_at
+    }
+
+    /// Whether samples of such a move still count.
+    pub(super) fn wants(&self, rapid: bool) -> bool {
+        !rapid || self.feed.before.samples == 0
+    }
+
+    pub(super) fn add(&mut self, rapid: bool, before_mm: f64, after_mm: f64, origin: &Origin) {
+        let pair = if rapid { &mut self.rapid } else { &mut self.feed };
+        pair.add(before_mm, after_mm, origin);
+    }
+
+    pub(super) fn note_correction(&mut self, nominal: &AxisVector, command: &AxisVector) {
+        for (slot, largest) in self.max_correction.0.iter_mut().enumerate() {
+            *largest = largest.max((command.0[slot] - nominal.0[slot]).abs());
+        }
+    }
+
+    fn counted(&self) -> &Pair {
+        if self.feed.before.samples > 0 { &self.feed } else { &self.rapid }
+    }
+}
+
+/// More samples than this in one piece tell nothing new; it bounds the time that a long rapid move takes.
+const MOST_SAMPLES: f64 = 256.0;
+
+/// The number of samples of a piece of a size, mm.
+pub(super) fn sample_count(size_mm: f64, sample_mm: f64) -> u32 {
+    // The conversion is exact: the value lies between 1 and 256; NaN becomes 1.
+    (size_mm / sample_mm).ceil().max(1.0).min(MOST_SAMPLES) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spread_is_mean_rms_and_maximum() {
+        let mut spread = Spread::default();
+        assert_eq!((spread.mean_mm(), spread.rms_mm()), (0.0, 0.0));
+        [3.0, 4.0, 5.0].into_iter().for_each(|distance| spread.add(distance));
+        assert_eq!(spread.mean_mm(), 4.0);
+        assert!((spread.rms_mm() - (50.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!(spread.max_mm, 5.0);
+    }
+
+    #[test]
+    fn rapid_moves_count_only_where_there_is_nothing_else() {
+        let mut prediction = Prediction::default();
+        let place = |line| Origin { line, ..Origin::default() };
+        prediction.add(true, 8.0, 7.0, &place(1));
+        assert_eq!((prediction.before().max_mm, prediction.max_at()), (8.0, Some(place(1))));
+        assert!(prediction.wants(true));
+        prediction.add(false, 2.0, 1.0, &place(2));
+        prediction.add(false, 2.0, 0.5, &place(3));
+        assert!(!prediction.wants(true));
+        assert_eq!((prediction.after().max_mm, prediction.max_at()), (1.0, Some(place(2))));
+    }
+
+    #[test]
+    fn every_piece_has_a_sample_and_none_has_too_many() {
+        assert_eq!(sample_count(0.0, 1.0), 1);
+        assert_eq!(sample_count(2.5, 1.0), 3);
+        assert_eq!(sample_count(1e9, 1.0), 256);
+        assert_eq!(sample_count(f64::NAN, 1.0), 1);
+    }
+}

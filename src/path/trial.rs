@@ -1,0 +1,303 @@
+//! One piece tried: its ends corrected and rounded, its deviation from the nominal path measured by the forward function.
+
+use std::f64::consts::{FRAC_PI_4, TAU};
+
+use crate::geometry::{AXIS_COUNT, Arc, Axis, AxisSet, AxisVector, Plane, Vector};
+use crate::machine::{Control, State};
+
+use super::check::Sampler;
+use super::place::{Placed, Placer};
+use super::route::{Route, distance_mm};
+use super::{PieceArc, arc_fit};
+
+/// Share of the tolerance that the samples may use; the rest is for what lies between them.
+const SAMPLED_SHARE: f64 = 0.97;
+/// What a bend may add where rounding alone exceeds the tolerance.
+const BEND_SHARE: f64 = 0.1;
+/// Share of the control's tolerance for arc centers that is used, so that its own arithmetic agrees.
+const CENTER_SHARE: f64 = 0.5;
+/// A sweep this near to full turns is full turns, rad.
+const SAME_ANGLE: f64 = 1e-7;
+/// Commands nearer than this are the same place on the grid, mm.
+const SAME_PLACE_MM: f64 = 1e-9;
+
+/// Where program and machine stand between two pieces.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Standing {
+    /// Command of the program.
+    pub(super) nominal: AxisVector,
+    /// Command of the emitted program.
+    pub(super) command: AxisVector,
+    /// What was written last, and for which axes this is the place where they stand.
+    pub(super) counts: [i64; AXIS_COUNT],
+    pub(super) written: AxisSet,
+    /// Axes whose place is known.
+    pub(super) known: AxisSet,
+    /// Sense of motion of the emitted commands.
+    pub(super) state: State,
+    /// Sense of motion of the program.
+    pub(super) nominal_state: State,
+    /// Last correction, as a guess for the next.
+    pub(super) correction: AxisVector,
+    /// The machine may stand off the corrected path: an uncorrected move, another tool.
+    pub(super) is_doubtful: bool,
+}
+
+/// What is needed to try pieces of one move.
+pub(super) struct Bench<'a, 'm> {
+    pub(super) placer: &'a Placer<'m>,
+    pub(super) sampler: &'a Sampler,
+    pub(super) control: &'a Control,
+    pub(super) route: &'a Route,
+    /// Samples that the whole route needs.
+    pub(super) samples: f64,
+    pub(super) known: AxisSet,
+    pub(super) tolerance_mm: f64,
+    /// Whether a piece may begin with a step on the spot.
+    pub(super) takes_up: bool,
+}
+
+/// A piece that was tried.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial {
+    /// Parameters of the move at its ends.
+    pub(super) between: [f64; 2],
+    /// Where to go first, on the spot.
+    pub(super) take_up: Option<Placed>,
+    pub(super) end: Placed,
+    /// Sense of motion along the piece.
+    pub(super) state: State,
+    pub(super) circle: Option<PieceArc>,
+    /// What the machine will do.
+    pub(super) emitted: Route,
+    /// Largest deviation found, mm; 0 where none was looked for.
+    pub(super) deviation_mm: f64,
+    /// Largest deviation allowed, mm.
+    pub(super) allowed_mm: f64,
+    /// Deviation at the middle, where it was looked for, mm.
+    pub(super) middle_mm: Option<f64>,
+}
+
+/// The ends of a piece.
+struct Ends {
+    take_up: Option<Placed>,
+    start: AxisVector,
+    end: Placed,
+    state: State,
+}
+
+impl Trial {
+    pub(super) fn fits(&self) -> bool {
+        self.deviation_mm <= self.allowed_mm
+    }
+}
+
+impl Bench<'_, '_> {
+    /// The whole move, uncorrected.
+    pub(super) fn rounded(&self, standing: &Standing) -> Trial {
+        let end = self.placer.round(&self.route.end, self.known);
+        let mut state = standing.state;
+        state.note_motion(&standing.command, &end.command);
+        let emitted = Route::new(standing.command, end.command, None);
+        self.trial([0.0, 1.0], Ends { take_up: None, start: standing.command, end, state }, emitted, None)
+    }
+
+    /// The piece as a straight one, its deviation not measured.
+    pub(super) fn unmeasured(&self, standing: &Standing, between: [f64; 2]) -> Trial {
+        let ends = self.ends(standing, between);
+        let emitted = Route::new(ends.start, ends.end.command, None);
+        self.trial(between, ends, emitted, None)
+    }
+
+    /// The piece as a straight one.
+    pub(super) fn straight(&self, standing: &Standing, between: [f64; 2], scratch: &mut Vec<f64>) -> Trial {
+        let mut trial = self.unmeasured(standing, between);
+        self.measure(&mut trial, scratch);
+        trial
+    }
+
+    /// The piece as an arc; `None` where the ends, rounded, allow none.
+    pub(super) fn arc(&self, standing: &Standing, between: [f64; 2], scratch: &mut Vec<f64>) -> Option<Trial> {
+        let mut trial = self.unmeasured_arc(standing, between)?;
+        self.measure(&mut trial, scratch);
+        Some(trial)
+    }
+
+    /// The same, its deviation not measured.
+    pub(super) fn unmeasured_arc(&self, standing: &Standing, between: [f64; 2]) -> Option<Trial> {
+        let arc = *self.route.arc()?;
+        let (plane, clockwise) = self.emitted_plane(arc.plane, arc.clockwise)?;
+        let ends = self.ends(standing, between);
+        let [abscissa, ordinate, _] = arc.plane.axes();
+        let flat = |position: &AxisVector| [position[abscissa], position[ordinate]];
+        let (start, end) = (flat(&ends.start), flat(&ends.end.command));
+        let swept = self.route.sweep_rad().abs() * (between[1] - between[0]);
+        let turns = (swept / TAU).round();
+        let is_full = turns >= 1.0 && (swept - turns * TAU).abs() < SAME_ANGLE;
+        let gap_mm = (end[0] - start[0]).hypot(end[1] - start[1]);
+        if is_full != (gap_mm < SAME_PLACE_MM) {
+            return None;
+        }
+        let extra_turns = if is_full { turns - 1.0 } else { (swept / TAU).floor() };
+        // At most the TURN of the program: a small whole number.
+        let extra_turns = extra_turns as u32;
+        let center = self.center(&ends, between, &arc, flat)?;
+        let mut from_start = Vector::zeros();
+        from_start[abscissa.slot()] = center[0] - start[0];
+        from_start[ordinate.slot()] = center[1] - start[1];
+        let (center_counts, rounded) = self.round_direction(from_start);
+        let center = [start[0] + rounded[abscissa.slot()], start[1] + rounded[ordinate.slot()]];
+        let tolerance = |radius_mm: f64| {
+            CENTER_SHARE * self.control.arc_tolerance_mm.max(self.control.arc_tolerance_ratio * radius_mm)
+        };
+        let (from, to) = (&ends.start, &ends.end.command);
+        let done = Arc::through(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance).ok()?;
+        let emitted = Route::new(ends.start, ends.end.command, Some(done));
+        let circle = PieceArc { plane, clockwise, center_counts, extra_turns };
+        Some(self.trial(between, ends, emitted, Some(circle)))
+    }
+
+    fn trial(&self, between: [f64; 2], ends: Ends, emitted: Route, circle: Option<PieceArc>) -> Trial {
+        Trial {
+            between,
+            take_up: ends.take_up,
+            end: ends.end,
+            state: ends.state,
+            circle,
+            emitted,
+            deviation_mm: 0.0,
+            allowed_mm: SAMPLED_SHARE * self.tolerance_mm,
+            middle_mm: None,
+        }
+    }
+
+    /// Corrects and rounds the ends. The sense of motion along the piece follows from the commands that follow from it, so it is
+    /// guessed from the program and tried again where the guess was wrong.
+    fn ends(&self, standing: &Standing, between: [f64; 2]) -> Ends {
+        let nominal_end = self.route.at(between[1]);
+        let place =
+            |nominal: &AxisVector, state: &State| self.placer.place(nominal, self.known, state, &standing.correction);
+        if self.sampler.backlash.is_empty() && !standing.is_doubtful {
+            let end = place(&nominal_end, &standing.state);
+            return Ends { take_up: None, start: standing.command, end, state: standing.state };
+        }
+        let nominal_start = self.route.at(between[0]);
+        let mut sense = standing.state;
+        sense.note_motion(&nominal_start, &nominal_end);
+        let mut tries = 0;
+        loop {
+            let mut take_up = None;
+            let turns = !self.same_sense(&sense, &standing.state);
+            if self.takes_up
+                && (standing.is_doubtful || turns)
+                && self.placer.tip_error_mm(&nominal_start, &standing.command, &sense) > self.tolerance_mm
+            {
+                let start = place(&nominal_start, &sense);
+                if distance_mm(&start.command, &standing.command) > SAME_PLACE_MM {
+                    take_up = Some(start);
+                }
+            }
+            let start = take_up.map_or(standing.command, |placed| placed.command);
+            let end = place(&nominal_end, &sense);
+            let mut state = sense;
+            state.note_motion(&start, &end.command);
+            tries += 1;
+            if tries == 3 || self.same_sense(&state, &sense) {
+                return Ends { take_up, start, end, state };
+            }
+            sense = state;
+        }
+    }
+
+    fn same_sense(&self, a: &State, b: &State) -> bool {
+        self.sampler.backlash.iter().all(|axis| a.direction(axis) == b.direction(axis))
+    }
+
+    /// Measures the deviation at all places that matter.
+    fn measure(&self, trial: &mut Trial, scratch: &mut Vec<f64>) {
+        let [from, to] = trial.between;
+        self.sampler.fractions(self.route, self.samples, trial.between, scratch);
+        for &fraction in &*scratch {
+            let nominal = self.route.at(from + (to - from) * fraction);
+            let deviation = self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &trial.state);
+            trial.deviation_mm = trial.deviation_mm.max(deviation);
+            if fraction == 0.5 {
+                trial.middle_mm = Some(deviation);
+            }
+        }
+        if trial.deviation_mm > trial.allowed_mm {
+            // Rounding at the ends is no reason to cut: another end is rounded as badly.
+            let at = |parameter: f64, command: &AxisVector| {
+                self.placer.tip_error_mm(&self.route.at(parameter), command, &trial.state)
+            };
+            let ends = at(from, &trial.emitted.start).max(at(to, &trial.emitted.end));
+            if ends > SAMPLED_SHARE * self.tolerance_mm {
+                trial.allowed_mm = ends + BEND_SHARE * self.tolerance_mm;
+            }
+        }
+    }
+
+    /// The center nearest to the corrected path, in the plane of the axes, mm.
+    fn center(
+        &self,
+        ends: &Ends,
+        between: [f64; 2],
+        arc: &Arc,
+        flat: impl Fn(&AxisVector) -> [f64; 2],
+    ) -> Option<[f64; 2]> {
+        let (start, end) = (flat(&ends.start), flat(&ends.end.command));
+        if self.placer.model.is_empty() {
+            return Some(arc_fit::center(start, end, arc.center_mm, &[]));
+        }
+        let [from, to] = between;
+        let swept = self.route.sweep_rad().abs() * (to - from);
+        // The conversion is exact: between 3 and 16.
+        let count = (swept / FRAC_PI_4).ceil().clamp(3.0, 16.0) as u32;
+        let mut points = [[0.0; 2]; 16];
+        let mut shift = [0.0; 2];
+        let correction = ends.end.command - self.route.at(to);
+        for (k, point) in (1..=count).zip(&mut points) {
+            let nominal = self.route.at(from + (to - from) * f64::from(k) / f64::from(count + 1));
+            let exact = self.placer.exact(&nominal, self.known, &ends.state, &correction).ok()?;
+            *point = flat(&exact);
+            let straight = flat(&nominal);
+            shift[0] += (point[0] - straight[0]) / f64::from(count);
+            shift[1] += (point[1] - straight[1]) / f64::from(count);
+        }
+        let guess = [arc.center_mm[0] + shift[0], arc.center_mm[1] + shift[1]];
+        Some(arc_fit::center(start, end, guess, &points[..count as usize]))
+    }
+
+    /// Plane and sense of an arc in the emitted frame; `None` where it is no principal plane there, or not the one that is
+    /// selected.
+    ///
+    /// An arc that is counter-clockwise about n is so about sign(det L) · L · n behind the frame L.
+    fn emitted_plane(&self, plane: Plane, clockwise: bool) -> Option<(Plane, bool)> {
+        let setup = &self.placer.setup;
+        if self.placer.is_parallel() {
+            return (plane == setup.plane).then_some((plane, clockwise));
+        }
+        let linear = setup.frame.linear();
+        let off_orthonormal = (linear * linear.transpose() - crate::geometry::Matrix::identity()).norm();
+        let mut normal = Vector::zeros();
+        normal[plane.axes()[2].slot()] = linear.determinant().signum();
+        let normal = setup.frame.unapply_direction(normal);
+        let across = normal[setup.plane.axes()[2].slot()];
+        let is_principal = off_orthonormal < SAME_PLACE_MM && (across.abs() - 1.0).abs() < SAME_PLACE_MM;
+        is_principal.then_some((setup.plane, clockwise == (across > 0.0)))
+    }
+
+    /// A direction of the axes in counts of the emitted frame, and the direction that these stand for.
+    fn round_direction(&self, direction: Vector) -> ([i64; 3], Vector) {
+        let is_parallel = self.placer.is_parallel();
+        let frame = &self.placer.setup.frame;
+        let programmed = if is_parallel { direction } else { frame.unapply_direction(direction) };
+        let mut counts = [0; 3];
+        let mut rounded = Vector::zeros();
+        for (slot, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
+            counts[slot] = self.placer.increments.count(axis, programmed[slot]);
+            rounded[slot] = self.placer.increments.position(axis, counts[slot]);
+        }
+        (counts, if is_parallel { rounded } else { frame.apply_direction(rounded) })
+    }
+}
