@@ -55,6 +55,7 @@
 //! `EXX` positioning of X, `EYX` its straightness, `EAX` its roll, `EC0Y` the squareness of Y about Z. An error is the deviation of
 //! the moving body, also on the workpiece side; a correction is what is added to a command.
 
+pub mod cli;
 pub mod diagnostic;
 pub mod dialect;
 pub mod emit;

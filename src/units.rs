@@ -21,6 +21,12 @@ pub fn rad_from_urad(urad: f64) -> f64 {
     urad * 1e-6
 }
 
+/// rad as µrad.
+#[must_use]
+pub fn urad_from_rad(rad: f64) -> f64 {
+    rad * 1e6
+}
+
 /// Reads a length with its unit, `1um`, `0.02mm`, `1e-3 mm`, `0.001in`, as mm; a bare number has no unit and is refused.
 ///
 /// # Errors

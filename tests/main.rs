@@ -2,7 +2,14 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails here, which is what it is for")]
 
 // mod architecture;
+mod bad;
+mod cli_check;
+mod cli_explain;
+mod cli_fix;
+mod cli_machine;
+mod cli_snc;
 mod exec;
 mod grammar;
 mod hostile;
 mod machines;
+mod support;

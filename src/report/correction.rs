@@ -9,7 +9,7 @@ use super::json::{Finding, Spread};
 use super::number::{duration, grouped, micrometers, significant};
 
 /// The result of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted on the error model.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Correction {
     /// As programmed; `null` where the program was refused.
     pub before: Option<Spread>,
@@ -25,8 +25,12 @@ pub struct Correction {
     pub seconds: f64,
     /// Source line of the largest remaining error.
     pub max_at_line: Option<u32>,
+    /// The file of that line.
+    pub max_at_file: Option<String>,
     /// The written file, `-` for standard output; `null` where nothing was written.
     pub output: Option<String>,
+    /// The file that keeps the original of a program that was corrected in place.
+    pub backup: Option<String>,
     /// Name of the machine.
     pub machine: String,
     /// Findings in the order in which they were met.
@@ -38,19 +42,16 @@ impl Correction {
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = String::new();
-        // Writing into a String cannot fail.
-        let mut row = |name: &str, text: &str| {
-            let _ = writeln!(out, "{name:<13}{text}");
-        };
         if let (Some(before), Some(after)) = (self.before, self.after) {
-            row("", &format!("{:>12}{:>12}{:>12}", "mean", "RMS", "max"));
-            row("error before", &columns(before));
-            let place = self.max_at_line.map_or(String::new(), |line| format!("   largest at line {line}"));
-            row("error after", &format!("{}{place}", columns(after)));
-            row("improvement", &improvement(before, after));
+            let place = self.max_at_line.zip(self.max_at_file.as_deref());
+            out.push_str(&error_rows(before, after, place));
         }
+        let mut row = |name: &str, text: &str| push_row(&mut out, name, text);
         if !self.max_correction.is_empty() {
-            let parts: Vec<String> = self.max_correction.iter().map(|(key, &size)| largest(key, size)).collect();
+            let mut sizes: Vec<_> = self.max_correction.iter().collect();
+            // Linear axes first.
+            sizes.sort_by_key(|(key, _)| key.ends_with("urad"));
+            let parts: Vec<String> = sizes.into_iter().map(|(key, &size)| largest(key, size)).collect();
             row("correction", &format!("up to {}", parts.join(", ")));
         }
         row("blocks", &format!("{} in, {} out", grouped(self.blocks_in), grouped(self.blocks_out)));
@@ -59,8 +60,29 @@ impl Correction {
         if let Some(output) = &self.output {
             row("written", if output == "-" { "standard output" } else { output });
         }
+        if let Some(backup) = &self.backup {
+            row("original", backup);
+        }
         out
     }
+}
+
+/// The rows of the error table; `max_at` is the line of the largest remaining error and its file.
+#[must_use]
+pub fn error_rows(before: Spread, after: Spread, max_at: Option<(u32, &str)>) -> String {
+    let mut out = String::new();
+    let place = max_at.map_or(String::new(), |(line, file)| format!("   largest at {file}:{line}"));
+    push_row(&mut out, "", &format!("{:>12}{:>12}{:>12}", "mean", "RMS", "max"));
+    push_row(&mut out, "error before", &columns(before));
+    push_row(&mut out, "error after", &format!("{}{place}", columns(after)));
+    push_row(&mut out, "improvement", &improvement(before, after));
+    out
+}
+
+/// One row of a table.
+fn push_row(out: &mut String, name: &str, text: &str) {
+    // Writing into a String cannot fail.
+    let _ = writeln!(out, "{name:<13}{text}");
 }
 
 /// The three columns of the error table.
@@ -104,7 +126,9 @@ mod tests {
             blocks_out: 2345,
             seconds: 0.123,
             max_at_line: Some(17),
+            max_at_file: Some("part.mpf".into()),
             output: Some("out.mpf".into()),
+            backup: Some("part.mpf.bak".into()),
             machine: "demo".into(),
             diagnostics: Vec::new(),
         }
@@ -115,13 +139,14 @@ mod tests {
         insta::assert_snapshot!(sample().table(), @r"
                              mean         RMS         max
         error before      25.0 µm     28.1 µm      103 µm
-        error after      0.250 µm    0.310 µm    0.980 µm   largest at line 17
+        error after      0.250 µm    0.310 µm    0.980 µm   largest at part.mpf:17
         improvement  99.0 % of the mean
-        correction   up to C 3.00 µrad, X 41.3 µm
+        correction   up to X 41.3 µm, C 3.00 µrad
         blocks       1,234 in, 2,345 out
         time         0.12 s
         machine      demo
         written      out.mpf
+        original     part.mpf.bak
         ");
     }
 

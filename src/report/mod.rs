@@ -2,8 +2,9 @@
 //!
 //! Everything here returns text or serializable values; nothing opens a file or asks what a terminal can do.
 
-mod excerpt;
 pub mod correction;
+mod excerpt;
 pub mod json;
+pub mod machine;
 pub mod number;
 pub mod terminal;

@@ -1,0 +1,322 @@
+//! The command line: commands, options and their help.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::builder::NonEmptyStringValueParser;
+use clap::{Args, FromArgMatches as _, Subcommand, ValueEnum};
+
+use super::value;
+use crate::geometry::AxisVector;
+
+const AFTER_HELP: &str = "\
+Examples:
+  ncfix part.mpf -o part_corrected.mpf --machine mill.toml
+  ncfix part.mpf -o - --machine mill.toml | less
+  ncfix check part.mpf
+  ncfix snc part.mpf | head
+  ncfix verify part.mpf part_corrected.mpf --machine mill.toml
+  ncfix explain E0203
+
+Machine: --machine, else the nearest ncfix.toml in the folder of the program or above it, else in the working folder or above it, \
+else an embedded demo machine (with a warning, which the output carries too).
+
+Exit status:
+  0  done (there may be warnings)
+  2  wrong usage, or a file that cannot be read or written
+  3  the program was not understood; nothing was written
+  4  the program was refused; nothing was written";
+
+/// What `ncfix --help` says first.
+const ABOUT: &str = "\
+Corrects part programs for the measured geometric errors of one machine tool.
+
+Reads a part program, moves every programmed position so that the tool of this machine, with its errors, gets to where the \
+program wanted it, and writes the program again in its own language.";
+
+/// The definition of the command line: the commands, and the arguments of `fix` without its name.
+fn definition() -> clap::Command {
+    let command = clap::Command::new("ncfix").bin_name("ncfix").version(env!("CARGO_PKG_VERSION"));
+    FixArguments::augment_args(Command::augment_subcommands(command))
+        .about("Corrects part programs for the measured geometric errors of one machine tool")
+        .long_about(ABOUT)
+        .after_help(AFTER_HELP)
+        .args_conflicts_with_subcommands(true)
+        .subcommand_negates_reqs(true)
+        .arg_required_else_help(true)
+}
+
+/// Reads a command line whose first argument is the name of the program.
+pub(super) fn parse<I>(arguments: I) -> Result<Command, clap::Error>
+where
+    I: IntoIterator,
+    I::Item: Into<OsString> + Clone,
+{
+    let matches = definition().try_get_matches_from(arguments)?;
+    if matches.subcommand_name().is_some() {
+        Command::from_arg_matches(&matches)
+    } else {
+        FixArguments::from_arg_matches(&matches).map(Command::Fix)
+    }
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    /// Correct a program (the default: `ncfix IN -o OUT` is the same)
+    #[command(after_help = AFTER_HELP)]
+    Fix(FixArguments),
+    /// Parse and execute a program, report what was found, write nothing
+    Check(CheckArguments),
+    /// Print the flat stream of moves that a program makes (SNC)
+    Snc(SncArguments),
+    /// Compare the errors of an original and a corrected program on the error model
+    Verify(VerifyArguments),
+    /// Check or show a machine file
+    #[command(subcommand)]
+    Machine(MachineCommand),
+    /// Explain a finding code such as E0203
+    Explain(ExplainArguments),
+}
+
+/// Which machine.
+#[derive(Clone, Debug, Default, Args)]
+pub(super) struct MachineChoice {
+    /// Machine file; without it the nearest ncfix.toml upwards from the program, then from the working folder
+    #[arg(long, value_name = "M.toml")]
+    pub(super) machine: Option<PathBuf>,
+    /// Set-up file with zero offsets and tools, which override those of the machine file
+    #[arg(long, value_name = "S.toml")]
+    pub(super) setup: Option<PathBuf>,
+}
+
+/// How a program is read and executed.
+#[derive(Clone, Debug, Args)]
+pub(super) struct ProgramChoice {
+    /// Dialect: sinumerik, grundig, fanuc or rs274; without it that of the machine file, then by file name and content
+    #[arg(long, value_name = "DIALECT", value_parser = NonEmptyStringValueParser::new())]
+    pub(super) dialect: Option<String>,
+    /// Stop a program that executes more blocks than this; without it ten million, or twenty times its blocks if that is more
+    #[arg(long, value_name = "N")]
+    pub(super) max_blocks: Option<u64>,
+    /// Levels of / blocks to skip, as with the switches of the control: 0, or 0,3, or all
+    #[arg(long, value_name = "LEVELS", value_parser = value::skip_levels)]
+    pub(super) skip: Option<value::SkipLevels>,
+    /// Axis positions before the first block (mm, deg, machine coordinates; axes left out are at 0), for programs that begin with an
+    /// incremental move or an arc
+    #[arg(long, value_name = "X0,Y0,Z0", value_parser = value::start, allow_hyphen_values = true)]
+    pub(super) start: Option<AxisVector>,
+}
+
+/// Arcs in the output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum ArcChoice {
+    /// Arcs stay arcs where one fits within the tolerance
+    #[default]
+    Keep,
+    /// Arcs become straight pieces
+    Chords,
+}
+
+/// Rapid moves in the output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum RapidChoice {
+    /// The end point is corrected, the way is not
+    #[default]
+    Ends,
+    /// Left as they are
+    None,
+    /// Subdivided and corrected like feed moves
+    All,
+}
+
+/// Coordinates of the output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum FrameChoice {
+    /// In the program's own zero offset
+    #[default]
+    Work,
+    /// Machine coordinates, each block with G153
+    Machine,
+}
+
+/// Rotary axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum RotaryChoice {
+    /// Corrected like the linear axes
+    #[default]
+    Correct,
+    /// Left as programmed; only the position of the tip is corrected
+    Hold,
+}
+
+/// `ncfix fix`.
+#[derive(Clone, Debug, Args)]
+pub(super) struct FixArguments {
+    /// Part program; - for standard input
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// Corrected program; - for standard output
+    #[arg(short, long, value_name = "OUT", required_unless_present = "in_place")]
+    pub(super) output: Option<PathBuf>,
+    /// Overwrite IN and keep the original as IN.bak (IN.bak1 … where that exists)
+    #[arg(long, conflicts_with = "output")]
+    pub(super) in_place: bool,
+    #[command(flatten)]
+    /// Which machine.
+    pub(super) machine: MachineChoice,
+    #[command(flatten)]
+    /// How the program is executed.
+    pub(super) program: ProgramChoice,
+    /// Largest deviation of an emitted piece from the exactly corrected path, with its unit
+    #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
+    pub(super) tolerance: f64,
+    /// Fixed step along the leading axis instead of subdivision by tolerance, with its unit: 20mm
+    #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
+    pub(super) step: Option<f64>,
+    /// Arcs
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) arcs: ArcChoice,
+    /// Rapid moves
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) rapids: RapidChoice,
+    /// Coordinates of the output
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) frame: FrameChoice,
+    /// Rotary axes
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) rotary: RotaryChoice,
+    /// Smallest increment of linear axes in the output, with its unit; without it that of the machine file
+    #[arg(long, value_name = "LENGTH", value_parser = value::increment_mm)]
+    pub(super) increment: Option<f64>,
+    /// Refuse corrections beyond this, with its unit
+    #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
+    pub(super) max_correction: f64,
+    /// Print the report as one JSON object on standard output
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// `ncfix check`.
+#[derive(Clone, Debug, Args)]
+pub(super) struct CheckArguments {
+    /// Part program; - for standard input
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// Only parse: needs no machine
+    #[arg(long)]
+    pub(super) syntax_only: bool,
+    #[command(flatten)]
+    /// Which machine.
+    pub(super) machine: MachineChoice,
+    #[command(flatten)]
+    /// How the program is executed.
+    pub(super) program: ProgramChoice,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// `ncfix snc`.
+#[derive(Clone, Debug, Args)]
+pub(super) struct SncArguments {
+    /// Part program; - for standard input
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// File to write; without it standard output
+    #[arg(short, long, value_name = "OUT")]
+    pub(super) output: Option<PathBuf>,
+    #[command(flatten)]
+    /// Which machine.
+    pub(super) machine: MachineChoice,
+    #[command(flatten)]
+    /// How the program is executed.
+    pub(super) program: ProgramChoice,
+}
+
+/// `ncfix verify`.
+#[derive(Clone, Debug, Args)]
+pub(super) struct VerifyArguments {
+    /// Original part program
+    pub(super) original: PathBuf,
+    /// Corrected part program
+    pub(super) corrected: PathBuf,
+    #[command(flatten)]
+    /// Which machine.
+    pub(super) machine: MachineChoice,
+    #[command(flatten)]
+    /// How the programs are executed.
+    pub(super) program: ProgramChoice,
+    /// Print one JSON object on standard output
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// `ncfix machine`.
+#[derive(Clone, Debug, Subcommand)]
+pub(super) enum MachineCommand {
+    /// Report every fault of a machine file
+    Check(MachineArguments),
+    /// Show the machine that a file describes
+    Show(MachineArguments),
+}
+
+/// `ncfix machine check`, `ncfix machine show`.
+#[derive(Clone, Debug, Args)]
+pub(super) struct MachineArguments {
+    /// Machine file
+    #[arg(value_name = "M.toml")]
+    pub(super) file: PathBuf,
+    /// Set-up file with zero offsets and tools
+    #[arg(long, value_name = "S.toml")]
+    pub(super) setup: Option<PathBuf>,
+}
+
+/// `ncfix explain`.
+#[derive(Clone, Debug, Args)]
+pub(super) struct ExplainArguments {
+    /// Code of a finding, such as E0203; without it all codes are listed
+    pub(super) code: Option<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(line: &str) -> Result<Command, clap::Error> {
+        super::parse(line.split(' '))
+    }
+
+    #[test]
+    fn the_definition_is_consistent() {
+        definition().debug_assert();
+    }
+
+    #[test]
+    fn fix_is_the_default_command() {
+        let Command::Fix(fix) = parse("ncfix a.mpf -o b.mpf --step 20mm").unwrap() else { panic!("no fix") };
+        assert_eq!((fix.input, fix.output), ("a.mpf".into(), Some("b.mpf".into())));
+        assert_eq!((fix.tolerance, fix.step, fix.max_correction), (0.001, Some(20.0), 0.2));
+        let Command::Fix(fix) = parse("ncfix fix a.mpf --in-place").unwrap() else { panic!("no fix") };
+        assert!(fix.in_place && fix.output.is_none());
+    }
+
+    #[test]
+    fn other_commands_need_no_output() {
+        assert!(matches!(parse("ncfix check a.mpf --json").unwrap(), Command::Check(_)));
+        assert!(matches!(parse("ncfix explain E0203").unwrap(), Command::Explain(_)));
+    }
+
+    #[test]
+    fn contradictions_are_refused() {
+        for line in [
+            "ncfix a.mpf",
+            "ncfix a.mpf -o b.mpf --in-place",
+            "ncfix a.mpf -o b.mpf --tolerance 5",
+            "ncfix a.mpf -o b.mpf --tolerance=-5um",
+            "ncfix a.mpf -o b.mpf --arcs maybe",
+        ] {
+            assert!(parse(line).is_err(), "{line}");
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! `ncfix check`: parses and executes a program, reports every finding, writes nothing.
+
+use super::arguments::CheckArguments;
+use super::exit_code::ExitCode;
+use super::findings::Findings;
+use super::machine_choice;
+use super::program::{self, Running};
+use super::stop::Stop;
+use super::{print, tell};
+use crate::report::json;
+use crate::report::number::grouped;
+
+/// Checks a program.
+pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> {
+    let mut findings = Findings::default();
+    let mut check = json::Check { parsed: false, executed: false, elements: 0, diagnostics: Vec::new() };
+    examine(arguments, &mut findings, &mut check)?;
+    if arguments.json {
+        check.diagnostics = findings.json();
+        print(&json::line(&check).map_err(Stop::Usage)?)?;
+    } else {
+        findings.draw();
+        let done = match (check.parsed, check.executed) {
+            (false, _) => "not understood".to_owned(),
+            (true, false) if arguments.syntax_only => "understood".to_owned(),
+            (true, false) => "understood, not executed to its end".to_owned(),
+            (true, true) => format!("understood and executed, {} elements", grouped(check.elements)),
+        };
+        tell(&format!("{}: {done}; {}\n", arguments.input.display(), findings.count()));
+    }
+    Ok(findings.exit_code())
+}
+
+/// Parses, and executes unless `--syntax-only`.
+fn examine(arguments: &CheckArguments, findings: &mut Findings, check: &mut json::Check) -> Result<(), Stop> {
+    let source = program::read(&arguments.input)?;
+    // Only the dialect could matter to the syntax, so a machine is read where one is named, and the demo machine is no topic.
+    let chosen = if arguments.syntax_only && arguments.machine.machine.is_none() {
+        None
+    } else {
+        machine_choice::choose(&arguments.machine, &arguments.input, findings)?
+    };
+    let Some(opened) = program::open(&source, &arguments.program, chosen.as_ref(), findings)? else { return Ok(()) };
+    check.parsed = true;
+    let Some(chosen) = chosen.filter(|_| !arguments.syntax_only) else { return Ok(()) };
+    let mut running = Running::start(opened, &arguments.input, &arguments.program, &chosen.machine, false);
+    check.executed = true;
+    while let Some(item) = running.next() {
+        match item {
+            Ok(element) => check.elements += u64::from(element.kind.is_in_text()),
+            Err(diagnostic) => {
+                check.executed &= !diagnostic.is_error();
+                findings.add(diagnostic, running.sources());
+                if findings.is_hopeless() {
+                    break;
+                }
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,51 @@
+//! Exit statuses: what a script can rely on.
+
+use crate::diagnostic::Diagnostic;
+
+/// How a run ended. The order is that of weight: where several apply, [`ExitCode::of`] takes the first that matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExitCode {
+    /// Done; there may be warnings. Also when the reader of standard output went away.
+    Done = 0,
+    /// Wrong usage: options that contradict each other, a file that cannot be read or written.
+    Usage = 2,
+    /// The program was not understood: a fault in its text, or something that is not supported yet. Nothing was written.
+    NotUnderstood = 3,
+    /// Understood but refused: any other finding with an E code. Nothing was written.
+    Refused = 4,
+}
+
+impl ExitCode {
+    /// The status that follows from findings.
+    pub fn of<'a>(diagnostics: impl IntoIterator<Item = &'a Diagnostic>) -> ExitCode {
+        diagnostics.into_iter().filter(|diagnostic| diagnostic.is_error()).fold(ExitCode::Done, |code, diagnostic| {
+            if diagnostic.code.is_language() || code == ExitCode::NotUnderstood {
+                ExitCode::NotUnderstood
+            } else {
+                ExitCode::Refused
+            }
+        })
+    }
+}
+
+impl From<ExitCode> for std::process::ExitCode {
+    fn from(code: ExitCode) -> Self {
+        std::process::ExitCode::from(code as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnostic::Code;
+
+    #[test]
+    fn a_program_not_understood_weighs_most() {
+        let found = |code| Diagnostic::nowhere(code, "", "");
+        assert_eq!(ExitCode::of(&[]), ExitCode::Done);
+        assert_eq!(ExitCode::of(&[found(Code::NO_MACHINE)]), ExitCode::Done);
+        assert_eq!(ExitCode::of(&[found(Code::NO_MACHINE), found(Code::NO_TOOL)]), ExitCode::Refused);
+        assert_eq!(ExitCode::of(&[found(Code::NOT_SUPPORTED), found(Code::NO_TOOL)]), ExitCode::NotUnderstood);
+        assert_eq!(ExitCode::of(&[found(Code::NO_TOOL), found(Code::UNEXPECTED)]), ExitCode::NotUnderstood);
+    }
+}

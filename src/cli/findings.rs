@@ -1,0 +1,146 @@
+//! The findings of a run: gathered from all rooms with the file each belongs to, drawn at the end, turned into the exit status.
+
+use std::collections::HashSet;
+use std::io::Write as _;
+
+use super::exit_code::ExitCode;
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::report::{json, terminal};
+use crate::source::Source;
+
+/// Findings kept. A program with a fault in every block is understood after fewer; memory stays bounded.
+const MOST_KEPT: usize = 1000;
+
+/// Findings drawn.
+const MOST_DRAWN: usize = 50;
+
+/// What makes two findings the same: one in a loop is met again with every pass. Without a place the message decides.
+type Identity = (Code, String, Option<Place>);
+
+/// The findings of a run.
+#[derive(Default)]
+pub(super) struct Findings {
+    kept: Vec<(Diagnostic, Option<Source>)>,
+    seen: HashSet<Identity>,
+    errors: usize,
+    warnings: usize,
+    has_language_error: bool,
+}
+
+impl Findings {
+    /// Adds a finding whose place, if any, is in one of `sources`.
+    pub(super) fn add(&mut self, diagnostic: Diagnostic, sources: &[Source]) {
+        let source = diagnostic.place.and_then(|place| sources.iter().find(|source| source.id() == place.file));
+        let name = source.map_or(diagnostic.message.as_str(), Source::name);
+        let identity = (diagnostic.code, name.to_owned(), diagnostic.place);
+        let is_full = self.seen.len() >= MOST_KEPT;
+        if self.seen.contains(&identity) {
+            return;
+        }
+        if diagnostic.is_error() {
+            self.errors += 1;
+            self.has_language_error |= diagnostic.code.is_language();
+        } else {
+            self.warnings += 1;
+        }
+        if !is_full {
+            self.seen.insert(identity);
+            self.kept.push((diagnostic, source.cloned()));
+        }
+    }
+
+    /// Adds findings whose places are in `sources`.
+    pub(super) fn extend(&mut self, diagnostics: impl IntoIterator<Item = Diagnostic>, sources: &[Source]) {
+        diagnostics.into_iter().for_each(|diagnostic| self.add(diagnostic, sources));
+    }
+
+    /// Whether anything forbids output.
+    pub(super) fn has_errors(&self) -> bool {
+        self.errors > 0
+    }
+
+    /// Whether so many errors were met that more would help nobody.
+    pub(super) fn is_hopeless(&self) -> bool {
+        self.errors >= MOST_KEPT
+    }
+
+    /// `2 errors, 1 warning`.
+    pub(super) fn count(&self) -> String {
+        terminal::count(self.errors, self.warnings)
+    }
+
+    /// The exit status that follows.
+    pub(super) fn exit_code(&self) -> ExitCode {
+        if self.has_language_error {
+            ExitCode::NotUnderstood
+        } else if self.has_errors() {
+            ExitCode::Refused
+        } else {
+            ExitCode::Done
+        }
+    }
+
+    /// The findings as data.
+    pub(super) fn json(&self) -> Vec<json::Finding> {
+        self.kept.iter().map(|(diagnostic, source)| json::Finding::new(diagnostic, source.as_ref())).collect()
+    }
+
+    /// Draws the first findings on standard error, errors before warnings.
+    pub(super) fn draw(&self) {
+        // Who closed standard error does not want to know.
+        let _ = anstream::stderr().lock().write_all(self.drawing(terminal::Colors::Ansi).as_bytes());
+    }
+
+    /// The drawing of the first findings, errors before warnings, each group in the order in which it was met.
+    fn drawing(&self, colors: terminal::Colors) -> String {
+        let mut shown: Vec<&(Diagnostic, Option<Source>)> = self.kept.iter().collect();
+        shown.sort_by_key(|(diagnostic, _)| !diagnostic.is_error());
+        let mut out = String::new();
+        for (diagnostic, source) in shown.iter().take(MOST_DRAWN) {
+            out.push_str(&terminal::draw(diagnostic, source.as_ref(), colors));
+            out.push('\n');
+        }
+        let total = self.errors + self.warnings;
+        if total > MOST_DRAWN {
+            out.push_str(&format!("… and {} more\n\n", total - MOST_DRAWN));
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::{FileId, Span};
+
+    fn at(code: Code, start: usize) -> Diagnostic {
+        Diagnostic::at(code, Place { file: FileId(0), span: Span::new(start, start + 1) }, "m", "h")
+    }
+
+    #[test]
+    fn a_finding_in_a_loop_counts_once() {
+        let source = Source::new(FileId(0), "a", b"N1 X\nN2 X\n".to_vec()).unwrap();
+        let mut findings = Findings::default();
+        findings
+            .extend([at(Code::OUT_OF_TRAVEL, 3), at(Code::OUT_OF_TRAVEL, 3), at(Code::OUT_OF_TRAVEL, 8)], &[source]);
+        assert_eq!(findings.count(), "2 errors");
+        assert_eq!(findings.exit_code(), ExitCode::Refused);
+        let lines: Vec<_> = findings.json().iter().map(|finding| finding.line).collect();
+        assert_eq!(lines, [Some(1), Some(2)]);
+    }
+
+    #[test]
+    fn the_drawing_is_bounded_and_errors_come_first() {
+        let source = Source::new(FileId(0), "a", vec![b'X'; 5000]).unwrap();
+        let mut findings = Findings::default();
+        findings.add(Diagnostic::nowhere(Code::NO_MACHINE, "demo", "h"), &[]);
+        findings.extend((0..2000).map(|start| at(Code::UNEXPECTED, start)), &[source]);
+        let drawing = findings.drawing(terminal::Colors::Plain);
+        assert_eq!(drawing.matches("error[E0101]").count(), MOST_DRAWN);
+        assert!(drawing.starts_with("error[E0101]"));
+        assert!(drawing.ends_with("… and 1951 more\n\n"), "{drawing}");
+        assert_eq!(findings.json().len(), MOST_KEPT);
+        assert!(findings.is_hopeless());
+        assert_eq!(findings.exit_code(), ExitCode::NotUnderstood);
+    }
+}

@@ -1,0 +1,36 @@
+//! Reads program and machine files; `-` is standard input.
+
+use std::fs;
+use std::io::{self, Read as _};
+use std::path::Path;
+
+use super::stop::Stop;
+use crate::source::{FileId, MAX_BYTES, Source};
+
+/// The name shown for standard input.
+pub(super) const STANDARD_INPUT: &str = "<stdin>";
+
+/// Whether a path on the command line means standard input or output.
+pub(super) fn is_standard_stream(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// The bytes of a file with the name to show for it.
+///
+/// # Errors
+/// A sentence where the file cannot be read or is too large.
+pub(super) fn read(path: &Path, id: FileId) -> Result<Source, Stop> {
+    let (name, bytes) = if is_standard_stream(path) {
+        let mut bytes = Vec::new();
+        io::stdin().lock().read_to_end(&mut bytes).map_err(|error| Stop::file("read", path, &error))?;
+        (STANDARD_INPUT.to_owned(), bytes)
+    } else {
+        // Some systems open a folder and fail with an odd reason when it is read.
+        if path.is_dir() {
+            return Err(Stop::file("read", path, &io::ErrorKind::IsADirectory.into()));
+        }
+        (path.display().to_string(), fs::read(path).map_err(|error| Stop::file("read", path, &error))?)
+    };
+    Source::new(id, &name, bytes)
+        .map_err(|_| Stop::Usage(format!("cannot read {name}: it has more than {MAX_BYTES} bytes")))
+}

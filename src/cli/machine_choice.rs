@@ -1,0 +1,148 @@
+//! Finds and reads the machine: `--machine`, the nearest `ncfix.toml`, or the embedded demo machine.
+
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest as _, Sha256};
+
+use super::arguments::MachineChoice;
+use super::findings::Findings;
+use super::input::{self, is_standard_stream};
+use super::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::dialect;
+use crate::machine::Machine;
+use crate::machine::file::{DEMO, apply_setup};
+use crate::model::ErrorModel;
+use crate::model::file::load;
+use crate::source::{FileId, Source};
+
+/// The machine file that is looked for in the folder of the program and above it.
+const NEAREST: &str = "ncfix.toml";
+
+/// A machine with its error model and where they come from.
+pub(super) struct Chosen {
+    /// The machine, set-up applied.
+    pub(super) machine: Machine,
+    /// Its errors.
+    pub(super) errors: ErrorModel,
+    /// Whether it is the embedded demo machine because no other was found.
+    pub(super) is_demo: bool,
+    /// Hash of machine file and set-up file, 12 hexadecimal digits.
+    pub(super) hash: String,
+    /// The files that were read: none of them may be overwritten.
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// The first 12 hexadecimal digits of SHA-256: enough to tell versions of a file apart, short enough for a comment.
+pub(super) fn short_hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> String {
+    let mut hasher = Sha256::new();
+    for part in parts {
+        // The length in front keeps the border between two parts.
+        hasher.update((part.len() as u64).to_le_bytes());
+        hasher.update(part);
+    }
+    hasher.finalize().iter().take(6).map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Chooses and reads the machine for `program`; `None` where findings forbid to use it.
+///
+/// # Errors
+/// Where a file that was named cannot be read.
+pub(super) fn choose(choice: &MachineChoice, program: &Path, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
+    let path = choice.machine.clone().or_else(|| nearest(program));
+    let source = match &path {
+        Some(path) => input::read(path, FileId(0))?,
+        None => {
+            findings.add(
+                Diagnostic::nowhere(
+                    Code::NO_MACHINE,
+                    format!("the embedded demo machine is used: no --machine was given and no {NEAREST} was found"),
+                    format!("give --machine M.toml, or put the machine file beside the program as {NEAREST}"),
+                ),
+                &[],
+            );
+            demo()?
+        }
+    };
+    let Some(mut chosen) = read(&source, choice.setup.as_deref(), findings)? else { return Ok(None) };
+    chosen.is_demo = path.is_none();
+    chosen.files.extend(path);
+    Ok(Some(chosen))
+}
+
+/// Reads a machine from its file and an optional set-up file; `None` where findings forbid to use it.
+///
+/// # Errors
+/// Where the set-up file cannot be read.
+pub(super) fn read(source: &Source, setup: Option<&Path>, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
+    let (loaded, found) = load(source);
+    let mut is_usable = !found.iter().any(Diagnostic::is_error);
+    findings.extend(found, std::slice::from_ref(source));
+    let Some((mut machine, errors)) = loaded else { return Ok(None) };
+    if dialect::find(&machine.controller).is_none() {
+        is_usable = false;
+        findings.add(
+            Diagnostic::nowhere(
+                Code::BAD_VALUE,
+                format!("controller '{}' in {} is no dialect", machine.controller, source.name()),
+                format!("write one of {}", dialect_names()),
+            ),
+            &[],
+        );
+    }
+    let mut files = Vec::new();
+    let mut parts = vec![source.bytes()];
+    let setup_source = setup.map(|path| input::read(path, FileId(0))).transpose()?;
+    if let (Some(path), Some(setup)) = (setup, &setup_source) {
+        let found = apply_setup(setup, &mut machine);
+        is_usable &= !found.iter().any(Diagnostic::is_error);
+        findings.extend(found, std::slice::from_ref(setup));
+        files.push(path.to_path_buf());
+        parts.push(setup.bytes());
+    }
+    let hash = short_hash(parts);
+    Ok(is_usable.then_some(Chosen { machine, errors, is_demo: false, hash, files }))
+}
+
+/// The demo machine as a file.
+fn demo() -> Result<Source, Stop> {
+    Source::new(FileId(0), "<demo machine>", DEMO.as_bytes().to_vec())
+        .map_err(|_| Stop::Usage("the demo machine is too large".into()))
+}
+
+/// The nearest machine file, from the folder of the program upwards, then from the working folder upwards.
+fn nearest(program: &Path) -> Option<PathBuf> {
+    let upwards = |folder: PathBuf| {
+        let folder = folder.canonicalize().ok()?;
+        folder.ancestors().map(|folder| folder.join(NEAREST)).find(|file| file.is_file())
+    };
+    let beside = (!is_standard_stream(program)).then(|| program.parent().map(|parent| Path::new(".").join(parent)));
+    beside.flatten().and_then(upwards).or_else(|| upwards(PathBuf::from(".")))
+}
+
+/// `sinumerik, grundig, …`.
+pub(super) fn dialect_names() -> String {
+    dialect::DIALECTS.iter().map(|dialect| dialect.name).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hash_is_that_of_sha256_and_keeps_borders() {
+        // `printf '\3\0\0\0\0\0\0\0abc' | sha256sum`
+        assert_eq!(short_hash([&b"abc"[..]]), "ce91dc5eec01");
+        assert_ne!(short_hash([&b"ab"[..], b"c"]), short_hash([&b"a"[..], b"bc"]));
+    }
+
+    #[test]
+    fn the_nearest_file_is_found_upwards() {
+        let folder = tempfile::tempdir().unwrap();
+        let inner = folder.path().join("a/b");
+        std::fs::create_dir_all(&inner).unwrap();
+        std::fs::write(folder.path().join(NEAREST), "").unwrap();
+        let found = nearest(&inner.join("p.mpf")).unwrap();
+        assert_eq!(found, folder.path().canonicalize().unwrap().join(NEAREST));
+    }
+}

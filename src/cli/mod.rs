@@ -1,0 +1,78 @@
+//! The command line: one file per command. The only room that opens files.
+//!
+//! [`run`] reads the arguments and ends with an [`ExitCode`]. A command returns findings through `findings`, draws what `report`
+//! makes of them on standard error, and writes results through `output`, completely or not at all.
+
+mod arguments;
+mod check;
+mod exit_code;
+mod explain;
+mod findings;
+mod fix;
+mod input;
+mod library;
+mod machine;
+mod machine_choice;
+mod output;
+mod program;
+mod progress;
+mod snc;
+mod stop;
+mod value;
+
+pub use exit_code::ExitCode;
+
+use std::ffi::OsString;
+use std::io::Write as _;
+
+use arguments::Command;
+use stop::Stop;
+
+/// Runs the command of a command line; the first argument is the name of the program.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let command = match arguments::parse(arguments) {
+        Ok(command) => command,
+        Err(message) => {
+            // Help and version are asked for and go to standard output; a reader that went away does not matter.
+            let _ = message.print();
+            return if message.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
+        }
+    };
+    match dispatch(&command) {
+        Ok(code) => code,
+        Err(Stop::ReaderGone) => ExitCode::Done,
+        Err(Stop::Usage(sentence)) => {
+            complain(&sentence);
+            ExitCode::Usage
+        }
+    }
+}
+
+/// Runs the chosen command.
+fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
+    match command {
+        Command::Fix(arguments) => fix::run(arguments),
+        Command::Check(arguments) => check::run(arguments),
+        Command::Snc(arguments) => snc::run(arguments),
+        Command::Verify(_) => Err(Stop::Usage("verify is not built yet".into())),
+        Command::Machine(command) => machine::run(command),
+        Command::Explain(arguments) => explain::run(arguments),
+    }
+}
+
+/// Prints a result on standard output.
+fn print(text: &str) -> Result<(), Stop> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Stop::output(&error))
+}
+
+/// Prints a sentence or a table for the person on standard error, colors stripped where nobody sees them.
+fn tell(text: &str) {
+    let _ = anstream::stderr().lock().write_all(text.as_bytes());
+}
+
+/// Prints what ended the run.
+fn complain(sentence: &str) {
+    let style = clap::builder::styling::AnsiColor::BrightRed.on_default().bold();
+    tell(&format!("{style}error{style:#}: {sentence}\n"));
+}

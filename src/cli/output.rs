@@ -1,0 +1,311 @@
+//! Writes a file completely or not at all.
+//!
+//! The text is first spooled to a file without a name, so that an error, an interrupt or a crash leaves nothing behind. Only a
+//! complete text is then written beside the target, flushed to the disk and renamed over it. A target that is no plain file
+//! (standard output, a device, a pipe) gets the complete text as it is.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Seek as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use super::input::is_standard_stream;
+use super::stop::Stop;
+
+/// Bytes gathered before they go to the disk.
+const BUFFER: usize = 1 << 16;
+
+/// Symbolic links followed to find a target, as many as Linux follows.
+const MAX_LINKS: usize = 40;
+
+/// Where a text shall go.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Target {
+    /// Standard output.
+    Standard,
+    /// A file that may exist already; links are followed, so this is the file itself.
+    File(PathBuf),
+    /// A device or a pipe.
+    Special(PathBuf),
+}
+
+impl Target {
+    /// The target of a path on the command line.
+    ///
+    /// # Errors
+    /// A sentence where nothing can be written there.
+    pub(super) fn new(path: &Path) -> Result<Target, Stop> {
+        if is_standard_stream(path) {
+            return Ok(Target::Standard);
+        }
+        let path = follow(path)?;
+        match fs::metadata(&path) {
+            Ok(found) if found.is_dir() => Err(Stop::file("write", &path, &io::ErrorKind::IsADirectory.into())),
+            Ok(found) if !found.is_file() => Ok(Target::Special(path)),
+            Ok(found) if found.permissions().readonly() => {
+                Err(Stop::Usage(format!("cannot write {}: it is write-protected", path.display())))
+            }
+            Ok(_) => Ok(Target::File(path)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                if folder_of(&path).is_dir() {
+                    Ok(Target::File(path))
+                } else {
+                    Err(Stop::file("write", &path, &error))
+                }
+            }
+            Err(error) => Err(Stop::file("write", &path, &error)),
+        }
+    }
+
+    /// Whether the target is the file `other`, by whatever name or link.
+    pub(super) fn is(&self, other: &Path) -> bool {
+        match self {
+            Target::Standard => false,
+            Target::File(path) | Target::Special(path) => is_same_file(path, other),
+        }
+    }
+}
+
+/// Follows symbolic links, also one that leads to a file that does not exist yet.
+fn follow(path: &Path) -> Result<PathBuf, Stop> {
+    let mut path = path.to_path_buf();
+    for _ in 0..MAX_LINKS {
+        match fs::read_link(&path) {
+            Ok(link) => path = folder_of(&path).join(link),
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(Stop::Usage(format!("cannot write {}: too many links", path.display())))
+}
+
+/// The folder of a file, `.` for a bare name.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Whether two paths lead to one file: the same path, or two names (hard links) of it.
+pub(super) fn is_same_file(one: &Path, other: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt as _;
+        if let (Ok(one), Ok(other)) = (fs::metadata(one), fs::metadata(other)) {
+            return (one.dev(), one.ino()) == (other.dev(), other.ino());
+        }
+    }
+    matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
+}
+
+/// A text on its way to a target.
+pub(super) struct Spool {
+    file: BufWriter<File>,
+    target: Target,
+}
+
+impl Spool {
+    /// An empty spool, in the folder of the target because that disk must have room for it anyway.
+    ///
+    /// # Errors
+    /// A sentence where the folder cannot be written.
+    pub(super) fn new(target: Target) -> Result<Spool, Stop> {
+        let file = match &target {
+            Target::Standard | Target::Special(_) => tempfile::tempfile(),
+            Target::File(path) => tempfile::tempfile_in(folder_of(path)),
+        };
+        let file = file.map_err(|error| target_fault(&target, &error))?;
+        Ok(Spool { file: BufWriter::with_capacity(BUFFER, file), target })
+    }
+
+    /// Where the text is written to.
+    pub(super) fn writer(&mut self) -> &mut dyn io::Write {
+        &mut self.file
+    }
+
+    /// Where the text will go.
+    pub(super) fn target(&self) -> &Target {
+        &self.target
+    }
+
+    /// The reason of a failed write, in words.
+    pub(super) fn fault(&self, error: &io::Error) -> Stop {
+        target_fault(&self.target, error)
+    }
+
+    /// Puts the complete text in its place. With `keep_backup` an existing target stays as a `.bak` file, whose path is returned.
+    ///
+    /// # Errors
+    /// A sentence where that fails; the target is then as it was before.
+    pub(super) fn publish(self, keep_backup: bool) -> Result<Option<PathBuf>, Stop> {
+        let Spool { file, target } = self;
+        let fault = |error: io::Error| target_fault(&target, &error);
+        let mut text = file.into_inner().map_err(|error| fault(error.into_error()))?;
+        text.rewind().map_err(fault)?;
+        match &target {
+            Target::Standard => {
+                let mut out = io::stdout().lock();
+                io::copy(&mut text, &mut out).and_then(|_| out.flush()).map_err(fault)?;
+                Ok(None)
+            }
+            Target::Special(path) => {
+                let mut out = File::options().write(true).open(path).map_err(fault)?;
+                io::copy(&mut text, &mut out).map_err(fault)?;
+                Ok(None)
+            }
+            Target::File(path) => replace(&mut text, path, keep_backup).map_err(fault),
+        }
+    }
+}
+
+/// The reason why a target cannot be written.
+fn target_fault(target: &Target, error: &io::Error) -> Stop {
+    match target {
+        Target::Standard => Stop::output(error),
+        Target::File(path) | Target::Special(path) => Stop::file("write", path, error),
+    }
+}
+
+/// Writes beside `path` and renames.
+fn replace(text: &mut File, path: &Path, keep_backup: bool) -> io::Result<Option<PathBuf>> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".ncfix-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        // As for any new file: the umask takes its bits away. Without this a temporary file is private to its owner.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut beside = builder.tempfile_in(folder_of(path))?;
+    io::copy(text, beside.as_file_mut())?;
+    if let Ok(existing) = fs::metadata(path) {
+        beside.as_file().set_permissions(existing.permissions())?;
+    }
+    beside.as_file().sync_all()?;
+    let backup = if keep_backup && path.exists() { Some(back_up(path)?) } else { None };
+    beside.persist(path).map_err(|error| error.error)?;
+    // The new name is safe on the disk only when the folder is. Some systems cannot flush folders; the file is complete anyway.
+    if let Ok(folder) = File::open(folder_of(path)) {
+        let _ = folder.sync_all();
+    }
+    Ok(backup)
+}
+
+/// Gives the file a second name, `NAME.bak`, `NAME.bak1` … that does not exist yet, so that a rename over the first leaves it.
+fn back_up(path: &Path) -> io::Result<PathBuf> {
+    for number in 0_u32.. {
+        let mut name = path.as_os_str().to_owned();
+        name.push(".bak");
+        if number > 0 {
+            name.push(number.to_string());
+        }
+        let backup = PathBuf::from(name);
+        let made = fs::hard_link(path, &backup).or_else(|error| {
+            // Disks without hard links get a copy.
+            if error.kind() == io::ErrorKind::AlreadyExists { Err(error) } else { copy_new(path, &backup) }
+        });
+        match made {
+            Ok(()) => return Ok(backup),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Err(io::ErrorKind::AlreadyExists.into())
+}
+
+/// Copies to a file that must not exist.
+fn copy_new(from: &Path, to: &Path) -> io::Result<()> {
+    let mut copy = File::options().write(true).create_new(true).open(to)?;
+    io::copy(&mut File::open(from)?, &mut copy)?;
+    copy.sync_all()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write(path: &Path, text: &str, keep_backup: bool) -> Option<PathBuf> {
+        let mut spool = Spool::new(Target::new(path).unwrap()).unwrap();
+        spool.writer().write_all(text.as_bytes()).unwrap();
+        spool.publish(keep_backup).unwrap()
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn nothing_is_seen_before_the_text_is_complete() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.mpf");
+        let mut spool = Spool::new(Target::new(&path).unwrap()).unwrap();
+        spool.writer().write_all(&vec![b'X'; 3 * BUFFER]).unwrap();
+        assert_eq!(names(folder.path()), [""; 0]);
+        drop(spool);
+        assert_eq!(names(folder.path()), [""; 0]);
+        write(&path, "N10 M30\n", false);
+        assert_eq!(names(folder.path()), ["out.mpf"]);
+        assert_eq!(fs::read(&path).unwrap(), b"N10 M30\n");
+    }
+
+    #[test]
+    fn backups_are_never_overwritten() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mpf");
+        for text in ["one", "two", "three"] {
+            write(&path, text, true);
+        }
+        assert_eq!(names(folder.path()), ["a.mpf", "a.mpf.bak", "a.mpf.bak1"]);
+        let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+        assert_eq!(
+            (read("a.mpf"), read("a.mpf.bak"), read("a.mpf.bak1")),
+            ("three".into(), "one".into(), "two".into())
+        );
+    }
+
+    #[test]
+    fn folders_are_no_targets() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(Target::new(folder.path()).is_err());
+        assert!(Target::new(&folder.path().join("missing/out.mpf")).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_permissions_kept() {
+        use std::os::unix::fs::{PermissionsExt as _, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let (file, link) = (folder.path().join("file"), folder.path().join("link"));
+        symlink("file", &link).unwrap();
+        write(&link, "new", false);
+        assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+        write(&link, "newer", false);
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(&file).unwrap(), "newer");
+        assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn two_names_of_a_file_are_the_same_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let (one, two, three) = (folder.path().join("1"), folder.path().join("2"), folder.path().join("3"));
+        fs::write(&one, "x").unwrap();
+        fs::write(&three, "x").unwrap();
+        fs::hard_link(&one, &two).unwrap();
+        assert!(Target::new(&two).unwrap().is(&one));
+        assert!(!Target::new(&three).unwrap().is(&one));
+        assert!(!Target::new(&folder.path().join("4")).unwrap().is(&one));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_written_and_not_replaced() {
+        assert_eq!(Target::new(Path::new("/dev/null")).unwrap(), Target::Special("/dev/null".into()));
+        write(Path::new("/dev/null"), "x", true);
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+}

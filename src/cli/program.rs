@@ -1,0 +1,162 @@
+//! Opens a program: bytes, dialect, syntax tree, execution.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use super::arguments::ProgramChoice;
+use super::findings::Findings;
+use super::input::{self, is_standard_stream};
+use super::library::FolderLibrary;
+use super::machine_choice::{Chosen, dialect_names};
+use super::output::Target;
+use super::progress::Progress;
+use super::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::dialect::{self, Dialect};
+use crate::exec::{Execution, Options};
+use crate::machine::Machine;
+use crate::snc::Element;
+use crate::source::{FileId, Source};
+use crate::syntax::{self, Program};
+
+/// A program that was understood.
+pub(super) struct Opened {
+    /// Its bytes.
+    pub(super) source: Source,
+    /// Its syntax tree.
+    pub(super) program: Program,
+    /// Its dialect.
+    pub(super) dialect: &'static Dialect,
+}
+
+/// Parses the program in `source`; `None` where it was not understood, which findings say.
+///
+/// # Errors
+/// Where the dialect does not exist.
+pub(super) fn open(
+    source: &Source,
+    choice: &ProgramChoice,
+    chosen: Option<&Chosen>,
+    findings: &mut Findings,
+) -> Result<Option<Opened>, Stop> {
+    let dialect = resolve(choice.dialect.as_deref(), chosen, source)?;
+    if !dialect.is_executable {
+        findings.add(
+            Diagnostic::nowhere(
+                Code::NOT_SUPPORTED,
+                format!("programs in the dialect '{}' ({}) are not supported yet", dialect.name, dialect.title),
+                "if the program is in another dialect, say so with --dialect",
+            ),
+            &[],
+        );
+        return Ok(None);
+    }
+    let (program, found) = syntax::parse(source, dialect);
+    let is_understood = !found.iter().any(Diagnostic::is_error);
+    findings.extend(found, std::slice::from_ref(source));
+    Ok(is_understood.then(|| Opened { source: source.clone(), program, dialect }))
+}
+
+/// The dialect: the option, then the machine file, then file name and content. The demo machine was not chosen by anybody,
+/// so its dialect is the last resort.
+fn resolve(name: Option<&str>, chosen: Option<&Chosen>, source: &Source) -> Result<&'static Dialect, Stop> {
+    if let Some(name) = name {
+        return dialect::find(name)
+            .ok_or_else(|| Stop::Usage(format!("there is no dialect '{name}'; there are {}", dialect_names())));
+    }
+    let of_machine =
+        chosen.filter(|chosen| !chosen.is_demo).and_then(|chosen| dialect::find(&chosen.machine.controller));
+    Ok(of_machine.or_else(|| dialect::guess(source.name(), source.bytes())).unwrap_or_else(dialect::sinumerik))
+}
+
+/// Reads the bytes of a program.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(super) fn read(path: &Path) -> Result<Source, Stop> {
+    input::read(path, FileId(0))
+}
+
+/// Adds a finding where the output would overwrite one of the files that were read.
+pub(super) fn protect<'f>(target: &Target, files: impl IntoIterator<Item = &'f PathBuf>, findings: &mut Findings) {
+    if let Some(file) = files.into_iter().find(|file| target.is(file)) {
+        findings.add(
+            Diagnostic::nowhere(
+                Code::WRONG_FILE,
+                format!("the output would overwrite {}, which is an input of this run", file.display()),
+                "choose another output; to overwrite the program itself and keep it as a .bak file, give --in-place",
+            ),
+            &[],
+        );
+    }
+}
+
+/// A running program: its elements and findings, with a progress line while they are pulled.
+pub(super) struct Running<'a> {
+    execution: Execution<'a>,
+    progress: Progress,
+    loaded: Rc<RefCell<Vec<PathBuf>>>,
+    length: usize,
+}
+
+impl<'a> Running<'a> {
+    /// Starts a program. With `is_strict` a position that is not known for sure is an error, else a warning.
+    pub(super) fn start(
+        opened: Opened,
+        path: &Path,
+        choice: &ProgramChoice,
+        machine: &'a Machine,
+        is_strict: bool,
+    ) -> Running<'a> {
+        let (library, loaded) = FolderLibrary::beside((!is_standard_stream(path)).then_some(path));
+        let options = Options {
+            skip_levels: choice.skip.unwrap_or_default(),
+            max_blocks: choice.max_blocks,
+            start: choice.start,
+            strict: is_strict,
+        };
+        let length = opened.source.bytes().len();
+        let execution = Execution::new(opened.program, machine, Box::new(library), options);
+        Running { execution, progress: Progress::new(), loaded, length }
+    }
+
+    /// The main program and every subprogram read so far, for drawing findings.
+    pub(super) fn sources(&self) -> &[Source] {
+        self.execution.sources()
+    }
+
+    /// The lines that called the program of an element, innermost first.
+    pub(super) fn call_lines(&self, element: &Element) -> Vec<u32> {
+        self.execution.call_lines(&element.origin)
+    }
+
+    /// Blocks executed so far.
+    pub(super) fn blocks(&self) -> u64 {
+        self.execution.executed_blocks()
+    }
+
+    /// The files of the subprograms that were read.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        self.loaded.borrow().clone()
+    }
+}
+
+impl Iterator for Running<'_> {
+    type Item = Result<Element, Diagnostic>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let item = self.execution.next();
+        match &item {
+            Some(Ok(element)) if element.starts_block => {
+                // In a subprogram the main program stands still.
+                let offset = (element.origin.file == FileId(0)).then_some(element.origin.span.start);
+                self.progress.note(self.execution.executed_blocks(), offset, self.length);
+            }
+            Some(_) => {}
+            // Whatever is printed behind the end shall not stand behind the progress line.
+            None => self.progress.clear(),
+        }
+        item
+    }
+}

@@ -1,0 +1,45 @@
+//! Why a command ends early, other than by findings.
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+/// Ends a command at once.
+#[derive(Debug)]
+pub(super) enum Stop {
+    /// The reader of standard output went away: nothing is wrong.
+    ReaderGone,
+    /// A sentence for the person; exit status 2.
+    Usage(String),
+}
+
+impl Stop {
+    /// A file that cannot be read or written: `cannot read part.mpf: no such file`.
+    pub(super) fn file(doing: &str, path: &Path, error: &io::Error) -> Stop {
+        let reason = match error.kind() {
+            io::ErrorKind::NotFound => "there is no such file or folder".into(),
+            io::ErrorKind::PermissionDenied => "permission denied".into(),
+            io::ErrorKind::IsADirectory => "it is a folder".into(),
+            _ => error.to_string(),
+        };
+        Stop::Usage(format!("cannot {doing} {}: {reason}", path.display()))
+    }
+
+    /// Standard output that cannot be written.
+    pub(super) fn output(error: &io::Error) -> Stop {
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            Stop::ReaderGone
+        } else {
+            Stop::Usage(format!("cannot write to standard output: {error}"))
+        }
+    }
+}
+
+impl fmt::Display for Stop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Stop::ReaderGone => f.write_str("the reader of standard output went away"),
+            Stop::Usage(sentence) => f.write_str(sentence),
+        }
+    }
+}

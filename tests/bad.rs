@@ -1,0 +1,93 @@
+//! Every finding code has a sample that provokes it, and the drawn finding is a snapshot beside its source.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ncfix::diagnostic::CODES;
+
+use crate::support::{Shop, machine, repository};
+
+/// Codes that no program and no machine file can provoke, with the test that covers each.
+const COVERED_ELSEWHERE: &[(&str, &str)] = &[
+    ("E0308", "model: a pose that the axes cannot reach"),
+    ("E0310", "cli_fix: the_input_is_never_overwritten"),
+    ("E0311", "cli_verify: programs_that_differ_cannot_be_compared"),
+];
+
+/// Files of a folder of the repository.
+fn files(folder: &str) -> Vec<PathBuf> {
+    let mut files: Vec<_> = fs::read_dir(repository(folder)).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_none_or(|extension| extension != "md"));
+    files.sort();
+    files
+}
+
+/// The code in a file name such as `E0203_arc_end_off_circle.mpf`.
+fn code(path: &Path) -> String {
+    path.file_name().unwrap().to_str().unwrap()[..5].to_owned()
+}
+
+/// The arguments for a bad program: those of its first line, see the README of the samples.
+fn arguments(path: &Path) -> Vec<String> {
+    let bytes = fs::read(path).unwrap();
+    let first = String::from_utf8_lossy(bytes.split(|&byte| byte == b'\n').next().unwrap()).into_owned();
+    let mut words: Vec<String> = first
+        .strip_prefix("; args: ")
+        .map_or(Vec::new(), |words| words.split_whitespace().map(str::to_owned).collect());
+    if words.first().is_none_or(|word| word.starts_with('-')) {
+        words.splice(0..0, ["fix", "-o", "out.mpf"].map(str::to_owned));
+    }
+    words.insert(1, path.file_name().unwrap().to_str().unwrap().to_owned());
+    if code(path) != "W0304" {
+        words.extend(["--machine".to_owned(), machine("demo")]);
+    }
+    words
+}
+
+#[test]
+fn every_bad_program_provokes_its_code_and_no_other() {
+    let mut wrong = Vec::new();
+    for path in files("samples/programs/sinumerik/bad") {
+        let shop = Shop::new().copy(path.to_str().unwrap());
+        let mut arguments = arguments(&path);
+        arguments.push("--json".to_owned());
+        let run = shop.run(&arguments);
+        let found = run.codes();
+        if found != [code(&path)] {
+            wrong.push(format!("{}: {found:?}", path.display()));
+        }
+        let is_error = code(&path).starts_with('E');
+        assert_eq!(run.code == 0, !is_error, "{}: exit status {}", path.display(), run.code);
+        assert!(!(is_error && shop.path("out.mpf").exists()), "{} was written", path.display());
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_finding_is_drawn() {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_snapshot_path("snapshots/bad");
+    settings.set_omit_expression(true);
+    for path in files("samples/programs/sinumerik/bad") {
+        let shop = Shop::new().copy(path.to_str().unwrap());
+        let run = shop.run(arguments(&path));
+        let stderr = run.stderr.split("\n\n").filter(|part| part.contains("]: ")).collect::<Vec<_>>().join("\n\n");
+        let source = String::from_utf8_lossy(&fs::read(&path).unwrap()).into_owned();
+        let source: String = source.lines().map(|line| format!("{line:.120}\n")).collect();
+        settings.bind(|| {
+            insta::assert_snapshot!(path.file_stem().unwrap().to_str().unwrap(), format!("{source}\n---\n{stderr}\n"));
+        });
+    }
+}
+
+#[test]
+fn every_code_has_a_sample() {
+    let mut covered: BTreeSet<String> = COVERED_ELSEWHERE.iter().map(|(code, _)| (*code).to_owned()).collect();
+    covered.extend(files("samples/programs/sinumerik/bad").iter().map(|path| code(path)));
+    covered.extend(files("samples/machines/bad").iter().map(|path| code(path)));
+    let known: BTreeSet<String> = CODES.iter().map(|row| row.code.as_str().to_owned()).collect();
+    assert_eq!(covered.difference(&known).collect::<Vec<_>>(), [""; 0], "samples of codes that do not exist");
+    assert_eq!(known.difference(&covered).collect::<Vec<_>>(), [""; 0], "codes without a sample");
+}

@@ -1,0 +1,111 @@
+//! `ncfix check`: what it understands, what it reports, how it exits.
+
+use crate::support::{Shop, machine};
+
+/// A program that every machine with X Y Z can run.
+const GOOD: &str = "N10 G90 G71 G54 G0 X10 Y10 Z100\nN20 G1 X20 F500\nN30 G4 F1\nN40 M30\n";
+
+#[test]
+fn a_good_program_is_understood_and_executed() {
+    let shop = Shop::new().file("part.mpf", GOOD);
+    let run = shop.run(["check", "part.mpf", "--machine", &machine("demo")]).exits(0);
+    assert_eq!(run.stdout, "");
+    run.says("part.mpf: understood and executed, 4 elements; no findings");
+}
+
+#[test]
+fn json_has_the_documented_shape() {
+    let shop = Shop::new().file("part.mpf", GOOD);
+    let run = shop.run(["check", "part.mpf", "--json", "--machine", &machine("demo")]).exits(0);
+    assert_eq!(run.stdout, "{\"parsed\":true,\"executed\":true,\"elements\":4,\"diagnostics\":[]}\n");
+    assert_eq!(run.stderr, "");
+}
+
+#[test]
+fn all_faults_are_reported_in_one_run() {
+    let text = "N10 G90 X\nN20 X1.2.3\nN30 M30\n";
+    let shop = Shop::new().file("part.mpf", text);
+    let run = shop.run(["check", "part.mpf", "--json", "--syntax-only"]).exits(3);
+    let json = run.json();
+    assert_eq!((json["parsed"].as_bool(), json["executed"].as_bool()), (Some(false), Some(false)));
+    let places: Vec<_> = json["diagnostics"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|found| (found["code"].as_str().unwrap(), found["line"].as_u64().unwrap()))
+        .collect();
+    assert_eq!(places, [("E0103", 1), ("E0102", 2)]);
+}
+
+#[test]
+fn syntax_only_needs_no_machine_and_executes_nothing() {
+    let shop = Shop::new().file("part.mpf", "N10 WHILE TRUE\nN20 X=1/0\nN30 ENDWHILE\n");
+    let run = shop.run(["check", "part.mpf", "--syntax-only", "--json"]).exits(0);
+    assert_eq!(run.stdout, "{\"parsed\":true,\"executed\":false,\"elements\":0,\"diagnostics\":[]}\n");
+}
+
+#[test]
+fn the_demo_machine_is_announced() {
+    let shop = Shop::new().file("part.mpf", GOOD);
+    shop.run(["check", "part.mpf"]).exits(0).says("warning[W0304]");
+}
+
+#[test]
+fn the_nearest_machine_file_upwards_is_used() {
+    let demo = std::fs::read(machine("demo")).unwrap();
+    let shop = Shop::new().file("ncfix.toml", demo).file("parts/one/part.mpf", GOOD);
+    let run = shop.run(["check", "parts/one/part.mpf"]).exits(0);
+    assert!(!run.stderr.contains("W0304"), "{}", run.stderr);
+    let shop = Shop::new().file("parts/ncfix.toml", "[machine\n").file("parts/part.mpf", GOOD);
+    shop.run(["check", "parts/part.mpf"]).exits(4).says("error[E0401]").says("ncfix.toml:1:");
+}
+
+#[test]
+fn the_dialect_is_the_option_then_the_machine_then_the_name_then_the_content() {
+    let shop = Shop::new().file("part.ngc", GOOD).file("tape.nc", "%\nO1234\nG0 X1\nM30\n").file("part.mpf", GOOD);
+    let by_name = shop.run(["check", "--syntax-only", "part.ngc"]).exits(3);
+    by_name.says("'rs274'");
+    shop.run(["check", "--syntax-only", "tape.nc"]).exits(3).says("'fanuc'");
+    shop.run(["check", "--syntax-only", "part.mpf", "--dialect", "grundig"]).exits(3).says("'grundig'");
+    shop.run(["check", "part.ngc", "--machine", &machine("demo")]).exits(0);
+    shop.run(["check", "part.ngc", "--dialect", "sinumerik"]).exits(0);
+    shop.run(["check", "part.mpf", "--dialect", "latin"]).exits(2).says("there is no dialect 'latin'");
+}
+
+#[test]
+fn standard_input_is_read() {
+    let shop = Shop::new();
+    let run = shop.run_with_input(["check", "-", "--machine", &machine("demo")], b"N10 G1 X\n").exits(3);
+    run.says("<stdin>:1:8");
+}
+
+#[test]
+fn a_file_that_is_missing_is_wrong_usage() {
+    let shop = Shop::new().file("part.mpf", GOOD);
+    shop.run(["check", "other.mpf"]).exits(2).says("cannot read other.mpf: there is no such file");
+    shop.run(["check", "."]).exits(2).says("it is a folder");
+    shop.run(["check", "part.mpf", "--machine", "m.toml"]).exits(2).says("cannot read m.toml");
+    shop.run(["check"]).exits(2);
+    shop.run(["check", "part.mpf", "--bogus"]).exits(2);
+}
+
+#[test]
+fn any_bytes_are_answered_without_a_crash() {
+    for bytes in
+        [&b""[..], b"\0\0\0\0", b"\xff\xfe\x00G\x001", b"%\n", b"\r\r\r", b"N10 G1 X\xb5\n", b"\x1b]0;title\x07"]
+    {
+        let shop = Shop::new().file("part.mpf", bytes);
+        let run = shop.run(["check", "part.mpf", "--machine", &machine("demo")]);
+        assert!([0, 3, 4].contains(&run.code), "{bytes:?}: {run:?}");
+        assert!(!run.stderr.contains('\u{1b}'), "{run:?}");
+    }
+}
+
+#[test]
+fn subprograms_are_found_beside_the_program_and_findings_point_into_them() {
+    let shop = Shop::new()
+        .file("parts/main.mpf", "N10 G90 G71 G54 G0 X0 Y0 Z100\nN20 L12\nN30 M30\n")
+        .file("parts/l12.spf", "N10 G1 X10 F500\nN20 X=1/R9\nN30 M17\n");
+    let run = shop.run(["check", "parts/main.mpf", "--machine", &machine("demo")]).exits(4);
+    run.says("error[E0209]").says("l12.spf:2:");
+}

@@ -1,0 +1,57 @@
+//! `ncfix snc`: the text of the flat stream on standard output or in a file.
+
+use std::io::Read as _;
+
+use crate::support::{Shop, machine};
+
+#[test]
+fn a_program_without_offset_and_tool_runs_in_machine_coordinates() {
+    let shop =
+        Shop::new().file("part.mpf", "N10 G90 G71 G0 X100 Y50.5 Z200\nN20 G1 X=IC(-10) F500\nN30 G4 F1.5\nN40 M30\n");
+    let run = shop.run(["snc", "part.mpf", "--machine", &machine("demo")]).exits(0);
+    assert_eq!(
+        run.stdout,
+        "; snc 1 machine=demo units=mm\nG0 X100 Y50.5 Z200 ;@1\nG1 X90 Y50.5 Z200 F500 ;@2\nG4 S1.5 ;@3\nM30 ;@4\n"
+    );
+}
+
+#[test]
+fn a_file_is_written_completely_or_not_at_all() {
+    let shop =
+        Shop::new().file("good.mpf", "N10 G90 G71 G0 X1 Y1 Z1\nN20 M30\n").file("bad.mpf", "N10 G0 X1\nN20 X=1/R1\n");
+    shop.run(["snc", "good.mpf", "-o", "good.snc", "--machine", &machine("demo")]).exits(0);
+    assert_eq!(shop.text("good.snc"), "; snc 1 machine=demo units=mm\nG0 X1 Y1 Z1 ;@1\nM30 ;@2\n");
+    shop.run(["snc", "bad.mpf", "-o", "bad.snc", "--machine", &machine("demo")]).exits(4);
+    assert_eq!(shop.names(), ["bad.mpf", "good.mpf", "good.snc"]);
+}
+
+#[test]
+fn the_input_is_no_output() {
+    let shop = Shop::new().file("part.mpf", "N10 G0 X1\n");
+    shop.run(["snc", "part.mpf", "-o", "part.mpf", "--machine", &machine("demo")]).exits(4).says("error[E0310]");
+    assert_eq!(shop.text("part.mpf"), "N10 G0 X1\n");
+}
+
+#[test]
+fn a_program_that_never_ends_can_be_looked_at() {
+    let text = "N10 G90 G71 G0 X0 Y0 Z0\nN20 WHILE TRUE\nN30 G1 X=IC(0.001) F500\nN40 ENDWHILE\n";
+    let shop = Shop::new().file("part.mpf", text);
+    let mut child = shop.command(["snc", "part.mpf", "--machine", &machine("demo")]).spawn().unwrap();
+    let mut head = [0_u8; 64];
+    let mut stdout = child.stdout.take().unwrap();
+    stdout.read_exact(&mut head).unwrap();
+    assert!(head.starts_with(b"; snc 1"));
+    // The reader goes away: that is no failure.
+    drop(stdout);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn a_program_that_never_ends_stops_at_the_limit() {
+    let text = "N10 G90 G71 G0 X0 Y0 Z0\nN20 WHILE TRUE\nN30 G1 X=IC(0.001) F500\nN40 ENDWHILE\n";
+    let shop = Shop::new().file("part.mpf", text);
+    let run = shop.run(["snc", "part.mpf", "--max-blocks", "1000", "--machine", &machine("demo")]).exits(4);
+    assert!(run.stdout.lines().count() < 1010);
+    run.says("error[E0214]");
+}

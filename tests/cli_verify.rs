@@ -1,0 +1,55 @@
+//! `ncfix verify`: the errors of an original and of its correction on the error model.
+
+use crate::support::{Shop, machine, repository};
+
+#[test]
+fn a_corrected_program_is_better() {
+    let demo = machine("demo");
+    for name in ["bolt_circle.mpf", "seal_groove.mpf"] {
+        let shop = Shop::new().copy(&format!("samples/programs/sinumerik/{name}"));
+        shop.run([name, "-o", "out.mpf", "--machine", &demo]).exits(0);
+        let run = shop.run(["verify", name, "out.mpf", "--machine", &demo, "--json"]).exits(0);
+        let json = run.json();
+        let [before, after] = ["before", "after"].map(|side| json[side].clone());
+        for key in ["mean_um", "rms_um", "max_um"] {
+            let (before, after) = (before[key].as_f64().unwrap(), after[key].as_f64().unwrap());
+            assert!(before > 1.0 && after < 1.5 && after < before / 5.0, "{name} {key}: {json}");
+        }
+        assert!(json["samples"].as_u64().unwrap() > 50, "{json}");
+    }
+}
+
+#[test]
+fn a_program_compared_with_itself_is_the_same() {
+    let shop = Shop::new().copy("samples/programs/sinumerik/seal_groove.mpf");
+    let run =
+        shop.run(["verify", "seal_groove.mpf", "seal_groove.mpf", "--machine", &machine("demo"), "--json"]).exits(0);
+    let json = run.json();
+    assert_eq!(json["before"], json["after"]);
+}
+
+#[test]
+fn the_result_is_a_table_for_people() {
+    let demo = machine("demo");
+    let shop = Shop::new().copy("samples/programs/sinumerik/slots.mpf");
+    shop.run(["slots.mpf", "-o", "out.mpf", "--machine", &demo]).exits(0);
+    let run = shop.run(["verify", "slots.mpf", "out.mpf", "--machine", &demo]).exits(0);
+    for row in ["mean", "error before", "error after", "improvement"] {
+        assert!(run.stdout.contains(row), "{row}: {}", run.stdout);
+    }
+}
+
+#[test]
+fn programs_that_differ_cannot_be_compared() {
+    let other = std::fs::read(repository("samples/programs/sinumerik/slots.mpf")).unwrap();
+    let shop = Shop::new().copy("samples/programs/sinumerik/saddle.mpf").file("other.mpf", other);
+    let run = shop.run(["verify", "saddle.mpf", "other.mpf", "--machine", &machine("demo")]).exits(4);
+    run.says("error[E0311]");
+}
+
+#[test]
+fn findings_say_which_file_they_are_in() {
+    let shop = Shop::new().file("a.mpf", "N10 G90 G71 G0 X1 Y1 Z1\nN20 M30\n").file("b.mpf", "N10 G0 X\n");
+    shop.run(["verify", "a.mpf", "b.mpf", "--machine", &machine("demo")]).exits(3).says("b.mpf:1:8");
+    shop.run(["verify", "a.mpf", "c.mpf", "--machine", &machine("demo")]).exits(2).says("cannot read c.mpf");
+}
