@@ -11,7 +11,8 @@ use crate::source::Source;
 
 use super::{AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
 
-pub use super::document::{Document as MachineFile, Section, nearest};
+pub use super::document::Document as MachineFile;
+pub use super::section::{Section, nearest};
 
 /// The machine that is built in so that the program can be tried without one: good for looking at, not for a real machine.
 pub const DEMO: &str = include_str!("../../samples/machines/demo.toml");

@@ -5,6 +5,7 @@
 mod chain;
 mod document;
 pub mod file;
+mod section;
 mod state;
 
 pub use chain::{Branch, Topology, TopologyFault};

@@ -76,11 +76,9 @@ impl Body for Pose {
     }
 
     fn tilt(&mut self, by: &Rotation) {
-        self.translation = by.apply(&self.translation);
-        for mut column in self.rotation.column_iter_mut() {
-            let rotated = by.apply(&column.clone_owned());
-            column.copy_from(&rotated);
-        }
+        let matrix = by.matrix();
+        self.translation = matrix * self.translation;
+        self.rotation = matrix * self.rotation;
     }
 
     fn turn(&mut self, by: &Rotation) {

@@ -4,10 +4,11 @@
 //! spindle, through the axes of the tool side to F, and back through the axes of the workpiece side ([`super::link`]). The spindle
 //! is D(e0) at its gauge point.
 
-use crate::geometry::{Axis, AxisVector, Vector};
+use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, ROTARY_AXES, Vector};
 use crate::machine::{AxisData, Machine, State};
 
 use super::body::{Body, Place, Pointer, Witness};
+use super::linear::LinearAxes;
 use super::link::{Displacement, Link};
 use super::motion::Functions;
 use super::name::{Carrier, ErrorKind, ErrorName};
@@ -18,13 +19,17 @@ use super::{ErrorModel, Features, Pose, features, location};
 #[derive(Clone, Debug)]
 pub struct Model {
     /// From the spindle to F.
-    pub(super) tool_side: Vec<Link>,
+    tool_side: Vec<Link>,
     /// From F to the workpiece.
-    pub(super) workpiece_side: Vec<Link>,
+    workpiece_side: Vec<Link>,
     spindle_mm: Vector,
     spindle_axis: Vector,
     spindle_error: Option<Displacement>,
-    features: [Features; crate::geometry::AXIS_COUNT],
+    /// The axes that correct the position.
+    pub(super) linear: LinearAxes,
+    /// The axes that correct the orientation.
+    pub(super) rotary: AxisSet,
+    features: [Features; AXIS_COUNT],
     is_empty: bool,
 }
 
@@ -50,6 +55,7 @@ impl Model {
         tool_side.reverse();
         let workpiece_side = branch(&machine.topology.workpiece);
         let spindle_error = Displacement::unless_zero(&location::components(&errors.location, Carrier::Spindle));
+        let axes: AxisSet = tool_side.iter().chain(&workpiece_side).map(|link| link.axis).collect();
         let is_empty = spindle_error.is_none() && tool_side.iter().chain(&workpiece_side).all(Link::is_ideal);
         Model {
             tool_side,
@@ -57,6 +63,8 @@ impl Model {
             spindle_mm: machine.spindle.origin_mm,
             spindle_axis: machine.spindle.axis,
             spindle_error,
+            linear: LinearAxes::of(axes),
+            rotary: axes.intersection(ROTARY_AXES.into_iter().collect()),
             features: features::of(machine, errors),
             is_empty,
         }
@@ -124,6 +132,17 @@ impl Model {
     /// Tip and axis of the tool with their derivatives by the commands, in the workpiece frame.
     pub(super) fn pointer(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Pointer {
         self.carry(Pointer::new(*tool_mm, self.spindle_axis), command, errors)
+    }
+
+    /// The derivatives of the tip by the correcting linear axes on a machine without rotary axes; zero where there is none.
+    pub(super) fn straight_columns(&self) -> [Vector; 3] {
+        let mut columns = [Vector::zeros(); 3];
+        for (links, sense) in [(&self.tool_side, 1.0), (&self.workpiece_side, -1.0)] {
+            for link in links.iter().filter(|link| self.linear.axes().any(|axis| axis == link.axis)) {
+                columns[link.axis.dimension()] = link.direction * sense;
+            }
+        }
+        columns
     }
 
     /// The tip in the workpiece frame, mm.

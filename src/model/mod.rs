@@ -9,10 +9,12 @@ mod features;
 pub mod file;
 mod forward;
 mod inverse;
+mod linear;
 mod link;
 pub mod location;
 pub mod motion;
 pub mod name;
+mod orientation;
 mod rotation;
 
 pub use body::Pose;

@@ -1,0 +1,573 @@
+//! The error model as a whole: forward against hand arithmetic, sensitivities against finite differences, inverse against forward.
+
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+use ncfix::geometry::{AXES, Axis, AxisVector, Matrix, Vector};
+use ncfix::machine::file::DEMO;
+use ncfix::machine::{Lever, Machine, State};
+use ncfix::model::motion::{Function, KINDS, polynomial::Polynomial};
+use ncfix::model::name::DIRECTIONS;
+use ncfix::model::{ErrorModel, ErrorName, LocationError, Model, MotionError, Solve, file};
+use ncfix::source::{FileId, Source};
+
+/// A generator with a fixed seed (splitmix64), so that a failure repeats.
+struct Random(u64);
+
+impl Random {
+    /// Even between −1 and 1.
+    fn symmetric(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((bits ^ (bits >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// Linear commands within ±300 mm, rotary ones within ±`rotary_rad`.
+    fn command(&mut self, rotary_rad: f64) -> AxisVector {
+        AxisVector(AXES.map(|axis| self.symmetric() * if axis.is_rotary() { rotary_rad } else { 300.0 }))
+    }
+}
+
+/// A machine with every axis of the topology along its direction of F; table-side axes move the other way.
+fn machine(topology: &str) -> Machine {
+    let mut text = format!("[machine]\nname = \"test\"\ntopology = \"{topology}\"\n");
+    let foundation = topology.find('F').unwrap();
+    for (at, letter) in topology.char_indices().filter(|(_, letter)| "XYZUVWABC".contains(*letter)) {
+        let axis = Axis::from_letter(letter as u8).unwrap();
+        let mut direction = [0; 3];
+        direction[axis.dimension()] = if at < foundation { -1 } else { 1 };
+        let travel = if axis.is_rotary() { "travel_deg = [-360, 360]" } else { "travel_mm = [-400, 400]" };
+        text += &format!("[axis.{letter}]\ndirection = {direction:?}\n{travel}\n");
+    }
+    read(&text).0
+}
+
+fn read(text: &str) -> (Machine, ErrorModel) {
+    let source = Source::new(FileId(0), "test.toml", text.as_bytes().to_vec()).unwrap();
+    let (result, findings) = file::load(&source);
+    assert!(findings.is_empty(), "{findings:#?}");
+    result.unwrap()
+}
+
+fn sample(name: &str) -> (Machine, ErrorModel) {
+    read(&std::fs::read_to_string(format!("{}/samples/machines/{name}.toml", env!("CARGO_MANIFEST_DIR"))).unwrap())
+}
+
+fn polynomial(name: ErrorName, coefficients: &[f64]) -> MotionError {
+    MotionError { name, function: Function::Polynomial(Polynomial { coefficients: coefficients.to_vec() }) }
+}
+
+/// Every location and motion error of a machine, of random size: up to 50 µm and 100 µrad at the limits.
+fn all_errors(machine: &Machine, random: &mut Random) -> ErrorModel {
+    let mut errors = ErrorModel::default();
+    for axis in machine.axis_set().iter() {
+        for direction in DIRECTIONS {
+            let (size, reach) =
+                (if direction.is_rotation() { 1e-4 } else { 0.05 }, if axis.is_rotary() { 3.0 } else { 300.0 });
+            let value = size * random.symmetric();
+            errors.location.push(LocationError { name: ErrorName::location(direction, axis), value });
+            let coefficients: Vec<f64> = (0..4).map(|k| size * random.symmetric() / f64::powi(reach, k)).collect();
+            errors.motion.push(polynomial(ErrorName::motion(direction, axis), &coefficients));
+        }
+    }
+    for direction in &DIRECTIONS[..5] {
+        let value = if direction.is_rotation() { 1e-4 } else { 0.05 } * random.symmetric();
+        errors.location.push(LocationError { name: ErrorName::spindle(*direction), value });
+    }
+    errors
+}
+
+/// Machines of every build: table, head, both; parallel axes; the 45° table.
+fn machines() -> Vec<Machine> {
+    let topologies = [
+        "wFXYZSt",
+        "wXYZFSt",
+        "wXYFZSt",
+        "wCBXFZYSt",
+        "wFXYZCBSt",
+        "wFXYZBASt",
+        "wXFYZBSt",
+        "wCXFYZASt",
+        "wXYFZWSt",
+        "wUXYFVZCBSt",
+    ];
+    let mut machines: Vec<Machine> = topologies.into_iter().map(machine).collect();
+    machines.push(sample("esmaeili_huron").0);
+    let mut fixed = machine("wCBXFZYSt");
+    fixed.axes.iter_mut().flatten().for_each(|axis| axis.lever = Lever::Fixed);
+    fixed.axes[Axis::B.slot()].as_mut().unwrap().point_mm = Vector::new(10.0, -20.0, 30.0);
+    fixed.axes[Axis::C.slot()].as_mut().unwrap().point_mm = Vector::new(0.0, 5.0, -7.0);
+    fixed.spindle.origin_mm = Vector::new(40.0, 50.0, 60.0);
+    machines.push(fixed);
+    machines
+}
+
+const TOOL: [f64; 3] = [3.0, -2.0, -150.0];
+
+#[test]
+fn a_linear_machine_moves_the_tip_by_its_commands() {
+    for machine in [machine("wXYFZSt"), machine("wFXYZSt"), machine("wXYZFSt")] {
+        let model = Model::new(&machine, &ErrorModel::default());
+        assert!(model.is_empty());
+        let command = AxisVector([10.0, 20.0, 30.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let pose = model.nominal(&command, &Vector::from(TOOL));
+        assert_eq!(pose.translation, Vector::new(13.0, 18.0, -120.0));
+        assert_eq!(pose.rotation, Matrix::identity());
+    }
+}
+
+#[test]
+fn no_errors_are_exactly_no_error() {
+    let mut random = Random(1);
+    for machine in machines() {
+        let model = Model::new(&machine, &ErrorModel::default());
+        let mut zeros = all_errors(&machine, &mut random);
+        zeros.location.iter_mut().for_each(|error| error.value = 0.0);
+        zeros.motion.iter_mut().for_each(|error| *error = polynomial(error.name, &[0.0, 0.0]));
+        assert!(Model::new(&machine, &zeros).is_empty());
+        let (command, tool) = (random.command(3.0), Vector::from(TOOL));
+        assert_eq!(model.actual(&command, &tool, &State::default()), model.nominal(&command, &tool));
+        assert_eq!(model.tip_error_mm(&command, &command, &tool, &State::default()), Vector::zeros());
+        assert_eq!(model.solve(&command, &tool, &State::default(), &random.command(3.0), Solve::Full), Ok(command));
+    }
+}
+
+/// Every location and motion error, at random poses, on every machine.
+#[test]
+fn sensitivities_are_the_finite_differences_of_the_forward_function() {
+    let mut random = Random(2);
+    let (step, tool) = (1e-4, Vector::from(TOOL));
+    for machine in machines() {
+        let ideal = Model::new(&machine, &ErrorModel::default());
+        for axis in machine.axis_set().iter() {
+            for direction in DIRECTIONS {
+                let command = random.command(3.0);
+                let mut twists = Vec::new();
+                for name in [ErrorName::location(direction, axis), ErrorName::motion(direction, axis)] {
+                    let with = |value: f64| {
+                        let mut errors = ErrorModel::default();
+                        match name.kind {
+                            ncfix::model::name::ErrorKind::Location => {
+                                errors.location.push(LocationError { name, value })
+                            }
+                            ncfix::model::name::ErrorKind::Motion => errors.motion.push(polynomial(name, &[value])),
+                        }
+                        Model::new(&machine, &errors).volumetric_error(&command, &tool, &State::default())
+                    };
+                    let (plus, minus) = (with(step), with(-step));
+                    let slope = ideal.sensitivity(name, &command, &tool);
+                    let translation = (plus.translation - minus.translation) / (2.0 * step) - slope.translation;
+                    let rotation = (plus.rotation - minus.rotation) / (2.0 * step) - slope.rotation;
+                    assert!(translation.norm() < 2e-5, "{} {name}: {translation}", machine.topology);
+                    assert!(rotation.norm() < 1e-7, "{} {name}: {rotation}", machine.topology);
+                    twists.push(slope);
+                }
+                assert!(twists[0].translation.norm() + twists[0].rotation.norm() > 0.5, "no error is without effect");
+            }
+        }
+        for direction in &DIRECTIONS[..5] {
+            let name = ErrorName::spindle(*direction);
+            let command = random.command(3.0);
+            let with = |value: f64| {
+                let errors = ErrorModel { location: vec![LocationError { name, value }], motion: Vec::new() };
+                Model::new(&machine, &errors).volumetric_error(&command, &tool, &State::default())
+            };
+            let slope = ideal.sensitivity(name, &command, &tool);
+            let translation = (with(step).translation - with(-step).translation) / (2.0 * step) - slope.translation;
+            assert!(translation.norm() < 2e-5, "{} {name}: {translation}", machine.topology);
+        }
+    }
+}
+
+#[test]
+fn the_solution_puts_the_tool_where_it_nominally_is() {
+    let mut random = Random(3);
+    for machine in machines() {
+        let errors = all_errors(&machine, &mut random);
+        let model = Model::new(&machine, &errors);
+        let rotary = machine.axis_set().iter().filter(|axis| axis.is_rotary()).count();
+        let spindle = machine.spindle.axis;
+        let (mut undamped, mut before) = (0, 0.0);
+        for _ in 0..200 {
+            let (nominal, tool) = (random.command(1.4), Vector::from(TOOL));
+            let mut state = State::default();
+            state.note_motion(&AxisVector::ZERO, &nominal);
+            let command = model.solve(&nominal, &tool, &state, &nominal, Solve::Full).unwrap();
+            let (target, reached) = (model.nominal(&nominal, &tool), model.actual(&command, &tool, &state));
+            before += model.tip_error_mm(&nominal, &nominal, &tool, &state).norm();
+            assert!((reached.translation - target.translation).norm() < 1e-6, "{}", machine.topology);
+            if rotary == 2 && singular_value(&model, &machine, &nominal, &tool) > 0.06 {
+                undamped += 1;
+                let tilt = (reached.rotation * spindle).cross(&(target.rotation * spindle)).norm();
+                assert!(tilt < 1e-8, "{}: tilt {tilt:e} rad", machine.topology);
+            }
+            // A start from elsewhere finds the same place.
+            let mut start = command;
+            start.0.iter_mut().for_each(|value| *value += 1e-3);
+            let again = model.solve(&nominal, &tool, &state, &start, Solve::Full).unwrap();
+            assert!((model.actual(&again, &tool, &state).translation - target.translation).norm() < 1e-6);
+            assert!((again - command).max_abs(&AXES) < 3e-6, "{}: {:?}", machine.topology, (again - command).0);
+        }
+        assert!(before / 200.0 > 0.02, "there was something to correct");
+        assert!(rotary != 2 || undamped > 120, "{}: {undamped} of 200", machine.topology);
+    }
+}
+
+/// The smaller singular value of the tool axis direction by the rotary commands, by differences.
+fn singular_value(model: &Model, machine: &Machine, command: &AxisVector, tool: &Vector) -> f64 {
+    let axis_at = |command: &AxisVector| model.nominal(command, tool).rotation * machine.spindle.axis;
+    let columns: Vec<Vector> = (machine.axis_set().iter().filter(|axis| axis.is_rotary()))
+        .map(|axis| {
+            let (mut plus, mut minus) = (*command, *command);
+            plus[axis] += 1e-5;
+            minus[axis] -= 1e-5;
+            (axis_at(&plus) - axis_at(&minus)) / 2e-5
+        })
+        .collect();
+    let (a, b, c) = (columns[0].norm_squared(), columns[0].dot(&columns[1]), columns[1].norm_squared());
+    (0.5 * (a + c - ((a - c).powi(2) + 4.0 * b * b).sqrt())).max(0.0).sqrt()
+}
+
+#[test]
+fn rotary_commands_given_leave_the_position_exact() {
+    let mut random = Random(4);
+    for machine in machines() {
+        let model = Model::new(&machine, &all_errors(&machine, &mut random));
+        for _ in 0..20 {
+            let (nominal, tool) = (random.command(1.4), Vector::from(TOOL));
+            let mut start = model.solve(&nominal, &tool, &State::default(), &nominal, Solve::Full).unwrap();
+            for axis in machine.axis_set().iter().filter(|axis| axis.is_rotary()) {
+                let increment = 1e-3_f64.to_radians();
+                start[axis] = (start[axis] / increment).round() * increment;
+            }
+            let command = model.solve(&nominal, &tool, &State::default(), &start, Solve::PositionOnly).unwrap();
+            for axis in machine.axis_set().iter().filter(|axis| axis.is_rotary()) {
+                assert_eq!(command[axis], start[axis]);
+            }
+            let left = model.tip_error_mm(&nominal, &command, &tool, &State::default());
+            assert!(left.norm() < 1e-6, "{}: {left}", machine.topology);
+        }
+    }
+}
+
+#[test]
+fn a_parallel_axis_takes_no_part() {
+    let machine = machine("wXYFZWSt");
+    let mut random = Random(5);
+    let model = Model::new(&machine, &all_errors(&machine, &mut random));
+    let nominal = random.command(1.0);
+    let command = model.solve(&nominal, &Vector::from(TOOL), &State::default(), &nominal, Solve::Full).unwrap();
+    assert_eq!(command[Axis::W], nominal[Axis::W]);
+    assert_ne!(command[Axis::Z], nominal[Axis::Z]);
+}
+
+#[test]
+fn a_machine_with_two_linear_axes_corrects_their_directions() {
+    let machine = machine("wFXZSt");
+    let errors = ErrorModel {
+        location: vec![
+            LocationError { name: "EX0S".parse().unwrap(), value: 0.02 },
+            LocationError { name: "EY0S".parse().unwrap(), value: 0.03 },
+        ],
+        motion: Vec::new(),
+    };
+    let model = Model::new(&machine, &errors);
+    let nominal = AxisVector([10.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let tool = Vector::from(TOOL);
+    let command = model.solve(&nominal, &tool, &State::default(), &nominal, Solve::Full).unwrap();
+    let left = model.tip_error_mm(&nominal, &command, &tool, &State::default());
+    assert!((left - Vector::new(0.0, 0.03, 0.0)).norm() < 1e-7, "{left}");
+}
+
+#[test]
+fn values_that_are_no_numbers_do_not_pass() {
+    let (machine, errors) = sample("esmaeili_huron");
+    for (machine, errors) in [(machine, errors), read(DEMO)] {
+        let model = Model::new(&machine, &errors);
+        let mut nominal = AxisVector([100.0; 9]);
+        let tool = Vector::from(TOOL);
+        let mut start = nominal;
+        start[Axis::X] = f64::NAN;
+        assert!(model.solve(&nominal, &tool, &State::default(), &start, Solve::Full).is_ok());
+        nominal[Axis::X] = f64::NAN;
+        assert!(model.solve(&nominal, &tool, &State::default(), &nominal, Solve::Full).is_err());
+        nominal[Axis::X] = f64::INFINITY;
+        assert!(model.solve(&nominal, &tool, &State::default(), &nominal, Solve::PositionOnly).is_err());
+    }
+}
+
+/// Errors far too large end in a finding, not in a wrong command.
+#[test]
+fn what_cannot_be_reached_is_said() {
+    let machine = machine("wFXYZSt");
+    let errors = ErrorModel { location: Vec::new(), motion: vec![polynomial("EXX".parse().unwrap(), &[5.0, -1.0])] };
+    let model = Model::new(&machine, &errors);
+    let nominal = AxisVector::ZERO;
+    assert!(model.solve(&nominal, &Vector::zeros(), &State::default(), &nominal, Solve::Full).is_err());
+}
+
+/// Pitch of Y by 1 mrad: the arm from the carriage to the tip, with and without the motion of Y itself.
+#[test]
+fn the_lever_carries_the_error_or_stays_where_it_is() {
+    let mut machine = machine("wFYSt");
+    let errors = ErrorModel { location: Vec::new(), motion: vec![polynomial("ECY".parse().unwrap(), &[1e-3])] };
+    let mut command = AxisVector::ZERO;
+    command[Axis::Y] = 400.0;
+    let tool = Vector::new(0.0, 50.0, 0.0);
+    let error =
+        |machine: &Machine| Model::new(machine, &errors).tip_error_mm(&command, &command, &tool, &State::default());
+    // Carried: rotation about the carriage, arm 50 mm. Fixed: about the origin of the axis, arm 450 mm.
+    let carried = Vector::new(-50.0 * 1e-3_f64.sin(), 50.0 * (1e-3_f64.cos() - 1.0), 0.0);
+    assert!((error(&machine) - carried).norm() < 1e-12);
+    machine.axes[Axis::Y.slot()].as_mut().unwrap().lever = Lever::Fixed;
+    assert!((error(&machine) - carried * 9.0).norm() < 1e-12);
+    machine.axes[Axis::Y.slot()].as_mut().unwrap().point_mm = Vector::new(0.0, 100.0, 0.0);
+    assert!((error(&machine) - carried * 7.0).norm() < 1e-12, "the arm begins at the point of the axis");
+}
+
+/// Spaan eq. 2.7 to 2.9: in a chain F-X-Y-Z each rotation acts on the arm from its axis to the tip, which includes the motions of
+/// the axes behind it, and of itself. First order, so 1 µrad is exact enough.
+#[test]
+fn the_arms_of_a_chain_are_those_of_spaan() {
+    let mut machine = machine("wFXYZSt");
+    machine.axes.iter_mut().flatten().for_each(|axis| axis.lever = Lever::Fixed);
+    let (x, y, z) = (200.0, 150.0, -80.0);
+    let command = AxisVector([x, y, z, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let tool = Vector::new(7.0, 0.0, -120.0);
+    let arm = |letter: char| match letter {
+        'X' => Vector::new(x, y, z) + tool,
+        'Y' => Vector::new(0.0, y, z) + tool,
+        _ => Vector::new(0.0, 0.0, z) + tool,
+    };
+    for letter in ['X', 'Y', 'Z'] {
+        for (name, rotation) in [('A', Vector::x()), ('B', Vector::y()), ('C', Vector::z())] {
+            let motion = vec![polynomial(format!("E{name}{letter}").parse().unwrap(), &[1e-6])];
+            let model = Model::new(&machine, &ErrorModel { location: Vec::new(), motion });
+            let error = model.tip_error_mm(&command, &command, &tool, &State::default());
+            assert!((error - rotation.cross(&arm(letter)) * 1e-6).norm() < 1e-9, "E{name}{letter}");
+        }
+    }
+}
+
+#[test]
+fn an_error_of_the_table_is_that_of_the_table() {
+    // The table goes 10 µm too far in +X of F: the tool is 10 µm short in the workpiece.
+    let machine = machine("wXFYZSt");
+    let errors = ErrorModel { location: Vec::new(), motion: vec![polynomial("EXX".parse().unwrap(), &[0.01])] };
+    let model = Model::new(&machine, &errors);
+    let command = AxisVector([100.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let error = model.tip_error_mm(&command, &command, &Vector::zeros(), &State::default());
+    assert!((error - Vector::new(-0.01, 0.0, 0.0)).norm() < 1e-12);
+    let solved = model.solve(&command, &Vector::zeros(), &State::default(), &command, Solve::Full).unwrap();
+    assert!((solved[Axis::X] - 100.01).abs() < 1e-7, "the tool is sent farther: the table goes back by as much");
+}
+
+#[test]
+fn mirrored_directions_and_commands_are_the_same_machine() {
+    let (machine, errors) = sample("esmaeili_huron");
+    let mut mirrored = machine.clone();
+    for axis in [Axis::Y, Axis::A, Axis::C] {
+        mirrored.axes[axis.slot()].as_mut().unwrap().direction *= -1.0;
+    }
+    let mut mirrored_errors = errors.clone();
+    mirrored_errors.motion[1] = polynomial("EYY".parse().unwrap(), &[0.0, -1.43e-5]);
+    let (first, second) = (Model::new(&machine, &errors), Model::new(&mirrored, &mirrored_errors));
+    let mut random = Random(6);
+    for _ in 0..50 {
+        let command = random.command(3.0);
+        let mut other = command;
+        [Axis::Y, Axis::A, Axis::C].into_iter().for_each(|axis| other[axis] *= -1.0);
+        let tool = Vector::from(TOOL);
+        let (a, b) =
+            (first.actual(&command, &tool, &State::default()), second.actual(&other, &tool, &State::default()));
+        assert!((a.translation - b.translation).norm() < 1e-10);
+        assert!((a.rotation - b.rotation).norm() < 1e-13);
+    }
+}
+
+/// Closed forms of the corrections of the 45° machine (Esmaeili 2021, chapter 7, derived anew with the roll of the tool left free),
+/// per unit of each parameter and with the sign of J⁺E: the correction is the negative. Commands and results in the senses of
+/// the thesis; X Y Z are positions of the machine, c and s cosine and sine of A. The thesis turns EC0A about the z of a frame that
+/// lies with the A axis, which is (−1, 0, 1)/√2 in F.
+fn closed_forms(x: f64, y: f64, a: f64) -> [(&'static [(&'static str, f64)], [f64; 5]); 10] {
+    let (s, c) = a.sin_cos();
+    let cot = c / s;
+    [
+        (&[("EC0X", 1.0)], [0.0, -x, 0.0, 0.0, 0.0]),
+        (&[("EA0Z", 1.0)], [-y, x, y, -SQRT_2, 0.0]),
+        (&[("EA0A", -FRAC_1_SQRT_2), ("EC0A", FRAC_1_SQRT_2)], [-SQRT_2 * y, SQRT_2 * x, 0.0, -1.0, 0.0]),
+        (&[("EB0Z", 1.0)], [SQRT_2 * y * cot, -SQRT_2 * x * cot, x, (c - 1.0) / s, SQRT_2 / s]),
+        (&[("EB0A", 1.0)], [-SQRT_2 * y * cot, SQRT_2 * x * cot, 0.0, -(c - 1.0) / s, -SQRT_2 / s]),
+        (&[("EA0C", 1.0)], [0.0, 0.0, 0.0, SQRT_2, -1.0]),
+        (&[("EB0C", 1.0)], [-SQRT_2 * y / s, SQRT_2 * x / s, 0.0, (c - 1.0) / s, -SQRT_2 * cot]),
+        (&[("EX0S", 1.0)], [1.0, 0.0, 0.0, 0.0, 0.0]),
+        (&[("EY0S", 1.0)], [0.0, -1.0, 0.0, 0.0, 0.0]),
+        (&[("EY0C", 1.0)], [FRAC_1_SQRT_2 * s, c, -FRAC_1_SQRT_2 * s, 0.0, 0.0]),
+    ]
+}
+
+#[test]
+fn corrections_of_the_45_degree_table_are_the_closed_forms() {
+    let (machine, _) = sample("esmaeili_huron");
+    let mut random = Random(7);
+    for _ in 0..40 {
+        // A between 20° and 160°; the thesis counts Y, A and C the other way.
+        let (x, y, z) = (200.0 * random.symmetric(), 200.0 * random.symmetric(), 250.0 + 100.0 * random.symmetric());
+        let (a, c) = (1.57 + 1.2 * random.symmetric(), 3.0 * random.symmetric());
+        let nominal = AxisVector([x, -y, z, 0.0, 0.0, 0.0, -a, 0.0, -c]);
+        for (parts, thesis) in closed_forms(x, y, a) {
+            let command_with = |value: f64| {
+                let location = parts
+                    .iter()
+                    .map(|(name, share)| LocationError { name: name.parse().unwrap(), value: share * value });
+                let model = Model::new(&machine, &ErrorModel { location: location.collect(), motion: Vec::new() });
+                let tool = Vector::new(0.0, 0.0, -200.0);
+                model.solve(&nominal, &tool, &State::default(), &nominal, Solve::Full).unwrap()
+            };
+            // Half the difference of both signs is free of the second order, which the closed forms leave out.
+            let value = 1e-4;
+            let correction = command_with(value) - command_with(-value);
+            let senses = [1.0, -1.0, 1.0, -1.0, -1.0];
+            for ((axis, sense), thesis) in
+                [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C].into_iter().zip(senses).zip(thesis)
+            {
+                let found = correction[axis] * sense / (2.0 * value);
+                let limit = if axis.is_rotary() { 1e-4 } else { 5e-3 };
+                assert!((found + thesis).abs() < limit, "{parts:?} {axis}: {found} instead of {}", -thesis);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_published_parameters_fall_from_tens_of_micrometers_to_nothing() {
+    let (machine, errors) = sample("esmaeili_huron");
+    let model = Model::new(&machine, &errors);
+    let mut random = Random(8);
+    let (mut before_mm, mut after_mm, mut first_order_mm, mut tilt_rad) = (0.0, 0.0, 0.0, 0.0_f64);
+    const POSES: usize = 400;
+    for _ in 0..POSES {
+        let mut nominal =
+            AxisVector([150.0, 150.0, 100.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.1].map(|reach| reach * random.symmetric()));
+        nominal[Axis::Z] += 250.0;
+        nominal[Axis::A] = -1.57 + 1.2 * random.symmetric();
+        let tool = Vector::new(0.0, 0.0, -200.0);
+        let state = State::default();
+        before_mm += model.tip_error_mm(&nominal, &nominal, &tool, &state).norm() / POSES as f64;
+        let command = model.solve(&nominal, &tool, &state, &nominal, Solve::Full).unwrap();
+        after_mm += model.tip_error_mm(&nominal, &command, &tool, &state).norm() / POSES as f64;
+        let (reached, target) = (model.actual(&command, &tool, &state), model.nominal(&nominal, &tool));
+        tilt_rad = tilt_rad.max((reached.rotation.column(2) - target.rotation.column(2)).norm());
+        // One step with the Jacobian by differences of the actual forward function.
+        let step = first_order(&model, &nominal, &tool);
+        first_order_mm += model.tip_error_mm(&nominal, &(nominal + step), &tool, &state).norm() / POSES as f64;
+        assert!((command - nominal - step).max_abs(&[Axis::X, Axis::Y, Axis::Z]) < 1e-3);
+        assert!((command - nominal - step).max_abs(&[Axis::A, Axis::C]) < 1e-6);
+    }
+    assert!((0.03..0.09).contains(&before_mm), "mean before {before_mm} mm");
+    assert!(after_mm < 1e-6, "mean after {after_mm} mm");
+    assert!(first_order_mm < 2e-4, "mean after one step {first_order_mm} mm");
+    assert!(tilt_rad < 1e-8, "tilt {tilt_rad} rad");
+}
+
+/// The correction to first order: five rows (tip, two components of the tool axis), solved by elimination.
+fn first_order(model: &Model, nominal: &AxisVector, tool: &Vector) -> AxisVector {
+    let axes = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C];
+    let target = model.nominal(nominal, tool);
+    let (u, v) = (target.rotation.column(0), target.rotation.column(1));
+    let rows = |command: &AxisVector| {
+        let pose = model.actual(command, tool, &State::default());
+        let (tip, axis) = (pose.translation - target.translation, pose.rotation.column(2).clone_owned());
+        nalgebra::SVector::<f64, 5>::new(tip.x, tip.y, tip.z, u.dot(&axis), v.dot(&axis))
+    };
+    let columns = axes.map(|axis| {
+        let (mut plus, mut minus) = (*nominal, *nominal);
+        let step = if axis.is_rotary() { 1e-4 } else { 1e-2 };
+        plus[axis] += step;
+        minus[axis] -= step;
+        (rows(&plus) - rows(&minus)) / (2.0 * step)
+    });
+    let solution = nalgebra::SMatrix::<f64, 5, 5>::from_columns(&columns).lu().solve(&-rows(nominal)).unwrap();
+    let mut step = AxisVector::ZERO;
+    axes.into_iter().zip(solution.iter()).for_each(|(axis, value)| step[axis] = *value);
+    step
+}
+
+#[test]
+fn at_the_singularity_rotary_corrections_stay_small_and_the_position_exact() {
+    let (machine, errors) = sample("esmaeili_huron");
+    let model = Model::new(&machine, &errors);
+    let tool = Vector::new(0.0, 0.0, -160.0);
+    let mut last: Option<AxisVector> = None;
+    for tenth in -400..=400 {
+        let mut nominal = AxisVector([80.0, -60.0, 200.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.7]);
+        nominal[Axis::A] = f64::from(tenth) * 0.025_f64.to_radians();
+        let command = model.solve(&nominal, &tool, &State::default(), &nominal, Solve::Full).unwrap();
+        let correction = command - nominal;
+        // Tilts of 150 µrad at ε = 0.05: never more than about 150e-6 / 0.05.
+        assert!(correction.max_abs(&[Axis::A, Axis::C]) < 4e-3, "A {}: {:?}", nominal[Axis::A], correction.0);
+        assert!(model.tip_error_mm(&nominal, &command, &tool, &State::default()).norm() < 1e-6);
+        if let Some(last) = last {
+            let jump = (correction - last).max_abs(&[Axis::A, Axis::C]);
+            assert!(jump < 1e-4, "no jump along the way: {jump} at A {}", nominal[Axis::A]);
+        }
+        last = Some(correction);
+    }
+    // Exactly at A0 only the tilt that the remaining direction can make is taken.
+    let nominal = AxisVector([80.0, -60.0, 200.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.7]);
+    let command = model.solve(&nominal, &tool, &State::default(), &nominal, Solve::Full).unwrap();
+    assert_eq!(command[Axis::C], nominal[Axis::C], "C does not turn the axis of a tool that is parallel to it");
+}
+
+#[test]
+fn features_say_where_to_sample() {
+    let (machine, errors) = read(DEMO);
+    let model = Model::new(&machine, &errors);
+    // EXX of degree 3 on 700 mm; EYY a table every 100 mm on Y, degree 3 besides.
+    assert!((model.features(Axis::X).length - 700.0 / 6.0).abs() < 1e-12);
+    assert_eq!(model.features(Axis::Y).knots, [0.0, 100.0, 200.0, 300.0, 400.0, 500.0]);
+    assert!((model.features(Axis::Y).length - 500.0 / 6.0).abs() < 1e-12);
+    assert_eq!(model.features(Axis::Z).knots.len(), 6);
+    assert!(AXES.iter().all(|&axis| !model.features(axis).backlash));
+    assert_eq!(model.features(Axis::W).length, 500.0);
+    assert!((model.features(Axis::C).length - 30_f64.to_radians()).abs() < 1e-12);
+}
+
+#[test]
+fn the_kinds_are_those_of_the_documentation() {
+    let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+    assert_eq!(names, ["polynomial", "table", "piecewise", "periodic", "backlash", "cross"]);
+}
+
+#[test]
+fn errors_of_the_demo_machine_are_of_realistic_size() {
+    let (machine, errors) = read(DEMO);
+    let model = Model::new(&machine, &errors);
+    let mut names: Vec<String> = errors.motion.iter().map(|error| error.name.to_string()).collect();
+    names.extend(errors.location.iter().map(|error| error.name.to_string()));
+    names.sort();
+    names.dedup();
+    assert_eq!(names.len(), 21, "18 motion and 3 location errors");
+    let tool = Vector::new(0.0, 0.0, -100.0);
+    let mut worst_mm = 0.0_f64;
+    for x in 0..=7 {
+        for y in 0..=5 {
+            for z in 0..=5 {
+                let command = AxisVector([
+                    100.0 * f64::from(x),
+                    100.0 * f64::from(y),
+                    100.0 * f64::from(z) - 50.0,
+                    0.0,
+                    0.0,
+                    0.0,
+                    0.0,
+                    0.0,
+                    0.0,
+                ]);
+                worst_mm = worst_mm.max(model.tip_error_mm(&command, &command, &tool, &State::default()).norm());
+            }
+        }
+    }
+    assert!((0.015..0.06).contains(&worst_mm), "{worst_mm}");
+}
