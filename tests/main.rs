@@ -12,4 +12,5 @@ mod exec;
 mod grammar;
 mod hostile;
 mod machines;
+mod programs;
 mod support;
