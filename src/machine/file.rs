@@ -29,14 +29,15 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let mut findings = Vec::new();
     let mut root = file.root();
     let named = root.required("machine", "a section [machine] with name and topology", Section::section);
-    let head = named.and_then(|section| read_head(section, &mut findings));
+    let head = named.map(|section| read_head(section, &mut findings)).unwrap_or_default();
     let (axes, headers) = read_axes(root.section("axis"), &mut findings);
-    if let Some(head) = &head {
-        check_chain(head, &headers, &mut findings);
+    if let Some((topology, place)) = &head.topology {
+        check_chain(topology, *place, &headers, &mut findings);
     }
     let spindle = read_spindle(root.section("spindle"), &mut findings);
     let control = read_control(root.section("control"), &mut findings);
-    let axis_set = head.as_ref().map_or(AXES.into_iter().collect(), |head| head.topology.axis_set());
+    let known = head.topology.as_ref().map(|(topology, _)| topology.axis_set());
+    let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
     let zero_offsets = read_zero_offsets(&mut root, axis_set, &mut findings);
     let tools = read_tools(&mut root, &mut findings);
     // Other rooms have sections of their own; who reads the last one reports the unknown ones.
@@ -44,11 +45,12 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     keys.into_iter().for_each(|key| root.accept(key));
     root.finish(&mut findings);
     let sound = !findings.iter().any(Diagnostic::is_error);
-    let machine = head.filter(|_| sound).map(|head| {
-        let Head { name, topology, controller, reference_temperature_c, .. } = head;
-        Machine { name, topology, controller, reference_temperature_c, axes, spindle, control, zero_offsets, tools }
-    });
-    (machine, findings)
+    let Head { name: Some(name), topology: Some((topology, _)), controller, reference_temperature_c } = head else {
+        return (None, findings);
+    };
+    let machine =
+        Machine { name, topology, controller, reference_temperature_c, axes, spindle, control, zero_offsets, tools };
+    (sound.then_some(machine), findings)
 }
 
 /// Lays a set-up file over a machine: `[zero_offset.*]` and `[[tool]]` replace those of the same name, number and edge or add to them.
@@ -77,31 +79,32 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     findings
 }
 
+/// What `[machine]` says; parts that are not sound are missing.
+#[derive(Default)]
 struct Head {
-    name: String,
-    topology: Topology,
-    topology_place: Place,
+    name: Option<String>,
+    topology: Option<(Topology, Place)>,
     controller: String,
     reference_temperature_c: f64,
 }
 
-fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<Head> {
-    let name = section.required("name", "\"my machine\"", Section::text);
+fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
+    let name = section.required("name", "\"my machine\"", Section::text).map(str::to_owned);
     let written = section.required("topology", "\"wXYFZSt\"", Section::text);
     let controller = section.text("controller").unwrap_or("sinumerik").to_owned();
     let reference_temperature_c = section.number("reference_temperature_C").unwrap_or(20.0);
-    let topology_place = section.place_of("topology");
+    let place = section.place_of("topology");
     let topology = written.and_then(|text| match text.parse::<Topology>() {
-        Ok(topology) => Some(topology),
+        Ok(topology) => Some((topology, place)),
         Err(fault) => {
             let help =
                 "write the bodies from the workpiece w over the foundation F to the tool t, for example wCBXFZYSt";
-            section.report(Code::BAD_TOPOLOGY, topology_place, format!("topology {text}: {fault}"), help);
+            section.report(Code::BAD_TOPOLOGY, place, format!("topology {text}: {fault}"), help);
             None
         }
     });
     section.finish(findings);
-    Some(Head { name: name?.to_owned(), topology: topology?, topology_place, controller, reference_temperature_c })
+    Head { name, topology, controller, reference_temperature_c }
 }
 
 /// The axes that could be read, and the header of every axis section.
@@ -188,16 +191,21 @@ fn checked_direction(axis: Axis, direction: Vector, section: &mut Section<'_>) -
 }
 
 /// Every letter of the topology has its section and every section its letter.
-fn check_chain(head: &Head, headers: &[Option<Place>; AXIS_COUNT], findings: &mut Vec<Diagnostic>) {
+fn check_chain(
+    topology: &Topology,
+    topology_place: Place,
+    headers: &[Option<Place>; AXIS_COUNT],
+    findings: &mut Vec<Diagnostic>,
+) {
     for axis in AXES {
-        match (head.topology.branch(axis), headers[axis.slot()]) {
+        match (topology.branch(axis), headers[axis.slot()]) {
             (Some(_), None) => {
                 let message = format!("axis {axis} of the topology has no section [axis.{axis}]");
                 let help = format!("add [axis.{axis}] with its direction, or take {axis} out of the topology");
-                findings.push(Diagnostic::at(Code::BAD_TOPOLOGY, head.topology_place, message, help));
+                findings.push(Diagnostic::at(Code::BAD_TOPOLOGY, topology_place, message, help));
             }
             (None, Some(place)) => {
-                let message = format!("axis {axis} is not in the topology {}", head.topology);
+                let message = format!("axis {axis} is not in the topology {topology}");
                 let help = format!("take {axis} into the topology, or remove the section");
                 findings.push(Diagnostic::at(Code::BAD_TOPOLOGY, place, message, help));
             }

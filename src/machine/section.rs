@@ -231,12 +231,16 @@ impl<'a> Section<'a> {
     }
 }
 
-/// The candidate that differs from a word by case, or by at most a third of its letters (two at most) added, lost or changed.
+/// The candidate that begins with the word, or that differs from it by case, or by at most a third of its letters (two at most)
+/// added, lost or changed.
 #[must_use]
 pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     candidates
         .map(|candidate| (distance(&word.to_lowercase(), &candidate.to_lowercase()), candidate))
-        .filter(|&(distance, candidate)| distance <= (candidate.len() / 3).min(2))
+        .filter(|&(distance, candidate)| {
+            let begins = word.len() >= 4 && candidate.starts_with(word);
+            begins || distance <= (candidate.len() / 3).min(2)
+        })
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)
 }
@@ -286,6 +290,7 @@ mod tests {
         let known = ["travel_mm", "direction", "point_mm"];
         assert_eq!(nearest("travel_nm", known.into_iter()), Some("travel_mm"));
         assert_eq!(nearest("Direction", known.into_iter()), Some("direction"));
+        assert_eq!(nearest("travel", known.into_iter()), Some("travel_mm"));
         assert_eq!(nearest("lever", known.into_iter()), None);
     }
 }

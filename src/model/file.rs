@@ -31,7 +31,7 @@ pub fn load(source: &Source) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>)
     let sections = root.sections("motion");
     let motion = sections.into_iter().filter_map(|section| read_motion(section, axes, &mut findings)).collect();
     root.finish(&mut findings);
-    findings.sort_by_key(|finding| finding.place);
+    findings.sort_by_key(|finding| (finding.place, finding.code));
     let sound = !findings.iter().any(Diagnostic::is_error);
     let errors = ErrorModel { location: location.unwrap_or_default(), motion };
     (machine.filter(|_| sound).map(|machine| (machine, errors)), findings)

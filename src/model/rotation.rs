@@ -45,7 +45,7 @@ impl Rotation {
         self
     }
 
-    /// As a matrix, cheaper for more than two vectors: I + sine [ω]ₓ + cosine (ω ωᵀ − |ω|² I).
+    /// As a matrix, cheaper for more than two vectors: I + sine ω× + cosine (ω ωᵀ − |ω|² I).
     pub(super) fn matrix(&self) -> Matrix {
         let [x, y, z] = [self.vector.x, self.vector.y, self.vector.z];
         let [a, b, c] = [x * self.sine, y * self.sine, z * self.sine];

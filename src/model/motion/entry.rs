@@ -41,7 +41,7 @@ impl Entry<'_> {
     }
 
     /// A position as it stands in the file as mm or rad.
-    pub(super) fn position_from_file(&self, value: f64) -> f64 {
+    fn position_from_file(&self, value: f64) -> f64 {
         if self.is_rotary() { value.to_radians() } else { value }
     }
 
@@ -58,6 +58,14 @@ impl Entry<'_> {
         self.check_unit(stem, &key)?;
         let values = self.section.required(&key, "[0, 4, -1]", Section::numbers)?;
         Some(values.into_iter().map(|value| value * self.deviation_factor()).collect())
+    }
+
+    /// A position, mm or rad.
+    pub(super) fn position(&mut self, stem: &str) -> Option<f64> {
+        let key = self.position_key(stem);
+        self.check_unit(stem, &key)?;
+        let value = self.section.required(&key, "100", Section::number)?;
+        Some(self.position_from_file(value))
     }
 
     /// A length along the axis above zero, mm or rad.

@@ -6,7 +6,6 @@
 use super::polynomial::{degree, evaluate};
 use super::{Entry, Function};
 use crate::diagnostic::{Code, Place};
-use crate::machine::file::Section;
 
 /// A global polynomial and what is added from each knot on.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,18 +46,18 @@ impl Piecewise {
 pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     let highest = entry.section.integer("degree");
     let coefficients = entry.coefficients("coefficients");
-    let at_key = entry.position_key("at");
     let mut knots = Vec::new();
     let mut complete = true;
-    for mut section in entry.section.sections("knots") {
-        let at = section.required(&at_key, "100", Section::number);
-        let own = section.required("coefficients", "[0, 0, 3e-8]", Section::numbers);
-        let place = section.place_of("coefficients");
-        entry.take_findings(section);
+    for section in entry.section.sections("knots") {
+        let mut knot = Entry { section, name: entry.name, axes: entry.axes };
+        let at = knot.position("at");
+        let own = knot.coefficients("coefficients");
+        let place = knot.section.place_of("coefficients");
+        entry.take_findings(knot.section);
         match (at, own) {
             (Some(at), Some(own)) => {
                 check_degree(entry, highest, &own, place);
-                knots.push(Knot { at: entry.position_from_file(at), coefficients: own });
+                knots.push(Knot { at, coefficients: own });
             }
             _ => complete = false,
         }

@@ -1,0 +1,241 @@
+//! Machine files: the samples are sound, every fault is found at its place and all in one run, nothing makes the reader panic.
+
+use ncfix::diagnostic::Diagnostic;
+use ncfix::geometry::{Axis, Vector};
+use ncfix::machine::file::{DEMO, apply_setup};
+use ncfix::machine::{Lever, Machine, ToolChange};
+use ncfix::model::motion::Function;
+use ncfix::model::{ErrorModel, file};
+use ncfix::source::{FileId, Source};
+
+fn source(bytes: &[u8]) -> Source {
+    Source::new(FileId(0), "machine.toml", bytes.to_vec()).unwrap()
+}
+
+fn load(text: &str) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>) {
+    file::load(&source(text.as_bytes()))
+}
+
+/// Code and the text at the place of each finding.
+fn seen(text: &str) -> Vec<(String, String)> {
+    let findings = load(text).1;
+    let at = |finding: &Diagnostic| {
+        String::from_utf8_lossy(source(text.as_bytes()).slice(finding.place.unwrap().span)).into()
+    };
+    findings.iter().map(|finding| (finding.code.to_string(), at(finding))).collect()
+}
+
+fn samples(folder: &str) -> Vec<(String, String)> {
+    let folder = format!("{}/samples/machines{folder}", env!("CARGO_MANIFEST_DIR"));
+    let mut found: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .map(|path| (path.file_stem().unwrap().to_string_lossy().into_owned(), std::fs::read_to_string(path).unwrap()))
+        .collect();
+    found.sort();
+    found
+}
+
+const SMALL: &str = "[machine]\nname = \"small\"\ntopology = \"wFXCSt\"\n\
+    [axis.X]\ndirection = [2, 0, 0]\ntravel_mm = [0, 700]\n\
+    [axis.C]\ndirection = [0, 0, 1]\ntravel_deg = [-180, 180]\n";
+
+#[test]
+fn the_samples_are_sound() {
+    let found = samples("");
+    assert!(found.len() >= 3);
+    for (name, text) in found {
+        let (machine, findings) = load(&text);
+        assert!(findings.is_empty(), "{name}: {findings:#?}");
+        let (machine, _) = machine.unwrap();
+        assert_eq!(machine.name, name);
+        for (offset, position) in &machine.zero_offsets {
+            for axis in machine.axis_set().iter() {
+                let [low, high] = machine.axis(axis).unwrap().travel.unwrap();
+                assert!((low..=high).contains(&position[axis]), "{name}: {offset} lies in the travel of {axis}");
+            }
+        }
+    }
+    let demo = load(DEMO).0.unwrap().0;
+    let mut numbers: Vec<u32> = demo.tools.iter().map(|tool| tool.number).collect();
+    numbers.sort_unstable();
+    assert_eq!(numbers, (1..=12).collect::<Vec<_>>());
+    assert_eq!(demo.zero_offsets.keys().collect::<Vec<_>>(), ["G505", "G506", "G54", "G55", "G56", "G57"]);
+}
+
+#[test]
+fn each_bad_sample_provokes_its_code_only() {
+    let found = samples("/bad");
+    let mut codes: Vec<&str> = found.iter().map(|(name, _)| &name[..5]).collect();
+    for (name, text) in &found {
+        let (machine, findings) = load(text);
+        assert!(!findings.is_empty(), "{name} is found bad");
+        assert!(findings.iter().all(|finding| finding.code.as_str() == &name[..5]), "{name}: {findings:#?}");
+        assert!(findings.iter().all(|finding| finding.place.is_some() && !finding.help.is_empty()));
+        assert_eq!(machine.is_some(), name.starts_with('W'), "{name}");
+    }
+    codes.dedup();
+    let registered: Vec<&str> = (ncfix::diagnostic::CODES.iter().map(|row| row.code.as_str()))
+        .filter(|code| code.starts_with("E04") || code.starts_with("W04"))
+        .collect();
+    assert_eq!(codes, registered);
+}
+
+#[test]
+fn all_faults_are_found_in_one_run_at_their_places() {
+    let text = "[machine]\nname = 5\ntopology = \"wFXYSt\"\n\
+        [axis.X]\ndirection = [1, 0]\ntravel_mm = [0, inf]\n\
+        [axis.Y]\ndirection = [0, 1, 0.001]\ntravel_deg = [0, 1]\n\
+        [axis.B]\ndirection = [0, 0, 0]\nlever = \"loose\"\n\
+        [spindel]\n\
+        [control]\nincrement_mm = 0\ntool_change = \"M06\"\ninitial_zero_offset = \"G58\"\n\
+        [zero_offset.G54]\nX_um = 1\n[zero_offset.G53]\nX_mm = 1\n\
+        [location]\nEC0Y = \"15\"\nEXX = 1\nEX0Q = 1\n\
+        [[tool]]\nname = \"T\"\n[[tool]]\nnumber = 1.5\nlength_mm = [1, 2]\n\
+        [[motion]]\ncomponent = \"EXX\"\nkind = \"polynom\"\n\
+        [[motion]]\ncomponent = \"EC0Y\"\nkind = \"table\"\n\
+        [[motion]]\ncomponent = \"EXB\"\nkind = \"periodic\"\nperiod_mm = 10\namplitude_um = nan\n\
+        [[motion]]\ncomponent = \"EXY\"\nkind = \"cross\"\ncoefficients = [1]\nwith = \"Y\"\n";
+    let expected = [
+        ("E0404", "5"),
+        ("E0404", "[1, 0]"),
+        ("E0404", "[0, inf]"),
+        ("W0401", "[axis.Y]"),
+        ("E0404", "[0, 1, 0.001]"),
+        ("E0402", "travel_deg"),
+        ("E0405", "[axis.B]"),
+        ("W0401", "[axis.B]"),
+        ("E0404", "[0, 0, 0]"),
+        ("E0404", "\"loose\""),
+        ("E0402", "spindel"),
+        ("E0404", "0"),
+        ("E0404", "\"M06\""),
+        ("E0404", "\"G58\""),
+        ("E0402", "X_um"),
+        ("E0402", "G53"),
+        ("E0404", "\"15\""),
+        ("E0406", "EXX"),
+        ("E0406", "EX0Q"),
+        ("E0403", "[[tool]]"),
+        ("E0403", "[[tool]]"),
+        ("E0404", "1.5"),
+        ("E0404", "[1, 2]"),
+        ("E0404", "\"polynom\""),
+        ("E0406", "\"EC0Y\""),
+        ("E0407", "period_mm"),
+        ("E0404", "nan"),
+        ("E0403", "[[motion]]"),
+        ("E0404", "\"Y\""),
+    ];
+    let found = seen(text);
+    let found: Vec<(&str, &str)> = found.iter().map(|(code, at)| (code.as_str(), at.as_str())).collect();
+    assert_eq!(found, expected);
+    let helps: Vec<String> = load(text).1.into_iter().map(|finding| finding.help).collect();
+    for hint in ["did you mean `spindle`?", "did you mean `X_mm`?", "did you mean \"polynomial\"?", "write period_deg"]
+    {
+        assert!(helps.iter().any(|help| help.contains(hint)), "{hint}");
+    }
+}
+
+#[test]
+fn units_become_millimeters_and_radians() {
+    let text = format!(
+        "{SMALL}max_feed_deg_min = 3600\nlever = \"fixed\"\npoint_mm = [1, 2, 3]\n\
+        [spindle]\naxis = [0, 3, 4]\n\
+        [control]\nincrement_deg = 0.001\ntool_change = \"T\"\n\
+        [zero_offset.G54]\nX_mm = 10\nC_deg = 90\n\
+        [location]\nEX0C = -2.0\nEA0C = 30.0\n\
+        [[tool]]\nnumber = 3\nlength_mm = [100, 1, 2]\n\
+        [[motion]]\ncomponent = \"EAC\"\nkind = \"table\"\npositions_deg = [-180, 180]\nvalues_urad = [-5, 5]\n\
+        [[motion]]\ncomponent = \"EXC\"\nkind = \"periodic\"\nperiod_deg = 360\namplitude_um = 2\nphase_deg = 90\n\
+        [[motion]]\ncomponent = \"EZX\"\nkind = \"piecewise\"\ndegree = 2\ncoefficients = [0, 1e-5]\n\
+        knots = [{{ at_mm = 100, coefficients = [0, 0, 3e-8] }}]\n\
+        [[motion]]\ncomponent = \"EXX\"\nkind = \"backlash\"\nvalue_um = 6\n\
+        [[motion]]\ncomponent = \"EAX\"\nkind = \"cross\"\ncoefficients = [0, 1e-9]\nwith = \"C\"\nwith_coefficients = [1]\n"
+    );
+    let (result, findings) = load(&text);
+    assert!(findings.is_empty(), "{findings:#?}");
+    let (machine, errors) = result.unwrap();
+    let c = machine.axis(Axis::C).unwrap();
+    assert_eq!(machine.axis(Axis::X).unwrap().direction, Vector::x(), "normalized");
+    assert!((c.travel.unwrap()[1] - std::f64::consts::PI).abs() < 1e-15);
+    assert_eq!((c.lever, c.max_feed, c.point_mm), (Lever::Fixed, Some(3600.0), Vector::new(1.0, 2.0, 3.0)));
+    assert_eq!(machine.spindle.axis, Vector::new(0.0, 0.6, 0.8));
+    assert!((machine.control.increment_rad - 1.745_329_251_994_33e-5).abs() < 1e-17);
+    assert_eq!(machine.control.tool_change, ToolChange::T);
+    assert!((machine.zero_offsets["G54"][Axis::C] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+    assert_eq!(machine.tool(3, 1).unwrap().length_mm, [100.0, 1.0, 2.0]);
+    assert!((errors.location[0].value + 2e-3).abs() < 1e-18 && (errors.location[1].value - 3e-5).abs() < 1e-18);
+    let Function::Table(table) = &errors.motion[0].function else { panic!("{:?}", errors.motion[0]) };
+    assert!((table.value(std::f64::consts::FRAC_PI_2) - 2.5e-6).abs() < 1e-18);
+    let Function::Periodic(periodic) = &errors.motion[1].function else { panic!("{:?}", errors.motion[1]) };
+    assert!((periodic.value(0.0) - 2e-3).abs() < 1e-17 && periodic.value(std::f64::consts::FRAC_PI_2).abs() < 1e-17);
+    let Function::Piecewise(piecewise) = &errors.motion[2].function else { panic!("{:?}", errors.motion[2]) };
+    assert!((piecewise.value(200.0) - (2e-3 + 3e-4)).abs() < 1e-17);
+    let Function::Backlash(backlash) = &errors.motion[3].function else { panic!("{:?}", errors.motion[3]) };
+    assert_eq!(backlash.value(-1), -3e-3);
+}
+
+#[test]
+fn tables_and_knots_must_fit() {
+    let with = |entry: &str| seen(&format!("{SMALL}[[motion]]\ncomponent = \"EXX\"\n{entry}"));
+    let one = |code: &str, at: &str| vec![(code.to_owned(), at.to_owned())];
+    assert_eq!(with("kind = \"table\"\npositions_mm = [0, 1]\nvalues_um = [0]\n"), one("E0408", "[0]"));
+    assert_eq!(with("kind = \"table\"\npositions_mm = []\nvalues_um = []\n"), one("E0408", "[]"));
+    assert_eq!(with("kind = \"table\"\npositions_mm = [0, 5, 4]\nvalues_um = [0, 1, 2]\n"), one("E0408", "4"));
+    assert_eq!(with("kind = \"piecewise\"\ndegree = 1\ncoefficients = [0, 0, 1]\n"), one("E0404", "[0, 0, 1]"));
+    let knots = "kind = \"piecewise\"\ncoefficients = [0]\nknots = [{ at_mm = 5, coefficients = [1] }, { at_deg = 9, coefficients = [1] }]\n";
+    assert_eq!(with(knots)[0], ("E0407".to_owned(), "at_deg".to_owned()));
+    assert_eq!(with("kind = \"backlash\"\nvalue_um = 1\nvalue_urad = 1\n"), one("E0407", "value_urad"));
+    assert_eq!(with("kind = \"backlash\"\nvalue_um = 1\nextra = 1\n"), one("E0402", "extra"));
+}
+
+#[test]
+fn a_set_up_replaces_and_adds_and_an_unsound_one_changes_nothing() {
+    let mut machine = load(DEMO).0.unwrap().0;
+    let before = machine.clone();
+    let bad = apply_setup(&source(b"[zero_offset.G54]\nX_mm = 1\n[[tool]]\nnumber = 1\n[axis.X]\n"), &mut machine);
+    assert_eq!(bad.iter().map(|finding| finding.code.as_str()).collect::<Vec<_>>(), ["E0403", "E0402"]);
+    assert_eq!(machine, before);
+    let text = "[zero_offset.G54]\nX_mm = 1\n[zero_offset.G599]\nY_mm = 2\n\
+        [[tool]]\nnumber = 5\nlength_mm = 77\n[[tool]]\nnumber = 5\nedge = 2\nlength_mm = 78\n";
+    assert_eq!(apply_setup(&source(text.as_bytes()), &mut machine), []);
+    assert_eq!(machine.zero_offsets["G54"].xyz(), Vector::new(1.0, 0.0, 0.0));
+    assert_eq!(machine.zero_offsets["G599"].xyz(), Vector::new(0.0, 2.0, 0.0));
+    assert_eq!(machine.zero_offsets["G55"], before.zero_offsets["G55"]);
+    assert_eq!(machine.tool(5, 1).unwrap().length_mm[0], 77.0);
+    assert_eq!(machine.tool(5, 2).unwrap().length_mm[0], 78.0);
+    assert_eq!(machine.tools.len(), before.tools.len() + 1);
+}
+
+/// Cutting, doubling and overwriting bytes of a sound file makes findings, never a panic, and never a machine with a number that is none.
+#[test]
+fn no_bytes_make_it_panic() {
+    let mut seed = 1_u64;
+    let mut random = |limit: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as usize % limit
+    };
+    let sound = DEMO.as_bytes();
+    for _ in 0..300 {
+        let mut bytes = sound.to_vec();
+        for _ in 0..=random(4) {
+            let at = random(bytes.len());
+            match random(4) {
+                0 => bytes.truncate(at + 1),
+                1 => bytes[at] = random(256) as u8,
+                2 => drop(bytes.remove(at)),
+                _ => bytes.insert(at, b"[]{}=\".,-0e\n"[random(12)]),
+            }
+        }
+        let (machine, findings) = file::load(&source(&bytes));
+        assert_eq!(machine.is_none(), findings.iter().any(Diagnostic::is_error));
+        for finding in findings {
+            assert!(finding.place.unwrap().span.range().end <= bytes.len() + 1);
+        }
+    }
+    assert_eq!(seen("")[0].0, "E0403");
+    assert!(file::load(&source(&[0xff, 0xfe, 0])).0.is_none());
+    assert_eq!(seen("axis = 3\nmotion = 1\nlocation = []\nmachine = \"x\"\n").len(), 4);
+}
