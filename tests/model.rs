@@ -386,11 +386,14 @@ fn mirrored_directions_and_commands_are_the_same_machine() {
     }
 }
 
+/// Components in F, with their shares, that make up one parameter of the thesis.
+type Parts = &'static [(&'static str, f64)];
+
 /// Closed forms of the corrections of the 45° machine (Esmaeili 2021, chapter 7, derived anew with the roll of the tool left free),
 /// per unit of each parameter and with the sign of J⁺E: the correction is the negative. Commands and results in the senses of
 /// the thesis; X Y Z are positions of the machine, c and s cosine and sine of A. The thesis turns EC0A about the z of a frame that
 /// lies with the A axis, which is (−1, 0, 1)/√2 in F.
-fn closed_forms(x: f64, y: f64, a: f64) -> [(&'static [(&'static str, f64)], [f64; 5]); 10] {
+fn closed_forms(x: f64, y: f64, a: f64) -> [(Parts, [f64; 5]); 10] {
     let (s, c) = a.sin_cos();
     let cot = c / s;
     [
