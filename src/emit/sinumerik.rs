@@ -209,6 +209,7 @@ impl Sinumerik {
                 self.word(letter);
                 push_value(&mut self.line, value);
             }
+            Kind::Message(text) if text.is_empty() => self.word(b"MSG()"),
             Kind::Message(text) => {
                 self.word(b"MSG(\"");
                 self.line.extend_from_slice(text);

@@ -16,7 +16,7 @@ const STEPS: usize = 4;
 pub(super) fn center(start: [f64; 2], end: [f64; 2], guess: [f64; 2], points: &[[f64; 2]]) -> [f64; 2] {
     let chord = [end[0] - start[0], end[1] - start[1]];
     let length = chord[0].hypot(chord[1]);
-    let stay = STAY * points.len() as f64;
+    let stay = STAY * points.len().max(1) as f64;
     if length < SAME_POINT_MM {
         return of_full_circle(start, guess, points, stay);
     }

@@ -1,1 +1,313 @@
-//! x
+//! The errors of an original and a corrected program, both on the error model, both against the nominal path of the original.
+//!
+//! The streams are walked side by side: every move of the original corresponds to one move of the corrected program or to several in
+//! a row. What matters is where the tool is: a group of moves is complete when its tip, on the error model, reaches the nominal tip
+//! at the end of the original move, and in between belongs to the place of the original move whose nominal tip is nearest. Marks in
+//! the text are not looked at, so programs of other origin, or an original beside itself, can be compared too.
+
+use std::iter::Peekable;
+
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::geometry::{AXES, AxisSet, AxisVector, ROTARY_AXES, Vector};
+use crate::machine::{Machine, State};
+use crate::model::Model;
+use crate::snc::{Element, Kind, Origin};
+
+use super::prediction::{Pair, sample_count};
+use super::route::Route;
+use super::{Prediction, Spread, changes_tool};
+
+/// Distance of the samples along the path, mm.
+const SAMPLE_MM: f64 = 1.0;
+/// Ends nearer than this are the same, mm.
+const SAME_END_MM: f64 = 0.02;
+/// The same as a share of the length of the move: the error of an uncorrected program changes along it.
+const SAME_END_SHARE: f64 = 1e-3;
+/// A further move belongs to the group only if it comes nearer by more than rounding does, mm.
+const NEARER_MM: f64 = 0.002;
+/// An end that is off by this may still be meant, where the next move leads away from it, mm.
+const MEANT_END_MM: f64 = 0.5;
+/// A group at least this long, as a share of the original move, may be complete; a full circle begins at its end.
+const LEAST_SHARE: f64 = 0.5;
+/// A group this much longer than the original move is another path.
+const MOST_SHARE: f64 = 1.5;
+/// mm per rad that rotary axes are off: little, as their corrections are no sign of another place, but moves of the table about the
+/// tip have nothing else.
+const ROTARY_ARM_MM: f64 = 10.0;
+/// Steps of the search for the nearest place on the original move.
+const NEAREST_STEPS: usize = 4;
+/// Half the step over which the sense of motion is looked up, as a parameter.
+const SENSE_STEP: f64 = 1e-4;
+/// Pieces shorter than this, half of the shortest that is made, stand on the spot and have no place along the move, mm.
+const ON_THE_SPOT_MM: f64 = 0.005;
+
+/// Errors of two programs. Moves with feed count, or all where there are none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Comparison {
+    /// The original.
+    pub before: Spread,
+    /// The corrected program.
+    pub after: Spread,
+    /// Places at which both were evaluated.
+    pub samples: u64,
+    /// Where in the original the largest error of the corrected program lies.
+    pub max_at: Option<Origin>,
+}
+
+/// Compares two programs; neither may have had errors in its execution.
+///
+/// # Errors
+/// `E0311` where the moves of the one do not follow those of the other.
+pub fn compare(
+    original: impl Iterator<Item = Element>,
+    corrected: impl Iterator<Item = Element>,
+    machine: &Machine,
+    model: &Model,
+) -> Result<Comparison, Diagnostic> {
+    let has_backlash = AXES.into_iter().any(|axis| model.features(axis).backlash);
+    let mut corrected = Walk::new(corrected, machine, has_backlash).peekable();
+    let mut prediction = Prediction::default();
+    let mut carried = Offset::default();
+    for step in Walk::new(original, machine, has_backlash) {
+        let mut group = Group { model, step: &step, has_backlash, carried, length_mm: 0.0, parameter: 0.0 };
+        carried = group.follow(&mut corrected, &mut prediction)?;
+    }
+    match corrected.find(|step| step.route.size_mm() > SAME_END_MM) {
+        Some(rest) => Err(rest.mismatch("the corrected program goes on behind the end of the original")),
+        None => Ok(prediction.counted().into()),
+    }
+}
+
+impl From<&Pair> for Comparison {
+    fn from(pair: &Pair) -> Comparison {
+        Comparison { before: pair.before, after: pair.after, samples: pair.after.samples, max_at: pair.max_at }
+    }
+}
+
+/// A move of one of the programs.
+#[derive(Clone, Debug)]
+struct Step {
+    origin: Origin,
+    route: Route,
+    rapid: bool,
+    tool_mm: Vector,
+    /// Sense of motion before the move.
+    state: State,
+    is_counted: bool,
+}
+
+impl Step {
+    /// Sense of motion at a parameter.
+    fn state_at(&self, parameter: f64) -> State {
+        let mut state = self.state;
+        state.note_motion(&self.route.at(parameter - SENSE_STEP), &self.route.at(parameter + SENSE_STEP));
+        state
+    }
+
+    fn mismatch(&self, message: &str) -> Diagnostic {
+        let place = Place { file: self.origin.file, span: self.origin.span };
+        let help = "compare a program with what was made from it, on the same machine";
+        Diagnostic::at(Code::CANNOT_ALIGN, place, message, help)
+    }
+}
+
+/// The moves of a stream of elements.
+struct Walk<'a, I> {
+    elements: I,
+    machine: &'a Machine,
+    has_backlash: bool,
+    position: AxisVector,
+    tool_mm: Vector,
+    state: State,
+    known: AxisSet,
+    ever_named: AxisSet,
+}
+
+impl<'a, I> Walk<'a, I> {
+    fn new(elements: I, machine: &'a Machine, has_backlash: bool) -> Self {
+        Walk {
+            elements,
+            machine,
+            has_backlash,
+            position: AxisVector::ZERO,
+            tool_mm: Vector::zeros(),
+            state: State::default(),
+            known: AxisSet::EMPTY,
+            ever_named: AxisSet::EMPTY,
+        }
+    }
+}
+
+impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
+    type Item = Step;
+
+    fn next(&mut self) -> Option<Step> {
+        loop {
+            let element = self.elements.next()?;
+            if changes_tool(&element, self.machine) {
+                self.known = AxisSet::EMPTY;
+            }
+            let motion = match element.kind {
+                Kind::Setup(setup) => {
+                    self.tool_mm = setup.tool_mm;
+                    continue;
+                }
+                Kind::Move(motion) => motion,
+                _ => continue,
+            };
+            self.ever_named = self.ever_named.union(motion.named);
+            let step = Step {
+                origin: element.origin,
+                route: Route::new(self.position, motion.target, motion.arc),
+                rapid: motion.rapid,
+                tool_mm: self.tool_mm,
+                state: self.state,
+                is_counted: motion.named.difference(self.known).is_empty()
+                    && self.ever_named.difference(motion.known).is_empty(),
+            };
+            if self.has_backlash {
+                self.state.note_motion(&step.route.at(0.0), &step.route.at(SENSE_STEP));
+                self.state.note_motion(&step.route.at(1.0 - SENSE_STEP), &motion.target);
+            }
+            self.position = motion.target;
+            self.known = motion.known;
+            return Some(step);
+        }
+    }
+}
+
+/// How far the tool is from where it should be.
+#[derive(Clone, Copy, Debug, Default)]
+struct Offset {
+    /// Tip, in the workpiece frame, mm.
+    tip: Vector,
+    /// Rotary axes, at [`ROTARY_ARM_MM`].
+    turned: Vector,
+}
+
+impl Offset {
+    fn minus(&self, other: &Offset) -> Offset {
+        Offset { tip: self.tip - other.tip, turned: self.turned - other.turned }
+    }
+
+    fn dot(&self, other: &Offset) -> f64 {
+        self.tip.dot(&other.tip) + self.turned.dot(&other.turned)
+    }
+
+    fn norm_mm(&self) -> f64 {
+        self.dot(self).sqrt()
+    }
+}
+
+/// The corrected moves of one original move, while they are found.
+struct Group<'a> {
+    model: &'a Model,
+    step: &'a Step,
+    has_backlash: bool,
+    /// Offset at which the group began: an uncorrected program carries its errors along.
+    carried: Offset,
+    /// Length of the corrected moves so far, mm.
+    length_mm: f64,
+    /// How far the original move is covered.
+    parameter: f64,
+}
+
+impl Group<'_> {
+    /// Takes the moves of the group and adds their errors; gives the offset at its end.
+    fn follow<I: Iterator<Item = Element>>(
+        &mut self,
+        corrected: &mut Peekable<Walk<'_, I>>,
+        prediction: &mut Prediction,
+    ) -> Result<Offset, Diagnostic> {
+        let whole_mm = self.step.route.size_mm();
+        loop {
+            let Some(piece) = corrected.next() else {
+                return Err(self.step.mismatch("the corrected program ends before this move of the original"));
+            };
+            if piece.rapid != self.step.rapid || self.length_mm > MOST_SHARE * whole_mm + MEANT_END_MM {
+                return Err(self.step.mismatch("the corrected program does not follow this move of the original"));
+            }
+            self.length_mm += piece.route.size_mm();
+            let offset = self.offset(&piece, 1.0);
+            let is_complete = self.is_complete(&offset, corrected.peek());
+            let to = if is_complete { 1.0 } else { self.nearest(&piece) };
+            self.sample(&piece, to, prediction);
+            self.parameter = to;
+            if is_complete {
+                return Ok(offset);
+            }
+        }
+    }
+
+    /// Whether the group ends with a piece whose end is off by `offset`.
+    fn is_complete(&self, offset: &Offset, next: Option<&Step>) -> bool {
+        let whole_mm = self.step.route.size_mm();
+        if self.length_mm < LEAST_SHARE * whole_mm {
+            return false;
+        }
+        let off_mm = self.off_mm(offset);
+        let next = next.filter(|next| next.rapid == self.step.rapid);
+        let with_next = next.map_or(f64::INFINITY, |next| self.length_mm + next.route.size_mm());
+        let next_is_nearer = next.is_some_and(|next| {
+            with_next <= whole_mm * (1.0 + SAME_END_SHARE) + SAME_END_MM
+                && self.off_mm(&self.offset(next, 1.0)) + NEARER_MM < off_mm
+        });
+        let leads_away = with_next > whole_mm + 2.0 * MEANT_END_MM;
+        let near_mm = if leads_away { MEANT_END_MM } else { SAME_END_MM.max(SAME_END_SHARE * whole_mm) };
+        !next_is_nearer && off_mm <= near_mm
+    }
+
+    /// How far the tool is from the place of the original move at `parameter` when a piece has ended.
+    fn offset(&self, piece: &Step, parameter: f64) -> Offset {
+        let command = piece.route.end;
+        let state = if self.has_backlash { piece.state_at(1.0) } else { piece.state };
+        let nominal = self.step.route.at(parameter);
+        let tip = self.model.tip_error_mm(&nominal, &command, &piece.tool_mm, &state);
+        let turned = ROTARY_AXES.map(|axis| ROTARY_ARM_MM * (command[axis] - nominal[axis]));
+        Offset { tip, turned: Vector::from(turned) }
+    }
+
+    /// An offset as a distance, mm: by itself, or from the one at the start.
+    fn off_mm(&self, offset: &Offset) -> f64 {
+        offset.norm_mm().min(offset.minus(&self.carried).norm_mm())
+    }
+
+    /// The parameter of the original move at which its nominal tip is nearest to the end of a piece: Gauss–Newton from the share of
+    /// the length.
+    fn nearest(&self, piece: &Step) -> f64 {
+        let mut parameter = (self.length_mm / self.step.route.size_mm().max(ON_THE_SPOT_MM)).min(1.0);
+        for _ in 0..NEAREST_STEPS {
+            let [low, high] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|value| value.clamp(0.0, 1.0));
+            let change = self.offset(piece, high).minus(&self.offset(piece, low));
+            let square = change.dot(&change);
+            if square > 0.0 {
+                parameter -= (high - low) * change.dot(&self.offset(piece, parameter)) / square;
+            }
+            parameter = parameter.clamp(self.parameter, 1.0);
+        }
+        parameter
+    }
+
+    fn sample(&self, piece: &Step, to: f64, prediction: &mut Prediction) {
+        let size_mm = self.step.route.size_mm() * (to - self.parameter);
+        let stands_still = size_mm < ON_THE_SPOT_MM && self.step.route.size_mm() > ON_THE_SPOT_MM;
+        if stands_still || !self.step.is_counted || !prediction.wants(self.step.rapid) {
+            return;
+        }
+        let count = sample_count(size_mm, SAMPLE_MM);
+        for k in 0..count {
+            let fraction = (f64::from(k) + 0.5) / f64::from(count);
+            let parameter = self.parameter + (to - self.parameter) * fraction;
+            let nominal = self.step.route.at(parameter);
+            let command = piece.route.at(fraction);
+            let (before, after) = if self.has_backlash {
+                (self.step.state_at(parameter), piece.state_at(fraction))
+            } else {
+                (self.step.state, piece.state)
+            };
+            let before_mm = self.model.tip_error_mm(&nominal, &nominal, &self.step.tool_mm, &before).norm();
+            let after_mm = self.model.tip_error_mm(&nominal, &command, &piece.tool_mm, &after).norm();
+            prediction.add(self.step.rapid, before_mm, after_mm, &self.step.origin);
+        }
+    }
+}

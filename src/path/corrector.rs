@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::AxisSet;
-use crate::machine::{Machine, ToolChange};
+use crate::machine::Machine;
 use crate::model::Model;
-use crate::snc::{BlockNumber, Element, Kind, Move, Origin, Setup, Word, WordValue};
+use crate::snc::{BlockNumber, Element, Kind, Move, Origin, Setup};
 
 use super::check::Sampler;
 use super::extend::{Reach, longest};
@@ -16,7 +16,7 @@ use super::place::{Placed, Placer};
 use super::prediction::sample_count;
 use super::route::Route;
 use super::trial::{Bench, Standing, Trial};
-use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision};
+use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, changes_tool};
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -134,8 +134,7 @@ where
                 return;
             }
             Kind::Setup(setup) => self.set_up(Arc::clone(setup)),
-            Kind::Tool(_) if self.machine.control.tool_change == ToolChange::T => self.forget(),
-            Kind::Before(words) | Kind::After(words) if words.iter().any(is_tool_change) => self.forget(),
+            _ if changes_tool(&element, self.machine) => self.forget(),
             _ => {}
         }
         self.pending.push_back(Ok(Output::Element(element)));
@@ -416,9 +415,4 @@ fn next_step(route: &Route, from: f64, step_mm: f64) -> f64 {
     let steps = (from * leading / step_mm + SAME_PARAMETER).floor() + 1.0;
     let to = steps * step_mm / leading;
     if to < 1.0 - SAME_PARAMETER { to } else { 1.0 }
-}
-
-/// M6, wherever it stands.
-fn is_tool_change(word: &Word) -> bool {
-    word.letter == b'M' && word.extension.is_none() && word.value == WordValue::Number(6.0)
 }

@@ -16,6 +16,9 @@ const AIM: f64 = 0.96;
 /// A trial that fits may be followed by one this much longer.
 const MOST_GROWTH: f64 = 3.0;
 
+/// A rest shorter than this share of the piece before it is a splinter.
+const SPLINTER_SHARE: f64 = 0.5;
+
 /// What bounds the search: lengths in the parameter of the move.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
@@ -31,8 +34,21 @@ pub(super) struct Reach {
     pub(super) order: f64,
 }
 
-/// The longest piece found that fits, or failing that the one at the floor.
+/// The longest piece found that fits, or failing that the one at the floor. Where little would be left behind it, the rest is halved:
+/// the number of pieces is the same, and none is a splinter.
 pub(super) fn longest(reach: Reach, mut attempt: impl FnMut([f64; 2]) -> Option<Trial>) -> Option<Trial> {
+    let found = search(reach, &mut attempt)?;
+    let [from, to] = found.between;
+    let (length, rest) = (to - from, reach.limit - to);
+    if rest > 0.0 && rest < SPLINTER_SHARE * length && found.fits() {
+        let half = attempt([from, from + 0.5 * (length + rest)]);
+        return half.filter(Trial::fits).or(Some(found));
+    }
+    Some(found)
+}
+
+/// The same with whatever is left.
+fn search(reach: Reach, attempt: &mut impl FnMut([f64; 2]) -> Option<Trial>) -> Option<Trial> {
     let most = reach.limit - reach.from;
     let floor = reach.floor.min(most);
     let mut best: Option<Trial> = None;

@@ -9,6 +9,7 @@
 
 mod arc_fit;
 mod check;
+mod compare;
 
 mod corrector;
 mod extend;
@@ -19,12 +20,14 @@ mod prediction;
 mod route;
 mod trial;
 
+pub use compare::{Comparison, compare};
 pub use corrector::Corrector;
 pub use increment::Increments;
 pub use prediction::{Prediction, Spread};
 
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector, Plane};
-use crate::snc::{BlockNumber, Element, Origin};
+use crate::machine::{Machine, ToolChange};
+use crate::snc::{BlockNumber, Element, Kind, Origin, Word, WordValue};
 
 /// What is to be done with a program.
 #[derive(Clone, Debug, PartialEq)]
@@ -171,4 +174,15 @@ pub struct PieceArc {
     pub center_counts: [i64; 3],
     /// Full turns beyond the arc itself.
     pub extra_turns: u32,
+}
+
+/// Whether an element changes the tool: where the machine stands is unknown behind it.
+fn changes_tool(element: &Element, machine: &Machine) -> bool {
+    let is_change =
+        |word: &Word| word.letter == b'M' && word.extension.is_none() && word.value == WordValue::Number(6.0);
+    match &element.kind {
+        Kind::Tool(_) => machine.control.tool_change == ToolChange::T,
+        Kind::Before(words) | Kind::After(words) => words.iter().any(is_change),
+        _ => false,
+    }
 }

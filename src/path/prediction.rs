@@ -74,6 +74,9 @@ impl Pair {
     }
 }
 
+/// Below this a correction is the noise of the arithmetic, mm or rad.
+const NOISE: f64 = 1e-9;
+
 impl Prediction {
     /// Error of the program as it was written.
     #[must_use]
@@ -105,11 +108,14 @@ impl Prediction {
 
     pub(super) fn note_correction(&mut self, nominal: &AxisVector, command: &AxisVector) {
         for (slot, largest) in self.max_correction.0.iter_mut().enumerate() {
-            *largest = largest.max((command.0[slot] - nominal.0[slot]).abs());
+            let correction = (command.0[slot] - nominal.0[slot]).abs();
+            if correction > NOISE {
+                *largest = largest.max(correction);
+            }
         }
     }
 
-    fn counted(&self) -> &Pair {
+    pub(super) fn counted(&self) -> &Pair {
         if self.feed.before.samples > 0 { &self.feed } else { &self.rapid }
     }
 }

@@ -158,29 +158,6 @@ impl Route {
         }
         next
     }
-
-    /// The parameter at which the route is nearest to a position, preferring the one nearest to `about` where an arc passes the
-    /// place several times.
-    pub(super) fn nearest(&self, position: &AxisVector, about: f64) -> f64 {
-        if let Some(circle) = &self.circle {
-            let across = [
-                position[circle.abscissa] - circle.arc.center_mm[0],
-                position[circle.ordinate] - circle.arc.center_mm[1],
-            ];
-            let turned = across[1].atan2(across[0]) - circle.start_rad;
-            let base = turned / circle.sweep_rad;
-            let turn = TAU / circle.sweep_rad.abs();
-            return (base + ((about - base) / turn).round() * turn).clamp(0.0, 1.0);
-        }
-        let (mut along, mut square) = (0.0, 0.0);
-        for (slot, axis) in AXES.into_iter().enumerate() {
-            let weight = if axis.is_rotary() { ROTARY_ARM_MM * ROTARY_ARM_MM } else { 1.0 };
-            let step = self.end.0[slot] - self.start.0[slot];
-            along += weight * step * (position.0[slot] - self.start.0[slot]);
-            square += weight * step * step;
-        }
-        if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 }
-    }
 }
 
 impl Circle {
@@ -264,15 +241,5 @@ mod tests {
         let mut parameters = Vec::new();
         route.crossings(Axis::Y, 33.0, [0.0, 1.0], &mut parameters);
         assert_eq!(parameters.len(), 3);
-    }
-
-    #[test]
-    fn nearest_finds_the_turn_that_is_meant() {
-        let route = helix();
-        for parameter in [0.05, 0.3, 0.85, 0.95] {
-            assert!((route.nearest(&route.at(parameter), parameter) - parameter).abs() < 1e-9);
-        }
-        let line = Route::new(AxisVector::ZERO, route.start, None);
-        assert!((line.nearest(&line.at(0.3), 0.0) - 0.3).abs() < 1e-12);
     }
 }
