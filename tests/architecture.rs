@@ -83,7 +83,10 @@ fn every_file_names_only_rooms_that_it_may_know() {
             faults.push(format!("{}: room {room} has no row in MAY_NAME", path.display()));
             continue;
         };
-        for named in named_rooms(&text) {
+        // A link in a comment is no use of a room.
+        let code: String =
+            text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
+        for named in named_rooms(&code) {
             let is_foundation =
                 FOUNDATION.contains(&named.as_str()) && (!FOUNDATION.contains(&room.as_str()) || room == "diagnostic");
             if rows.contains_key(named.as_str())
@@ -131,7 +134,11 @@ fn every_executable_dialect_has_codes_samples_and_a_writer() {
         let samples = root.join(format!("samples/programs/{}", dialect.name));
         let count = fs::read_dir(&samples).unwrap().count();
         assert!(count >= 8, "{} has {count} samples", dialect.name);
-        assert!(ncfix::emit::writer_for(dialect).is_some(), "{} has no writer in the register", dialect.name);
+        assert!(
+            ncfix::emit::WRITERS.iter().any(|entry| entry.dialect == dialect.name),
+            "{} has no writer in the register",
+            dialect.name
+        );
     }
 }
 

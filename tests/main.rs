@@ -1,7 +1,7 @@
 //! The integration tests, one binary.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails here, which is what it is for")]
 
-// mod architecture;
+mod architecture;
 mod bad;
 mod cli_check;
 mod cli_explain;

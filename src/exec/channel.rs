@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use super::Options;
 use super::fault::{Fault, fault};
-use super::gather::{Gathered, bad_value};
+use super::gather::bad_value;
+use super::gathered::Gathered;
 use super::modal::Modal;
 use super::motion::{MotionContext, motion};
 use super::variables::Variables;

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::channel::Channel;
 use super::fault::Fault;
-use super::gather::Call;
+use super::gathered::Call;
 use super::value::Value as ExecValue;
 use super::variables::Locals;
 use super::{Loaded, at, gatherer, scope_of};

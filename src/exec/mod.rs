@@ -10,11 +10,15 @@ mod expression;
 mod fault;
 mod flow;
 mod gather;
+mod gathered;
+mod library;
 mod modal;
 mod motion;
 mod names;
 mod value;
 mod variables;
+
+pub use library::{Library, NoLibrary};
 
 use std::collections::{HashMap, HashSet};
 
@@ -29,24 +33,9 @@ use channel::Channel;
 use expression::Scope;
 use fault::{Fault, fault};
 use flow::{Action, Level};
-use gather::{Call, Gatherer};
-use names::Meaning;
-
-/// Finds subprograms that are not in the file of the main program.
-pub trait Library {
-    /// The file of the subprogram `name` (upper case, without ending): the name to show, and its bytes.
-    fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)>;
-}
-
-/// A library without programs.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct NoLibrary;
-
-impl Library for NoLibrary {
-    fn load(&mut self, _name: &str) -> Option<(String, Vec<u8>)> {
-        None
-    }
-}
+use gather::Gatherer;
+use gathered::Call;
+use library::{Loaded, section_of};
 
 /// How to execute.
 #[derive(Clone, Debug, Default)]
@@ -68,25 +57,6 @@ const MAX_BLOCKS: u64 = 10_000_000;
 const BLOCKS_AFTER_ERROR: u64 = 1_000_000;
 /// After so many different errors the run ends.
 const MAX_ERRORS: usize = 100;
-
-/// A program file, ready to run.
-struct Loaded {
-    program: Program,
-    meanings: Vec<Meaning>,
-    /// Targets of its jumps, where they were looked up already.
-    targets: Vec<Option<usize>>,
-    /// Blocks whose comments were passed on already.
-    commented: Vec<bool>,
-}
-
-impl Loaded {
-    fn new(program: Program) -> Self {
-        let meanings = names::resolve(&program, program.dialect);
-        let targets = vec![None; program.jumps.len()];
-        let commented = vec![false; program.blocks.len()];
-        Loaded { program, meanings, targets, commented }
-    }
-}
 
 /// A running program: an iterator over the elements of the flat stream and the findings.
 pub struct Execution<'a> {
@@ -234,7 +204,7 @@ impl<'a> Execution<'a> {
             }
         }
         let loaded = &mut self.programs[program];
-        let comment = take_comment(loaded, index, &block);
+        let comment = loaded.take_comment(index, &block);
         let origin = Origin { file, line: block.line, span: block.span, calls };
         let number = block.number.map(|written| BlockNumber { main: written.main, number: written.number });
         self.channel.begin_block(origin, number);
@@ -389,19 +359,6 @@ impl Iterator for Execution<'_> {
             self.step();
         }
     }
-}
-
-/// The section of a program that has this name.
-fn section_of(program: &Program, name: &str) -> Option<usize> {
-    program.sections.iter().position(|section| section.name == name)
-}
-
-/// The comment of a block the first time it is executed: a loop does not repeat its comments.
-fn take_comment(loaded: &mut Loaded, index: usize, block: &Block) -> Option<Vec<u8>> {
-    if block.comment.start == block.comment.end || std::mem::replace(&mut loaded.commented[index], true) {
-        return None;
-    }
-    Some(loaded.program.source.slice(block.comment).to_vec())
 }
 
 /// Everything in scope of a block's expressions.

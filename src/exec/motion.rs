@@ -1,7 +1,8 @@
 //! Turns the gathered words of a block into a motion: targets, centers, checks.
 
 use super::fault::{Fault, fault};
-use super::gather::{Gathered, bad_value};
+use super::gather::bad_value;
+use super::gathered::Gathered;
 use super::modal::Modal;
 use crate::diagnostic::Code;
 use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault};

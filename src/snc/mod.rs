@@ -5,8 +5,10 @@
 //! at the tool center point. Elements of one executed block follow each other; the first has [`Element::starts_block`].
 
 mod text;
+mod text_reader;
 
-pub use text::{TextError, TextReader, TextWriter};
+pub use text::TextWriter;
+pub use text_reader::{TextError, TextReader};
 
 use std::sync;
 

@@ -11,9 +11,8 @@
 
 use std::io::{self, Write};
 
-use super::{Dwell, Element, Kind, Move, Origin, Word, WordValue};
-use crate::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Plane, Vector};
-use crate::source::Span;
+use super::{Dwell, Element, Kind, Move, WordValue};
+use crate::geometry::{AXES, AxisSet, AxisVector, Vector};
 
 /// Turns a tool vector with the rotary axes of the tool side at an axis command.
 type TurnTool<'a> = Box<dyn Fn(&AxisVector, &Vector) -> Vector + 'a>;
@@ -212,149 +211,9 @@ fn push_integer(line: &mut Vec<u8>, value: u64) {
     line.extend_from_slice(&digits[at..]);
 }
 
-/// Why a line of SNC text cannot be read: the line, from 1, and the reason.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TextError {
-    /// Line number.
-    pub line: usize,
-    /// What was found.
-    pub message: String,
-}
-
-/// Reads SNC text. Positions are taken as axis commands, that is, for a tool of length zero.
-pub struct TextReader<'a> {
-    lines: std::iter::Enumerate<std::str::Lines<'a>>,
-    position: AxisVector,
-    known: AxisSet,
-}
-
-impl<'a> TextReader<'a> {
-    /// Reads from text.
-    #[must_use]
-    pub fn new(text: &'a str) -> Self {
-        TextReader { lines: text.lines().enumerate(), position: AxisVector::ZERO, known: AxisSet::EMPTY }
-    }
-
-    fn element(&mut self, text: &str, number: usize) -> Result<Option<Element>, String> {
-        let (words, comment) = text.split_once(';').unwrap_or((text, ""));
-        let mut values = Vec::new();
-        for word in words.split_ascii_whitespace() {
-            let letter = word.as_bytes()[0];
-            let rest = word.get(1..).ok_or("a word begins with no letter")?;
-            values.push((letter, rest));
-        }
-        let Some(&(first, code)) = values.first() else { return Ok(None) };
-        let line = match comment.strip_prefix('@') {
-            Some(origin) => {
-                origin.split('<').next().unwrap_or("").trim().parse().map_err(|_| "the origin ;@ has no line")?
-            }
-            None => u32::try_from(number).unwrap_or(u32::MAX),
-        };
-        let origin = Origin { line, span: Span::default(), ..Origin::default() };
-        let kind = match (first, code) {
-            (b'G', "4") => self.dwell(&values[1..])?,
-            (b'G', "0" | "1" | "2" | "3") => Kind::Move(self.motion(code, &values[1..])?),
-            (b'G', _) => return Err(format!("G{code} does not occur in SNC")),
-            (b'T', _) => Kind::Tool(value_of(code)?),
-            _ => Kind::Before(values.iter().map(|&(letter, rest)| auxiliary(letter, rest)).collect::<Result<_, _>>()?),
-        };
-        Ok(Some(Element { origin, starts_block: true, number: None, kind }))
-    }
-
-    fn dwell(&self, values: &[(u8, &str)]) -> Result<Kind, String> {
-        match values {
-            [(b'S', seconds)] => Ok(Kind::Dwell(Dwell::Seconds(parse(seconds)?))),
-            [(b'R', turns)] => Ok(Kind::Dwell(Dwell::Turns(parse(turns)?))),
-            _ => Err("G4 needs S with seconds or R with turns".into()),
-        }
-    }
-
-    fn motion(&mut self, code: &str, values: &[(u8, &str)]) -> Result<Move, String> {
-        let mut target = self.position;
-        let mut named = AxisSet::EMPTY;
-        let (mut ijk, mut plane, mut extra_turns, mut feed) = ([0.0; 3], Plane::XY, 0, None);
-        for &(letter, text) in values {
-            let value: f64 = parse(text)?;
-            match (Axis::from_letter(letter), letter) {
-                (Some(axis), _) => {
-                    target[axis] = if axis.is_rotary() { value.to_radians() } else { value };
-                    named.insert(axis);
-                }
-                (None, b'I' | b'J' | b'K') => ijk[usize::from(letter - b'I')] = value,
-                (None, b'P') => {
-                    let number = text.parse().map_err(|_| "P is 17, 18 or 19")?;
-                    plane = Plane::from_number(number).ok_or("P is 17, 18 or 19")?;
-                }
-                (None, b'L') => extra_turns = text.parse().map_err(|_| "L is a whole number")?,
-                (None, b'F') => feed = Some(value),
-                _ => return Err(format!("'{}' is no word of a motion", char::from(letter))),
-            }
-        }
-        let arc = matches!(code, "2" | "3").then(|| {
-            let [abscissa, ordinate, _] = plane.axes();
-            Arc {
-                plane,
-                clockwise: code == "2",
-                center_mm: [
-                    self.position[abscissa] + ijk[abscissa.slot()],
-                    self.position[ordinate] + ijk[ordinate.slot()],
-                ],
-                extra_turns,
-            }
-        });
-        self.position = target;
-        self.known = self.known.union(named);
-        Ok(Move {
-            rapid: code == "0",
-            arc,
-            target,
-            named,
-            known: self.known,
-            feed: feed.unwrap_or(0.0),
-            feed_named: feed.is_some(),
-            in_machine_frame: false,
-        })
-    }
-}
-
-impl Iterator for TextReader<'_> {
-    type Item = Result<Element, TextError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            let (index, text) = self.lines.next()?;
-            match self.element(text, index + 1) {
-                Ok(None) => {}
-                Ok(Some(element)) => return Some(Ok(element)),
-                Err(message) => return Some(Err(TextError { line: index + 1, message })),
-            }
-        }
-    }
-}
-
-fn auxiliary(letter: u8, rest: &str) -> Result<Word, String> {
-    let (extension, text) = match rest.split_once('=') {
-        Some((extension, text)) => {
-            (Some(extension.parse().map_err(|_| "an address extension is a whole number")?), text)
-        }
-        None => (None, rest),
-    };
-    Ok(Word { letter, extension, value: value_of(text)? })
-}
-
-fn value_of(text: &str) -> Result<WordValue, String> {
-    match text.trim_start_matches('=').strip_prefix('"').and_then(|name| name.strip_suffix('"')) {
-        Some(name) => Ok(WordValue::Name(name.as_bytes().to_vec())),
-        None => Ok(WordValue::Number(parse(text)?)),
-    }
-}
-
-fn parse(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| format!("'{text}' is no number"))
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::TextReader;
     use super::*;
 
     const TEXT: &str = "; snc 1 machine=demo units=mm

@@ -1,7 +1,8 @@
 //! Blocks: splits the file into lines, sections and words, and goes on behind whatever cannot be read.
 
+use super::names::{NameId, Names};
 use super::token::{Fault, Input, Parsed, blanks, fault, identifier, is_blank, number, small_number};
-use super::tree::{Address, Block, BlockNumber, Body, NameId, Names, Program, Section, Value, Word};
+use super::tree::{Address, Block, BlockNumber, Body, Program, Section, Value, Word};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};

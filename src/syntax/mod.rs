@@ -6,14 +6,18 @@
 
 mod block;
 mod expression;
+mod jump;
+mod names;
 mod statement;
 mod structure;
 mod token;
 mod tree;
 
+pub use jump::{Jump, JumpTarget, Search};
+pub use names::{NameId, Names};
 pub use tree::{
     Address, ArgumentRange, Block, BlockNumber, Body, Definition, DefinitionType, DimensionFunction, Expr, ExprId,
-    Jump, JumpTarget, NameId, Names, Node, Operator, Program, Search, Section, UnaryOperator, Value, Word,
+    Node, Operator, Program, Section, UnaryOperator, Value, Word,
 };
 
 use crate::diagnostic::{Code, Diagnostic, Place};

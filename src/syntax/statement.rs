@@ -2,8 +2,9 @@
 
 use super::block::{Draft, Parser};
 use super::expression::{keyword, target_number};
+use super::jump::{Jump, JumpTarget, Search};
 use super::token::{Input, Parsed, blanks, fault, identifier};
-use super::tree::{BlockNumber, Body, Definition, DefinitionType, ExprId, Jump, JumpTarget, Search};
+use super::tree::{BlockNumber, Body, Definition, DefinitionType, ExprId};
 use crate::diagnostic::Code;
 use crate::source::Span;
 

@@ -1,18 +1,15 @@
 //! The nodes of the syntax tree.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
+use super::jump::Jump;
+use super::names::{NameId, Names};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
 
 /// Number of an expression in [`Program::exprs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ExprId(pub(super) u32);
-
-/// Number of a name in [`Program::names`]; equal ids are equal names, whatever their case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct NameId(pub(super) u32);
 
 /// A block number: `N10` or `:10`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -297,47 +294,6 @@ pub enum Operator {
     Chain,
 }
 
-/// A jump of a block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Jump {
-    /// From the keyword to the target.
-    pub span: Span,
-    /// `IF …` before it.
-    pub condition: Option<ExprId>,
-    /// Where to look.
-    pub search: Search,
-    /// What to look for.
-    pub target: JumpTarget,
-}
-
-/// Where a jump looks for its target.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Search {
-    /// `GOTOF`
-    Forward,
-    /// `GOTOB`
-    Backward,
-    /// `GOTO`: to the end, then from the start.
-    Around,
-    /// `GOTOC`: the same, going on where it finds nothing.
-    AroundIfAny,
-    /// `GOTOS`: the start of the program.
-    Start,
-}
-
-/// What a jump looks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum JumpTarget {
-    /// A label.
-    Label(NameId),
-    /// A block number.
-    Number(BlockNumber),
-    /// A computed name, which is known but not executed yet.
-    Computed,
-    /// The start (GOTOS).
-    Start,
-}
-
 /// Type of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the names are the types' names")]
@@ -364,46 +320,6 @@ pub struct Definition {
     pub is_array: bool,
     /// Initial value.
     pub value: Option<ExprId>,
-}
-
-/// Identifiers of a program, each once.
-#[derive(Clone, Debug, Default)]
-pub struct Names {
-    ids: HashMap<String, u32>,
-    texts: Vec<String>,
-}
-
-impl Names {
-    /// The id of a name in any case.
-    pub(super) fn intern(&mut self, bytes: &[u8]) -> NameId {
-        let text: String = bytes.iter().map(|b| char::from(b.to_ascii_uppercase())).collect();
-        if let Some(&id) = self.ids.get(&text) {
-            return NameId(id);
-        }
-        let id = u32::try_from(self.texts.len()).unwrap_or(u32::MAX);
-        self.texts.push(text.clone());
-        self.ids.insert(text, id);
-        NameId(id)
-    }
-
-    /// A name's text, upper case.
-    #[must_use]
-    pub fn text(&self, id: NameId) -> &str {
-        self.texts.get(id.0 as usize).map_or("", String::as_str)
-    }
-
-    /// All names in the order of their ids.
-    pub fn iter(&self) -> impl Iterator<Item = &str> {
-        self.texts.iter().map(String::as_str)
-    }
-}
-
-impl NameId {
-    /// Its place in the order of [`Names::iter`].
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
 }
 
 impl Block {

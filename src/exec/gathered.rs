@@ -1,0 +1,88 @@
+//! All that one block says.
+
+use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
+use crate::snc::{Word as AuxWord, WordValue};
+use crate::source::Span;
+
+/// A call found in a block.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Call {
+    pub(super) name: String,
+    pub(super) repeats: u32,
+    pub(super) span: Span,
+}
+
+/// All that one block says, values as written (program units, degrees).
+#[derive(Debug)]
+pub(super) struct Gathered {
+    pub(super) groups: u64,
+    pub(super) motion: Option<(u8, Span)>,
+    pub(super) dwell: Option<Span>,
+    pub(super) plane: Option<u8>,
+    /// Inch, and whether the feed is meant too.
+    pub(super) inch: Option<(bool, bool)>,
+    pub(super) incremental: Option<bool>,
+    pub(super) offset: Option<(String, Span)>,
+    pub(super) suppress: Option<&'static str>,
+    pub(super) frame: Option<(bool, Span)>,
+    pub(super) keep: Vec<&'static str>,
+    pub(super) axes: AxisVector,
+    pub(super) axis_spans: [Span; AXIS_COUNT],
+    pub(super) named: AxisSet,
+    pub(super) as_absolute: AxisSet,
+    pub(super) as_incremental: AxisSet,
+    pub(super) center: [Option<(f64, bool)>; 3],
+    pub(super) center_span: Span,
+    pub(super) radius: Option<(f64, Span)>,
+    pub(super) turns: Option<(f64, Span)>,
+    pub(super) feed: Option<(f64, Span)>,
+    pub(super) speed: Option<(f64, Span)>,
+    pub(super) tool: Option<(WordValue, Span)>,
+    pub(super) edge: Option<(u32, Span)>,
+    pub(super) before: Vec<AuxWord>,
+    pub(super) after: Vec<AuxWord>,
+    pub(super) tool_change: bool,
+    pub(super) program_end: Option<u32>,
+    pub(super) is_return: bool,
+    pub(super) message: Option<Vec<u8>>,
+    pub(super) call: Option<Call>,
+    pub(super) call_repeats: Option<(u32, Span)>,
+}
+
+impl Gathered {
+    pub(super) fn new() -> Self {
+        Gathered {
+            groups: 0,
+            motion: None,
+            dwell: None,
+            plane: None,
+            inch: None,
+            incremental: None,
+            offset: None,
+            suppress: None,
+            frame: None,
+            keep: Vec::new(),
+            axes: AxisVector::ZERO,
+            axis_spans: [Span::default(); AXIS_COUNT],
+            named: AxisSet::EMPTY,
+            as_absolute: AxisSet::EMPTY,
+            as_incremental: AxisSet::EMPTY,
+            center: [None; 3],
+            center_span: Span::default(),
+            radius: None,
+            turns: None,
+            feed: None,
+            speed: None,
+            tool: None,
+            edge: None,
+            before: Vec::new(),
+            after: Vec::new(),
+            tool_change: false,
+            program_end: None,
+            is_return: false,
+            message: None,
+            call: None,
+            call_repeats: None,
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Identifiers, each kept once and known by a number.
+
+use std::collections::HashMap;
+
+/// Number of a name in [`super::Program::names`]; equal ids are equal names, whatever their case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct NameId(pub(super) u32);
+
+/// Identifiers of a program, each once.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    ids: HashMap<String, u32>,
+    texts: Vec<String>,
+}
+
+impl Names {
+    /// The id of a name in any case.
+    pub(super) fn intern(&mut self, bytes: &[u8]) -> NameId {
+        let text: String = bytes.iter().map(|b| char::from(b.to_ascii_uppercase())).collect();
+        if let Some(&id) = self.ids.get(&text) {
+            return NameId(id);
+        }
+        let id = u32::try_from(self.texts.len()).unwrap_or(u32::MAX);
+        self.texts.push(text.clone());
+        self.ids.insert(text, id);
+        NameId(id)
+    }
+
+    /// A name's text, upper case.
+    #[must_use]
+    pub fn text(&self, id: NameId) -> &str {
+        self.texts.get(id.0 as usize).map_or("", String::as_str)
+    }
+
+    /// All names in the order of their ids.
+    pub fn iter(&self) -> impl Iterator<Item = &str> {
+        self.texts.iter().map(String::as_str)
+    }
+}
+
+impl NameId {
+    /// Its place in the order of [`Names::iter`].
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
