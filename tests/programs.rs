@@ -73,6 +73,12 @@ fn every_program_is_corrected_to_below_a_micrometer() {
         // The tolerance of a piece, and the rounding of three axes to 0.1 µm.
         assert!(number("after", "max_um") < 1.0 + 0.1, "{program}: {json}");
         assert_eq!(json["diagnostics"], serde_json::json!([]), "{program}");
+        // The written text, executed again, keeps what was predicted while it was made.
+        let verified = shop.run(["verify", &program, "out", "--json", "--machine", &machine(&name)]).exits(0).json();
+        for key in ["mean_um", "rms_um", "max_um"] {
+            let of_text = verified["after"][key].as_f64().unwrap();
+            assert!((of_text - number("after", key)).abs() < 0.1, "{program} {key}: {of_text}, {json}");
+        }
     }
 }
 

@@ -31,7 +31,10 @@ pub(super) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
     let job = Job::new(arguments)?;
     let mut findings = Findings::default();
     let mut report = Correction::default();
-    job.correct(&mut findings, &mut report)?;
+    if let Err(stop) = job.correct(&mut findings, &mut report) {
+        findings.draw();
+        return Err(stop);
+    }
     report.seconds = started.elapsed().as_secs_f64();
     if arguments.json {
         report.diagnostics = findings.json();

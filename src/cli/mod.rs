@@ -19,6 +19,7 @@ mod progress;
 mod snc;
 mod stop;
 mod value;
+mod verify;
 
 pub use exit_code::ExitCode;
 
@@ -54,7 +55,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Fix(arguments) => fix::run(arguments),
         Command::Check(arguments) => check::run(arguments),
         Command::Snc(arguments) => snc::run(arguments),
-        Command::Verify(_) => Err(Stop::Usage("verify is not built yet".into())),
+        Command::Verify(arguments) => verify::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),
     }

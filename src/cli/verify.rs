@@ -15,30 +15,30 @@ use crate::path;
 use crate::report::correction::error_rows;
 use crate::report::json;
 use crate::snc::Element;
+use crate::source::{FileId, Source};
 
 /// Compares two programs.
 pub(super) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
-    let comparison = compare(arguments, &mut findings)?;
-    let (before, after) = match &comparison {
-        Some(comparison) => (Some(fix::spread(&comparison.before)), Some(fix::spread(&comparison.after))),
-        None => (None, None),
-    };
+    let outcome = compare(arguments, &mut findings)?;
+    let before = outcome.as_ref().map(|outcome| fix::spread(&outcome.comparison.before));
+    let after = outcome.as_ref().map(|outcome| fix::spread(&outcome.comparison.after));
     if arguments.json {
-        let samples = comparison.map_or(0, |comparison| comparison.samples);
+        let samples = outcome.map_or(0, |outcome| outcome.comparison.samples);
         let verification = json::Verification { before, after, samples, diagnostics: findings.json() };
         print(&json::line(&verification).map_err(Stop::Usage)?)?;
     } else {
         findings.draw();
         if let (Some(before), Some(after)) = (before, after) {
-            print(&error_rows(before, after, None))?;
+            let max_at = outcome.as_ref().and_then(|outcome| outcome.max_at.as_ref());
+            print(&error_rows(before, after, max_at.map(|(line, file)| (*line, file.as_str()))))?;
         }
     }
     Ok(findings.exit_code())
 }
 
 /// Opens both programs and walks them side by side; `None` where findings forbid it.
-fn compare(arguments: &VerifyArguments, findings: &mut Findings) -> Result<Option<path::Comparison>, Stop> {
+fn compare(arguments: &VerifyArguments, findings: &mut Findings) -> Result<Option<Outcome>, Stop> {
     // Both are read before anything else: a file that is missing is the first thing to know.
     let sources = [program::read(&arguments.original)?, program::read(&arguments.corrected)?];
     let Some(chosen) = machine_choice::choose(&arguments.machine, &arguments.original, findings)? else {
@@ -56,30 +56,56 @@ fn compare(arguments: &VerifyArguments, findings: &mut Findings) -> Result<Optio
 }
 
 /// Compares two running programs.
-fn walk(original: Running, corrected: Running, chosen: &Chosen, findings: &mut Findings) -> Option<path::Comparison> {
+fn walk(original: Running, corrected: Running, chosen: &Chosen, findings: &mut Findings) -> Option<Outcome> {
     let model = Model::new(&chosen.machine, &chosen.errors);
     let shared = RefCell::new(std::mem::take(findings));
-    let mut original = Clean { running: original, findings: &shared };
-    let mut corrected = Clean { running: corrected, findings: &shared };
+    let mut original = Clean { running: original, findings: &shared, mark: 0 };
+    let mut corrected = Clean { running: corrected, findings: &shared, mark: OF_CORRECTED };
     let result = path::compare(&mut original, &mut corrected, &chosen.machine, &model);
-    let sources = original.running.sources().to_vec();
+    let max_at = result.as_ref().ok().and_then(|comparison| comparison.max_at);
+    let max_at = max_at.and_then(|origin| Some((origin.line, original.source(origin.file)?.name().to_owned())));
+    let unaligned = result.as_ref().err().and_then(|diagnostic| diagnostic.place).map(|place| place.file);
+    let source = unaligned.and_then(|file| original.source(file).or_else(|| corrected.source(file)));
     drop((original, corrected));
     *findings = shared.into_inner();
     match result {
-        Ok(comparison) => Some(comparison).filter(|_| !findings.has_errors()),
+        Ok(comparison) => Some(Outcome { comparison, max_at }).filter(|_| !findings.has_errors()),
         // Where a program could not be executed to its end, that it does not match the other one is no news.
         Err(_) if findings.has_errors() => None,
-        Err(diagnostic) => {
-            findings.add(diagnostic, &sources);
+        Err(mut diagnostic) => {
+            if let (Some(place), Some(source)) = (&mut diagnostic.place, &source) {
+                place.file = source.id();
+            }
+            findings.add(diagnostic, source.as_slice());
             None
         }
     }
 }
 
+/// What a comparison found.
+struct Outcome {
+    comparison: path::Comparison,
+    /// Line and file of the largest error that is left.
+    max_at: Option<(u32, String)>,
+}
+
+/// Added to the file numbers of the corrected program: both programs count their files from 0, and a finding must be drawn in the
+/// right one.
+const OF_CORRECTED: u16 = 1 << 15;
+
 /// The elements of a program without its findings, which are put aside.
 struct Clean<'r, 'f> {
     running: Running<'r>,
     findings: &'f RefCell<Findings>,
+    mark: u16,
+}
+
+impl Clean<'_, '_> {
+    /// The file of a marked number, if it is one of this program.
+    fn source(&self, marked: FileId) -> Option<Source> {
+        let is_mine = |source: &&Source| source.id().0 ^ self.mark == marked.0;
+        self.running.sources().iter().find(is_mine).cloned()
+    }
 }
 
 impl Iterator for Clean<'_, '_> {
@@ -88,7 +114,10 @@ impl Iterator for Clean<'_, '_> {
     fn next(&mut self) -> Option<Element> {
         loop {
             match self.running.next()? {
-                Ok(element) => return Some(element),
+                Ok(mut element) => {
+                    element.origin.file.0 ^= self.mark;
+                    return Some(element);
+                }
                 Err(diagnostic) => self.findings.borrow_mut().add(diagnostic, self.running.sources()),
             }
         }

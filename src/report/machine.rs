@@ -87,6 +87,6 @@ mod tests {
         assert_eq!(decimal(0.0001), "0.0001");
         assert_eq!(decimal(-1e-9), "0");
         assert_eq!(decimal(350.0), "350");
-        assert_eq!(decimal(-0.70710678), "-0.707107");
+        assert_eq!(decimal(-0.123_456_78), "-0.123457");
     }
 }
