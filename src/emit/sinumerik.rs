@@ -38,6 +38,7 @@ pub(super) fn create(options: &WriterOptions) -> Box<dyn Writer> {
         is_stamped: false,
         has_assumed: false,
         line: Vec::with_capacity(256),
+        held: Vec::with_capacity(64),
         comment: Vec::with_capacity(64),
         has_words: false,
         is_open: false,
@@ -59,6 +60,8 @@ struct Sinumerik {
     has_assumed: bool,
     /// The line so far, without its comment.
     line: Vec<u8>,
+    /// S, M, H and D words of the block, which follow the words of its motion.
+    held: Vec<u8>,
     comment: Vec<u8>,
     has_words: bool,
     is_open: bool,
@@ -124,6 +127,7 @@ impl Sinumerik {
             // Its block has no motion.
             self.exact_stop();
         }
+        self.release();
         if !self.line.is_empty() || !self.comment.is_empty() {
             out.extend_from_slice(&self.line);
             if !self.line.is_empty() && !self.comment.is_empty() {
@@ -194,7 +198,17 @@ impl Sinumerik {
             Kind::Keep(word) => self.word(word.as_bytes()),
             Kind::Frame(words) => self.frame(words),
             Kind::Tool(value) => self.auxiliary(b'T', None, value),
-            Kind::Before(words) | Kind::After(words) => {
+            Kind::Before(words) => {
+                // They are put together on the line and taken off it until the motion has been written.
+                let start = self.line.len();
+                for Word { letter, extension, value } in words {
+                    self.auxiliary(*letter, *extension, value);
+                }
+                self.held.extend_from_slice(&self.line[start..]);
+                self.line.truncate(start);
+            }
+            Kind::After(words) => {
+                self.release();
                 for Word { letter, extension, value } in words {
                     self.auxiliary(*letter, *extension, value);
                 }
@@ -227,6 +241,13 @@ impl Sinumerik {
             self.line.push(b' ');
         }
         self.line.extend_from_slice(bytes);
+    }
+
+    /// Appends the words that were held back for the motion.
+    fn release(&mut self) {
+        let held = if self.line.is_empty() { self.held.trim_ascii_start() } else { &self.held };
+        self.line.extend_from_slice(held);
+        self.held.clear();
     }
 
     fn exact_stop(&mut self) {
@@ -315,6 +336,7 @@ impl Sinumerik {
         if piece.feed_named || !piece.rapid && piece.feed > 0.0 && piece.feed != self.feed {
             self.feed_word(piece.feed);
         }
+        self.release();
         if self.comment.is_empty() {
             match (piece.take_up, is_continued) {
                 (true, _) => self.comment.extend_from_slice(b";~"),
