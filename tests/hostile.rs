@@ -17,7 +17,10 @@ fn run(bytes: Vec<u8>) -> usize {
     let (program, findings) = syntax::parse(&source, dialect::sinumerik());
     for finding in &findings {
         let place = finding.place.unwrap();
-        assert!(place.span.start <= place.span.end && place.span.end as usize <= source.bytes().len() + 1, "{finding:?}");
+        assert!(
+            place.span.start <= place.span.end && place.span.end as usize <= source.bytes().len() + 1,
+            "{finding:?}"
+        );
     }
     let machine = xyz_machine();
     let options = Options { max_blocks: Some(2000), strict: true, ..Options::default() };
@@ -38,9 +41,59 @@ fn samples() -> Vec<Vec<u8>> {
 
 /// Pieces that programs are made of, to get past the first byte of a parser.
 const PIECES: &[&str] = &[
-    "G0", "G2", "X", "Y=", "R1=", "R[", "]", "(", ")", "IF ", "GOTOF ", "GOTOB AB", "AB:", "WHILE ", "ENDWHILE", "FOR R1=1 TO ", "ENDFOR",
-    "REPEAT", "UNTIL ", "LOOP", "ENDLOOP", "ELSE", "ENDIF", "\n", "\n", " ", "1", "-", ".5", "EX9", "9999999999", "\"", ";", "'H", "SIN(",
-    "==", "<<", " AND ", "NOT ", "DEF INT ", "AA", "TRANS ", "M30", "L1", "P2", "%_N_A_MPF\n", "/", "N1", "CR=", "I1", "AC(", "\0", "\u{e9}",
+    "G0",
+    "G2",
+    "X",
+    "Y=",
+    "R1=",
+    "R[",
+    "]",
+    "(",
+    ")",
+    "IF ",
+    "GOTOF ",
+    "GOTOB AB",
+    "AB:",
+    "WHILE ",
+    "ENDWHILE",
+    "FOR R1=1 TO ",
+    "ENDFOR",
+    "REPEAT",
+    "UNTIL ",
+    "LOOP",
+    "ENDLOOP",
+    "ELSE",
+    "ENDIF",
+    "\n",
+    "\n",
+    " ",
+    "1",
+    "-",
+    ".5",
+    "EX9",
+    "9999999999",
+    "\"",
+    ";",
+    "'H",
+    "SIN(",
+    "==",
+    "<<",
+    " AND ",
+    "NOT ",
+    "DEF INT ",
+    "AA",
+    "TRANS ",
+    "M30",
+    "L1",
+    "P2",
+    "%_N_A_MPF\n",
+    "/",
+    "N1",
+    "CR=",
+    "I1",
+    "AC(",
+    "\0",
+    "\u{e9}",
 ];
 
 proptest! {

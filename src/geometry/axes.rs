@@ -24,8 +24,7 @@ pub enum Axis {
 /// Number of slots in an [`AxisVector`].
 pub const AXIS_COUNT: usize = 9;
 /// All axes in slot order.
-pub const AXES: [Axis; AXIS_COUNT] =
-    [Axis::X, Axis::Y, Axis::Z, Axis::U, Axis::V, Axis::W, Axis::A, Axis::B, Axis::C];
+pub const AXES: [Axis; AXIS_COUNT] = [Axis::X, Axis::Y, Axis::Z, Axis::U, Axis::V, Axis::W, Axis::A, Axis::B, Axis::C];
 /// The linear axes in slot order.
 pub const LINEAR_AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::U, Axis::V, Axis::W];
 /// The rotary axes in slot order.
