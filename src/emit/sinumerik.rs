@@ -95,7 +95,7 @@ impl Writer for Sinumerik {
     }
 
     fn finish(&mut self, out: &mut Vec<u8>) {
-        self.end_line(out);
+        self.end_block(out);
         self.stamp(out);
     }
 
@@ -107,7 +107,11 @@ impl Writer for Sinumerik {
 impl Sinumerik {
     /// Ends the line before and begins another.
     fn begin(&mut self, is_block: bool, number: Option<BlockNumber>, out: &mut Vec<u8>) {
-        self.end_line(out);
+        if is_block {
+            self.end_block(out);
+        } else {
+            self.end_line(out);
+        }
         self.is_open = true;
         if is_block {
             self.suppressing = None;
@@ -119,13 +123,18 @@ impl Sinumerik {
         }
     }
 
+    /// Ends the last line of a block.
+    fn end_block(&mut self, out: &mut Vec<u8>) {
+        if self.is_open {
+            // Still to be written in a block without motion.
+            self.exact_stop();
+        }
+        self.end_line(out);
+    }
+
     fn end_line(&mut self, out: &mut Vec<u8>) {
         if !std::mem::take(&mut self.is_open) {
             return;
-        }
-        if self.stops_exactly {
-            // Its block has no motion.
-            self.exact_stop();
         }
         self.release();
         if !self.line.is_empty() || !self.comment.is_empty() {

@@ -10,6 +10,7 @@ use crate::model::Model;
 use crate::snc::{BlockNumber, Element, Kind, Move, Origin, Setup};
 
 use super::check::Sampler;
+use super::cut::{fit_arc, next_step};
 use super::extend::{Reach, longest};
 use super::findings::{Findings, placing_axes};
 use super::place::{Placed, Placer};
@@ -20,16 +21,8 @@ use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, chang
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
-/// Arcs that are no full circle turn by at most this in one piece, rad: near a full turn, rounding could swap start and end.
-const MOST_SWEEP: f64 = 330.0 * std::f64::consts::PI / 180.0;
-/// A sweep this near to a full turn is one, rad.
-const SAME_ANGLE: f64 = 1e-7;
-/// An arc piece that saves fewer chords than this is not worth its words.
-const USEFUL_CHORDS: f64 = 3.0;
 /// A count this near to a whole number is one: the noise of the arithmetic.
 const WHOLE_COUNT: f64 = 1e-4;
-/// Parameters nearer than this to each other are one place.
-const SAME_PARAMETER: f64 = 1e-9;
 
 /// Corrects a stream of elements. Findings are items of the stream too: after an error the correction goes on, so that one run shows
 /// them all.
@@ -239,7 +232,7 @@ where
             Subdivision::Step(step_mm) => step_mm / size_mm,
         };
         if route.arc().is_some() && !active.as_chords {
-            if let Some(trial) = fit_arc(&bench, standing, active, turning, step, scratch) {
+            if let Some(trial) = fit_arc(&bench, standing, [from, turning.min(from + step)], active.length, scratch) {
                 return trial;
             }
             active.as_chords = true;
@@ -373,46 +366,4 @@ where
             }
         }
     }
-}
-
-/// The longest useful arc from here; `None` where chords do as well.
-fn fit_arc(
-    bench: &Bench<'_, '_>,
-    standing: &Standing,
-    active: &Active,
-    turning: f64,
-    step: f64,
-    scratch: &mut Vec<f64>,
-) -> Option<Trial> {
-    let from = active.parameter;
-    let swept = bench.route.sweep_rad().abs();
-    if from == 0.0 && turning >= 1.0 && step >= 1.0 {
-        let whole = bench.arc(standing, [0.0, 1.0], scratch);
-        if whole.is_some_and(|trial| trial.fits()) {
-            return whole;
-        }
-    }
-    let turn = std::f64::consts::TAU / swept;
-    let full_turn = from + turn;
-    if full_turn <= turning.min(from + step) + SAME_ANGLE / swept {
-        let to = if full_turn > 1.0 - SAME_PARAMETER { 1.0 } else { full_turn };
-        let circle = bench.arc(standing, [from, to], scratch);
-        if circle.is_some_and(|trial| trial.fits()) {
-            return circle;
-        }
-    }
-    let limit = turning.min(from + step).min(from + MOST_SWEEP / swept);
-    // Half the angle over which a chord of the tolerance stretches.
-    let half_chord = (1.0 - bench.tolerance_mm / bench.route.radius_mm()).max(-1.0).acos();
-    let reach =
-        Reach { from, limit, guess: active.length, floor: USEFUL_CHORDS * 2.0 * half_chord / swept, order: 3.0 };
-    longest(reach, |between| bench.arc(standing, between, scratch)).filter(Trial::fits)
-}
-
-/// The end of a piece of fixed length along the axis that moves farthest.
-fn next_step(route: &Route, from: f64, step_mm: f64) -> f64 {
-    let leading = route.leading_mm();
-    let steps = (from * leading / step_mm + SAME_PARAMETER).floor() + 1.0;
-    let to = steps * step_mm / leading;
-    if to < 1.0 - SAME_PARAMETER { to } else { 1.0 }
 }

@@ -12,6 +12,7 @@ mod check;
 mod compare;
 
 mod corrector;
+mod cut;
 mod extend;
 mod findings;
 mod increment;

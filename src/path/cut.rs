@@ -1,0 +1,60 @@
+//! Where the next piece of a move ends: arcs by what fits, fixed steps by the axis that moves farthest.
+
+use super::extend::{Reach, longest};
+use super::route::Route;
+use super::trial::{Bench, Standing, Trial};
+
+/// Arcs that are no full circle turn by at most this in one piece, rad: near a full turn, rounding could swap start and end.
+const MOST_SWEEP: f64 = 330.0 * std::f64::consts::PI / 180.0;
+/// A sweep this near to a full turn is one, rad.
+const SAME_ANGLE: f64 = 1e-7;
+/// An arc piece that saves fewer chords than this is not worth its words.
+const USEFUL_CHORDS: f64 = 3.0;
+/// Parameters nearer than this to each other are one place.
+const SAME_PARAMETER: f64 = 1e-9;
+
+/// The longest useful arc between two parameters of the move, beginning at the first; `None` where chords do as well. `guess` is the
+/// length to begin the search with.
+pub(super) fn fit_arc(
+    bench: &Bench<'_, '_>,
+    standing: &Standing,
+    within: [f64; 2],
+    guess: f64,
+    scratch: &mut Vec<f64>,
+) -> Option<Trial> {
+    let [from, limit] = within;
+    let swept = bench.route.sweep_rad().abs();
+    if from == 0.0 && limit >= 1.0 {
+        let whole = bench.arc(standing, [0.0, 1.0], scratch);
+        if whole.is_some_and(|trial| trial.fits()) {
+            return whole;
+        }
+    }
+    let turn = std::f64::consts::TAU / swept;
+    let full_turn = from + turn;
+    if full_turn <= limit + SAME_ANGLE / swept {
+        let to = if full_turn > 1.0 - SAME_PARAMETER { 1.0 } else { full_turn };
+        let circle = bench.arc(standing, [from, to], scratch);
+        if circle.is_some_and(|trial| trial.fits()) {
+            return circle;
+        }
+    }
+    // Half the angle over which a chord of the tolerance stretches.
+    let half_chord = (1.0 - bench.tolerance_mm / bench.route.radius_mm()).max(-1.0).acos();
+    let reach = Reach {
+        from,
+        limit: limit.min(from + MOST_SWEEP / swept),
+        guess,
+        floor: USEFUL_CHORDS * 2.0 * half_chord / swept,
+        order: 3.0,
+    };
+    longest(reach, |between| bench.arc(standing, between, scratch)).filter(Trial::fits)
+}
+
+/// The end of a piece of fixed length along the axis that moves farthest.
+pub(super) fn next_step(route: &Route, from: f64, step_mm: f64) -> f64 {
+    let leading = route.leading_mm();
+    let steps = (from * leading / step_mm + SAME_PARAMETER).floor() + 1.0;
+    let to = steps * step_mm / leading;
+    if to < 1.0 - SAME_PARAMETER { to } else { 1.0 }
+}

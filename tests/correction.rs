@@ -1,0 +1,338 @@
+//! What the corrector does with moves: what stays, what is cut, what is said.
+
+use ncfix::diagnostic::Code;
+use ncfix::geometry::{Axis, AxisSet, Frame};
+use ncfix::machine::State;
+use ncfix::model::{ErrorModel, LocationError, Model};
+use ncfix::path::{Options, OutputFrame, Rapids, Subdivision};
+use ncfix::snc::{Element, Kind, Setup, TextReader};
+
+use crate::bench_machine::{Random, Replay, backlash, correct, correct_elements, motion, polynomial, table, tired};
+use crate::machines::xyz_machine;
+
+/// Counts of X, Y and Z of every piece.
+fn counts(run: &crate::bench_machine::Run) -> Vec<[i64; 3]> {
+    run.pieces.iter().map(|piece| [piece.counts[0], piece.counts[1], piece.counts[2]]).collect()
+}
+
+fn set(letters: &str) -> AxisSet {
+    letters.bytes().filter_map(Axis::from_letter).collect()
+}
+
+#[test]
+fn without_errors_every_move_stays_as_it_is() {
+    let text = "G0 X10 Y0 Z5\nG1 X20.5 Y0.25 Z-1 F500\nG2 X30.5 Y10.25 Z-1 I0 J10 P17 F500\n\
+                G3 X30.5 Y10.25 Z-4 I-5 J3.5 P17 L2 F500\nG3 X30.5 Y10.25 Z-4 I1 P17 F500\nG2 X40 Y12.25 Z-1 I0 J4.75 K2 P19 F500\n";
+    let errors = ErrorModel::default();
+    let in_plane_19: Vec<Element> = TextReader::new(text).map(Result::unwrap).take(5).collect();
+    for options in [Options::default(), Options { subdivision: Subdivision::Step(1.0), ..Options::default() }] {
+        let run = correct_elements(in_plane_19.iter().cloned(), &xyz_machine(), &errors, options);
+        assert_eq!(
+            counts(&run),
+            [
+                [100_000, 0, 50_000],
+                [205_000, 2_500, -10_000],
+                [305_000, 102_500, -10_000],
+                [305_000, 102_500, -40_000],
+                [305_000, 102_500, -40_000]
+            ]
+        );
+        let arcs: Vec<_> = run.pieces.iter().filter_map(|piece| piece.arc).collect();
+        assert_eq!(
+            arcs.iter().map(|arc| arc.center_counts).collect::<Vec<_>>(),
+            [[0, 100_000, 0], [-50_000, 35_000, 0], [10_000, 0, 0]]
+        );
+        assert_eq!(
+            arcs.iter().map(|arc| (arc.clockwise, arc.extra_turns)).collect::<Vec<_>>(),
+            [(true, 0), (false, 2), (false, 0)]
+        );
+        assert!(run.findings.is_empty());
+        assert_eq!(run.prediction.after().max_mm, 0.0);
+    }
+    assert_eq!(text.lines().count(), 6, "the arc in G19 is another test's");
+}
+
+#[test]
+fn an_arc_in_a_plane_that_is_not_selected_becomes_chords() {
+    let text = "G0 X0 Y0 Z0\nG3 X5 Y10 Z0 J5 K0 P19 F500\n";
+    let plane_of = |plane| {
+        let setup = Setup { plane, ..Setup::default() };
+        let first =
+            Element { origin: Default::default(), starts_block: false, number: None, kind: Kind::Setup(setup.into()) };
+        let elements = std::iter::once(first).chain(TextReader::new(text).map(Result::unwrap));
+        correct_elements(elements, &xyz_machine(), &ErrorModel::default(), Options::default())
+    };
+    let kept = plane_of(ncfix::geometry::Plane::YZ);
+    assert_eq!(kept.pieces[1].arc.map(|arc| arc.center_counts), Some([0, 50_000, 0]));
+    let chords = plane_of(ncfix::geometry::Plane::XY);
+    assert!(chords.pieces.len() > 50 && chords.pieces.iter().all(|piece| piece.arc.is_none()));
+    assert!(chords.prediction.after().max_mm <= 1e-3);
+}
+
+#[test]
+fn rounding_does_not_accumulate_over_a_hundred_thousand_blocks() {
+    // Steps of a third of an increment and a bit, as an incremental program in inches makes them.
+    let step = 0.000_1 / 3.0 + 1e-9;
+    let mut text = String::from("G0 X0 Y0 Z0\n");
+    for k in 1..=100_000 {
+        text.push_str(&format!("G1 X{} Y{} Z0 F500\n", f64::from(k) * step, f64::from(k) * -0.012_7));
+    }
+    let machine = xyz_machine();
+    let empty = correct(&text, &machine, &ErrorModel::default(), Options::default());
+    assert_eq!(empty.pieces.len(), 100_001);
+    for (k, piece) in (0_i64..).zip(&empty.pieces) {
+        let expected = (k as f64 * step * 1e4).round() as i64;
+        // Halves may fall either way.
+        assert!((piece.counts[0] - expected).abs() <= i64::from((k as f64 * step * 1e4).fract().abs() - 0.5 < 1e-6));
+        assert_eq!(piece.counts[1], -127 * k);
+    }
+    let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[0.0, 1e-5]))], ..ErrorModel::default() };
+    let corrected = correct(&text, &machine, &errors, Options::default());
+    let last = corrected.pieces.last().unwrap();
+    // x + 1e-5 x = 100000 · step.
+    assert!((last.command[Axis::X] - 1e5 * step / (1.0 + 1e-5)).abs() <= 0.5e-4 + 1e-9);
+}
+
+#[test]
+fn only_axes_that_the_program_has_stated_are_written() {
+    let errors = tired(&mut Random(1));
+    let run = correct("G0 Z100\nG0 X10\nG0 Y20\nG1 Z5 F100\n", &xyz_machine(), &errors, Options::default());
+    let named = ["Z", "X", "Y", "Z"].map(set);
+    let known = ["Z", "XZ", "XYZ", "XYZ"].map(set);
+    assert_eq!(run.pieces.len(), 4);
+    for (piece, (named, known)) in run.pieces.iter().zip(named.into_iter().zip(known)) {
+        assert!(named.difference(piece.words).is_empty(), "{:?}", piece.words);
+        assert!(piece.words.difference(known).is_empty(), "{:?}", piece.words);
+    }
+    // The first move knows nothing of X and Y, so it is corrected as at zero, and Z again when they are known.
+    assert!(run.pieces[2].words.contains(Axis::Z));
+}
+
+#[test]
+fn words_that_do_not_change_are_not_repeated() {
+    let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[0.01]))], ..ErrorModel::default() };
+    let run = correct("G0 X0 Y0 Z0\nG1 X5 F100\nG1 X5 Y5 F100\n", &xyz_machine(), &errors, Options::default());
+    assert_eq!(run.pieces[1].words, set("X"));
+    // Named, though it stays: as in the source.
+    assert_eq!(run.pieces[2].words, set("XY"));
+    assert_eq!(run.pieces[1].counts[0], 49_900);
+}
+
+#[test]
+fn a_reversal_is_taken_up_on_the_spot() {
+    // Lost motion: behind a negative motion X stands 6 µm farther in + than behind a positive one.
+    let errors = ErrorModel { motion: vec![motion("EXX", backlash(-6.0))], ..ErrorModel::default() };
+    let text = "G0 X0 Y0 Z0\nG1 X100 F500\nG1 Y10 F500\nG1 X0 F500\n";
+    let run = correct(text, &xyz_machine(), &errors, Options::default());
+    let flags: Vec<(bool, bool, bool)> = run.pieces.iter().map(|p| (p.first, p.last, p.take_up)).collect();
+    let (whole, taken, rest) = ((true, true, false), (true, false, true), (false, true, false));
+    // Nothing moved before the first feed move, whose start is 3 µm off as well.
+    assert_eq!(flags, [whole, taken, rest, whole, taken, rest]);
+    let x: Vec<i64> = run.pieces.iter().map(|piece| piece.counts[0]).collect();
+    assert_eq!(x, [0, 30, 1_000_030, 1_000_030, 999_970, -30]);
+    assert!(run.prediction.after().max_mm < 1e-9 && run.prediction.before().max_mm > 2.9e-3);
+    assert!(run.pieces[4].words == set("X"));
+}
+
+#[test]
+fn backlash_below_the_tolerance_costs_no_blocks() {
+    let errors = ErrorModel { motion: vec![motion("EXX", backlash(-0.8))], ..ErrorModel::default() };
+    let run = correct("G0 X0 Y0 Z0\nG1 X100 F500\nG1 X0 F500\n", &xyz_machine(), &errors, Options::default());
+    assert_eq!(run.pieces.len(), 3);
+    assert!(run.prediction.after().max_mm < 1e-3);
+}
+
+#[test]
+fn a_circle_with_backlash_is_cut_where_axes_reverse() {
+    let motion = vec![motion("EXX", backlash(-6.0)), motion("EYY", backlash(-4.0))];
+    let errors = ErrorModel { motion, ..ErrorModel::default() };
+    let text = "G0 X50 Y0 Z0\nG1 X60 Y0 Z0 F500\nG3 X60 Y0 Z0 I-60 J0 P17 F500\n";
+    let run = correct(text, &xyz_machine(), &errors, Options::default());
+    let of_circle: Vec<_> = run.pieces.iter().filter(|piece| piece.origin.line == 3).collect();
+    assert_eq!(of_circle.iter().filter(|piece| piece.arc.is_some()).count(), 4, "four quadrants");
+    // X reverses at the start and at 180°, Y at 90° and 270° and begins at the start.
+    assert_eq!(of_circle.iter().filter(|piece| piece.take_up).count(), 4);
+    assert!(run.prediction.after().max_mm < 1e-3, "{:?}", run.prediction.after());
+}
+
+#[test]
+fn small_errors_leave_arcs_what_they_are() {
+    let errors = ErrorModel {
+        location: vec![LocationError { name: "EC0Y".parse().unwrap(), value: 5e-6 }],
+        motion: vec![motion("EXX", polynomial(&[0.01, 4e-6])), motion("EZX", polynomial(&[0.0, 2e-6]))],
+    };
+    let text = "G0 X60 Y0 Z0\nG3 X60 Y0 Z0 I-40 J0 P17 F500\nG2 X20 Y-40 Z-3 I-40 J0 P17 L1 F500\n";
+    let run = correct(text, &xyz_machine(), &errors, Options::default());
+    let feed: Vec<_> = run.pieces.iter().filter(|piece| !piece.rapid).collect();
+    assert!(feed.iter().all(|piece| piece.arc.is_some()));
+    assert_eq!(feed.len(), 2, "a full circle and a helix of more than a turn, one piece each");
+    assert_eq!(feed[1].arc.map(|arc| arc.extra_turns), Some(1));
+    assert_eq!(feed[0].counts[..2], run.pieces[0].counts[..2], "the circle closes");
+    assert!(run.prediction.after().max_mm < 1e-3);
+    assert!(run.prediction.before().mean_mm() > 5e-3);
+}
+
+#[test]
+fn rapid_moves_end_where_they_should_or_stay_as_they_are() {
+    let errors = ErrorModel {
+        motion: vec![motion("EXX", table(&[0.0, 100.0, 200.0], &[0.0, 20.0, 0.0]))],
+        ..ErrorModel::default()
+    };
+    let text = "G0 X0 Y0 Z0\nG0 X200\nG0 X100\nG1 X110 F500\n";
+    let run = |rapids| correct(text, &xyz_machine(), &errors, Options { rapids, ..Options::default() });
+    let ends = run(Rapids::Ends);
+    assert_eq!(ends.pieces.iter().map(|piece| piece.counts[0]).take(3).collect::<Vec<_>>(), [0, 2_000_000, 999_800]);
+    assert_eq!(ends.pieces.len(), 4);
+    let none = run(Rapids::None);
+    assert_eq!(none.pieces[2].counts[0], 1_000_000);
+    // The feed move begins with a step onto the corrected path.
+    assert!(none.pieces[3].take_up && none.pieces[3].counts[0] == 999_800);
+    assert_eq!(none.pieces.len(), 5);
+    let all = run(Rapids::All);
+    assert_eq!(all.pieces.iter().filter(|piece| piece.rapid).count(), 4, "the kink at 100 mm cuts one rapid move");
+}
+
+#[test]
+fn a_fixed_step_follows_the_leading_axis() {
+    let errors = tired(&mut Random(7));
+    let options = Options { subdivision: Subdivision::Step(20.0), ..Options::default() };
+    let run = correct("G0 X0 Y0 Z0\nG1 X10 Y-50 Z5 F500\n", &xyz_machine(), &errors, options);
+    let y: Vec<i64> = run.pieces.iter().skip(1).map(|piece| (piece.command[Axis::Y] * 10.0).round() as i64).collect();
+    assert_eq!(y, [-200, -400, -500]);
+    assert_eq!(
+        run.pieces.iter().map(|piece| (piece.first, piece.last)).skip(1).collect::<Vec<_>>(),
+        [(true, false), (false, false), (false, true)]
+    );
+}
+
+#[test]
+fn machine_coordinates_are_the_same_commands() {
+    let errors = tired(&mut Random(3));
+    let text = "G0 X0 Y0 Z0\nG1 X100 Y50 Z-5 F500\nG3 X80 Y70 Z-5 I-20 J0 P17 F500\n";
+    let mut offset = ncfix::geometry::AxisVector::ZERO;
+    offset.set_xyz(ncfix::geometry::Vector::new(120.5, 33.25, -10.0));
+    let setup = Setup {
+        frame: Frame::translation(offset),
+        tool_mm: ncfix::geometry::Vector::new(0.0, 0.0, -95.5),
+        ..Setup::default()
+    };
+    let elements = || {
+        let first = Element {
+            origin: Default::default(),
+            starts_block: false,
+            number: None,
+            kind: Kind::Setup(setup.clone().into()),
+        };
+        std::iter::once(first).chain(TextReader::new(text).map(Result::unwrap))
+    };
+    let run = |frame| correct_elements(elements(), &xyz_machine(), &errors, Options { frame, ..Options::default() });
+    let (work, machine) = (run(OutputFrame::Work), run(OutputFrame::Machine));
+    assert_eq!(work.pieces.len(), machine.pieces.len());
+    for (work, machine) in work.pieces.iter().zip(&machine.pieces) {
+        let shift = [0, 1, 2].map(|slot| machine.counts[slot] - work.counts[slot]);
+        assert_eq!(shift, [1_205_000, 332_500, -100_000]);
+        assert_eq!(work.arc, machine.arc);
+        // The command is the coordinate less the tool.
+        assert!((machine.command[Axis::Z] - machine.counts[2] as f64 * 1e-4 - 95.5).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn positions_outside_the_travel_are_found_once_a_line() {
+    let mut machine = xyz_machine();
+    machine.axes[0].as_mut().unwrap().travel = Some([0.0, 100.0]);
+    let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[-0.005]))], ..ErrorModel::default() };
+    let run = correct("G0 X0 Y0 Z0\nG1 X100 F500\nG1 X50 F500\n", &machine, &errors, Options::default());
+    // 5 µm short, so the corrected command is 5 µm beyond the limit; within it nothing is said.
+    assert_eq!(run.findings.len(), 1, "{:?}", run.findings);
+    assert_eq!(run.findings[0].code, Code::OUT_OF_TRAVEL);
+    assert_eq!(run.findings[0].message, "X 100.0050 mm is above the limit of 100 mm");
+    // The far side of a circle counts, though both its ends are inside.
+    let circle =
+        correct("G0 X60 Y0 Z0\nG3 X60 Y0 Z0 I-40 J0 P17 F500\n", &machine, &ErrorModel::default(), Options::default());
+    assert_eq!(circle.findings.len(), 1);
+    assert_eq!(circle.findings[0].message, "X -20.0000 mm is below the limit of 0 mm");
+}
+
+#[test]
+fn corrections_that_are_too_large_are_found_and_bounded() {
+    let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[0.25]))], ..ErrorModel::default() };
+    let mut text = String::from("G0 X0 Y0 Z0\n");
+    (0..300).for_each(|k| text.push_str(&format!("G1 X{k} F500\n")));
+    let run = correct(&text, &xyz_machine(), &errors, Options::default());
+    assert!(run.findings.iter().all(|finding| finding.code == Code::CORRECTION_TOO_LARGE));
+    assert_eq!(run.findings.len(), 100);
+    let wide = Options { max_correction_mm: 0.3, ..Options::default() };
+    assert!(correct(&text, &xyz_machine(), &errors, wide).findings.is_empty());
+}
+
+#[test]
+fn a_step_in_the_errors_is_met_with_a_warning_and_few_pieces() {
+    // 10 µm within 1 µm of travel: steeper than the shortest piece.
+    let errors = ErrorModel {
+        motion: vec![motion("EYX", table(&[0.0, 50.0, 50.001, 100.0], &[0.0, 0.0, 10.0, 10.0]))],
+        ..ErrorModel::default()
+    };
+    let run = correct("G0 X0 Y0 Z0\nG1 X100 F500\n", &xyz_machine(), &errors, Options::default());
+    assert_eq!(run.findings.iter().map(|finding| finding.code).collect::<Vec<_>>(), [Code::TOLERANCE_NOT_REACHED]);
+    assert!(run.pieces.len() < 20, "{}", run.pieces.len());
+}
+
+#[test]
+fn a_coarse_increment_does_not_cut_moves_to_pieces() {
+    let mut machine = xyz_machine();
+    machine.control.increment_mm = 0.01;
+    let errors = tired(&mut Random(11));
+    let text = "G0 X0 Y0 Z0\nG1 X300.123 Y200.321 Z-30.7 F500\nG1 X10 Y100 Z5 F500\n";
+    let run = correct(text, &machine, &errors, Options::default());
+    // 5 µm of rounding per axis, and a tolerance of 1 µm: it cannot be kept, and more blocks would not help.
+    assert!(run.pieces.len() < 80, "{}", run.pieces.len());
+    assert!(run.findings.iter().any(|finding| finding.code == Code::TOLERANCE_NOT_REACHED));
+    assert!(run.prediction.after().max_mm < 0.01);
+}
+
+#[test]
+fn the_start_that_was_given_is_where_the_program_begins() {
+    let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[0.01]))], ..ErrorModel::default() };
+    let start = Some(ncfix::geometry::AxisVector::ZERO);
+    let text = "G1 X10 Y0 Z0 F500\n";
+    let known = correct(text, &xyz_machine(), &errors, Options { start, ..Options::default() });
+    // The machine stands uncorrected, so the first step is on the spot.
+    assert_eq!(counts(&known), [[-100, 0, 0], [99_900, 0, 0]]);
+    assert!(known.pieces[0].take_up);
+    let unknown = correct(text, &xyz_machine(), &errors, Options::default());
+    assert_eq!(counts(&unknown), [[99_900, 0, 0]]);
+    assert_eq!(unknown.prediction.before().samples, 0, "nobody knows what the way was");
+}
+
+#[test]
+fn replayed_ends_are_nominal_but_for_rounding() {
+    let mut random = Random(5);
+    for _ in 0..20 {
+        let errors = tired(&mut random);
+        let machine = xyz_machine();
+        let model = Model::new(&machine, &errors);
+        let mut text = String::from("G0 X0 Y0 Z0\n");
+        let mut targets = vec![ncfix::geometry::Vector::zeros()];
+        for _ in 0..5 {
+            let target = ncfix::geometry::Vector::from_fn(|_, _| (random.between(-4e5, 4e5)).round() / 1e3);
+            text.push_str(&format!("G1 X{} Y{} Z{} F500\n", target.x, target.y, target.z));
+            targets.push(target);
+        }
+        let run = correct(&text, &machine, &errors, Options::default());
+        let mut replay = Replay::new(&machine);
+        let mut ends = Vec::new();
+        for piece in &run.pieces {
+            let commands = replay.follow(piece, 1);
+            if piece.last {
+                ends.push(
+                    model.actual(&commands[0].0, &ncfix::geometry::Vector::zeros(), &State::default()).translation,
+                );
+            }
+        }
+        assert_eq!(ends.len(), targets.len());
+        for (end, target) in ends.iter().zip(&targets) {
+            assert!((end - target).amax() < 0.5e-4 * 1.01, "{end} {target}");
+        }
+    }
+}
