@@ -359,6 +359,8 @@ fn tools_act_with_m6_or_with_t_and_their_length_does_not_move_the_tip() {
     machine.control.tool_change = ToolChange::T;
     let strict = Options { strict: true, ..Options::default() };
     assert_eq!(run_with("T6 D1\nG0 X0", &machine, Box::new(NoLibrary), strict.clone()).1, ["E0307:1"]);
+    assert_eq!(run_with("D1\nG0 X0", &machine, Box::new(NoLibrary), strict.clone()).1, ["E0307:1"]);
+    assert!(run_with("T0 D1\nG0 X0", &machine, Box::new(NoLibrary), strict.clone()).1.is_empty());
     assert!(run_with("T5 D1\nG0 X0", &machine, Box::new(NoLibrary), strict).1.is_empty());
 }
 
@@ -381,6 +383,7 @@ fn findings_come_with_their_lines_and_all_in_one_run() {
         &["E0103:1", "W0202:2", "E0111:3", "E0201:4", "E0201:5", "E0201:6"],
     );
     check_codes("IF R1\nG0 X1\n", &["E0106:1"]);
+    check_codes("IF R1\nENDIF G0 X1\n", &["E0108:2"]);
     check_codes("FOR R1=1 TO 3\nENDWHILE\n", &["E0106:1", "E0106:2"]);
     check_codes(
         "G0 X0 Y0\nG2 X10 Y0 I4 J0 F1\nG2 X20 CR=4\nG2 X20\nG2 X30 I5 K2\n",

@@ -13,7 +13,6 @@ use super::output::{Spool, Target};
 use super::program::{self, Running};
 use super::stop::Stop;
 use crate::geometry::{AxisVector, Vector};
-use crate::machine::Machine;
 use crate::snc::TextWriter;
 
 /// Prints the stream.
@@ -54,7 +53,7 @@ fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> 
 /// Writes the elements and gathers the findings.
 fn stream(out: impl Write, running: &mut Running, chosen: &Chosen, findings: &mut Findings) -> io::Result<()> {
     let machine = &chosen.machine;
-    let turned = |command: &AxisVector, tool_mm: &Vector| turned_tool_mm(machine, command, tool_mm);
+    let turned = |command: &AxisVector, tool_mm: &Vector| machine.turned_tool_mm(command, tool_mm);
     let mut writer = TextWriter::new(out, &machine.name, machine.axis_set(), turned)?;
     while let Some(item) = running.next() {
         match item {
@@ -69,18 +68,4 @@ fn stream(out: impl Write, running: &mut Running, chosen: &Chosen, findings: &mu
         }
     }
     writer.finish().map(drop)
-}
-
-/// The tool vector as the rotary axes of the tool side turn it, along F's directions, mm.
-fn turned_tool_mm(machine: &Machine, command: &AxisVector, tool_mm: &Vector) -> Vector {
-    // The axis nearest to the tool turns it first.
-    machine.topology.tool.iter().rev().filter(|axis| axis.is_rotary()).filter_map(|&axis| machine.axis(axis)).fold(
-        *tool_mm,
-        |vector, data| {
-            // Rodrigues' formula.
-            let (sin, cos) = command[data.axis].sin_cos();
-            let along = data.direction * data.direction.dot(&vector);
-            along + (vector - along) * cos + data.direction.cross(&vector) * sin
-        },
-    )
 }

@@ -254,35 +254,34 @@ impl<'a> Channel<'a> {
         }
     }
 
+    /// Puts the length of the active tool's edge in force, and says where it is not known.
     fn activate_edge(&mut self, span: Span) -> Result<(), Fault> {
-        let none = WordValue::Number(0.0);
-        let active = self.modal.active.clone().unwrap_or(none.clone());
-        let off = self.modal.edge == 0 || active == none && self.modal.selected.is_none();
-        let data = self.modal.find_tool(self.machine, &active, self.modal.edge);
-        self.modal.length_mm =
-            if self.modal.edge == 0 { [0.0; 3] } else { data.map_or([0.0; 3], |tool| tool.length_mm) };
-        self.modal.tool_assumed = !off && active != none && data.is_none();
-        let never_changed = active == none && self.modal.selected.is_some() && self.modal.edge != 0;
+        let is_off = self.modal.edge == 0 || self.modal.active == Some(WordValue::Number(0.0));
+        let tool =
+            self.modal.active.as_ref().and_then(|active| self.modal.find_tool(self.machine, active, self.modal.edge));
+        self.modal.length_mm = tool.filter(|_| !is_off).map_or([0.0; 3], |tool| tool.length_mm);
+        self.modal.tool_assumed = !is_off && tool.is_none();
         self.refresh_setup();
-        if !self.modal.tool_assumed && !never_changed {
+        if !self.modal.tool_assumed {
             return Ok(());
         }
-        let (message, help) = if never_changed {
-            self.modal.tool_assumed = true;
-            self.refresh_setup();
-            (
+        let (message, help) = match (&self.modal.active, &self.modal.selected) {
+            (Some(active), _) => {
+                let shown = match active {
+                    WordValue::Number(number) => format!("T{number}"),
+                    WordValue::Name(name) => format!("T=\"{}\"", String::from_utf8_lossy(name)),
+                };
+                let message = format!("{shown} D{} has no value in the machine file", self.modal.edge);
+                (message, "add a [[tool]] entry there or in a file given with --setup")
+            }
+            (None, Some(_)) => (
                 "a cutting edge is activated, but the selected tool was never changed to with M6".to_owned(),
-                "program M6, or set control.tool_change = \"T\" where T changes the tool".to_owned(),
-            )
-        } else {
-            let shown = match &active {
-                WordValue::Number(number) => format!("T{number}"),
-                WordValue::Name(name) => format!("T=\"{}\"", String::from_utf8_lossy(name)),
-            };
-            (
-                format!("{shown} D{} has no value in the machine file", self.modal.edge),
-                "add a [[tool]] entry there or in a file given with --setup".to_owned(),
-            )
+                "program M6, or set control.tool_change = \"T\" where T changes the tool",
+            ),
+            (None, None) => (
+                "a cutting edge is activated, and the program has not said which tool is in the spindle".to_owned(),
+                "program T and M6 first",
+            ),
         };
         if self.strict {
             return Err(fault(Code::NO_TOOL, span, message, help));

@@ -156,4 +156,17 @@ impl Machine {
     pub fn tool(&self, number: u32, edge: u32) -> Option<&Tool> {
         self.tools.iter().find(|tool| tool.number == number && tool.edge == edge)
     }
+
+    /// The tool vector as the rotary axes of the tool side turn it at an axis command, along F's directions, mm.
+    #[must_use]
+    pub fn turned_tool_mm(&self, command: &AxisVector, tool_mm: &Vector) -> Vector {
+        // The axis nearest to the tool turns it first.
+        let rotary = self.topology.tool.iter().rev().filter(|axis| axis.is_rotary());
+        rotary.filter_map(|&axis| self.axis(axis)).fold(*tool_mm, |vector, data| {
+            // Rodrigues' formula.
+            let (sin, cos) = command[data.axis].sin_cos();
+            let along = data.direction * data.direction.dot(&vector);
+            along + (vector - along) * cos + data.direction.cross(&vector) * sin
+        })
+    }
 }

@@ -126,7 +126,10 @@ impl Parser {
             draft.block.body = Body::Faulty;
         } else if let Err(nom::Err::Error(fault) | nom::Err::Failure(fault)) = self.block(text, &mut draft) {
             self.report(&fault);
-            draft.block.body = Body::Faulty;
+            // A control statement with something behind it still opens or closes its structure.
+            if matches!(draft.block.body, Body::Empty | Body::Words) {
+                draft.block.body = Body::Faulty;
+            }
         }
         let count = self.program.words.len() - draft.block.first_word as usize;
         draft.block.word_count = u16::try_from(count).unwrap_or(u16::MAX);
