@@ -3,12 +3,16 @@
 
 mod architecture;
 mod bad;
+mod bench_machine;
 mod cli_check;
 mod cli_explain;
 mod cli_fix;
 mod cli_machine;
 mod cli_snc;
 mod cli_verify;
+mod comparison;
+mod correction;
+mod emission;
 mod exec;
 mod grammar;
 mod hostile;
@@ -17,3 +21,4 @@ mod machines;
 mod model;
 mod programs;
 mod support;
+mod tolerance;

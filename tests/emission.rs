@@ -1,0 +1,227 @@
+//! The text that leaves: everything of the source in its place, and the marks of what was added.
+
+use std::io;
+
+use ncfix::dialect;
+use ncfix::emit::{self, Stamp, WriterOptions};
+use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
+use ncfix::machine::{Machine, Tool};
+use ncfix::model::{ErrorModel, Model};
+use ncfix::path::{Arcs, Corrector, Increments, Options, OutputFrame};
+use ncfix::source::{FileId, Source};
+use ncfix::syntax;
+
+use crate::bench_machine::{backlash, motion, polynomial};
+use crate::machines::xyz_machine;
+
+fn shop_machine() -> Machine {
+    let mut machine = xyz_machine();
+    let tool = |number, name: &str, length| Tool {
+        number,
+        name: Some(name.into()),
+        edge: 1,
+        length_mm: [length, 0.0, 0.0],
+        radius_mm: 5.0,
+    };
+    machine.tools = vec![tool(5, "MILL_10", 100.0), tool(6, "DRILL_8", 120.0)];
+    machine
+}
+
+fn writer_options(machine: &Machine, frame: OutputFrame, crlf: bool) -> WriterOptions {
+    let stamp = Stamp { machine: "shop".into(), model: "0a".into(), source: "0b".into(), is_demo: false };
+    WriterOptions { increments: Increments::new(&machine.control), frame, crlf, stamp }
+}
+
+/// The corrected text of a Sinumerik program, its stamp line cut short.
+fn corrected(text: &str, errors: &ErrorModel, options: &Options, crlf: bool) -> String {
+    let machine = shop_machine();
+    let model = Model::new(&machine, errors);
+    let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
+    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    assert!(findings.is_empty(), "{findings:?}");
+    let strict = ExecOptions { strict: true, ..ExecOptions::default() };
+    let execution = Execution::new(program, &machine, Box::new(NoLibrary), strict);
+    let mut corrector = Corrector::new(execution, &machine, &model, options.clone());
+    let mut writer = emit::writer("Sinumerik", &writer_options(&machine, options.frame, crlf)).unwrap();
+    let mut out = Vec::new();
+    let blocks = emit::emit(&mut corrector, writer.as_mut(), &mut out, |finding| panic!("{finding:?}")).unwrap();
+    assert!(emit::is_stamped(&out));
+    let out = String::from_utf8(out).unwrap();
+    let is_block = |line: &&str| !line.starts_with([';', '%']) && !(line.starts_with('N') && !line.contains(' '));
+    assert_eq!(out.lines().filter(is_block).count() as u64, blocks);
+    let stamp = writer_options(&machine, options.frame, crlf).stamp.text();
+    out.replace(&stamp, "ncfix …")
+}
+
+const PROGRAM: &str = "%_N_PLATE_MPF
+;$PATH=/_N_WKS_DIR/_N_A_WPD
+; PLATE 20
+N10 G17 G90 G71 G64
+N15
+N20 T=\"MILL_10\" ; MILL
+N30 M6
+N40 G54 D1 S2000 M3 S2=500
+N50 MSG(\"ROUGHING\")
+N60 G0 X0 Y0 Z5
+N70 G1 Z-2.5 F250.5 M8
+N80 TRANS X10 Y-2.25
+; SIDE
+N90 G1 X50 F800 ; ALONG
+N100 X30 Y30
+N110 G2 X40 Y40 I10 J0 M9
+N120 G9 G1 X45
+N130 G4 F1.5
+N140 G4 S3
+N150 G53 G0 Z300
+N160 G0 X0
+N170 F900
+N180 MSG()
+N190 M2=3
+N200 M30
+";
+
+#[test]
+fn without_errors_the_program_comes_out_as_it_was() {
+    let out = corrected(PROGRAM, &ErrorModel::default(), &Options::default(), false);
+    insta::assert_snapshot!(out, @r#"
+    %_N_PLATE_MPF
+    ;$PATH=/_N_WKS_DIR/_N_A_WPD
+    ; ncfix …
+    ; PLATE 20
+    G90 G71
+    N10 G17 G64
+    N15
+    N20 T="MILL_10" ; MILL
+    N30 M6
+    N40 G54 S2000 D1 M3 S2=500
+    N50 MSG("ROUGHING")
+    N60 G0 X0 Y0 Z5
+    N70 G1 Z-2.5 F250.5 M8
+    N80 TRANS X10 Y-2.25
+    ; SIDE
+    N90 G1 X50 F800 ; ALONG
+    N100 G1 X30 Y30
+    N110 G2 X40 Y40 I10 J0 M9
+    N120 G9 G1 X45
+    N130 G4 F1.5
+    N140 G4 S3
+    N150 G53 G0 Z300
+    N160 G0 X0
+    N170 F900
+    N180 MSG()
+    N190 M2=3
+    N200 M30
+    "#);
+}
+
+#[test]
+fn pieces_are_marked_and_words_of_the_end_stand_at_the_end() {
+    let errors = ErrorModel {
+        motion: vec![motion("EYX", polynomial(&[0.0, 0.0, 1e-6])), motion("EXX", backlash(-4.0))],
+        ..ErrorModel::default()
+    };
+    let program = "N10 T5\nN20 M6\nN30 D1 G54\nN40 G0 X0 Y0 Z0\nN50 G9 G1 X150 F500 S100 M5 ; LONG\nN60 X40 M9\n\
+                   N70 G53 X250\nN80 G3 X150 Y30 I0 J15\nN90 M30\n";
+    let options = Options { tolerance_mm: 2e-3, arcs: Arcs::Chords, ..Options::default() };
+    let out = corrected(program, &errors, &options, false);
+    let lines: Vec<&str> = out.lines().take(17).collect();
+    insta::assert_snapshot!(lines.join("\n"), @r#"
+    ; ncfix …
+    G90 G71
+    N10 T5
+    N20 M6
+    N30 G54 D1
+    N40 G0 X0.002 Y-0.01 Z0
+    N50 G1 X86.3184 Y-0.0347 F500 S100 ; LONG
+    G9 X150.002 Y-0.0625 M5 ;+
+    N60 G1 X149.998 ;~
+    X94.998 Y-0.038 ;+
+    X39.998 Y-0.0196 M9 ;+
+    N70 G53 G1 X140.002 ;~
+    G53 X195.002 Y49.962 ;+
+    G53 X250.002 Y49.9375 ;+
+    N80 G1 X150.4746 Y-0.0553
+    X150.9467 Y-0.0332 ;+
+    X151.4179 Y0.0038 ;+
+    "#);
+}
+
+#[test]
+fn machine_coordinates_need_no_zero_offset() {
+    let options = Options { frame: OutputFrame::Machine, ..Options::default() };
+    let program = "N10 T5\nN20 M6\nN30 D1 G54\nN40 G0 X0 Y0 Z0\nN50 TRANS X5\nN60 G1 X10 F100\nN70 G53 X20\n\
+                   N80 G1 X30 Y0\nN85 G2 X40 I5 J0\nN90 M30\n";
+    insta::assert_snapshot!(corrected(program, &ErrorModel::default(), &options, false), @r#"
+    ; ncfix …
+    G90 G71
+    N10 T5
+    N20 M6
+    N30 D1
+    N40 G153 G0 X100 Y50 Z10
+    N50
+    N60 G153 G1 X115 F100
+    N70 G153 G1 X20
+    N80 G153 G1 X135 Y50
+    N85 G153 G2 X145 I5 J0
+    N90 M30
+    "#);
+}
+
+#[test]
+fn lines_end_as_in_the_source_and_inches_become_millimeters() {
+    let out = corrected(
+        "N10 G70 G0 X1 Y0 Z0\r\nN20 G1 X1.5 F20\r\nM30\r\n",
+        &ErrorModel::default(),
+        &Options::default(),
+        true,
+    );
+    assert_eq!(out, "; ncfix …\r\nG90 G71\r\nN10 G0 X25.4 Y0 Z0\r\nN20 G1 X38.1 F20\r\nM30\r\n");
+}
+
+#[test]
+fn nothing_is_written_behind_an_error_and_the_sink_is_heard() {
+    struct Broken;
+    impl io::Write for Broken {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(io::Error::other("full"))
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+    let mut machine = xyz_machine();
+    machine.axes[0].as_mut().unwrap().travel = Some([0.0, 10.0]);
+    let model = Model::new(&machine, &ErrorModel::default());
+    let run = |text: &str, sink: &mut dyn io::Write| {
+        let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
+        let (program, _) = syntax::parse(&source, dialect::sinumerik());
+        let execution = Execution::new(program, &machine, Box::new(NoLibrary), ExecOptions::default());
+        let mut corrector = Corrector::new(execution, &machine, &model, Options::default());
+        let mut writer = emit::writer("sinumerik", &writer_options(&machine, OutputFrame::Work, false)).unwrap();
+        let mut codes = Vec::new();
+        let result = emit::emit(&mut corrector, writer.as_mut(), sink, |finding| codes.push(finding.code.as_str()));
+        (result, codes)
+    };
+    let mut out = Vec::new();
+    let (result, codes) = run("G0 X0 Y0 Z0\nG0 X11\nG0 X5\nG0 X-1\n", &mut out);
+    assert!(result.is_ok());
+    assert_eq!(codes, ["E0302", "E0302"], "the program is followed to its end");
+    assert!(out.is_empty());
+    assert!(run("G0 X0 Y0 Z0\n", &mut Broken).0.is_err());
+    assert!(emit::writer("fanuc", &writer_options(&machine, OutputFrame::Work, false)).is_none());
+}
+
+#[test]
+fn increments_of_the_control_decide_the_decimals() {
+    let mut machine = shop_machine();
+    machine.control.increment_mm = 0.0005;
+    let model = Model::new(&machine, &ErrorModel::default());
+    let source = Source::new(FileId(0), "t", b"G0 X1.00074 Y-0.0002 Z100\n".to_vec()).unwrap();
+    let (program, _) = syntax::parse(&source, dialect::sinumerik());
+    let execution = Execution::new(program, &machine, Box::new(NoLibrary), ExecOptions::default());
+    let mut corrector = Corrector::new(execution, &machine, &model, Options::default());
+    let mut writer = emit::writer("sinumerik", &writer_options(&machine, OutputFrame::Work, false)).unwrap();
+    let mut out = Vec::new();
+    emit::emit(&mut corrector, writer.as_mut(), &mut out, |_| {}).unwrap();
+    assert!(String::from_utf8(out).unwrap().ends_with("G0 X1.0005 Y0 Z100\n"));
+}
