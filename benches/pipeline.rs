@@ -1,2 +1,129 @@
-//! Benches of the pipeline.
-fn main() {}
+//! Blocks per second of every stage on a program of 200,000 blocks: a surface milled in lines of short G1 blocks on the embedded
+//! three-axis machine, whose 21 errors are cubic polynomials and tables.
+#![allow(clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
+
+use std::fmt::Write as _;
+use std::hint::black_box;
+use std::time::Duration;
+
+use criterion::{BatchSize, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
+
+use ncfix::dialect;
+use ncfix::emit::{self, Stamp, WriterOptions};
+use ncfix::exec::{Execution, NoLibrary};
+use ncfix::machine::Machine;
+use ncfix::machine::file::DEMO;
+use ncfix::model::{ErrorModel, Model};
+use ncfix::path::{Corrector, Increments, Options, Output, OutputFrame};
+use ncfix::snc::Element;
+use ncfix::source::{FileId, Source};
+use ncfix::syntax;
+
+const BLOCKS: u32 = 200_000;
+const BLOCKS_PER_LINE: u32 = 400;
+
+/// The text of the program.
+fn program() -> String {
+    let mut text =
+        String::from("N1 G17 G90 G71 G64\nN2 T7\nN3 M6\nN4 G54 D1 S9000 M3\nN5 G0 X0 Y0 Z20\nN6 G1 Z1 F2500\n");
+    for block in 0..BLOCKS {
+        let (line, place) = (block / BLOCKS_PER_LINE, block % BLOCKS_PER_LINE);
+        let along = if line % 2 == 0 { place } else { BLOCKS_PER_LINE - 1 - place };
+        let (x, y) = (f64::from(along) * 0.37, f64::from(line) * 0.3);
+        let z = -5.0 * (x * 0.05).sin() * (y * 0.03).cos();
+        writeln!(text, "N{} X{x:.4} Y{y:.4} Z{z:.4}", block + 10).unwrap();
+    }
+    text.push_str("M30\n");
+    text
+}
+
+struct Shop {
+    source: Source,
+    machine: Machine,
+    model: Model,
+    writer_options: WriterOptions,
+}
+
+impl Shop {
+    fn new() -> Shop {
+        let read = |name: &str, bytes: &str| Source::new(FileId(0), name, bytes.as_bytes().to_vec()).unwrap();
+        let loaded: (Machine, ErrorModel) = ncfix::model::file::load(&read("demo.toml", DEMO)).0.unwrap();
+        let (machine, errors) = loaded;
+        let increments = Increments::new(&machine.control);
+        let writer_options =
+            WriterOptions { increments, frame: OutputFrame::Work, crlf: false, stamp: Stamp::default() };
+        Shop { source: read("surface.mpf", &program()), model: Model::new(&machine, &errors), machine, writer_options }
+    }
+
+    fn parse(&self) -> syntax::Program {
+        syntax::parse(&self.source, dialect::sinumerik()).0
+    }
+
+    fn execute(&self, program: syntax::Program) -> Execution<'_> {
+        Execution::new(program, &self.machine, Box::new(NoLibrary), ncfix::exec::Options::default())
+    }
+
+    fn correct<I>(&self, elements: I) -> Corrector<'_, I>
+    where
+        I: Iterator<Item = Result<Element, ncfix::diagnostic::Diagnostic>>,
+    {
+        Corrector::new(elements, &self.machine, &self.model, Options::default())
+    }
+
+    /// Writes into nothing but a buffer; the number of blocks.
+    fn emit(&self, outputs: impl Iterator<Item = Result<Output, ncfix::diagnostic::Diagnostic>>) -> u64 {
+        let mut writer = emit::writer("sinumerik", &self.writer_options).unwrap();
+        emit::emit(outputs, writer.as_mut(), &mut std::io::sink(), |finding| panic!("{finding:?}")).unwrap()
+    }
+}
+
+fn stages(criterion: &mut Criterion) {
+    let shop = Shop::new();
+    let elements: Vec<Element> = shop.execute(shop.parse()).map(Result::unwrap).collect();
+    let outputs: Vec<Output> = shop.correct(elements.iter().cloned().map(Ok)).map(Result::unwrap).collect();
+    assert!(shop.emit(outputs.iter().cloned().map(Ok)) > u64::from(BLOCKS));
+
+    let mut group = criterion.benchmark_group("pipeline");
+    group.throughput(Throughput::Elements(u64::from(BLOCKS))).sampling_mode(SamplingMode::Flat);
+    group.sample_size(10).measurement_time(Duration::from_secs(5));
+    let stage = |name| BenchmarkId::new(name, "200k blocks");
+    group.bench_function(stage("parse"), |bencher| bencher.iter(|| black_box(shop.parse())));
+    group.bench_function(stage("execute"), |bencher| {
+        bencher.iter_batched(
+            || shop.parse(),
+            |program| shop.execute(program).map(|element| u64::from(black_box(element).is_ok())).sum::<u64>(),
+            BatchSize::LargeInput,
+        );
+    });
+    group.bench_function(stage("parse and execute"), |bencher| {
+        bencher.iter(|| shop.execute(shop.parse()).map(|element| u64::from(black_box(element).is_ok())).sum::<u64>());
+    });
+    group.bench_function(stage("correct"), |bencher| {
+        bencher.iter_batched(
+            || elements.clone(),
+            |elements| shop.correct(elements.into_iter().map(Ok)).map(|o| u64::from(black_box(o).is_ok())).sum::<u64>(),
+            BatchSize::LargeInput,
+        );
+    });
+    group.bench_function(stage("emit"), |bencher| {
+        bencher.iter_batched(
+            || outputs.clone(),
+            |outputs| shop.emit(outputs.into_iter().map(Ok)),
+            BatchSize::LargeInput,
+        );
+    });
+    group.bench_function(stage("correct and emit"), |bencher| {
+        bencher.iter_batched(
+            || elements.clone(),
+            |elements| shop.emit(shop.correct(elements.into_iter().map(Ok))),
+            BatchSize::LargeInput,
+        );
+    });
+    group.bench_function(stage("whole"), |bencher| {
+        bencher.iter(|| shop.emit(shop.correct(shop.execute(shop.parse()))));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, stages);
+criterion_main!(benches);

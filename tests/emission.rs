@@ -47,7 +47,8 @@ fn corrected(text: &str, errors: &ErrorModel, options: &Options, crlf: bool) -> 
     let blocks = emit::emit(&mut corrector, writer.as_mut(), &mut out, |finding| panic!("{finding:?}")).unwrap();
     assert!(emit::is_stamped(&out));
     let out = String::from_utf8(out).unwrap();
-    let is_block = |line: &&str| !line.starts_with([';', '%']) && !(line.starts_with('N') && !line.contains(' '));
+    let has_words = |line: &&str| line.contains(' ') || !line.starts_with('N');
+    let is_block = |line: &&str| has_words(line) && !line.starts_with([';', '%']);
     assert_eq!(out.lines().filter(is_block).count() as u64, blocks);
     let stamp = writer_options(&machine, options.frame, crlf).stamp.text();
     out.replace(&stamp, "ncfix …")

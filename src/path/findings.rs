@@ -68,10 +68,11 @@ impl<'a> Findings<'a> {
                         (least, most) = (least.min(turning), most.max(turning));
                     }
                 }
-                if !(least >= low - ON_LIMIT) {
+                // Ranges, so that a position that is no number is outside.
+                if !(low - ON_LIMIT..).contains(&least) {
                     self.out_of_travel(origin, data.axis, least, low, "below");
                 }
-                if !(most <= high + ON_LIMIT) {
+                if !(..=high + ON_LIMIT).contains(&most) {
                     self.out_of_travel(origin, data.axis, most, high, "above");
                 }
             }
@@ -81,7 +82,7 @@ impl<'a> Findings<'a> {
             } else {
                 correction
             };
-            if !(at_tip_mm.abs() <= self.max_correction_mm) {
+            if !(..=self.max_correction_mm).contains(&at_tip_mm.abs()) {
                 let message = format!(
                     "the correction of {} is {} at the tool, more than {} µm",
                     data.axis,

