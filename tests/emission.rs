@@ -193,12 +193,13 @@ fn nothing_is_written_behind_an_error_and_the_sink_is_heard() {
     let mut machine = xyz_machine();
     machine.axes[0].as_mut().unwrap().travel = Some([0.0, 10.0]);
     let model = Model::new(&machine, &ErrorModel::default());
+    let limited = machine.clone();
     let run = |text: &str, sink: &mut dyn io::Write| {
         let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
         let (program, _) = syntax::parse(&source, dialect::sinumerik());
-        let execution = Execution::new(program, &machine, Box::new(NoLibrary), ExecOptions::default());
-        let mut corrector = Corrector::new(execution, &machine, &model, Options::default());
-        let mut writer = emit::writer("sinumerik", &writer_options(&machine, OutputFrame::Work, false)).unwrap();
+        let execution = Execution::new(program, &limited, Box::new(NoLibrary), ExecOptions::default());
+        let mut corrector = Corrector::new(execution, &limited, &model, Options::default());
+        let mut writer = emit::writer("sinumerik", &writer_options(&limited, OutputFrame::Work, false)).unwrap();
         let mut codes = Vec::new();
         let result = emit::emit(&mut corrector, writer.as_mut(), sink, |finding| codes.push(finding.code.as_str()));
         (result, codes)
@@ -209,6 +210,8 @@ fn nothing_is_written_behind_an_error_and_the_sink_is_heard() {
     assert_eq!(codes, ["E0302", "E0302"], "the program is followed to its end");
     assert!(out.is_empty());
     assert!(run("G0 X0 Y0 Z0\n", &mut Broken).0.is_err());
+    machine.control.increment_mm = 1.0 / 3.0;
+    assert!(emit::writer("sinumerik", &writer_options(&machine, OutputFrame::Work, false)).is_none());
     assert!(emit::writer("fanuc", &writer_options(&machine, OutputFrame::Work, false)).is_none());
 }
 

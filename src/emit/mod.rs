@@ -43,18 +43,18 @@ pub trait Writer {
 pub struct WriterEntry {
     /// Name of the dialect.
     pub dialect: &'static str,
-    /// Makes its writer.
-    pub create: fn(&WriterOptions) -> Box<dyn Writer>,
+    /// Makes its writer; `None` where it cannot write such increments.
+    pub create: fn(&WriterOptions) -> Option<Box<dyn Writer>>,
 }
 
 /// All dialects that can be written.
 pub const WRITERS: &[WriterEntry] = &[WriterEntry { dialect: "sinumerik", create: sinumerik::create }];
 
-/// The writer of a dialect; `None` where it cannot be written.
+/// The writer of a dialect; `None` where it cannot be written, or an increment is no decimal of at most nine places.
 #[must_use]
 pub fn writer(dialect: &str, options: &WriterOptions) -> Option<Box<dyn Writer>> {
     let entry = WRITERS.iter().find(|entry| entry.dialect.eq_ignore_ascii_case(dialect))?;
-    Some((entry.create)(options))
+    (entry.create)(options)
 }
 
 /// Bytes after which the buffer is handed on.

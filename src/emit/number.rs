@@ -21,9 +21,6 @@ const MOST_PLACES: usize = 9;
 const SAME_INCREMENT: f64 = 1e-12;
 
 impl Decimals {
-    /// Whole numbers.
-    pub(super) const WHOLE: Decimals = Decimals { units: 1, places: 0, scale: 1 };
-
     /// The decimals of an increment, such as 0.0001 or 0.0005; `None` where it is no positive decimal of at most nine places.
     #[must_use]
     pub fn of_increment(increment: f64) -> Option<Decimals> {

@@ -23,15 +23,10 @@ const EXACT_STOP: &str = "G9";
 const SHIFT_PARTS: f64 = 1e9;
 
 /// The writer of the dialect.
-pub(super) fn create(options: &WriterOptions) -> Box<dyn Writer> {
-    // A control whose increment is no decimal does not exist; a tenth of a micrometer serves the reader of the file then.
-    const FALLBACK: f64 = 1e-4;
-    let decimals = |increment| Decimals::of_increment(increment).or_else(|| Decimals::of_increment(FALLBACK));
-    let linear = decimals(options.increments.linear_mm);
-    let rotary = decimals(options.increments.rotary_deg);
-    Box::new(Sinumerik {
-        linear: linear.unwrap_or(Decimals::WHOLE),
-        rotary: rotary.unwrap_or(Decimals::WHOLE),
+pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
+    Some(Box::new(Sinumerik {
+        linear: Decimals::of_increment(options.increments.linear_mm)?,
+        rotary: Decimals::of_increment(options.increments.rotary_deg)?,
         in_machine_frame: options.frame == OutputFrame::Machine,
         line_end: if options.crlf { b"\r\n" } else { b"\n" },
         stamp: options.stamp.text(),
@@ -47,7 +42,7 @@ pub(super) fn create(options: &WriterOptions) -> Box<dyn Writer> {
         motion: 0,
         feed: 0.0,
         blocks: 0,
-    })
+    }))
 }
 
 struct Sinumerik {

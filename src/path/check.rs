@@ -12,8 +12,8 @@ use super::route::Route;
 
 /// Samples per smooth length.
 const SAMPLES_PER_LENGTH: f64 = 8.0;
-/// Bounds the time that the check of one piece takes; the pieces that come out of a check are far shorter than so many samples.
-const MOST_SAMPLES: f64 = 4096.0;
+/// Bounds the time that the check of one piece takes. A helix of 999 turns, the most that can be programmed, needs a quarter of it.
+const MOST_SAMPLES: f64 = 65_536.0;
 
 /// Chooses the places.
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ impl Sampler {
         let share = between[1] - between[0];
         let needed = whole * share;
         let turned = (route.sweep_rad() * share).abs() / FRAC_PI_8;
-        // Odd, so that the middle, where a bend deviates most, is among them. The conversion is exact: at most 4096.
+        // Odd, so that the middle, where a bend deviates most, is among them. The conversion is exact: at most 65536.
         let count = needed.max(turned).ceil().min(MOST_SAMPLES) as u32 | 1;
         fractions.extend((1..=count).map(|k| f64::from(k) / f64::from(count + 1)));
         if self.knots.is_empty() {

@@ -12,7 +12,7 @@ use super::{PieceArc, arc_fit};
 
 /// Share of the tolerance that the samples may use; the rest is for what lies between them.
 const SAMPLED_SHARE: f64 = 0.97;
-/// What a bend may add where rounding alone exceeds the tolerance.
+/// What a bend may add where rounding alone exceeds the tolerance, as a share of it.
 const BEND_SHARE: f64 = 0.1;
 /// Share of the control's tolerance for arc centers that is used, so that its own arithmetic agrees.
 const CENTER_SHARE: f64 = 0.5;
@@ -232,7 +232,7 @@ impl Bench<'_, '_> {
             };
             let ends = at(from, &trial.emitted.start).max(at(to, &trial.emitted.end));
             if ends > SAMPLED_SHARE * self.tolerance_mm {
-                trial.allowed_mm = ends + BEND_SHARE * self.tolerance_mm;
+                trial.allowed_mm = (1.0 + BEND_SHARE) * ends;
             }
         }
     }
