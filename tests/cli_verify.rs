@@ -53,3 +53,32 @@ fn findings_say_which_file_they_are_in() {
     shop.run(["verify", "a.mpf", "b.mpf", "--machine", &machine("demo")]).exits(3).says("b.mpf:1:8");
     shop.run(["verify", "a.mpf", "c.mpf", "--machine", &machine("demo")]).exits(2).says("cannot read c.mpf");
 }
+
+#[test]
+fn moves_of_length_zero_behind_a_tool_change_are_matched_by_the_marks_of_the_text() {
+    let program = "N10 G90 G17 G71 G54 T2
+N20 M6
+N25 D1
+N30 G0 X0 Y0 Z320 A65.5302 C335.5302
+N40 G1 X10 F500
+N50 T5
+N60 M6
+N70 D1
+N80 G0 X0 Y0 Z320
+N90 A65.5302 C335.5302
+N100 Z320
+N110 C335.5302
+N120 X51 Y64
+N130 G1 X20 F500
+N140 M30
+";
+    let shop = Shop::new().file("in.mpf", program);
+    let huron = machine("esmaeili_huron");
+    shop.run(["in.mpf", "-o", "out.mpf", "--machine", &huron]).exits(0);
+    shop.run(["verify", "in.mpf", "out.mpf", "--json", "--machine", &huron]).exits(0);
+    // Without one of its pieces the corrected program is another one.
+    let torn: String =
+        shop.text("out.mpf").lines().filter(|line| !line.starts_with("N130")).map(|line| format!("{line}\n")).collect();
+    let shop = shop.file("torn.mpf", torn);
+    shop.run(["verify", "in.mpf", "torn.mpf", "--machine", &huron]).exits(4);
+}

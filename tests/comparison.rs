@@ -4,7 +4,7 @@ use ncfix::diagnostic::Code;
 use ncfix::geometry::AXES;
 use ncfix::machine::Machine;
 use ncfix::model::{ErrorModel, Model};
-use ncfix::path::{Arcs, Comparison, Increments, Options, Piece, Rapids, Rotary, Subdivision, compare};
+use ncfix::path::{Arcs, Comparison, Grouping, Increments, Options, Piece, Rapids, Rotary, Subdivision, compare};
 use ncfix::snc::{Element, TextReader};
 
 use crate::bench_machine::{Random, backlash, correct, load_machine, motion, tired};
@@ -45,7 +45,7 @@ fn text_of(pieces: &[Piece], machine: &Machine) -> String {
 }
 
 fn compared(original: &str, corrected: &str, machine: &Machine, errors: &ErrorModel) -> Comparison {
-    compare(elements(original), elements(corrected), machine, &Model::new(machine, errors)).unwrap()
+    compare(elements(original), elements(corrected), Grouping::ByPlace, machine, &Model::new(machine, errors)).unwrap()
 }
 
 /// Corrects, compares the text with the original, and demands what the corrector predicted.
@@ -120,7 +120,7 @@ fn programs_of_different_paths_cannot_be_compared() {
         PATH.lines().take(6).collect::<Vec<_>>().join("\n"),
         format!("{PATH}G1 X10 F500\n"),
     ] {
-        let finding = compare(elements(PATH), elements(&other), &machine, &model).unwrap_err();
+        let finding = compare(elements(PATH), elements(&other), Grouping::ByPlace, &machine, &model).unwrap_err();
         assert_eq!(finding.code, Code::CANNOT_ALIGN, "{other}");
     }
 }

@@ -10,8 +10,9 @@ use super::machine_choice::{self, Chosen};
 use super::program::{self, Running};
 use super::stop::Stop;
 use super::{fix, print};
+use crate::emit;
 use crate::model::Model;
-use crate::path;
+use crate::path::{self, Grouping};
 use crate::report::correction::error_rows;
 use crate::report::json;
 use crate::snc::Element;
@@ -52,16 +53,24 @@ fn compare(arguments: &VerifyArguments, findings: &mut Findings) -> Result<Optio
     let start = |opened, path: &Path| Running::start(opened, path, &arguments.program, &chosen.machine, false);
     let original = start(original, &arguments.original);
     let corrected = start(corrected, &arguments.corrected);
-    Ok(walk(original, corrected, &chosen, findings))
+    let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());
+    let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };
+    Ok(walk(original, corrected, grouping, &chosen, findings))
 }
 
 /// Compares two running programs.
-fn walk(original: Running, corrected: Running, chosen: &Chosen, findings: &mut Findings) -> Option<Outcome> {
+fn walk(
+    original: Running,
+    corrected: Running,
+    grouping: Grouping,
+    chosen: &Chosen,
+    findings: &mut Findings,
+) -> Option<Outcome> {
     let model = Model::new(&chosen.machine, &chosen.errors);
     let shared = RefCell::new(std::mem::take(findings));
     let mut original = Clean { running: original, findings: &shared, mark: 0 };
     let mut corrected = Clean { running: corrected, findings: &shared, mark: OF_CORRECTED };
-    let result = path::compare(&mut original, &mut corrected, &chosen.machine, &model);
+    let result = path::compare(&mut original, &mut corrected, grouping, &chosen.machine, &model);
     let max_at = result.as_ref().ok().and_then(|comparison| comparison.max_at);
     let max_at = max_at.and_then(|origin| Some((origin.line, original.source(origin.file)?.name().to_owned())));
     let unaligned = result.as_ref().err().and_then(|diagnostic| diagnostic.place).map(|place| place.file);

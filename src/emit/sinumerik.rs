@@ -5,7 +5,7 @@
 //! source needs beside its first carry the comment `;+`, steps on the spot `;~`.
 
 use crate::geometry::{Axis, AxisVector};
-use crate::path::{Output, OutputFrame, Piece};
+use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Output, OutputFrame, Piece};
 use crate::snc::{BlockNumber, Dwell, Element, FrameWords, Kind, Word, WordValue};
 
 use super::number::{push_integer, push_value};
@@ -17,6 +17,8 @@ const ASSUMED: &[u8] = b"G90 G71";
 const IN_MACHINE_FRAME: &str = "G153";
 /// Words that suppress frames for their block.
 const SUPPRESSING: [&str; 3] = ["G53", "G153", "SUPA"];
+/// The comment of a step on the spot with which a move begins.
+const ON_THE_SPOT: &str = ";~";
 /// Acts at the end of its block.
 const EXACT_STOP: &str = "G9";
 /// Shifts are written to this many parts of a mm or degree: far below any increment, without the noise of the arithmetic.
@@ -342,11 +344,13 @@ impl Sinumerik {
         }
         self.release();
         if self.comment.is_empty() {
-            match (piece.take_up, is_continued) {
-                (true, _) => self.comment.extend_from_slice(b";~"),
-                (false, true) => self.comment.extend_from_slice(b";+"),
-                (false, false) => {}
-            }
+            let mark = match (piece.take_up, is_continued) {
+                (true, false) => ON_THE_SPOT,
+                (true, true) => CONTINUES_ON_THE_SPOT,
+                (false, true) => CONTINUES,
+                (false, false) => "",
+            };
+            self.comment.extend_from_slice(mark.as_bytes());
         }
     }
 }

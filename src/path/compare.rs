@@ -3,7 +3,8 @@
 //! The streams are walked side by side: every move of the original corresponds to one move of the corrected program or to several in
 //! a row. What matters is where the tool is: a group of moves is complete when its tip, on the error model, reaches the nominal tip
 //! at the end of the original move, and in between belongs to the place of the original move whose nominal tip is nearest. Marks in
-//! the text are not looked at, so programs of other origin, or an original beside itself, can be compared too.
+//! the text are not needed, so programs of other origin, or an original beside itself, can be compared too; where a program is known
+//! to carry them ([`Grouping::ByMarks`]), they decide instead.
 
 use std::iter::Peekable;
 
@@ -54,6 +55,20 @@ pub struct Comparison {
     pub max_at: Option<Origin>,
 }
 
+/// The comment of a piece that continues the move of the block above it.
+pub const CONTINUES: &str = ";+";
+/// The comment of a step on the spot that continues the move of the block above it.
+pub const CONTINUES_ON_THE_SPOT: &str = ";+~";
+
+/// How the corrected moves of one original move are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grouping {
+    /// By the comments [`CONTINUES`] and [`CONTINUES_ON_THE_SPOT`], which the corrected program is known to carry.
+    ByMarks,
+    /// By where the tool is.
+    ByPlace,
+}
+
 /// Compares two programs; neither may have had errors in its execution.
 ///
 /// # Errors
@@ -61,6 +76,7 @@ pub struct Comparison {
 pub fn compare(
     original: impl Iterator<Item = Element>,
     corrected: impl Iterator<Item = Element>,
+    grouping: Grouping,
     machine: &Machine,
     model: &Model,
 ) -> Result<Comparison, Diagnostic> {
@@ -69,7 +85,16 @@ pub fn compare(
     let mut prediction = Prediction::default();
     let mut carried = Offset::default();
     for step in Walk::new(original, machine, has_backlash) {
-        let mut group = Group { model, step: &step, has_backlash, carried, length_mm: 0.0, parameter: 0.0 };
+        let mut group = Group {
+            model,
+            grouping,
+            step: &step,
+            has_backlash,
+            carried,
+            length_mm: 0.0,
+            has_begun: false,
+            parameter: 0.0,
+        };
         carried = group.follow(&mut corrected, &mut prediction)?;
     }
     match corrected.find(|step| step.route.size_mm() > SAME_END_MM) {
@@ -94,6 +119,8 @@ struct Step {
     /// Sense of motion before the move.
     state: State,
     is_counted: bool,
+    /// Whether it is marked as a further piece of the move above it.
+    continues: bool,
 }
 
 impl Step {
@@ -121,6 +148,7 @@ struct Walk<'a, I> {
     state: State,
     known: AxisSet,
     ever_named: AxisSet,
+    continues: bool,
 }
 
 impl<'a, I> Walk<'a, I> {
@@ -134,6 +162,7 @@ impl<'a, I> Walk<'a, I> {
             state: State::default(),
             known: AxisSet::EMPTY,
             ever_named: AxisSet::EMPTY,
+            continues: false,
         }
     }
 }
@@ -148,6 +177,10 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 self.known = AxisSet::EMPTY;
             }
             let motion = match element.kind {
+                Kind::Comment(text) => {
+                    self.continues = [CONTINUES, CONTINUES_ON_THE_SPOT].iter().any(|mark| mark.as_bytes() == text);
+                    continue;
+                }
                 Kind::Setup(setup) => {
                     self.tool_mm = setup.tool_mm;
                     continue;
@@ -164,6 +197,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 state: self.state,
                 is_counted: motion.named.difference(self.known).is_empty()
                     && self.ever_named.difference(motion.known).is_empty(),
+                continues: std::mem::take(&mut self.continues),
             };
             if self.has_backlash {
                 self.state.note_motion(&step.route.at(0.0), &step.route.at(SENSE_STEP));
@@ -202,12 +236,15 @@ impl Offset {
 /// The corrected moves of one original move, while they are found.
 struct Group<'a> {
     model: &'a Model,
+    grouping: Grouping,
     step: &'a Step,
     has_backlash: bool,
     /// Offset at which the group began: an uncorrected program carries its errors along.
     carried: Offset,
     /// Length of the corrected moves so far, mm.
     length_mm: f64,
+    /// Whether a move of the group was taken.
+    has_begun: bool,
     /// How far the original move is covered.
     parameter: f64,
 }
@@ -224,7 +261,9 @@ impl Group<'_> {
             let Some(piece) = corrected.next() else {
                 return Err(self.step.mismatch("the corrected program ends before this move of the original"));
             };
-            if piece.rapid != self.step.rapid || self.length_mm > MOST_SHARE * whole_mm + MEANT_END_MM {
+            let is_torn = self.grouping == Grouping::ByMarks && piece.continues != self.has_begun;
+            self.has_begun = true;
+            if is_torn || piece.rapid != self.step.rapid || self.length_mm > MOST_SHARE * whole_mm + MEANT_END_MM {
                 return Err(self.step.mismatch("the corrected program does not follow this move of the original"));
             }
             self.length_mm += piece.route.size_mm();
@@ -233,6 +272,11 @@ impl Group<'_> {
             let to = if is_complete { 1.0 } else { self.nearest(&piece) };
             self.sample(&piece, to, prediction);
             self.parameter = to;
+            if is_complete && self.off_mm(&offset) > MEANT_END_MM {
+                return Err(self
+                    .step
+                    .mismatch("the corrected program does not end this move of the original where it ends"));
+            }
             if is_complete {
                 return Ok(offset);
             }
@@ -241,6 +285,9 @@ impl Group<'_> {
 
     /// Whether the group ends with a piece whose end is off by `offset`.
     fn is_complete(&self, offset: &Offset, next: Option<&Step>) -> bool {
+        if self.grouping == Grouping::ByMarks {
+            return next.is_none_or(|next| !next.continues);
+        }
         let whole_mm = self.step.route.size_mm();
         if self.length_mm < LEAST_SHARE * whole_mm {
             return false;

@@ -21,7 +21,7 @@ mod prediction;
 mod route;
 mod trial;
 
-pub use compare::{Comparison, compare};
+pub use compare::{CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Grouping, compare};
 pub use corrector::Corrector;
 pub use increment::Increments;
 pub use prediction::{Prediction, Spread};
