@@ -16,6 +16,7 @@ mod emission;
 mod exec;
 mod grammar;
 mod hostile;
+mod limits;
 mod machine_file;
 mod machines;
 mod model;

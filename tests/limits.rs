@@ -1,0 +1,62 @@
+//! What the corrector refuses or warns of: travel, the size of corrections, tolerances that cannot be kept.
+
+use ncfix::diagnostic::Code;
+use ncfix::model::ErrorModel;
+use ncfix::path::Options;
+
+use crate::bench_machine::{Random, correct, motion, polynomial, table, tired};
+use crate::machines::xyz_machine;
+
+#[test]
+fn positions_outside_the_travel_are_found_once_a_line() {
+    let mut machine = xyz_machine();
+    machine.axes[0].as_mut().unwrap().travel = Some([0.0, 100.0]);
+    let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[-0.005]))], ..ErrorModel::default() };
+    let run = correct("G0 X0 Y0 Z0\nG1 X100 F500\nG1 X50 F500\n", &machine, &errors, Options::default());
+    // 5 µm short, so the corrected command is 5 µm beyond the limit; within it nothing is said.
+    assert_eq!(run.findings.len(), 1, "{:?}", run.findings);
+    assert_eq!(run.findings[0].code, Code::OUT_OF_TRAVEL);
+    assert_eq!(run.findings[0].message, "X 100.0050 mm is above the limit of 100 mm");
+    // The far side of a circle counts, though both its ends are inside.
+    let circle =
+        correct("G0 X60 Y0 Z0\nG3 X60 Y0 Z0 I-40 J0 P17 F500\n", &machine, &ErrorModel::default(), Options::default());
+    assert_eq!(circle.findings.len(), 1);
+    assert_eq!(circle.findings[0].message, "X -20.0000 mm is below the limit of 0 mm");
+}
+
+#[test]
+fn corrections_that_are_too_large_are_found_and_bounded() {
+    let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[0.25]))], ..ErrorModel::default() };
+    let mut text = String::from("G0 X0 Y0 Z0\n");
+    (0..300).for_each(|k| text.push_str(&format!("G1 X{k} F500\n")));
+    let run = correct(&text, &xyz_machine(), &errors, Options::default());
+    assert!(run.findings.iter().all(|finding| finding.code == Code::CORRECTION_TOO_LARGE));
+    assert_eq!(run.findings.len(), 100);
+    let wide = Options { max_correction_mm: 0.3, ..Options::default() };
+    assert!(correct(&text, &xyz_machine(), &errors, wide).findings.is_empty());
+}
+
+#[test]
+fn a_step_in_the_errors_is_met_with_a_warning_and_few_pieces() {
+    // 10 µm within 1 µm of travel: steeper than the shortest piece.
+    let errors = ErrorModel {
+        motion: vec![motion("EYX", table(&[0.0, 50.0, 50.001, 100.0], &[0.0, 0.0, 10.0, 10.0]))],
+        ..ErrorModel::default()
+    };
+    let run = correct("G0 X0 Y0 Z0\nG1 X100 F500\n", &xyz_machine(), &errors, Options::default());
+    assert_eq!(run.findings.iter().map(|finding| finding.code).collect::<Vec<_>>(), [Code::TOLERANCE_NOT_REACHED]);
+    assert!(run.pieces.len() < 20, "{}", run.pieces.len());
+}
+
+#[test]
+fn a_coarse_increment_does_not_cut_moves_to_pieces() {
+    let mut machine = xyz_machine();
+    machine.control.increment_mm = 0.01;
+    let errors = tired(&mut Random(11));
+    let text = "G0 X0 Y0 Z0\nG1 X300.123 Y200.321 Z-30.7 F500\nG1 X10 Y100 Z5 F500\n";
+    let run = correct(text, &machine, &errors, Options::default());
+    // 5 µm of rounding per axis, and a tolerance of 1 µm: it cannot be kept, and more blocks would not help.
+    assert!(run.pieces.len() < 80, "{}", run.pieces.len());
+    assert!(run.findings.iter().any(|finding| finding.code == Code::TOLERANCE_NOT_REACHED));
+    assert!(run.prediction.after().max_mm < 0.01);
+}
