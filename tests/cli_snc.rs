@@ -55,3 +55,16 @@ fn a_program_that_never_ends_stops_at_the_limit() {
     assert!(run.stdout.lines().count() < 1010);
     run.says("error[E0214]");
 }
+
+#[test]
+fn a_flat_stream_is_read_and_printed_again() {
+    let shop = Shop::new().copy("samples/programs/sinumerik/helix_bore.mpf");
+    let demo = machine("demo");
+    let first = shop.run(["snc", "helix_bore.mpf", "--machine", &demo]).exits(0);
+    let shop = shop.file("flat.snc", &first.stdout);
+    let second = shop.run(["snc", "flat.snc", "--machine", &demo]).exits(0);
+    assert_eq!(first.stdout, second.stdout);
+    let shop = shop.file("bad.snc", "; snc 1 machine=demo units=mm\nG0 X1 Y0 Z0\nG9 X1\n");
+    let bad = shop.run(["snc", "bad.snc", "--machine", &demo]).exits(3);
+    assert!(bad.stderr.contains("bad.snc:3:1"), "{}", bad.stderr);
+}

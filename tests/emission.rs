@@ -89,8 +89,7 @@ fn without_errors_the_program_comes_out_as_it_was() {
     ;$PATH=/_N_WKS_DIR/_N_A_WPD
     ; ncfix …
     ; PLATE 20
-    G90 G71
-    N10 G17 G64
+    N10 G17 G90 G71 G64
     N15
     N20 T="MILL_10" ; MILL
     N30 M6
@@ -128,10 +127,10 @@ fn pieces_are_marked_and_words_of_the_end_stand_at_the_end() {
     let lines: Vec<&str> = out.lines().take(17).collect();
     insta::assert_snapshot!(lines.join("\n"), @r#"
     ; ncfix …
-    G90 G71
     N10 T5
     N20 M6
     N30 G54 D1
+    G90
     N40 G0 X0.002 Y-0.01 Z0
     N50 G1 X86.3184 Y-0.0347 F500 S100 ; LONG
     G9 X150.002 Y-0.0625 M5 ;+
@@ -154,12 +153,12 @@ fn machine_coordinates_need_no_zero_offset() {
                    N80 G1 X30 Y0\nN85 G2 X40 I5 J0\nN90 M30\n";
     insta::assert_snapshot!(corrected(program, &ErrorModel::default(), &options, false), @r#"
     ; ncfix …
-    G90 G71
     N10 T5
     N20 M6
-    N30 D1
+    N30 G54 D1
+    G90
     N40 G153 G0 X100 Y50 Z10
-    N50
+    N50 TRANS X5
     N60 G153 G1 X115 F100
     N70 G153 G1 X20
     N80 G153 G1 X135 Y50
@@ -176,7 +175,7 @@ fn lines_end_as_in_the_source_and_inches_become_millimeters() {
         &Options::default(),
         true,
     );
-    assert_eq!(out, "; ncfix …\r\nG90 G71\r\nN10 G0 X25.4 Y0 Z0\r\nN20 G1 X38.1 F20\r\nM30\r\n");
+    assert_eq!(out, "; ncfix …\r\nG90\r\nN10 G71 G0 X25.4 Y0 Z0\r\nN20 G1 X38.1 F20\r\nM30\r\n");
 }
 
 #[test]

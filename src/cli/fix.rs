@@ -142,6 +142,10 @@ impl<'a> Job<'a> {
         let running = corrector.elements();
         findings.extend(found, running.sources());
         program::protect(&self.target, &running.files(), findings);
+        let sources = running.sources();
+        for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
+            findings.add(corrected_before(stamped), sources);
+        }
         note(corrector.prediction(), running, report);
         Ok(())
     }

@@ -14,11 +14,14 @@ use super::progress::Progress;
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::dialect::{self, Dialect};
-use crate::exec::{Execution, Options};
+use crate::exec::{Execution, NoLibrary, Options};
 use crate::machine::Machine;
 use crate::snc::Element;
 use crate::source::{FileId, Source};
 use crate::syntax::{self, Program};
+
+/// Blocks executed in search of further findings in a program that was not understood.
+const BLOCKS_IN_SEARCH: u64 = 100_000;
 
 /// A program that was understood.
 pub(super) struct Opened {
@@ -55,6 +58,15 @@ pub(super) fn open(
     let (program, found) = syntax::parse(source, dialect);
     let is_understood = !found.iter().any(Diagnostic::is_error);
     findings.extend(found, std::slice::from_ref(source));
+    if let (false, Some(chosen)) = (is_understood, chosen) {
+        // What is not supported yet should come up in the same run; anything else may only follow from the faulty blocks.
+        let options = Options { max_blocks: Some(BLOCKS_IN_SEARCH), ..Options::default() };
+        let execution = Execution::new(program, &chosen.machine, Box::new(NoLibrary), options);
+        let unsupported = execution.filter_map(Result::err).filter(|found| found.code == Code::NOT_SUPPORTED);
+        let more: Vec<Diagnostic> = unsupported.collect();
+        findings.extend(more, std::slice::from_ref(source));
+        return Ok(None);
+    }
     Ok(is_understood.then(|| Opened { source: source.clone(), program, dialect }))
 }
 

@@ -12,10 +12,16 @@ use super::machine_choice::{self, Chosen};
 use super::output::{Spool, Target};
 use super::program::{self, Running};
 use super::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AxisVector, Vector};
-use crate::snc::TextWriter;
+use crate::snc::{TextReader, TextWriter};
+use crate::source::{Source, Span};
+
+/// The start of a file that is a flat stream already.
+const HEAD: &str = "; snc 1";
 
 /// Prints the stream.
+
 pub(super) fn run(arguments: &SncArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     let written = write(arguments, &mut findings);
@@ -29,6 +35,9 @@ fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> 
     let source = program::read(&arguments.input)?;
     let target = arguments.output.as_deref().map(Target::new).transpose()?.unwrap_or(Target::Standard);
     let Some(chosen) = machine_choice::choose(&arguments.machine, &arguments.input, findings)? else { return Ok(()) };
+    if source.bytes().starts_with(HEAD.as_bytes()) {
+        return print_again(&source, target, &chosen, findings);
+    }
     let Some(opened) = program::open(&source, &arguments.program, Some(&chosen), findings)? else { return Ok(()) };
     program::protect(&target, chosen.files.iter().chain([&arguments.input]), findings);
     if findings.has_errors() {
@@ -48,6 +57,43 @@ fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> 
         spool.publish(false)?;
     }
     Ok(())
+}
+
+/// Reads a flat stream in its text form and prints it again.
+fn print_again(source: &Source, target: Target, chosen: &Chosen, findings: &mut Findings) -> Result<(), Stop> {
+    let text = String::from_utf8_lossy(source.bytes());
+    let mut reader = TextReader::new(&text);
+    let machine = &chosen.machine;
+    // Positions are those of the tip already, so there is no tool to add.
+    let mut writer = TextWriter::new(Vec::new(), &machine.name, machine.axis_set(), |_, tool| *tool)
+        .map_err(|error| Stop::output(&error))?;
+    while let Some(item) = reader.next() {
+        match item {
+            Ok(element) => {
+                let lines = reader.call_lines().to_vec();
+                writer.write(&element, &lines).map_err(|error| Stop::output(&error))?;
+            }
+            Err(fault) => {
+                let start = text.split_inclusive('\n').take(fault.line - 1).map(str::len).sum();
+                let place = Place { file: source.id(), span: Span::new(start, start + 1) };
+                let help = "correct the line, or print the stream again from its program";
+                findings
+                    .add(Diagnostic::at(Code::UNEXPECTED, place, fault.message, help), std::slice::from_ref(source));
+            }
+        }
+    }
+    if findings.has_errors() {
+        return Ok(());
+    }
+    let bytes = writer.finish().map_err(|error| Stop::output(&error))?;
+    if target == Target::Standard {
+        return super::print(&String::from_utf8_lossy(&bytes));
+    }
+    let mut spool = Spool::new(target)?;
+    if let Err(error) = spool.writer().write_all(&bytes) {
+        return Err(spool.fault(&error));
+    }
+    spool.publish(false).map(drop)
 }
 
 /// Writes the elements and gathers the findings.

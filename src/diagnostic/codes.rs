@@ -220,6 +220,9 @@ axes _deg.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"
 "G1, G2 and G3 need F; the control stops at this block. For check and snc the motion is shown without a feed; a correction is refused
 (E0215).";
+    MORE_PROGRAMS = "W0203" "further main programs in the file"
+"The file is an archive with more than one main program (%_N_…_MPF). The first one is executed; the others are only executed where it
+calls them. Put each main program into a file of its own.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. For check and snc zero is used; a correction is refused.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"

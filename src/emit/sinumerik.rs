@@ -11,8 +11,8 @@ use crate::snc::{BlockNumber, Dwell, Element, FrameWords, Kind, Word, WordValue}
 use super::number::{push_integer, push_value};
 use super::{Decimals, Writer, WriterOptions};
 
-/// What the output takes for granted: absolute coordinates in mm.
-const ASSUMED: &[u8] = b"G90 G71";
+/// What the output takes for granted: absolute coordinates. Written before the first motion where the program does not say it.
+const ASSUMED: &str = "G90";
 /// Stands in each block with machine coordinates.
 const IN_MACHINE_FRAME: &str = "G153";
 /// Words that suppress frames for their block.
@@ -164,7 +164,7 @@ impl Sinumerik {
         }
         self.stamp(out);
         self.has_assumed = true;
-        out.extend_from_slice(ASSUMED);
+        out.extend_from_slice(ASSUMED.as_bytes());
         out.extend_from_slice(self.line_end);
         self.blocks += 1;
     }
@@ -184,11 +184,7 @@ impl Sinumerik {
                 }
                 self.comment.extend_from_slice(bytes);
             }
-            Kind::Frame(_) if self.in_machine_frame => {}
-            kind => {
-                self.assume(out);
-                self.words(kind);
-            }
+            kind => self.words(kind),
         }
     }
 
@@ -201,6 +197,10 @@ impl Sinumerik {
                 }
             }
             Kind::Keep(word) if *word == EXACT_STOP => self.stops_exactly = true,
+            Kind::Keep(word) if *word == ASSUMED => {
+                self.has_assumed = true;
+                self.word(word.as_bytes());
+            }
             Kind::Keep(word) => self.word(word.as_bytes()),
             Kind::Frame(words) => self.frame(words),
             Kind::Tool(value) => self.auxiliary(b'T', None, value),
@@ -251,7 +251,10 @@ impl Sinumerik {
 
     /// Appends the words that were held back for the motion.
     fn release(&mut self) {
-        let held = if self.line.is_empty() { self.held.trim_ascii_start() } else { &self.held };
+        let held = self.held.trim_ascii_start();
+        if !self.line.is_empty() && !held.is_empty() {
+            self.line.push(b' ');
+        }
         self.line.extend_from_slice(held);
         self.held.clear();
     }

@@ -47,8 +47,11 @@ pub fn is_stamped(bytes: &[u8]) -> bool {
     bytes[..bytes.len().min(HEAD_BYTES)].split(|&byte| byte == b'\n' || byte == b'\r').any(|line| {
         let Some(at) = line.iter().position(|&byte| byte == b';' || byte == b'(') else { return false };
         let comment = line[at + 1..].trim_ascii_start();
-        let holds = |part: &[u8]| comment.windows(part.len()).any(|window| window == part);
-        comment.starts_with(MARK.as_bytes()) && holds(b"machine=") && holds(EPHEMERAL.as_bytes())
+        // Some links and controls turn everything into capitals.
+        let holds = |part: &[u8]| comment.windows(part.len()).any(|window| window.eq_ignore_ascii_case(part));
+        comment.get(..MARK.len()).is_some_and(|start| start.eq_ignore_ascii_case(MARK.as_bytes()))
+            && holds(b"machine=")
+            && holds(EPHEMERAL.as_bytes())
     })
 }
 

@@ -11,7 +11,7 @@ use super::modal::Modal;
 use super::motion::{MotionContext, motion};
 use super::variables::Variables;
 use crate::diagnostic::Code;
-use crate::geometry::{Axis, AxisVector, Frame, Plane};
+use crate::geometry::{AxisVector, Frame, LINEAR_AXES, Plane};
 use crate::machine::{Machine, ToolChange};
 use crate::snc::{BlockNumber, Dwell, Element, FrameWords, Kind, Origin, Setup, Word, WordValue};
 use crate::source::Span;
@@ -31,8 +31,8 @@ pub(super) struct Channel<'a> {
     starts_block: bool,
     setup: Arc<Setup>,
     setup_changed: bool,
-    /// Where the first positions stand that were programmed before any unit code.
-    unitless: Option<Span>,
+    /// Line of the first length or feed that was programmed before any unit code.
+    unitless: Option<u32>,
     unit_stated: bool,
     feed_warned: bool,
 }
@@ -141,14 +141,21 @@ impl<'a> Channel<'a> {
             if let Some(first) = self.unitless.filter(|_| inch && !self.unit_stated) {
                 return Err(fault(
                     Code::UNITS_DOUBT,
-                    first,
-                    "positions are programmed here before the unit is stated, and the program switches to inch later",
+                    self.origin.span,
+                    format!(
+                        "the program switches to inch here, and has lengths or feeds from line {first} on without a unit"
+                    ),
                     "state the unit (G71 or G710, G70 or G700) in the first block",
                 ));
             }
             self.unit_stated = true;
             self.modal.inch = inch;
             self.modal.inch_feed = inch && with_feed;
+        }
+        let has_length =
+            gathered.named.iter().any(|axis| !axis.is_rotary()) || gathered.feed.is_some() && gathered.dwell.is_none();
+        if !self.unit_stated && self.unitless.is_none() && has_length {
+            self.unitless = Some(self.origin.line);
         }
         if let Some((code, _)) = gathered.motion {
             self.modal.motion = code;
@@ -198,6 +205,7 @@ impl<'a> Channel<'a> {
             || gathered.feed.is_some()
             || gathered.tool.is_some()
             || gathered.motion.is_some()
+            || gathered.offset.is_some()
             || gathered.dwell.is_some()
             || !gathered.after.is_empty()
             || !gathered.before.is_empty()
@@ -333,9 +341,6 @@ impl<'a> Channel<'a> {
     }
 
     fn motion(&mut self, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-        if !self.unit_stated && self.unitless.is_none() && gathered.named.iter().any(|axis| !Axis::is_rotary(axis)) {
-            self.unitless = Some(span);
-        }
         if gathered.suppress.is_some() {
             let bare = Setup { frame: Frame::identity(), ..(*self.setup).clone() };
             self.push(Kind::Setup(Arc::new(bare.clone())));
@@ -366,8 +371,16 @@ impl<'a> Channel<'a> {
         MotionContext { control: &self.machine.control, setup, strict: self.strict, span }
     }
 
+    /// Puts frame and tool in force. An axis along which the tool length changes is taken as unknown until the program states it
+    /// again: how and when a control traverses the change is a setting of the control (Sinumerik SD42940, SD42442).
     fn refresh_setup(&mut self) {
-        self.setup = Arc::new(self.modal.setup());
+        let setup = self.modal.setup();
+        for axis in LINEAR_AXES.into_iter().take(3) {
+            if setup.tool_mm[axis.slot()] != self.setup.tool_mm[axis.slot()] {
+                self.modal.known.remove(axis);
+            }
+        }
+        self.setup = Arc::new(setup);
         self.setup_changed = true;
     }
 }

@@ -54,7 +54,7 @@ impl Gatherer<'_> {
         match word.address {
             Address::Letter(letter) => self.letter(letter, word, out),
             Address::Extended(b'R', _) | Address::Indexed(_) => Ok(()),
-            Address::Extended(letter @ (b'S' | b'M'), extension) => {
+            Address::Extended(letter @ (b'S' | b'M' | b'H'), extension) => {
                 let value = self.number(word)?;
                 let word = AuxWord { letter, extension: Some(extension), value: WordValue::Number(value) };
                 out.before.push(word);
@@ -188,8 +188,16 @@ impl Gatherer<'_> {
                 out.plane = entry.name[1..].parse().ok();
                 out.keep.push(entry.name);
             }
-            Effect::Unit => out.inch = Some((entry.name.starts_with("G70"), entry.name.len() == 4)),
-            Effect::Dimension => out.incremental = Some(entry.name == "G91"),
+            // The output is metric and absolute; the word that says so takes the place of the one that was.
+            Effect::Unit => {
+                let with_feed = entry.name.len() == 4;
+                out.inch = Some((entry.name.starts_with("G70"), with_feed));
+                out.keep.push(if with_feed { "G710" } else { "G71" });
+            }
+            Effect::Dimension => {
+                out.incremental = Some(entry.name == "G91");
+                out.keep.push("G90");
+            }
             Effect::Offset => out.offset = Some((entry.name.to_owned(), span)),
             Effect::Suppress => {
                 out.suppress = Some(entry.name);

@@ -20,7 +20,7 @@ mod variables;
 
 pub use library::{Library, NoLibrary};
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{HashMap, HashSet, VecDeque};
 
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::AxisVector;
@@ -67,7 +67,7 @@ pub struct Execution<'a> {
     sources: Vec<Source>,
     levels: Vec<Level>,
     channel: Channel<'a>,
-    findings: std::collections::VecDeque<Diagnostic>,
+    findings: VecDeque<Diagnostic>,
     reported: HashSet<(Code, Option<Place>)>,
     errors: usize,
     executed: u64,
@@ -99,6 +99,15 @@ impl<'a> Execution<'a> {
             }
         }
         let start = program.sections.get(main).map_or(0, |section| section.blocks.start);
+        let is_main = |section: &&syntax::Section| section.ending == "MPF" && !section.blocks.is_empty();
+        let mut findings = VecDeque::new();
+        if let Some(other) = program.sections.iter().filter(is_main).nth(1) {
+            let span = other.headers.first().copied().unwrap_or_default();
+            let message =
+                format!("the main program {} is left out: only the first one of a file is executed", other.name);
+            let help = "put each main program into a file of its own";
+            findings.push_back(Diagnostic::at(Code::MORE_PROGRAMS, Place { file: source.id(), span }, message, help));
+        }
         Execution {
             machine,
             library,
@@ -107,7 +116,7 @@ impl<'a> Execution<'a> {
             programs: vec![Loaded::new(program)],
             levels: vec![Level::new(0, main, start, 0)],
             channel,
-            findings: std::collections::VecDeque::new(),
+            findings,
             reported: HashSet::new(),
             errors: 0,
             executed: 0,
@@ -233,7 +242,12 @@ impl<'a> Execution<'a> {
                 }
             }
             Action::Call(call) => self.call(&call, block),
-            Action::Return => self.end_of_program(None),
+            Action::Return => {
+                if self.levels.len() == 1 {
+                    self.channel.push(Kind::Keep("RET"));
+                }
+                self.end_of_program(None);
+            }
             Action::End(word) => self.end_of_program(Some(word)),
         }
     }

@@ -11,6 +11,8 @@ pub(super) struct Modal {
     /// 0 … 3: G0 … G3.
     pub(super) motion: u8,
     pub(super) plane: Plane,
+    /// Plane along whose axes the tool lengths lie, where it is fixed.
+    pub(super) tool_length_plane: Option<Plane>,
     pub(super) incremental: bool,
     pub(super) inch: bool,
     pub(super) inch_feed: bool,
@@ -44,6 +46,7 @@ impl Modal {
         Modal {
             motion: 1,
             plane: Plane::XY,
+            tool_length_plane: machine.control.tool_length_plane,
             incremental: false,
             inch: false,
             inch_feed: false,
@@ -74,12 +77,13 @@ impl Modal {
 
     /// Gauge point to tip as the control sees it: L1, L2, L3 lie along the plane's axes (G17: Z, Y, X).
     pub(super) fn tool_mm(&self) -> Vector {
-        let [abscissa, ordinate, applicate] = self.plane.axes();
+        let plane = self.tool_length_plane.unwrap_or(self.plane);
+        let [abscissa, ordinate, applicate] = plane.axes();
         let mut tool = Vector::zeros();
         let [first, second, third] = self.length_mm;
         tool[applicate.slot()] = -first;
-        tool[ordinate.slot()] = if self.plane == Plane::XY { -second } else { -third };
-        tool[abscissa.slot()] = if self.plane == Plane::XY { -third } else { -second };
+        tool[ordinate.slot()] = if plane == Plane::XY { -second } else { -third };
+        tool[abscissa.slot()] = if plane == Plane::XY { -third } else { -second };
         tool
     }
 

@@ -58,7 +58,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         target,
         named: gathered.named,
         known: modal.known,
-        feed: if rapid { 0.0 } else { modal.feed },
+        feed: modal.feed,
         feed_named: gathered.feed.is_some(),
         in_machine_frame: gathered.suppress.is_some(),
     })
@@ -183,10 +183,13 @@ fn arc(
         }
     };
     Arc::through(modal.plane, clockwise, start, target, center, turns, tolerance).map_err(|found| match found {
-        CenterFault::OffCircle { start_radius_mm, end_radius_mm } => fault(
+        CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
             Code::ARC_OFF_CIRCLE,
             context.span,
-            format!("start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm"),
+            format!(
+                "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm, the center {off_bisector_mm:.4} mm off the \
+                 perpendicular bisector of the chord"
+            ),
             "correct the center or the end point; the limit is control.arc_tolerance_mm",
         ),
         CenterFault::ZeroRadius => {

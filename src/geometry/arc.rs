@@ -50,12 +50,14 @@ impl Plane {
 /// Why start, end and center make no arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CenterFault {
-    /// The radii at start and end differ, or the center is off the perpendicular bisector: both radii, mm.
+    /// The radii at start and end differ, or the center is off the perpendicular bisector.
     OffCircle {
         /// Distance of the center from the start, mm.
         start_radius_mm: f64,
         /// Distance of the center from the end, mm.
         end_radius_mm: f64,
+        /// Distance of the center from the perpendicular bisector of the chord, mm.
+        off_bisector_mm: f64,
     },
     /// The radius is zero.
     ZeroRadius,
@@ -116,7 +118,7 @@ impl Arc {
         let off_bisector = (center_mm[0] - middle[0]) * unit[0] + (center_mm[1] - middle[1]) * unit[1];
         let off_radius = (start_radius_mm - end_radius_mm).abs();
         if off_radius.max(off_bisector.abs()) > tolerance_mm {
-            return Err(CenterFault::OffCircle { start_radius_mm, end_radius_mm });
+            return Err(CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm: off_bisector.abs() });
         }
         arc.center_mm = [center_mm[0] - off_bisector * unit[0], center_mm[1] - off_bisector * unit[1]];
         Ok(arc)

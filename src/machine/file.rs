@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
+use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Plane, Vector};
 use crate::source::Source;
 
 use super::{AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
@@ -259,6 +259,10 @@ fn read_control(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
             section.report(Code::BAD_VALUE, section.place_of("tool_change"), message, help);
         }
     }
+    if let Some(number) = section.number_where("tool_length_plane", "17, 18 or 19", |number| plane_of(number).is_some())
+    {
+        control.tool_length_plane = plane_of(number);
+    }
     if let Some(value) = section.integer("edge_after_tool_change") {
         control.edge_after_tool_change = value;
     }
@@ -340,4 +344,8 @@ fn read_tools(root: &mut Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<Too
         section.finish(findings);
     }
     tools
+}
+/// The plane of 17, 18 or 19.
+fn plane_of(number: f64) -> Option<Plane> {
+    [Plane::XY, Plane::ZX, Plane::YZ].into_iter().find(|plane| f64::from(plane.number()) == number)
 }

@@ -13,7 +13,7 @@ pub use state::State;
 
 use std::collections::BTreeMap;
 
-use crate::geometry::{Axis, AxisSet, AxisVector, Vector};
+use crate::geometry::{Axis, AxisSet, AxisVector, Plane, Vector};
 
 /// A machine as its file describes it. Lengths mm, angles rad, directions unit vectors in F at the zero pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,6 +87,8 @@ pub struct Control {
     pub arc_tolerance_ratio: f64,
     /// Whether T takes effect at once, or with M6 (Sinumerik MD22550).
     pub tool_change: ToolChange,
+    /// Plane along whose axes the tool lengths lie whatever plane is active (Sinumerik SD42940); `None`: along those of the active one.
+    pub tool_length_plane: Option<Plane>,
     /// Edge that is active behind a tool change (Sinumerik MD20270).
     pub edge_after_tool_change: u32,
     /// Sinumerik SD42440: an incremental word behind a frame change also traverses the change.
@@ -130,6 +132,7 @@ impl Default for Control {
             arc_tolerance_mm: 0.01,
             arc_tolerance_ratio: 0.001,
             tool_change: ToolChange::M6,
+            tool_length_plane: None,
             edge_after_tool_change: 1,
             incremental_traverses_frame_change: true,
             max_program_levels: 16,

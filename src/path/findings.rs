@@ -84,10 +84,10 @@ impl<'a> Findings<'a> {
             };
             if !(..=self.max_correction_mm).contains(&at_tip_mm.abs()) {
                 let message = format!(
-                    "the correction of {} is {} at the tool, more than {} µm",
+                    "the correction of {} is {} at the tool, more than {}",
                     data.axis,
                     micrometers(at_tip_mm),
-                    self.max_correction_mm * 1e3
+                    micrometers(self.max_correction_mm)
                 );
                 let help = "check the units in the machine file before raising --max-correction";
                 self.report(origin, Code::CORRECTION_TOO_LARGE, message, help.into());
@@ -111,7 +111,7 @@ impl<'a> Findings<'a> {
     /// Says once that a piece deviates by more than asked for.
     pub(super) fn tolerance_missed(&mut self, origin: &Origin, tolerance_mm: f64) {
         if !std::mem::replace(&mut self.tolerance_was_missed, true) {
-            let message = format!("here the emitted path cannot stay within {} µm", tolerance_mm * 1e3);
+            let message = format!("here the emitted path cannot stay within {}", micrometers(tolerance_mm));
             let help = "allow a larger --tolerance, or a finer control.increment_mm";
             self.report(origin, Code::TOLERANCE_NOT_REACHED, message, help.into());
         }
@@ -136,7 +136,8 @@ impl<'a> Findings<'a> {
 
 /// A length for a sentence.
 fn micrometers(mm: f64) -> String {
-    format!("{:.1} µm", mm * 1e3)
+    let um = mm * 1e3;
+    if um.abs() < 1.0 { format!("{um:.3} µm") } else { format!("{um:.1} µm") }
 }
 
 /// The linear axes that place the tip in space: X Y Z, and U V W where the machine lacks the primary letter.

@@ -102,7 +102,7 @@ fn improvement(before: Spread, after: Spread) -> String {
             format!("{:.2} % of the mean", percent.min(99.99))
         }
     } else {
-        "none: the model has no error on this path".into()
+        "none: no error on this path, or no path whose start and end are both stated".into()
     }
 }
 

@@ -96,7 +96,7 @@ pub struct Move {
     pub named: AxisSet,
     /// Axes whose position the program has stated by now (this block included); the others are assumptions.
     pub known: AxisSet,
-    /// Feed in force, mm/min in feed mode G94 (mm/rev in G95), 0 for none.
+    /// Feed in force, mm/min in feed mode G94 (mm/rev in G95), 0 for none; also on rapid moves, which do not use it.
     pub feed: f64,
     /// Whether the block itself names F.
     pub feed_named: bool,

@@ -220,7 +220,7 @@ mod tests {
 G0 X10 Y0 Z100 ;@12
 G1 X20.5 Y0 Z-1 F500 ;@13
 G2 X30.5 Y10 Z-1 I0 J10 K0 P17 L2 F500 ;@14
-G4 S1.5 ;@15
+G4 S1.5 ;@15<9<3
 T5 ;@16
 T=\"MILL_10\" ;@16
 M3 S1200 S2=500 ;@16
@@ -229,8 +229,9 @@ M3 S1200 S2=500 ;@16
     #[test]
     fn text_that_is_read_and_printed_is_the_same() {
         let mut out = TextWriter::new(Vec::new(), "demo", AxisSet::XYZ, |_, tool| *tool).unwrap();
-        for element in TextReader::new(TEXT) {
-            out.write(&element.unwrap(), &[]).unwrap();
+        let mut reader = TextReader::new(TEXT);
+        while let Some(element) = reader.next() {
+            out.write(&element.unwrap(), reader.call_lines()).unwrap();
         }
         assert_eq!(out.count(), 7);
         assert_eq!(String::from_utf8(out.finish().unwrap()).unwrap(), TEXT);

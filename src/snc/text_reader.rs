@@ -18,13 +18,25 @@ pub struct TextReader<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
     position: AxisVector,
     known: AxisSet,
+    call_lines: Vec<u32>,
 }
 
 impl<'a> TextReader<'a> {
     /// Reads from text.
     #[must_use]
     pub fn new(text: &'a str) -> Self {
-        TextReader { lines: text.lines().enumerate(), position: AxisVector::ZERO, known: AxisSet::EMPTY }
+        TextReader {
+            lines: text.lines().enumerate(),
+            position: AxisVector::ZERO,
+            known: AxisSet::EMPTY,
+            call_lines: Vec::new(),
+        }
+    }
+
+    /// Lines of the calls that led to the element read last, innermost first.
+    #[must_use]
+    pub fn call_lines(&self) -> &[u32] {
+        &self.call_lines
     }
 
     fn element(&mut self, text: &str, number: usize) -> Result<Option<Element>, String> {
@@ -36,12 +48,15 @@ impl<'a> TextReader<'a> {
             values.push((letter, rest));
         }
         let Some(&(first, code)) = values.first() else { return Ok(None) };
-        let line = match comment.strip_prefix('@') {
-            Some(origin) => {
-                origin.split('<').next().unwrap_or("").trim().parse().map_err(|_| "the origin ;@ has no line")?
-            }
-            None => u32::try_from(number).unwrap_or(u32::MAX),
+        let mut lines = match comment.strip_prefix('@') {
+            Some(origin) => origin
+                .split('<')
+                .map(|line| line.trim().parse().map_err(|_| "the origin behind ;@ is no line number"))
+                .collect::<Result<Vec<u32>, _>>()?,
+            None => vec![u32::try_from(number).unwrap_or(u32::MAX)],
         };
+        let line = lines.remove(0);
+        self.call_lines = lines;
         let origin = Origin { line, span: Span::default(), ..Origin::default() };
         let kind = match (first, code) {
             (b'G', "4") => self.dwell(&values[1..])?,

@@ -251,6 +251,9 @@ impl Parser {
                 (behind, Address::Letter(letter), value)
             }
             Some(b'[') => return self.named_word(input, draft),
+            Some(b':') => {
+                return fault(Code::UNEXPECTED, input, 2, "a label begins with two letters or underscores");
+            }
             _ => {
                 return fault(
                     Code::MISSING_VALUE,
