@@ -35,6 +35,8 @@ const MOST_SHARE: f64 = 1.5;
 /// mm per rad that rotary axes are off: little, as their corrections are no sign of another place, but moves of the table about the
 /// tip have nothing else.
 const ROTARY_ARM_MM: f64 = 10.0;
+/// Where the tip moves at least by this share of what the rotary axes do, it alone tells the place.
+const TIP_DECIDES: f64 = 0.1;
 /// Steps of the search for the nearest place on the original move.
 const NEAREST_STEPS: usize = 4;
 /// Half the step over which the sense of motion is looked up, as a parameter.
@@ -173,6 +175,10 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
     fn next(&mut self) -> Option<Step> {
         loop {
             let element = self.elements.next()?;
+            if element.starts_block {
+                // A mark belongs to its own line, which may move nothing.
+                self.continues = false;
+            }
             if changes_tool(&element, self.machine) {
                 self.known = AxisSet::EMPTY;
             }
@@ -289,7 +295,7 @@ impl Group<'_> {
             return next.is_none_or(|next| !next.continues);
         }
         let whole_mm = self.step.route.size_mm();
-        if self.length_mm < LEAST_SHARE * whole_mm {
+        if self.length_mm < LEAST_SHARE * whole_mm - SAME_END_MM {
             return false;
         }
         let off_mm = self.off_mm(offset);
@@ -325,7 +331,11 @@ impl Group<'_> {
         let mut parameter = (self.length_mm / self.step.route.size_mm().max(ON_THE_SPOT_MM)).min(1.0);
         for _ in 0..NEAREST_STEPS {
             let [low, high] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|value| value.clamp(0.0, 1.0));
-            let change = self.offset(piece, high).minus(&self.offset(piece, low));
+            let mut change = self.offset(piece, high).minus(&self.offset(piece, low));
+            if change.tip.norm() > TIP_DECIDES * change.turned.norm() {
+                // Corrections of rotary axes are no sign of another place.
+                change.turned = Vector::zeros();
+            }
             let square = change.dot(&change);
             if square > 0.0 {
                 parameter -= (high - low) * change.dot(&self.offset(piece, parameter)) / square;

@@ -18,6 +18,8 @@ const BEND_SHARE: f64 = 0.1;
 const CENTER_SHARE: f64 = 0.5;
 /// A sweep this near to full turns is full turns, rad.
 const SAME_ANGLE: f64 = 1e-7;
+/// Guesses of the sense of motion before an axis that is asked to go both ways is held.
+const MOST_TRIES: u32 = 3;
 /// Commands nearer than this are the same place on the grid, mm.
 const SAME_PLACE_MM: f64 = 1e-9;
 
@@ -175,8 +177,16 @@ impl Bench<'_, '_> {
     /// guessed from the program and tried again where the guess was wrong.
     fn ends(&self, standing: &Standing, between: [f64; 2]) -> Ends {
         let nominal_end = self.route.at(between[1]);
-        let place =
-            |nominal: &AxisVector, state: &State| self.placer.place(nominal, self.known, state, &standing.correction);
+        let place = |nominal: &AxisVector, state: &State| {
+            let mut placed = self.placer.place(nominal, self.known, state, &standing.correction);
+            // An axis whose word does not change is not written and does not move, though a new frame has another grid.
+            for axis in standing.written.iter() {
+                if placed.counts[axis.slot()] == standing.counts[axis.slot()] {
+                    placed.command[axis] = standing.command[axis];
+                }
+            }
+            placed
+        };
         if self.sampler.backlash.is_empty() && !standing.is_doubtful {
             let end = place(&nominal_end, &standing.state);
             return Ends { take_up: None, start: standing.command, end, state: standing.state };
@@ -199,14 +209,39 @@ impl Bench<'_, '_> {
             }
             let start = take_up.map_or(standing.command, |placed| placed.command);
             let end = place(&nominal_end, &sense);
-            let mut state = sense;
+            // What the machine will do: an axis that does not move keeps the sense that it has, not the one that was guessed.
+            let mut state = standing.state;
+            state.note_motion(&standing.command, &start);
             state.note_motion(&start, &end.command);
             tries += 1;
-            if tries == 3 || self.same_sense(&state, &sense) {
+            if self.same_sense(&state, &sense) {
                 return Ends { take_up, start, end, state };
+            }
+            if tries == MOST_TRIES {
+                return self.held(standing, [&nominal_start, &nominal_end], &state, &sense)
+                    .unwrap_or(Ends { take_up, start, end, state });
             }
             sense = state;
         }
+    }
+
+    /// The ends where an axis that the program does not move is asked to go one way by the errors of the other: it stays, and is off
+    /// by what its correction changes along the piece instead of by its backlash. `None` where the program moves all such axes.
+    fn held(&self, standing: &Standing, nominal: [&AxisVector; 2], state: &State, sense: &State) -> Option<Ends> {
+        let undecided = self.sampler.backlash.iter().filter(|&axis| state.direction(axis) != sense.direction(axis));
+        let held: AxisSet = undecided.filter(|&axis| nominal[0][axis] == nominal[1][axis]).collect();
+        if held.is_empty() {
+            return None;
+        }
+        let free = self.placer.place(nominal[1], self.known, &standing.state, &standing.correction);
+        let mut command = free.command;
+        for axis in held.iter() {
+            command[axis] = standing.command[axis];
+        }
+        let end = Placed { failure: free.failure, ..self.placer.round(&command, self.known) };
+        let mut state = standing.state;
+        state.note_motion(&standing.command, &end.command);
+        Some(Ends { take_up: None, start: standing.command, end, state })
     }
 
     fn same_sense(&self, a: &State, b: &State) -> bool {
