@@ -44,6 +44,11 @@ impl Sampler {
         AXES.into_iter().map(|axis| route.travel(axis) * self.density[axis.slot()]).sum()
     }
 
+    /// The largest part of a route that one check can cover.
+    pub(super) fn longest_share(&self, whole: f64) -> f64 {
+        if whole > MOST_SAMPLES { MOST_SAMPLES / whole } else { f64::INFINITY }
+    }
+
     /// Fills `fractions` with the places between the ends of the piece of `route` between two parameters: fractions (0 … 1) of it.
     /// `whole` is what [`Sampler::whole`] says of the route.
     pub(super) fn fractions(&self, route: &Route, whole: f64, between: [f64; 2], fractions: &mut Vec<f64>) {

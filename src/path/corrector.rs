@@ -218,11 +218,17 @@ where
             if route.arc().is_none() {
                 return bench.unmeasured(standing, [from, 1.0]);
             }
-            if let Some(trial) = bench.unmeasured_arc(standing, [from, 1.0]).filter(|_| !active.as_chords) {
+            // Without errors only rounding bends an arc; it turns the bisector of a chord that is not much longer than an increment.
+            let whole = match active.treatment {
+                Treatment::End => bench.unmeasured_arc(standing, [from, 1.0]),
+                _ => bench.arc(standing, [from, 1.0], scratch).filter(Trial::fits),
+            };
+            if let Some(trial) = whole.filter(|_| !active.as_chords) {
                 return trial;
             }
         }
-        let turning = route.next_turning(self.sampler.backlash, from);
+        let checkable = from + self.sampler.longest_share(active.samples);
+        let turning = route.next_turning(self.sampler.backlash, from).min(checkable);
         let size_mm = route.size_mm();
         if let (Subdivision::Step(step_mm), None) = (self.options.subdivision, route.arc()) {
             return bench.unmeasured(standing, [from, next_step(&route, from, step_mm)]);

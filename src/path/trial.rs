@@ -218,8 +218,12 @@ impl Bench<'_, '_> {
                 return Ends { take_up, start, end, state };
             }
             if tries == MOST_TRIES {
-                return self.held(standing, [&nominal_start, &nominal_end], &state, &sense)
-                    .unwrap_or(Ends { take_up, start, end, state });
+                return self.held(standing, [&nominal_start, &nominal_end], &state, &sense).unwrap_or(Ends {
+                    take_up,
+                    start,
+                    end,
+                    state,
+                });
             }
             sense = state;
         }
