@@ -14,7 +14,7 @@ use crate::machine::{Machine, State};
 use crate::model::Model;
 use crate::snc::{Element, Kind, Origin};
 
-use super::prediction::{Pair, sample_count};
+use super::prediction::{Pair, sample_count, sample_place};
 use super::route::Route;
 use super::{Prediction, Spread, changes_tool};
 
@@ -353,7 +353,7 @@ impl Group<'_> {
         }
         let count = sample_count(size_mm, SAMPLE_MM);
         for k in 0..count {
-            let fraction = (f64::from(k) + 0.5) / f64::from(count);
+            let fraction = sample_place(k, count);
             let parameter = self.parameter + (to - self.parameter) * fraction;
             let nominal = self.step.route.at(parameter);
             let command = piece.route.at(fraction);

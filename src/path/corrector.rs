@@ -14,7 +14,7 @@ use super::cut::{fit_arc, next_step};
 use super::extend::{Reach, longest};
 use super::findings::{Findings, placing_axes};
 use super::place::{Placed, Placer};
-use super::prediction::sample_count;
+use super::prediction::{sample_count, sample_place};
 use super::route::Route;
 use super::trial::{Bench, Standing, Trial};
 use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, changes_tool};
@@ -336,7 +336,7 @@ where
         let [from, to] = trial.between;
         let count = sample_count(active.route.size_mm() * (to - from), self.options.sample_mm);
         for k in 0..count {
-            let fraction = (f64::from(k) + 0.5) / f64::from(count);
+            let fraction = sample_place(k, count);
             let nominal = active.route.at(from + (to - from) * fraction);
             let before_mm = self.placer.tip_error_mm(&nominal, &nominal, &self.standing.nominal_state);
             let after_mm = match trial.middle_mm {

@@ -129,6 +129,13 @@ pub(super) fn sample_count(size_mm: f64, sample_mm: f64) -> u32 {
     ((size_mm / sample_mm).ceil().min(MOST_SAMPLES) as u32).max(1)
 }
 
+/// Place of sample `k` of `count` in a piece, 0 … 1: one in each of `count` equal parts, but not at the same place of each, so that
+/// an error with a period near the distance of the samples is seen. The golden section spreads the places most evenly.
+pub(super) fn sample_place(k: u32, count: u32) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    (f64::from(k) + (0.5 + GOLDEN * f64::from(k)).fract()) / f64::from(count)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
