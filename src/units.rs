@@ -41,6 +41,22 @@ pub fn parse_length_mm(text: &str) -> Result<f64, String> {
     if value.is_finite() { Ok(value * factor) } else { Err(format!("'{text}' is not finite")) }
 }
 
+/// Appends a whole number as text, without an allocation.
+pub fn push_integer(line: &mut Vec<u8>, value: u64) {
+    let mut digits = [0_u8; 20];
+    let mut at = digits.len();
+    let mut rest = value;
+    loop {
+        at -= 1;
+        digits[at] = b'0' + (rest % 10) as u8;
+        rest /= 10;
+        if rest == 0 {
+            break;
+        }
+    }
+    line.extend_from_slice(&digits[at..]);
+}
+
 #[cfg(test)]
 mod tests {
     use super::parse_length_mm;

@@ -10,7 +10,7 @@ use crate::support::{Shop, machine, repository};
 
 /// Codes that no program and no machine file can provoke, with the test that covers each.
 const COVERED_ELSEWHERE: &[(&str, &str)] = &[
-    ("E0308", "model: a pose that the axes cannot reach"),
+    ("E0308", "cli_fix: a_pose_where_two_linear_axes_are_parallel_has_no_correction"),
     ("E0310", "cli_fix: the_input_is_never_overwritten"),
     ("E0311", "cli_verify: programs_that_differ_cannot_be_compared"),
 ];

@@ -247,3 +247,33 @@ fn crlf_and_foreign_bytes_come_through() {
         assert!(out.windows(text.len()).any(|part| part == text), "{}", out.escape_ascii());
     }
 }
+
+#[test]
+fn a_pose_where_two_linear_axes_are_parallel_has_no_correction() {
+    // B carries Z: at B90 it moves along X, and nothing moves along Z any more.
+    let machine = "[machine]
+name = \"nutating\"
+topology = \"wFXBYZSt\"
+[axis.X]
+direction = [1, 0, 0]
+travel_mm = [-500, 500]
+[axis.Y]
+direction = [0, 1, 0]
+travel_mm = [-500, 500]
+[axis.Z]
+direction = [0, 0, 1]
+travel_mm = [-500, 500]
+[axis.B]
+direction = [0, 1, 0]
+travel_deg = [-100, 100]
+[location]
+EC0Y = 20.0
+";
+    let shop = Shop::new()
+        .file("m.toml", machine)
+        .file("good.mpf", "N10 G90 G71 G0 X10 Y10 Z10 B60\nN20 G1 X20 F500\nN30 M30\n")
+        .file("bad.mpf", "N10 G90 G71 G0 X10 Y10 Z10 B90\nN20 G1 X20 F500\nN30 M30\n");
+    shop.run(["good.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+    shop.run(["bad.mpf", "-o", "none.mpf", "--machine", "m.toml"]).exits(4).says("error[E0308]");
+    assert!(!shop.path("none.mpf").exists());
+}

@@ -21,7 +21,6 @@ use crate::source::{Source, Span};
 const HEAD: &str = "; snc 1";
 
 /// Prints the stream.
-
 pub(super) fn run(arguments: &SncArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     let written = write(arguments, &mut findings);

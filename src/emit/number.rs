@@ -4,6 +4,8 @@
 
 use std::io::Write as _;
 
+use crate::units::push_integer;
+
 /// How counts of an increment print: a count times `units` is the number without its decimal point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decimals {
@@ -71,22 +73,6 @@ impl Decimals {
             line.pop();
         }
     }
-}
-
-/// Appends a whole number.
-pub(super) fn push_integer(line: &mut Vec<u8>, value: u64) {
-    let mut digits = [0_u8; 20];
-    let mut at = digits.len();
-    let mut rest = value;
-    loop {
-        at -= 1;
-        digits[at] = b'0' + (rest % 10) as u8;
-        rest /= 10;
-        if rest == 0 {
-            break;
-        }
-    }
-    line.extend_from_slice(&digits[at..]);
 }
 
 /// Thousandths beyond this are no exact integers in a double.

@@ -7,8 +7,9 @@
 use crate::geometry::{Axis, AxisVector};
 use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Output, OutputFrame, Piece};
 use crate::snc::{BlockNumber, Dwell, Element, FrameWords, Kind, Word, WordValue};
+use crate::units::push_integer;
 
-use super::number::{push_integer, push_value};
+use super::number::push_value;
 use super::{Decimals, Writer, WriterOptions};
 
 /// What the output takes for granted: absolute coordinates. Written before the first motion where the program does not say it.

@@ -13,6 +13,7 @@ use std::io::{self, Write};
 
 use super::{Dwell, Element, Kind, Move, WordValue};
 use crate::geometry::{AXES, AxisSet, AxisVector, Vector};
+use crate::units::push_integer;
 
 /// Turns a tool vector with the rotary axes of the tool side at an axis command.
 type TurnTool<'a> = Box<dyn Fn(&AxisVector, &Vector) -> Vector + 'a>;
@@ -194,21 +195,6 @@ fn push_value(line: &mut Vec<u8>, prefix: &[u8], value: f64) {
             power /= 10;
         }
     }
-}
-
-fn push_integer(line: &mut Vec<u8>, value: u64) {
-    let mut digits = [0_u8; 20];
-    let mut at = digits.len();
-    let mut rest = value;
-    loop {
-        at -= 1;
-        digits[at] = b'0' + (rest % 10) as u8;
-        rest /= 10;
-        if rest == 0 {
-            break;
-        }
-    }
-    line.extend_from_slice(&digits[at..]);
 }
 
 #[cfg(test)]
