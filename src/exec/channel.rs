@@ -270,6 +270,15 @@ impl<'a> Channel<'a> {
         self.modal.length_mm = tool.filter(|_| !is_off).map_or([0.0; 3], |tool| tool.length_mm);
         self.modal.tool_assumed = !is_off && tool.is_none();
         self.refresh_setup();
+        let tool_mm = self.setup.tool_mm;
+        let lacking = LINEAR_AXES
+            .into_iter()
+            .take(3)
+            .find(|&axis| tool_mm[axis.slot()] != 0.0 && self.machine.axis(axis).is_none());
+        if let Some(axis) = lacking {
+            let message = format!("the tool length lies along {axis}, which the machine lacks");
+            return Err(fault(Code::NO_AXIS, span, message, "select another plane, or set control.tool_length_plane"));
+        }
         if !self.modal.tool_assumed {
             return Ok(());
         }
