@@ -277,3 +277,37 @@ EC0Y = 20.0
     shop.run(["bad.mpf", "-o", "none.mpf", "--machine", "m.toml"]).exits(4).says("error[E0308]");
     assert!(!shop.path("none.mpf").exists());
 }
+
+#[test]
+fn words_of_a_rapid_block_keep_their_values() {
+    let text = "N10 G90 G71 G54 G0 X0 Y0 Z50\nN20 G0 Z5 F300 M8\nN30 G1 Z-1\nN40 G9 G1 X300 M9\nN50 RET\n";
+    let shop = Shop::new().file("part.mpf", text);
+    fix(&shop, &["part.mpf", "-o", "out.mpf", "--tolerance", "0.2um"]).exits(0);
+    let out = shop.text("out.mpf");
+    let line = |number: &str| out.lines().find(|line| line.starts_with(number)).unwrap().to_owned();
+    assert!(line("N20").ends_with("F300 M8"), "{out}");
+    // The exact stop and M9 belong to the end of the programmed move, not to its first piece.
+    let last = out.lines().filter(|line| line.ends_with("M9 ;+")).count();
+    assert!(last == 1 && out.contains("G9 X300.") && !line("N40").contains("G9"), "{out}");
+    assert!(line("N50").ends_with("RET"), "{out}");
+}
+
+#[test]
+fn a_subprogram_that_was_corrected_before_is_refused() {
+    let stamped =
+        "; NCFIX 0.1.0 MACHINE=\"DEMO\" MODEL=1 SOURCE=2 EPHEMERAL: FOR THIS MACHINE ONLY\nN10 G1 X5 F100\nM17\n";
+    let shop =
+        Shop::new().file("part.mpf", "N10 G90 G71 G54 G0 X0 Y0 Z50\nN20 L10\nN30 M30\n").file("L10.SPF", stamped);
+    let run = fix(&shop, &["part.mpf", "-o", "out.mpf"]).exits(4).says("error[E0301]");
+    assert!(run.stderr.contains("L10.SPF:1:"), "{}", run.stderr);
+    assert!(!shop.path("out.mpf").exists());
+}
+
+#[test]
+fn a_fault_of_syntax_does_not_hide_what_is_not_supported() {
+    let shop = Shop::new().file("part.mpf", "N10 G90 G71 G54 G0 X0 Y0 Z50\nN20 X10..5\nN30 ROT Z30\nN40 CYCLE81(1)\n");
+    let run = fix(&shop, &["part.mpf", "-o", "out.mpf"]).exits(3);
+    for place in ["part.mpf:2:", "part.mpf:3:", "part.mpf:4:"] {
+        assert!(run.stderr.contains(place), "{}", run.stderr);
+    }
+}

@@ -446,3 +446,33 @@ fn any_bytes_are_read() {
         assert_eq!(moves, 1, "{}", String::from_utf8_lossy(text));
     }
 }
+
+#[test]
+fn incremental_blocks_do_not_drift() {
+    let mut text = String::from("G90 G0 X0 Y0 Z0\nG91 G1 F100\n");
+    (0..100_000).for_each(|_| text.push_str("X0.00333 Y-.0001\n"));
+    let (lines, codes) = run(&text);
+    assert!(codes.is_empty(), "{codes:?}");
+    assert_eq!(lines.last().map(String::as_str), Some("G1 X333 Y-10 Z0 F100"));
+}
+
+#[test]
+fn an_empty_spindle_and_another_plane_leave_no_length_behind() {
+    let mut machine = xyz_machine();
+    let length_mm = [100.0, 0.0, 0.0];
+    machine.tools.push(Tool { number: 5, name: None, edge: 1, length_mm, radius_mm: 5.0 });
+    let strict = || Options { strict: true, ..Options::default() };
+    let codes = |text: &str, machine: &Machine| run_with(text, machine, Box::new(NoLibrary), strict()).1;
+    assert!(codes("T5 M6\nG0 X0 Y0 Z50\nT0 M6\nG0 X1 Y1 Z1", &machine).is_empty());
+    // In G18 the length lies along Y: where Y and Z are now depends on the control, so both must be stated again.
+    assert_eq!(codes("T5 M6\nG0 X0 Y0 Z50\nG18\nG91 Z1", &machine), ["E0304:4"]);
+    machine.control.tool_length_plane = Some(ncfix::geometry::Plane::XY);
+    assert!(codes("T5 M6\nG0 X0 Y0 Z50\nG18\nG91 Z1", &machine).is_empty());
+}
+
+#[test]
+fn a_doubt_about_units_is_found_where_the_unit_changes() {
+    check_codes("G0 X1\nG70 X2", &["E0305:2"]);
+    check_codes("TRANS X1\nG700 G0 X2", &["E0305:2"]);
+    check_codes("G71 G0 X1\nG70 X2", &[]);
+}
