@@ -82,3 +82,16 @@ N140 M30
     let shop = shop.file("torn.mpf", torn);
     shop.run(["verify", "in.mpf", "torn.mpf", "--machine", &huron]).exits(4);
 }
+
+#[test]
+fn a_correction_for_another_machine_is_pointed_out() {
+    let demo = std::fs::read_to_string(machine("demo")).unwrap();
+    let shop = Shop::new()
+        .file("a.toml", &demo)
+        .file("b.toml", demo.replace("[location]", "[location] # measured again"))
+        .copy("samples/programs/sinumerik/pocket.mpf");
+    shop.run(["pocket.mpf", "-o", "out.mpf", "--machine", "a.toml"]).exits(0);
+    let same = shop.run(["verify", "pocket.mpf", "out.mpf", "--machine", "a.toml"]).exits(0);
+    assert!(!same.stderr.contains("W0306"), "{}", same.stderr);
+    shop.run(["verify", "pocket.mpf", "out.mpf", "--machine", "b.toml"]).exits(0).says("warning[W0306]");
+}

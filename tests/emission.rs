@@ -93,7 +93,7 @@ fn without_errors_the_program_comes_out_as_it_was() {
     N15
     N20 T="MILL_10" ; MILL
     N30 M6
-    N40 G54 S2000 D1 M3 S2=500
+    N40 G54 D1 S2000 M3 S2=500
     N50 MSG("ROUGHING")
     N60 G0 X0 Y0 Z5
     N70 G1 Z-2.5 F250.5 M8

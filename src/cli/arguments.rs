@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::builder::NonEmptyStringValueParser;
+use clap::error::ErrorKind;
 use clap::{Args, FromArgMatches as _, Subcommand, ValueEnum};
 
 use super::value;
@@ -52,12 +53,26 @@ where
     I: IntoIterator,
     I::Item: Into<OsString> + Clone,
 {
-    let matches = definition().try_get_matches_from(arguments)?;
+    let matches = definition().try_get_matches_from(arguments).map_err(explained)?;
     if matches.subcommand_name().is_some() {
         Command::from_arg_matches(&matches)
     } else {
         FixArguments::from_arg_matches(&matches).map(Command::Fix)
     }
+}
+
+/// A file or option where a command should stand is taken for the program of the default command, and what follows for a command that
+/// conflicts with it; the message for that helps nobody.
+fn explained(error: clap::Error) -> clap::Error {
+    if error.kind() != ErrorKind::ArgumentConflict || !error.to_string().contains("the subcommand") {
+        return error;
+    }
+    let commands: Vec<String> = definition().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+    let message = format!(
+        "a command comes first, before its options, and there is one file without a command; the commands are {}",
+        commands.join(", ")
+    );
+    definition().error(ErrorKind::InvalidSubcommand, message)
 }
 
 /// The commands.

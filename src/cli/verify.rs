@@ -10,6 +10,7 @@ use super::machine_choice::{self, Chosen};
 use super::program::{self, Running};
 use super::stop::Stop;
 use super::{fix, print};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::emit;
 use crate::model::Model;
 use crate::path::{self, Grouping};
@@ -53,6 +54,14 @@ fn compare(arguments: &VerifyArguments, findings: &mut Findings) -> Result<Optio
     let start = |opened, path: &Path| Running::start(opened, path, &arguments.program, &chosen.machine, false);
     let original = start(original, &arguments.original);
     let corrected = start(corrected, &arguments.corrected);
+    if let Some(model) = emit::stamped_model(sources[1].bytes())
+        && model != chosen.hash
+    {
+        let message =
+            format!("{} was corrected for the model {model}, and is compared on {}", sources[1].name(), chosen.hash);
+        let help = "give --machine the machine file that it was corrected with";
+        findings.add(Diagnostic::nowhere(Code::OTHER_STAMP, message, help), &sources);
+    }
     let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());
     let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };
     Ok(walk(original, corrected, grouping, &chosen, findings))

@@ -233,6 +233,9 @@ good for looking at, not for a real machine.";
     TOLERANCE_NOT_REACHED = "W0305" "tolerance not reached"
 "At some place the pieces became as short as 0.01 mm, or as fine as the increment, and still deviate by more than --tolerance. The
 tolerance is below what the increment can express, or the error model has a step there.";
+    OTHER_STAMP = "W0306" "corrected for another machine or model"
+"The stamp of the corrected program names another model than the one it is compared on. Each correction is good for one machine in one
+state: the numbers say what this program would do on the machine that was given.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be found.";
 }

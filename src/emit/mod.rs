@@ -8,7 +8,7 @@ mod sinumerik;
 mod stamp;
 
 pub use number::Decimals;
-pub use stamp::{Stamp, is_stamped};
+pub use stamp::{Stamp, is_stamped, stamped_model};
 
 use std::io::{self, Write};
 

@@ -55,6 +55,17 @@ pub fn is_stamped(bytes: &[u8]) -> bool {
     })
 }
 
+/// The hash of the model in a program's stamp; `None` without a stamp.
+#[must_use]
+pub fn stamped_model(bytes: &[u8]) -> Option<String> {
+    if !is_stamped(bytes) {
+        return None;
+    }
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD_BYTES)]).to_ascii_lowercase();
+    let (_, rest) = head.split_once("model=")?;
+    Some(rest.chars().take_while(char::is_ascii_alphanumeric).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

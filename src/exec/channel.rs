@@ -345,7 +345,9 @@ impl<'a> Channel<'a> {
         }
         if let Some((speed, _)) = gathered.speed {
             let word = Word { letter: b'S', extension: None, value: WordValue::Number(speed) };
-            gathered.before.insert(0, word);
+            // Behind D, before M.
+            let place = gathered.before.iter().take_while(|word| word.letter == b'D').count();
+            gathered.before.insert(place, word);
         }
     }
 
