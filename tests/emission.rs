@@ -228,3 +228,25 @@ fn increments_of_the_control_decide_the_decimals() {
     emit::emit(&mut corrector, writer.as_mut(), &mut out, |_| {}).unwrap();
     assert!(String::from_utf8(out).unwrap().ends_with("G0 X1.0005 Y0 Z100\n"));
 }
+
+#[test]
+fn under_exact_stop_a_move_stops_at_its_end_only() {
+    let errors = ErrorModel { motion: vec![motion("EYX", polynomial(&[0.0, 0.0, 1e-6]))], ..ErrorModel::default() };
+    let program = "N10 G54\nN20 G60 G0 X0 Y0 Z0\nN30 G1 X200 F500\nN40 G64\nN50 X0\nN60 G60 X200\n";
+    let options = Options { tolerance_mm: 2e-3, ..Options::default() };
+    let out = corrected(program, &errors, &options, false);
+    let lines: Vec<&str> = out.lines().filter(|line| line.contains('X')).collect();
+    let is_stop = |line: &&&str| line.contains("G60");
+    // N20 is one piece, N30 several: it leaves G60 on its first and takes it up again on its last.
+    assert_eq!(lines.iter().filter(is_stop).count(), 3, "{out}");
+    let last_of_n30 = lines.iter().position(|line| line.starts_with("N50")).unwrap() - 1;
+    assert!(
+        lines[0].starts_with("N20 G60 G0")
+            && lines[1].starts_with("N30 G64 G1")
+            && is_stop(&&lines[last_of_n30])
+            && last_of_n30 > 2,
+        "{out}"
+    );
+    let n60 = lines.iter().position(|line| line.starts_with("N60")).unwrap();
+    assert!(lines[n60].starts_with("N60 G64 G1 X") && lines.last().unwrap().starts_with("G60 X"), "{out}");
+}

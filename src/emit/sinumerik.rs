@@ -20,6 +20,10 @@ const IN_MACHINE_FRAME: &str = "G153";
 const SUPPRESSING: [&str; 3] = ["G53", "G153", "SUPA"];
 /// The comment of a step on the spot with which a move begins.
 const ON_THE_SPOT: &str = ";~";
+/// Exact stop at the end of every block, and its counterpart; the group has more members, which all stop nowhere.
+const ALWAYS_STOP: &str = "G60";
+const NEVER_STOP: &str = "G64";
+const STOP_GROUP: [&str; 7] = [ALWAYS_STOP, NEVER_STOP, "G641", "G642", "G643", "G644", "G645"];
 /// Acts at the end of its block.
 const EXACT_STOP: &str = "G9";
 /// Shifts are written to this many parts of a mm or degree: far below any increment, without the noise of the arithmetic.
@@ -42,6 +46,8 @@ pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         is_open: false,
         suppressing: None,
         stops_exactly: false,
+        always_stops: false,
+        stop_word_at: None,
         motion: 0,
         feed: 0.0,
         blocks: 0,
@@ -67,6 +73,10 @@ struct Sinumerik {
     suppressing: Option<&'static str>,
     /// Whether the block has an exact stop that is not written yet.
     stops_exactly: bool,
+    /// Whether the program has said that every block stops exactly (G60).
+    always_stops: bool,
+    /// Where in the line it says so.
+    stop_word_at: Option<usize>,
     /// The G word of motion in force: `b'0'` to `b'3'`, 0 for none yet.
     motion: u8,
     feed: f64,
@@ -145,6 +155,7 @@ impl Sinumerik {
             self.blocks += u64::from(self.has_words);
         }
         self.line.clear();
+        self.stop_word_at = None;
         self.comment.clear();
         self.has_words = false;
     }
@@ -202,7 +213,15 @@ impl Sinumerik {
                 self.has_assumed = true;
                 self.word(word.as_bytes());
             }
-            Kind::Keep(word) => self.word(word.as_bytes()),
+            Kind::Keep(word) => {
+                if STOP_GROUP.contains(word) {
+                    self.always_stops = *word == ALWAYS_STOP;
+                }
+                self.word(word.as_bytes());
+                if *word == ALWAYS_STOP {
+                    self.stop_word_at = Some(self.line.len() - word.len());
+                }
+            }
             Kind::Frame(words) => self.frame(words),
             Kind::Tool(value) => self.auxiliary(b'T', None, value),
             Kind::Before(words) => {
@@ -310,6 +329,15 @@ impl Sinumerik {
             self.exact_stop();
         }
         let is_continued = !piece.first;
+        // The program stops at the end of its move, not at the end of each piece.
+        if self.always_stops && piece.first != piece.last {
+            let word = if piece.first { NEVER_STOP } else { ALWAYS_STOP }.as_bytes();
+            match self.stop_word_at {
+                // One word of a group in a block: the one that is there changes.
+                Some(at) => self.line[at..at + word.len()].copy_from_slice(word),
+                None => self.word(word),
+            }
+        }
         if self.in_machine_frame {
             self.word(IN_MACHINE_FRAME.as_bytes());
         } else if let Some(word) = self.suppressing.filter(|_| is_continued && piece.in_machine_frame) {
