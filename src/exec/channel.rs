@@ -19,7 +19,7 @@ use crate::units::MM_PER_INCH;
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
-    machine: &'a Machine,
+    pub(super) machine: &'a Machine,
     pub(super) modal: Modal,
     pub(super) variables: Variables,
     pub(super) queue: VecDeque<Element>,
@@ -110,8 +110,7 @@ impl<'a> Channel<'a> {
         }
         let moves = !gathered.named.is_empty()
             || gathered.center.iter().any(Option::is_some)
-            || gathered.radius.is_some()
-            || gathered.turns.is_some();
+            || gathered.addresses.iter().any(|value| value.address.moves());
         if moves {
             self.comment(comment);
             self.motion(gathered, span)?;

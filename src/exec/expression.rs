@@ -1,9 +1,11 @@
 //! Evaluation of expressions.
 
 use super::fault::{Fault, fault};
+use super::modal::Modal;
 use super::value::Value;
 use super::variables::Variables;
 use crate::diagnostic::Code;
+use crate::machine::Machine;
 use crate::syntax::{ExprId, NameId, Node, Operator, Program, UnaryOperator};
 
 /// What an expression may look at.
@@ -11,6 +13,11 @@ use crate::syntax::{ExprId, NameId, Node, Operator, Program, UnaryOperator};
 pub(super) struct Scope<'a> {
     pub(super) program: &'a Program,
     pub(super) variables: &'a Variables,
+    /// State of the channel, for system variables.
+    #[expect(dead_code, reason = "system variables look at it")]
+    pub(super) modal: &'a Modal,
+    #[expect(dead_code, reason = "system variables look at it")]
+    pub(super) machine: &'a Machine,
 }
 
 impl Scope<'_> {

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+use super::assign::{assign, assignments};
 use super::channel::Channel;
 use super::fault::Fault;
 use super::gathered::Call;
@@ -12,8 +13,7 @@ use super::{Loaded, at, gatherer, scope_of};
 use crate::diagnostic::Code;
 use crate::machine::Machine;
 use crate::snc::{Kind, Word as AuxWord, WordValue};
-use crate::source::Span;
-use crate::syntax::{Address, Block, Body, ExprId, Jump, JumpTarget, NameId, Node, Search, Value, Word};
+use crate::syntax::{Block, Body, Jump, JumpTarget, Search};
 
 /// A program level: a program that runs, and where it is.
 pub(super) struct Level {
@@ -162,84 +162,6 @@ fn words(
         None if is_return => Action::Return,
         None => Action::Next,
     })
-}
-
-/// Carries out the assignments of a block, from left to right, before its words take effect.
-fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Block) -> Result<(), Fault> {
-    for word in loaded.program.words_of(block) {
-        let Word { address, value: Value::Expr(id), span } = *word else {
-            if let Address::Extended(b'R', _) | Address::Indexed(_) = word.address {
-                return Err(at(
-                    word.span,
-                    Code::NOT_SUPPORTED,
-                    "this assignment is not supported yet",
-                    "assign a plain expression",
-                ));
-            }
-            continue;
-        };
-        match address {
-            Address::Extended(b'R', index) => {
-                let value = scope_of(loaded, channel).number(id)?;
-                channel.variables.set_parameter(i64::from(index), value, span)?;
-            }
-            Address::Name(name) if channel.variables.has(name) => {
-                let value = scope_of(loaded, channel).value(id)?;
-                assign_name(loaded, channel, name, value, span)?;
-            }
-            Address::Indexed(left) => {
-                let value = scope_of(loaded, channel).value(id)?;
-                assign(loaded, channel, left, value, span)?;
-            }
-            _ => {}
-        }
-    }
-    Ok(())
-}
-
-fn assign_name(
-    loaded: &Loaded,
-    channel: &mut Channel<'_>,
-    name: NameId,
-    value: ExecValue,
-    span: Span,
-) -> Result<(), Fault> {
-    let text = loaded.program.names.text(name);
-    if channel.variables.assign(name, text, value, span)? {
-        return Ok(());
-    }
-    Err(at(
-        span,
-        Code::UNDEFINED_VARIABLE,
-        format!("{text} is not defined"),
-        "define it with DEF at the start of this program",
-    ))
-}
-
-/// Assigns to the left side of an assignment: an R parameter or a variable.
-fn assign(loaded: &Loaded, channel: &mut Channel<'_>, left: ExprId, value: ExecValue, span: Span) -> Result<(), Fault> {
-    let scope = scope_of(loaded, channel);
-    let number = |value: &ExecValue| {
-        value.number().ok_or_else(|| at(span, Code::TYPE_MISMATCH, "an R parameter holds a number", "assign a number"))
-    };
-    match loaded.program.expr(left).node {
-        Node::Parameter(index) => channel.variables.set_parameter(i64::from(index), number(&value)?, span),
-        Node::ParameterAt(index) => {
-            let index = scope.whole(index)?;
-            channel.variables.set_parameter(index, number(&value)?, span)
-        }
-        Node::Name(name) => assign_name(loaded, channel, name, value, span),
-        _ => {
-            let shown =
-                String::from_utf8_lossy(loaded.program.source.slice(loaded.program.expr(left).span)).into_owned();
-            Err(at(
-                span,
-                Code::NOT_SUPPORTED,
-                format!("assigning {shown} is not supported yet"),
-                "use a plain variable or an R parameter",
-            ))
-        }
-    }
 }
 
 fn end_for(

@@ -2,7 +2,7 @@
 
 use super::expression::Scope;
 use super::fault::{Fault, fault};
-use super::gathered::{Call, Gathered};
+use super::gathered::{Call, Gathered, NamedValue};
 use super::names::Meaning;
 use super::value::Value as ExecValue;
 use crate::diagnostic::Code;
@@ -251,8 +251,17 @@ impl Gatherer<'_> {
                 self.code(entry, word.span, out)
             }
             (Meaning::Code(entry), _) if entry.effect == Effect::Refuse => self.code(entry, word.span, out),
-            (Meaning::Radius, Value::Expr(_)) => once(&mut out.radius, (self.number(word)?, word.span), word.span),
-            (Meaning::Turns, Value::Expr(_)) => once(&mut out.turns, (self.number(word)?, word.span), word.span),
+            (Meaning::Address(address), Value::Expr(_) | Value::Dimension(..)) => {
+                let dimension = match word.value {
+                    Value::Dimension(function, _) => Some(function),
+                    _ => None,
+                };
+                if out.named(address).is_some() {
+                    return Err(twice(word.span));
+                }
+                out.addresses.push(NamedValue { address, value: self.number(word)?, dimension, span: word.span });
+                Ok(())
+            }
             (Meaning::Message, Value::Arguments(range)) => {
                 let text = match self.scope.program.arguments_of(range) {
                     [] | [None] => Vec::new(),

@@ -1,14 +1,26 @@
 //! All that one block says.
 
+use super::address::Named;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
 use crate::snc::{Word as AuxWord, WordValue};
 use crate::source::Span;
+use crate::syntax::DimensionFunction;
 
 /// A call found in a block.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Call {
     pub(super) name: String,
     pub(super) repeats: u32,
+    pub(super) span: Span,
+}
+
+/// The value of a named address, as written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct NamedValue {
+    pub(super) address: Named,
+    pub(super) value: f64,
+    /// `AC(…)`, `IC(…)`; `None` where the value stands alone.
+    pub(super) dimension: Option<DimensionFunction>,
     pub(super) span: Span,
 }
 
@@ -33,8 +45,8 @@ pub(super) struct Gathered {
     pub(super) as_incremental: AxisSet,
     pub(super) center: [Option<(f64, bool)>; 3],
     pub(super) center_span: Span,
-    pub(super) radius: Option<(f64, Span)>,
-    pub(super) turns: Option<(f64, Span)>,
+    /// Values of named addresses, see [`Self::named`].
+    pub(super) addresses: Vec<NamedValue>,
     pub(super) feed: Option<(f64, Span)>,
     pub(super) speed: Option<(f64, Span)>,
     pub(super) tool: Option<(WordValue, Span)>,
@@ -69,8 +81,7 @@ impl Gathered {
             as_incremental: AxisSet::EMPTY,
             center: [None; 3],
             center_span: Span::default(),
-            radius: None,
-            turns: None,
+            addresses: Vec::new(),
             feed: None,
             speed: None,
             tool: None,
@@ -84,5 +95,10 @@ impl Gathered {
             call: None,
             call_repeats: None,
         }
+    }
+
+    /// The value of a named address, if the block has it.
+    pub(super) fn named(&self, address: Named) -> Option<&NamedValue> {
+        self.addresses.iter().find(|value| value.address == address)
     }
 }

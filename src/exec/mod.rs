@@ -5,6 +5,8 @@
 //! Findings are items of the stream too; after an error the execution goes on, so that one run shows them all, but what it
 //! yields is then no longer good for anything but more findings.
 
+mod address;
+mod assign;
 mod channel;
 mod expression;
 mod fault;
@@ -377,7 +379,7 @@ impl Iterator for Execution<'_> {
 
 /// Everything in scope of a block's expressions.
 fn scope_of<'s>(loaded: &'s Loaded, channel: &'s Channel<'_>) -> Scope<'s> {
-    Scope { program: &loaded.program, variables: &channel.variables }
+    Scope { program: &loaded.program, variables: &channel.variables, modal: &channel.modal, machine: channel.machine }
 }
 
 /// Gathers the words of one block.

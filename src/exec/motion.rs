@@ -1,8 +1,9 @@
 //! Turns the gathered words of a block into a motion: targets, centers, checks.
 
+use super::address::Named;
 use super::fault::{Fault, fault};
 use super::gather::bad_value;
-use super::gathered::Gathered;
+use super::gathered::{Gathered, NamedValue};
 use super::modal::Modal;
 use crate::diagnostic::Code;
 use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault};
@@ -40,9 +41,9 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         ));
     }
     let arc = if is_arc { Some(arc(gathered, modal, context, &start, &target)?) } else { None };
-    if !is_arc && (gathered.center.iter().any(Option::is_some) || gathered.radius.is_some() || gathered.turns.is_some())
-    {
-        let span = gathered.radius.or(gathered.turns).map_or(gathered.center_span, |(_, span)| span);
+    let of_arc = gathered.named(Named::Cr).or(gathered.named(Named::Turn));
+    if !is_arc && (gathered.center.iter().any(Option::is_some) || of_arc.is_some()) {
+        let span = of_arc.map_or(gathered.center_span, |value| value.span);
         return Err(fault(
             Code::BAD_ARC,
             span,
@@ -135,10 +136,12 @@ fn arc(
         }
     }
     let clockwise = modal.motion == 2;
-    let turns = match gathered.turns {
+    let turns = match gathered.named(Named::Turn) {
         None => 0,
-        Some((turns, _)) if turns.fract() == 0.0 && (0.0..=MAX_TURNS).contains(&turns) => turns as u32,
-        Some((turns, span)) => {
+        Some(&NamedValue { value: turns, .. }) if turns.fract() == 0.0 && (0.0..=MAX_TURNS).contains(&turns) => {
+            turns as u32
+        }
+        Some(&NamedValue { value: turns, span, .. }) => {
             return Err(bad_value(
                 span,
                 format!("TURN={turns} is no number of turns"),
@@ -149,7 +152,8 @@ fn arc(
     let has_center = gathered.center.iter().any(Option::is_some);
     let (s, e) = ([start[abscissa], start[ordinate]], [target[abscissa], target[ordinate]]);
     let tolerance = |radius: f64| context.control.arc_tolerance_mm.max(context.control.arc_tolerance_ratio * radius);
-    let center = match (gathered.radius, has_center) {
+    let radius = gathered.named(Named::Cr).map(|value| (value.value, value.span));
+    let center = match (radius, has_center) {
         (Some((_, span)), true) => {
             return Err(fault(Code::BAD_ARC, span, "center and radius in one block", "keep either I J K or CR"));
         }

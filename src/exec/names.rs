@@ -1,5 +1,6 @@
 //! What the names of a program mean, resolved once when it is loaded.
 
+use super::address::{Named, named};
 use crate::dialect::{CodeEntry, Dialect};
 use crate::syntax::Program;
 
@@ -8,10 +9,8 @@ use crate::syntax::Program;
 pub(super) enum Meaning {
     /// A row of the code table.
     Code(&'static CodeEntry),
-    /// `CR=`
-    Radius,
-    /// `TURN=`
-    Turns,
+    /// An address with a value: `CR=`, `TURN=` …
+    Address(Named),
     /// `MSG(…)`
     Message,
     /// `RET`
@@ -124,15 +123,16 @@ pub(super) fn resolve(program: &Program, dialect: &'static Dialect) -> Vec<Meani
         .names
         .iter()
         .map(|name| match name {
-            "CR" => Meaning::Radius,
-            "TURN" => Meaning::Turns,
             "MSG" => Meaning::Message,
             "RET" => Meaning::Return,
             _ => match dialect.codes().word(name) {
                 Some(entry) => Meaning::Code(entry),
-                None if UNSUPPORTED.contains(&name) => Meaning::Unsupported,
-                None if name.starts_with('$') => Meaning::System,
-                None => Meaning::Free,
+                None => match named(name) {
+                    Some(address) => Meaning::Address(address),
+                    None if UNSUPPORTED.contains(&name) => Meaning::Unsupported,
+                    None if name.starts_with('$') => Meaning::System,
+                    None => Meaning::Free,
+                },
             },
         })
         .collect()

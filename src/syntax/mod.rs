@@ -5,6 +5,7 @@
 //! that a block of plain words costs no allocation of its own.
 
 mod block;
+mod definition;
 mod expression;
 mod jump;
 mod names;
