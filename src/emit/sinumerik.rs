@@ -43,6 +43,8 @@ pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         held: Vec::with_capacity(64),
         comment: Vec::with_capacity(64),
         has_words: false,
+        has_motion: false,
+        is_again: false,
         is_open: false,
         suppressing: None,
         stops_exactly: false,
@@ -68,6 +70,10 @@ struct Sinumerik {
     held: Vec<u8>,
     comment: Vec<u8>,
     has_words: bool,
+    /// Whether the line moves already: another move of the same block needs its own.
+    has_motion: bool,
+    /// Whether the line is a further one of its block.
+    is_again: bool,
     is_open: bool,
     /// The suppressing word of the block.
     suppressing: Option<&'static str>,
@@ -87,7 +93,8 @@ impl Writer for Sinumerik {
     fn write(&mut self, output: &Output, out: &mut Vec<u8>) {
         match output {
             Output::Piece(piece) => {
-                if piece.starts_block || !piece.first {
+                self.is_again = !piece.starts_block && (!piece.first || self.has_motion);
+                if piece.starts_block || self.is_again {
                     self.begin(piece.starts_block, piece.number, out);
                 }
                 self.assume(out);
@@ -158,6 +165,7 @@ impl Sinumerik {
         self.stop_word_at = None;
         self.comment.clear();
         self.has_words = false;
+        self.has_motion = false;
     }
 
     /// Writes the stamp unless it is there.
@@ -329,6 +337,7 @@ impl Sinumerik {
             self.exact_stop();
         }
         let is_continued = !piece.first;
+        self.has_motion = true;
         // The program stops at the end of its move, not at the end of each piece.
         if self.always_stops && piece.first != piece.last {
             let word = if piece.first { NEVER_STOP } else { ALWAYS_STOP }.as_bytes();
@@ -340,7 +349,7 @@ impl Sinumerik {
         }
         if self.in_machine_frame {
             self.word(IN_MACHINE_FRAME.as_bytes());
-        } else if let Some(word) = self.suppressing.filter(|_| is_continued && piece.in_machine_frame) {
+        } else if let Some(word) = self.suppressing.filter(|_| self.is_again && piece.in_machine_frame) {
             self.word(word.as_bytes());
         }
         let motion = match (piece.rapid, &piece.arc) {

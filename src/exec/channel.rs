@@ -4,17 +4,20 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::Options;
+use super::contour::{Contour, Item};
 use super::fault::{Fault, fault};
 use super::gather::bad_value;
 use super::gathered::Gathered;
 use super::modal::Modal;
 use super::motion::{MotionContext, motion};
+use super::path::Path;
+use super::resolve;
 use super::variables::Variables;
 use crate::diagnostic::Code;
-use crate::geometry::{AxisVector, Frame, LINEAR_AXES, Plane};
-use crate::machine::{Machine, ToolChange};
-use crate::snc::{BlockNumber, Dwell, Element, FrameWords, Kind, Origin, Setup, Word, WordValue};
-use crate::source::Span;
+use crate::geometry::{Frame, LINEAR_AXES, Plane};
+use crate::machine::Machine;
+use crate::snc::{BlockNumber, Dwell, Element, Kind, Origin, Setup, Word, WordValue};
+use crate::source::{FileId, Span};
 use crate::units::MM_PER_INCH;
 
 /// State and output of the channel.
@@ -25,11 +28,13 @@ pub(super) struct Channel<'a> {
     pub(super) queue: VecDeque<Element>,
     /// Findings of the block that do not stop it.
     pub(super) warnings: Vec<Fault>,
-    strict: bool,
-    origin: Origin,
+    pub(super) contour: Contour,
+    released: Vec<Item>,
+    pub(super) strict: bool,
+    pub(super) origin: Origin,
     number: Option<BlockNumber>,
     starts_block: bool,
-    setup: Arc<Setup>,
+    pub(super) setup: Arc<Setup>,
     setup_changed: bool,
     /// Line of the first length or feed that was programmed before any unit code.
     unitless: Option<u32>,
@@ -45,6 +50,8 @@ impl<'a> Channel<'a> {
             variables: Variables::new(),
             queue: VecDeque::with_capacity(16),
             warnings: Vec::new(),
+            contour: Contour::default(),
+            released: Vec::new(),
             strict: options.strict,
             origin: Origin::default(),
             number: None,
@@ -56,7 +63,7 @@ impl<'a> Channel<'a> {
             feed_warned: false,
         };
         if let Some(offset) = machine.zero_offsets.get(&machine.control.initial_zero_offset) {
-            channel.modal.offset = *offset;
+            channel.modal.settable = Frame::translation(*offset);
             channel.refresh_setup();
         }
         channel.modal.programmed = channel.setup.programmed(&channel.modal.command);
@@ -72,9 +79,67 @@ impl<'a> Channel<'a> {
 
     /// Puts an element into the stream.
     pub(super) fn push(&mut self, kind: Kind) {
+        let element = self.element(kind);
+        if !self.contour.is_holding() {
+            self.queue.push_back(element);
+            return;
+        }
+        let mut released = std::mem::take(&mut self.released);
+        let found = self.contour.take(Item::Element(element), &mut released);
+        self.release(released);
+        self.warnings.extend(found.err());
+    }
+
+    /// Puts a motion into the stream, through the contour stage where it must.
+    fn push_path(&mut self, path: Path) -> Result<(), Fault> {
+        let element = self.element(Kind::Empty);
+        if !self.contour.wants(&path) {
+            self.resolve(&path, element);
+            return Ok(());
+        }
+        let mut released = std::mem::take(&mut self.released);
+        let found = self.contour.take(Item::Path(Box::new(path), element), &mut released);
+        self.release(released);
+        found
+    }
+
+    /// Ends what is held back.
+    pub(super) fn finish(&mut self) -> Result<(), Fault> {
+        let mut released = std::mem::take(&mut self.released);
+        let found = self.contour.finish(&mut released);
+        self.release(released);
+        found
+    }
+
+    fn release(&mut self, mut released: Vec<Item>) {
+        for item in released.drain(..) {
+            match item {
+                Item::Element(element) => self.queue.push_back(element),
+                Item::Path(path, element) => self.resolve(&path, element),
+            }
+        }
+        self.released = released;
+    }
+
+    fn resolve(&mut self, path: &Path, mut element: Element) {
+        let queue = &mut self.queue;
+        resolve::moves(path, self.machine.control.chord_tolerance_mm, |step| {
+            let kind = Kind::Move(step);
+            queue.push_back(Element { kind, ..element.clone() });
+            element.starts_block = false;
+            element.number = None;
+        });
+    }
+
+    /// The file of the block.
+    pub(super) fn file(&self) -> FileId {
+        self.origin.file
+    }
+
+    fn element(&mut self, kind: Kind) -> Element {
         let starts_block = std::mem::take(&mut self.starts_block);
         let number = if starts_block { self.number } else { None };
-        self.queue.push_back(Element { origin: self.origin, starts_block, number, kind });
+        Element { origin: self.origin, starts_block, number, kind }
     }
 
     /// Executes a block's words.
@@ -156,8 +221,8 @@ impl<'a> Channel<'a> {
         if !self.unit_stated && self.unitless.is_none() && has_length {
             self.unitless = Some(self.origin.line);
         }
-        if let Some((code, _)) = gathered.motion {
-            self.modal.motion = code;
+        if let Some((kind, _)) = gathered.motion {
+            self.modal.motion = kind;
         }
         if let Some(incremental) = gathered.incremental {
             self.modal.incremental = incremental;
@@ -168,141 +233,6 @@ impl<'a> Channel<'a> {
             self.modal.plane = plane;
             self.refresh_setup();
         }
-        Ok(())
-    }
-
-    fn offset(&mut self, gathered: &Gathered) -> Result<(), Fault> {
-        let Some((name, span)) = &gathered.offset else { return Ok(()) };
-        let value = self.machine.zero_offsets.get(name).copied();
-        let missing = value.is_none() && name != "G500";
-        if missing {
-            let message = format!("{name} has no value in the machine file");
-            if self.strict {
-                return Err(fault(
-                    Code::NO_OFFSET,
-                    *span,
-                    message,
-                    format!("add [zero_offset.{name}] there or in a file given with --setup"),
-                ));
-            }
-            self.warnings.push(fault(
-                Code::OFFSET_ASSUMED,
-                *span,
-                format!("{message}; zero is used"),
-                format!("add [zero_offset.{name}] there"),
-            ));
-        }
-        self.modal.offset = value.unwrap_or_default();
-        self.modal.offset_assumed = missing;
-        self.refresh_setup();
-        self.push(Kind::Frame(FrameWords::Settable(name.clone())));
-        Ok(())
-    }
-
-    fn translate(&mut self, gathered: &Gathered, additive: bool, span: Span) -> Result<(), Fault> {
-        let strange = gathered.center.iter().any(Option::is_some)
-            || gathered.feed.is_some()
-            || gathered.tool.is_some()
-            || gathered.motion.is_some()
-            || gathered.offset.is_some()
-            || gathered.dwell.is_some()
-            || !gathered.after.is_empty()
-            || !gathered.before.is_empty()
-            || !gathered.as_incremental.is_empty();
-        if strange {
-            return Err(fault(
-                Code::MUST_STAND_ALONE,
-                span,
-                "TRANS and ATRANS share their block with nothing but axis words",
-                "move the other words to another block",
-            ));
-        }
-        let mut shift = AxisVector::ZERO;
-        for axis in gathered.named.iter() {
-            let unit = if axis.is_rotary() { 1_f64.to_radians() } else { self.modal.scale() };
-            shift[axis] = gathered.axes[axis] * unit;
-        }
-        self.modal.programmable = if additive { self.modal.programmable + shift } else { shift };
-        self.refresh_setup();
-        self.push(Kind::Frame(FrameWords::Translate { additive, shift, named: gathered.named }));
-        Ok(())
-    }
-
-    fn tool(&mut self, gathered: &mut Gathered) -> Result<(), Fault> {
-        let mut changed = None;
-        if let Some((tool, span)) = gathered.tool.take() {
-            if self.machine.control.tool_change == ToolChange::T {
-                self.modal.active = Some(tool.clone());
-                changed = Some(span);
-            } else {
-                self.modal.selected = Some(tool.clone());
-            }
-            self.push(Kind::Tool(tool));
-        }
-        if gathered.tool_change && self.machine.control.tool_change == ToolChange::M6 {
-            if let Some(selected) = &self.modal.selected {
-                self.modal.active = Some(selected.clone());
-            }
-            changed = Some(self.origin.span);
-        }
-        if changed.is_some() || gathered.tool_change {
-            self.modal.edge = self.machine.control.edge_after_tool_change;
-            self.modal.forget_position();
-        }
-        if let Some((edge, span)) = gathered.edge {
-            self.modal.edge = edge;
-            changed = Some(span);
-            let value = WordValue::Number(f64::from(edge));
-            gathered.before.insert(0, Word { letter: b'D', extension: None, value });
-        }
-        match changed {
-            Some(span) => self.activate_edge(span),
-            None => Ok(()),
-        }
-    }
-
-    /// Puts the length of the active tool's edge in force, and says where it is not known.
-    fn activate_edge(&mut self, span: Span) -> Result<(), Fault> {
-        let is_off = self.modal.edge == 0 || self.modal.active == Some(WordValue::Number(0.0));
-        let tool =
-            self.modal.active.as_ref().and_then(|active| self.modal.find_tool(self.machine, active, self.modal.edge));
-        self.modal.length_mm = tool.filter(|_| !is_off).map_or([0.0; 3], |tool| tool.length_mm);
-        self.modal.tool_assumed = !is_off && tool.is_none();
-        self.refresh_setup();
-        let tool_mm = self.setup.tool_mm;
-        let lacking = LINEAR_AXES
-            .into_iter()
-            .take(3)
-            .find(|&axis| tool_mm[axis.slot()] != 0.0 && self.machine.axis(axis).is_none());
-        if let Some(axis) = lacking {
-            let message = format!("the tool length lies along {axis}, which the machine lacks");
-            return Err(fault(Code::NO_AXIS, span, message, "select another plane, or set control.tool_length_plane"));
-        }
-        if !self.modal.tool_assumed {
-            return Ok(());
-        }
-        let (message, help) = match (&self.modal.active, &self.modal.selected) {
-            (Some(active), _) => {
-                let shown = match active {
-                    WordValue::Number(number) => format!("T{number}"),
-                    WordValue::Name(name) => format!("T=\"{}\"", String::from_utf8_lossy(name)),
-                };
-                let message = format!("{shown} D{} has no value in the machine file", self.modal.edge);
-                (message, "add a [[tool]] entry there or in a file given with --setup")
-            }
-            (None, Some(_)) => (
-                "a cutting edge is activated, but the selected tool was never changed to with M6".to_owned(),
-                "program M6, or set control.tool_change = \"T\" where T changes the tool",
-            ),
-            (None, None) => (
-                "a cutting edge is activated, and the program has not said which tool is in the spindle".to_owned(),
-                "program T and M6 first",
-            ),
-        };
-        if self.strict {
-            return Err(fault(Code::NO_TOOL, span, message, help));
-        }
-        self.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; length 0 is used"), help));
         Ok(())
     }
 
@@ -351,39 +281,30 @@ impl<'a> Channel<'a> {
     }
 
     fn motion(&mut self, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-        if gathered.suppress.is_some() {
-            let bare = Setup { frame: Frame::identity(), ..(*self.setup).clone() };
-            self.push(Kind::Setup(Arc::new(bare.clone())));
-            let context = self.context(&bare, span);
-            let step = motion(gathered, &mut self.modal, context)?;
-            self.push(Kind::Move(step));
+        let setup = if gathered.suppress.is_some() {
+            let bare = Arc::new(Setup { frame: Frame::identity(), ..(*self.setup).clone() });
+            self.push(Kind::Setup(Arc::clone(&bare)));
             self.setup_changed = true;
-            return Ok(());
-        }
-        if std::mem::take(&mut self.setup_changed) {
-            self.push(Kind::Setup(Arc::clone(&self.setup)));
-        }
-        let setup = Arc::clone(&self.setup);
-        let context = self.context(&setup, span);
-        let step = motion(gathered, &mut self.modal, context)?;
+            bare
+        } else {
+            if std::mem::take(&mut self.setup_changed) {
+                self.push(Kind::Setup(Arc::clone(&self.setup)));
+            }
+            Arc::clone(&self.setup)
+        };
+        let context = MotionContext { control: &self.machine.control, setup: &setup, strict: self.strict, span };
+        let path = motion(gathered, &mut self.modal, context)?;
+        let step = &path.motion;
         if !step.rapid && step.feed <= 0.0 && !std::mem::replace(&mut self.feed_warned, true) {
             let message = "a feed motion, and no F was programmed yet";
             self.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));
         }
-        self.push(Kind::Move(step));
-        Ok(())
-    }
-
-    fn context<'c>(&self, setup: &'c Setup, span: Span) -> MotionContext<'c>
-    where
-        'a: 'c,
-    {
-        MotionContext { control: &self.machine.control, setup, strict: self.strict, span }
+        self.push_path(path)
     }
 
     /// Puts frame and tool in force. An axis along which the tool length changes is taken as unknown until the program states it
     /// again: how and when a control traverses the change is a setting of the control (Sinumerik SD42940, SD42442).
-    fn refresh_setup(&mut self) {
+    pub(super) fn refresh_setup(&mut self) {
         let setup = self.modal.setup();
         for axis in LINEAR_AXES.into_iter().take(3) {
             if setup.tool_mm[axis.slot()] != self.setup.tool_mm[axis.slot()] {

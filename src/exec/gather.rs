@@ -3,6 +3,7 @@
 use super::expression::Scope;
 use super::fault::{Fault, fault};
 use super::gathered::{Call, Gathered, NamedValue};
+use super::modal::MotionKind;
 use super::names::Meaning;
 use super::value::Value as ExecValue;
 use crate::diagnostic::Code;
@@ -182,7 +183,7 @@ impl Gatherer<'_> {
     fn code(&self, entry: &'static CodeEntry, span: Span, out: &mut Gathered) -> Result<(), Fault> {
         self.group(entry.group, span, out)?;
         match entry.effect {
-            Effect::Motion => out.motion = Some((entry.name.as_bytes()[1] - b'0', span)),
+            Effect::Motion => out.motion = MotionKind::of(entry.name).map(|kind| (kind, span)),
             Effect::Dwell => out.dwell = Some(span),
             Effect::Plane => {
                 out.plane = entry.name[1..].parse().ok();

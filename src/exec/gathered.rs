@@ -1,6 +1,7 @@
 //! All that one block says.
 
 use super::address::Named;
+use super::modal::MotionKind;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
 use crate::snc::{Word as AuxWord, WordValue};
 use crate::source::Span;
@@ -28,7 +29,7 @@ pub(super) struct NamedValue {
 #[derive(Debug)]
 pub(super) struct Gathered {
     pub(super) groups: u64,
-    pub(super) motion: Option<(u8, Span)>,
+    pub(super) motion: Option<(MotionKind, Span)>,
     pub(super) dwell: Option<Span>,
     pub(super) plane: Option<u8>,
     /// Inch, and whether the feed is meant too.

@@ -8,15 +8,21 @@
 mod address;
 mod assign;
 mod channel;
+mod contour;
 mod expression;
 mod fault;
 mod flow;
+mod frames;
 mod gather;
 mod gathered;
 mod library;
 mod modal;
 mod motion;
 mod names;
+mod path;
+mod report;
+mod resolve;
+mod tool;
 mod value;
 mod variables;
 
@@ -79,6 +85,7 @@ pub struct Execution<'a> {
     chain_ids: HashMap<(u32, u32), u32>,
     found: HashMap<String, Option<(usize, usize)>>,
     is_over: bool,
+    is_finished: bool,
 }
 
 impl<'a> Execution<'a> {
@@ -127,6 +134,7 @@ impl<'a> Execution<'a> {
             chain_ids: HashMap::new(),
             found: HashMap::new(),
             is_over: false,
+            is_finished: false,
         }
     }
 
@@ -152,22 +160,6 @@ impl<'a> Execution<'a> {
             chain = caller;
         }
         lines
-    }
-
-    fn report(&mut self, finding: Diagnostic) {
-        if !self.reported.insert((finding.code, finding.place)) {
-            return;
-        }
-        if finding.is_error() {
-            self.errors += 1;
-            if self.errors == 1 {
-                self.limit = self.limit.min(self.executed + BLOCKS_AFTER_ERROR);
-            }
-            if self.errors >= MAX_ERRORS {
-                self.is_over = true;
-            }
-        }
-        self.findings.push_back(finding);
     }
 
     /// Executes one block.
@@ -342,20 +334,6 @@ impl<'a> Execution<'a> {
         self.programs.push(Loaded::new(program));
         Some((self.programs.len() - 1, section))
     }
-
-    fn over_limit(&mut self, file: FileId, block: &Block) {
-        self.is_over = true;
-        if self.errors == 0 {
-            let place = Place { file, span: block.span };
-            let message = format!("{} blocks were executed and the program goes on here", self.executed);
-            self.report(Diagnostic::at(
-                Code::TOO_MANY_BLOCKS,
-                place,
-                message,
-                "raise --max-blocks if the program does end",
-            ));
-        }
-    }
 }
 
 impl Iterator for Execution<'_> {
@@ -370,7 +348,12 @@ impl Iterator for Execution<'_> {
                 return Some(Ok(element));
             }
             if self.is_over {
-                return None;
+                if std::mem::replace(&mut self.is_finished, true) {
+                    return None;
+                }
+                let finished = self.channel.finish();
+                self.report_channel(finished.err());
+                continue;
             }
             self.step();
         }

@@ -5,11 +5,36 @@ use crate::machine::{Machine, Tool};
 use crate::snc::{Setup, WordValue};
 use crate::units::MM_PER_INCH;
 
+/// The kind of motion that is in force: G group 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MotionKind {
+    /// G0
+    Rapid,
+    /// G1
+    Line,
+    /// G2
+    Clockwise,
+    /// G3
+    CounterClockwise,
+}
+
+impl MotionKind {
+    /// The kind that a code of the table selects.
+    pub(super) fn of(code: &str) -> Option<MotionKind> {
+        Some(match code {
+            "G0" => MotionKind::Rapid,
+            "G1" => MotionKind::Line,
+            "G2" => MotionKind::Clockwise,
+            "G3" => MotionKind::CounterClockwise,
+            _ => return None,
+        })
+    }
+}
+
 /// Modal state of the channel.
 #[derive(Clone, Debug)]
 pub(super) struct Modal {
-    /// 0 … 3: G0 … G3.
-    pub(super) motion: u8,
+    pub(super) motion: MotionKind,
     pub(super) plane: Plane,
     /// Plane along whose axes the tool lengths lie, where it is fixed.
     pub(super) tool_length_plane: Option<Plane>,
@@ -18,10 +43,12 @@ pub(super) struct Modal {
     pub(super) inch_feed: bool,
     /// mm/min, 0 for none yet.
     pub(super) feed: f64,
+    /// Base frame, below the settable one.
+    pub(super) base: Frame,
     /// `G500`, `G54` …
-    pub(super) offset: AxisVector,
-    /// TRANS, ATRANS.
-    pub(super) programmable: AxisVector,
+    pub(super) settable: Frame,
+    /// TRANS, ROT, SCALE, MIRROR and their additive kin.
+    pub(super) programmable: Frame,
     /// Where frame or tool has no value in the machine file.
     pub(super) offset_assumed: bool,
     pub(super) tool_assumed: bool,
@@ -44,15 +71,16 @@ impl Modal {
     pub(super) fn new(start: Option<AxisVector>, machine: &Machine) -> Self {
         let command = start.unwrap_or_default();
         Modal {
-            motion: 1,
+            motion: MotionKind::Line,
             plane: Plane::XY,
             tool_length_plane: machine.control.tool_length_plane,
             incremental: false,
             inch: false,
             inch_feed: false,
             feed: 0.0,
-            offset: AxisVector::ZERO,
-            programmable: AxisVector::ZERO,
+            base: Frame::identity(),
+            settable: Frame::identity(),
+            programmable: Frame::identity(),
             offset_assumed: false,
             tool_assumed: false,
             selected: None,
@@ -70,9 +98,9 @@ impl Modal {
         if self.inch { MM_PER_INCH } else { 1.0 }
     }
 
-    /// Total frame: settable, then programmable nearest to the programmed value.
+    /// Total frame: base, settable, then programmable nearest to the programmed value.
     pub(super) fn frame(&self) -> Frame {
-        Frame::translation(self.offset).compose(&Frame::translation(self.programmable))
+        self.base.compose(&self.settable).compose(&self.programmable)
     }
 
     /// Gauge point to tip as the control sees it: L1, L2, L3 lie along the plane's axes (G17: Z, Y, X).

@@ -1,12 +1,16 @@
 //! Turns the gathered words of a block into a motion: targets, centers, checks.
 
+use std::sync::Arc as Shared;
+
 use super::address::Named;
 use super::fault::{Fault, fault};
 use super::gather::bad_value;
 use super::gathered::{Gathered, NamedValue};
-use super::modal::Modal;
+use super::modal::{Modal, MotionKind};
+use super::path::{Path, Shape};
+use super::resolve::chord_count;
 use crate::diagnostic::Code;
-use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault};
+use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault, PlaneBasis};
 use crate::machine::Control;
 use crate::snc::{Move, Setup};
 use crate::source::Span;
@@ -19,7 +23,7 @@ const MAX_TURNS: f64 = 999.0;
 pub(super) struct MotionContext<'a> {
     pub(super) control: &'a Control,
     /// The frame and tool that hold in this block (G53 suppresses the modal frame).
-    pub(super) setup: &'a Setup,
+    pub(super) setup: &'a Shared<Setup>,
     /// Refuse motions whose start is not known.
     pub(super) strict: bool,
     /// Where the block stands.
@@ -27,11 +31,11 @@ pub(super) struct MotionContext<'a> {
 }
 
 /// The motion of a block that names axes or a center, and the state behind it.
-pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<Move, Fault> {
+pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<Path, Fault> {
     let start = modal.command;
     let target = target(gathered, modal, context)?;
-    let rapid = modal.motion == 0;
-    let is_arc = modal.motion >= 2;
+    let rapid = modal.motion == MotionKind::Rapid;
+    let is_arc = matches!(modal.motion, MotionKind::Clockwise | MotionKind::CounterClockwise);
     if !rapid && modal.feed <= 0.0 && context.strict {
         return Err(fault(
             Code::MISSING_FEED,
@@ -40,7 +44,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
             "program F before it or in it",
         ));
     }
-    let arc = if is_arc { Some(arc(gathered, modal, context, &start, &target)?) } else { None };
+    let shape = if is_arc { arc(gathered, modal, context, &start, &target)? } else { Shape::Line };
     let of_arc = gathered.named(Named::Cr).or(gathered.named(Named::Turn));
     if !is_arc && (gathered.center.iter().any(Option::is_some) || of_arc.is_some()) {
         let span = of_arc.map_or(gathered.center_span, |value| value.span);
@@ -53,16 +57,19 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
     }
     modal.known = modal.known.union(gathered.named);
     modal.command = target;
-    Ok(Move {
+    let motion = Move {
         rapid,
-        arc,
+        arc: None,
         target,
         named: gathered.named,
         known: modal.known,
         feed: modal.feed,
         feed_named: gathered.feed.is_some(),
         in_machine_frame: gathered.suppress.is_some(),
-    })
+    };
+    let basis = PlaneBasis::behind(&context.setup.frame, modal.plane)
+        .ok_or_else(|| bad_value(context.span, "the frame squeezes the working plane flat", "check SCALE"))?;
+    Ok(Path { motion, start, basis, shape, setup: Shared::clone(context.setup), span: context.span })
 }
 
 /// Axis commands at the end of the block; sets the programmed values.
@@ -127,7 +134,7 @@ fn arc(
     context: MotionContext<'_>,
     start: &AxisVector,
     target: &AxisVector,
-) -> Result<Arc, Fault> {
+) -> Result<Shape, Fault> {
     let [abscissa, ordinate, applicate] = modal.plane.axes();
     if context.strict {
         let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
@@ -135,7 +142,7 @@ fn arc(
             return Err(unknown_start(context.span, axis));
         }
     }
-    let clockwise = modal.motion == 2;
+    let clockwise = modal.motion == MotionKind::Clockwise;
     let turns = match gathered.named(Named::Turn) {
         None => 0,
         Some(&NamedValue { value: turns, .. }) if turns.fract() == 0.0 && (0.0..=MAX_TURNS).contains(&turns) => {
@@ -150,7 +157,14 @@ fn arc(
         }
     };
     let has_center = gathered.center.iter().any(Option::is_some);
-    let (s, e) = ([start[abscissa], start[ordinate]], [target[abscissa], target[ordinate]]);
+    // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit; else as programmed.
+    let (frame, is_shifted) = (&context.setup.frame, context.setup.frame.is_translation());
+    let (from, to) = if is_shifted {
+        (*start, *target)
+    } else {
+        (context.setup.programmed(start), context.setup.programmed(target))
+    };
+    let (s, e) = ([from[abscissa], from[ordinate]], [to[abscissa], to[ordinate]]);
     let tolerance = |radius: f64| context.control.arc_tolerance_mm.max(context.control.arc_tolerance_ratio * radius);
     let radius = gathered.named(Named::Cr).map(|value| (value.value, value.span));
     let center = match (radius, has_center) {
@@ -178,15 +192,15 @@ fn arc(
                     None => {}
                     Some((value, false)) => *place += value * modal.scale(),
                     Some((value, true)) => {
-                        *place = value * modal.scale() + context.setup.frame.shift(axis)
-                            - context.setup.tool_mm[axis.slot()];
+                        let offset = frame.shift(axis) - context.setup.tool_mm[axis.slot()];
+                        *place = value * modal.scale() + if is_shifted { offset } else { 0.0 };
                     }
                 }
             }
             center
         }
     };
-    Arc::through(modal.plane, clockwise, start, target, center, turns, tolerance).map_err(|found| match found {
+    let arc = Arc::through(modal.plane, clockwise, &from, &to, center, turns, tolerance).map_err(|found| match found {
         CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
             Code::ARC_OFF_CIRCLE,
             context.span,
@@ -200,7 +214,39 @@ fn arc(
             fault(Code::BAD_ARC, context.span, "the center of the arc is its start", "correct I, J, K")
         }
         CenterFault::NotFinite => bad_value(context.span, "the arc is not finite", "check the values"),
-    })
+    })?;
+    Ok(shape_behind_frame(&arc, [&from, &to], target, context))
+}
+
+/// A programmed arc behind the frame: an arc where circles stay circles, else chords of the ellipse.
+fn shape_behind_frame(
+    arc: &Arc,
+    programmed: [&AxisVector; 2],
+    target: &AxisVector,
+    context: MotionContext<'_>,
+) -> Shape {
+    let (clockwise, extra_turns) = (arc.clockwise, arc.extra_turns);
+    let frame = &context.setup.frame;
+    if frame.is_translation() {
+        return Shape::Arc { clockwise, center: arc.center_mm, extra_turns };
+    }
+    let [abscissa, ordinate, _] = arc.plane.axes();
+    if let Some(basis) = PlaneBasis::behind(frame, arc.plane).filter(|_| frame.keeps_circles(arc.plane)) {
+        let mut center = *programmed[0];
+        center[abscissa] = arc.center_mm[0];
+        center[ordinate] = arc.center_mm[1];
+        return Shape::Arc { clockwise, center: basis.flat(&context.setup.command(&center)), extra_turns };
+    }
+    // No direction grows by more than the norm of the matrix.
+    let radius_mm = arc.radius_mm(programmed[0]) * frame.linear().norm();
+    let sweep_rad = arc.sweep_rad(programmed[0], programmed[1]);
+    let count = chord_count(radius_mm, sweep_rad, context.control.chord_tolerance_mm);
+    let mut ends: Vec<AxisVector> = (1..count)
+        .map(|k| arc.at(programmed[0], programmed[1], f64::from(k) / f64::from(count)))
+        .map(|position| context.setup.command(&position))
+        .collect();
+    ends.push(*target);
+    Shape::Chords(ends)
 }
 
 /// Center of an arc of a signed radius: above 0 at most half a turn, below 0 more than that.

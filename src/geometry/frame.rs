@@ -1,6 +1,9 @@
 //! A frame: the map from programmed positions to the control's machine positions.
 
-use super::{Axis, AxisVector, Matrix, Vector};
+use super::{Axis, AxisVector, Matrix, Plane, Vector};
+
+/// Lengths squared and products of directions nearer than this share are the same.
+const SAME_SHAPE: f64 = 1e-12;
 
 /// `machine = linear · programmed + translation` for X Y Z, and an offset each for U V W A B C.
 ///
@@ -44,6 +47,29 @@ impl Frame {
     #[must_use]
     pub fn linear(&self) -> &Matrix {
         &self.linear
+    }
+
+    /// The frame with this linear part and these offsets; `None` where the linear part cannot be inverted.
+    #[must_use]
+    pub fn new(linear: Matrix, offset: AxisVector) -> Option<Frame> {
+        if linear == Matrix::identity() {
+            return Some(Frame::translation(offset));
+        }
+        let inverse = linear.try_inverse()?;
+        Some(Frame { linear, inverse, offset, is_translation: false })
+    }
+
+    /// Whether circles of a plane stay circles, and what is across it stays across it: turned, mirrored, or scaled alike.
+    #[must_use]
+    pub fn keeps_circles(&self, plane: Plane) -> bool {
+        if self.is_translation {
+            return true;
+        }
+        let columns = plane.axes().map(|axis| self.linear.column(axis.slot()).into_owned());
+        let [first, second, across] = columns;
+        let size = first.norm_squared();
+        let off = [first.dot(&second), first.dot(&across), second.dot(&across), second.norm_squared() - size];
+        off.iter().all(|value| value.abs() <= SAME_SHAPE * size.max(across.norm_squared()))
     }
 
     /// `self : inner`: first `inner`, then this one.

@@ -2,10 +2,12 @@
 
 mod arc;
 mod axes;
+mod basis;
 mod frame;
 
 pub use arc::{Arc, CenterFault, Plane};
 pub use axes::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
+pub use basis::PlaneBasis;
 pub use frame::Frame;
 
 /// A vector in space, mm or a direction.

@@ -270,6 +270,9 @@ fn read_control(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
     if let Some(value) = section.boolean("incremental_traverses_frame_change") {
         control.incremental_traverses_frame_change = value;
     }
+    if let Some(value) = section.number_where("chord_tolerance_mm", "a number above 0", |value| value > 0.0) {
+        control.chord_tolerance_mm = value;
+    }
     if let Some(value) = section.number_where("max_program_levels", "a whole number from 1 to 100", |levels| {
         (1.0..=100.0).contains(&levels) && levels.fract() == 0.0
     }) {

@@ -93,6 +93,9 @@ pub struct Control {
     pub edge_after_tool_change: u32,
     /// Sinumerik SD42440: an incremental word behind a frame change also traverses the change.
     pub incremental_traverses_frame_change: bool,
+    /// How far the straight pieces that stand for a curve – a spline, an arc in a tilted plane or under unequal scale, a straight line
+    /// of a five-axis transformation – may be off it, mm.
+    pub chord_tolerance_mm: f64,
     /// Program levels, main program included.
     pub max_program_levels: u32,
     /// `G500`, `G54`: the zero offset that is active at the start.
@@ -135,6 +138,7 @@ impl Default for Control {
             tool_length_plane: None,
             edge_after_tool_change: 1,
             incremental_traverses_frame_change: true,
+            chord_tolerance_mm: 2.5e-4,
             max_program_levels: 16,
             initial_zero_offset: "G500".into(),
         }

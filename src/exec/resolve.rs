@@ -1,0 +1,80 @@
+//! From paths in base coordinates to moves of the axes.
+
+use super::path::{Path, Shape};
+use crate::geometry::{Arc, AxisVector};
+use crate::snc::Move;
+
+/// Chords of one arc at most; a tolerance that asks for more is not met.
+const MOST_CHORDS: f64 = 100_000.0;
+
+/// Calls `out` with every move that a path becomes, in order.
+pub(super) fn moves(path: &Path, chord_tolerance_mm: f64, mut out: impl FnMut(Move)) {
+    match &path.shape {
+        Shape::Line => out(path.motion),
+        Shape::Arc { clockwise, center, extra_turns } => {
+            match path.basis.principal_arc(*clockwise, *center, *extra_turns) {
+                Some(arc) => out(Move { arc: Some(arc), ..path.motion }),
+                None => {
+                    for target in arc_chords(path, *clockwise, *center, *extra_turns, chord_tolerance_mm) {
+                        out(Move { target, ..path.motion });
+                    }
+                }
+            }
+        }
+        Shape::Chords(ends) => {
+            for &target in ends {
+                out(Move { target, ..path.motion });
+            }
+        }
+    }
+}
+
+/// Ends of the chords of an arc in a tilted plane.
+fn arc_chords(
+    path: &Path,
+    clockwise: bool,
+    center: [f64; 2],
+    extra_turns: u32,
+    tolerance_mm: f64,
+) -> impl Iterator<Item = AxisVector> {
+    // An arc of the XY plane stands for it in plane coordinates.
+    let arc = Arc { plane: crate::geometry::Plane::XY, clockwise, center_mm: center, extra_turns };
+    let place = |position: &AxisVector| {
+        let flat = path.basis.flat(position);
+        AxisVector([flat[0], flat[1], path.basis.height(position), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    };
+    let (start, end) = (place(&path.start), place(&path.motion.target));
+    let count = chord_count(arc.radius_mm(&start), arc.sweep_rad(&start, &end), tolerance_mm);
+    let (first, last, basis) = (path.start, path.motion.target, path.basis);
+    (1..=count).map(move |k| {
+        if k == count {
+            return last;
+        }
+        let share = f64::from(k) / f64::from(count);
+        let local = arc.at(&start, &end, share);
+        let mut out = first.lerp(&last, share);
+        out.set_xyz(basis.lift([local.0[0], local.0[1]], local.0[2]));
+        out
+    })
+}
+
+/// How many equal chords keep within a tolerance of an arc: the sagitta of a chord of angle a is r (1 − cos a/2).
+pub(super) fn chord_count(radius_mm: f64, sweep_rad: f64, tolerance_mm: f64) -> u32 {
+    let share = (1.0 - tolerance_mm / radius_mm).clamp(0.0, 1.0);
+    let widest = (2.0 * share.acos()).max(1e-6);
+    // Between 1 and the limit.
+    (sweep_rad.abs() / widest).ceil().clamp(1.0, MOST_CHORDS) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chords_keep_the_sagitta() {
+        // r = 10, a = 90 degrees: sagitta 10 (1 - cos 45°) = 2.9289.
+        assert_eq!(chord_count(10.0, std::f64::consts::TAU, 2.93), 4);
+        assert_eq!(chord_count(10.0, std::f64::consts::TAU, 2.92), 5);
+        assert_eq!(chord_count(10.0, 0.1, 100.0), 1);
+    }
+}
