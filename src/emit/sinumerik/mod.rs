@@ -1,0 +1,216 @@
+//! Programs of the Sinumerik 840D and 828D.
+//!
+//! A line is put together word by word and written when the next one begins, so that what belongs behind the last piece of a move
+//! (M words of the end, exact stop) and what belongs on its first line (number, comment) find their places. Lines that a block of the
+//! source needs beside its first carry the comment `;+`, steps on the spot `;~`.
+
+mod motion;
+mod words;
+
+use crate::path::{Output, OutputFrame};
+use crate::snc::BlockNumber;
+use crate::units::push_integer;
+
+use super::number::push_value;
+use super::{Decimals, Writer, WriterOptions};
+
+/// What the output takes for granted: absolute coordinates. Written before the first motion where the program does not say it.
+const ASSUMED: &str = "G90";
+/// Exact stop at the end of every block, and its counterpart; the group has more members, which all stop nowhere.
+const ALWAYS_STOP: &str = "G60";
+const NEVER_STOP: &str = "G64";
+/// Acts at the end of its block.
+const EXACT_STOP: &str = "G9";
+
+/// The writer of the dialect.
+pub(in crate::emit) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
+    Some(Box::new(Sinumerik {
+        linear: Decimals::of_increment(options.increments.linear_mm)?,
+        rotary: Decimals::of_increment(options.increments.rotary_deg)?,
+        in_machine_frame: options.frame == OutputFrame::Machine,
+        line_end: if options.crlf { b"\r\n" } else { b"\n" },
+        stamp: options.stamp.text(),
+        is_stamped: false,
+        has_assumed: false,
+        line: Vec::with_capacity(256),
+        held: Vec::with_capacity(64),
+        comment: Vec::with_capacity(64),
+        has_words: false,
+        has_motion: false,
+        is_again: false,
+        is_open: false,
+        suppressing: None,
+        stops_exactly: false,
+        always_stops: false,
+        stop_word_at: None,
+        motion: 0,
+        feed: 0.0,
+        blocks: 0,
+    }))
+}
+
+struct Sinumerik {
+    linear: Decimals,
+    rotary: Decimals,
+    in_machine_frame: bool,
+    line_end: &'static [u8],
+    stamp: String,
+    is_stamped: bool,
+    has_assumed: bool,
+    /// The line so far, without its comment.
+    line: Vec<u8>,
+    /// S, M, H and D words of the block, which follow the words of its motion.
+    held: Vec<u8>,
+    comment: Vec<u8>,
+    has_words: bool,
+    /// Whether the line moves already: another move of the same block needs its own.
+    has_motion: bool,
+    /// Whether the line is a further one of its block.
+    is_again: bool,
+    is_open: bool,
+    /// The suppressing word of the block.
+    suppressing: Option<&'static str>,
+    /// Whether the block has an exact stop that is not written yet.
+    stops_exactly: bool,
+    /// Whether the program has said that every block stops exactly (G60).
+    always_stops: bool,
+    /// Where in the line it says so.
+    stop_word_at: Option<usize>,
+    /// The G word of motion in force: `b'0'` to `b'3'`, 0 for none yet.
+    motion: u8,
+    feed: f64,
+    blocks: u64,
+}
+
+impl Writer for Sinumerik {
+    fn write(&mut self, output: &Output, out: &mut Vec<u8>) {
+        match output {
+            Output::Piece(piece) => {
+                self.is_again = !piece.starts_block && (!piece.first || self.has_motion);
+                if piece.starts_block || self.is_again {
+                    self.begin(piece.starts_block, piece.number, out);
+                }
+                self.assume(out);
+                self.piece(piece);
+            }
+            Output::Element(element) => {
+                if element.starts_block {
+                    self.begin(true, element.number, out);
+                }
+                self.element(element, out);
+            }
+        }
+    }
+
+    fn finish(&mut self, out: &mut Vec<u8>) {
+        self.end_block(out);
+        self.stamp(out);
+    }
+
+    fn blocks(&self) -> u64 {
+        self.blocks
+    }
+}
+
+impl Sinumerik {
+    /// Ends the line before and begins another.
+    fn begin(&mut self, is_block: bool, number: Option<BlockNumber>, out: &mut Vec<u8>) {
+        if is_block {
+            self.end_block(out);
+        } else {
+            self.end_line(out);
+        }
+        self.is_open = true;
+        if is_block {
+            self.suppressing = None;
+            self.stops_exactly = false;
+        }
+        if let Some(number) = number {
+            self.line.push(if number.main { b':' } else { b'N' });
+            push_integer(&mut self.line, u64::from(number.number));
+        }
+    }
+
+    /// Ends the last line of a block.
+    fn end_block(&mut self, out: &mut Vec<u8>) {
+        if self.is_open {
+            // Still to be written in a block without motion.
+            self.exact_stop();
+        }
+        self.end_line(out);
+    }
+
+    fn end_line(&mut self, out: &mut Vec<u8>) {
+        if !std::mem::take(&mut self.is_open) {
+            return;
+        }
+        self.release();
+        if !self.line.is_empty() || !self.comment.is_empty() {
+            out.extend_from_slice(&self.line);
+            if !self.line.is_empty() && !self.comment.is_empty() {
+                out.push(b' ');
+            }
+            out.extend_from_slice(&self.comment);
+            out.extend_from_slice(self.line_end);
+            self.blocks += u64::from(self.has_words);
+        }
+        self.line.clear();
+        self.stop_word_at = None;
+        self.comment.clear();
+        self.has_words = false;
+        self.has_motion = false;
+    }
+
+    /// Writes the stamp unless it is there.
+    fn stamp(&mut self, out: &mut Vec<u8>) {
+        if !std::mem::replace(&mut self.is_stamped, true) {
+            out.extend_from_slice(b"; ");
+            out.extend_from_slice(self.stamp.as_bytes());
+            out.extend_from_slice(self.line_end);
+        }
+    }
+
+    /// Before the first words: what the coordinates of this file mean, in a line of its own.
+    fn assume(&mut self, out: &mut Vec<u8>) {
+        if self.has_assumed {
+            return;
+        }
+        self.stamp(out);
+        self.has_assumed = true;
+        out.extend_from_slice(ASSUMED.as_bytes());
+        out.extend_from_slice(self.line_end);
+        self.blocks += 1;
+    }
+
+    /// Appends a word with a blank before it.
+    fn word(&mut self, bytes: &[u8]) {
+        self.is_open = true;
+        self.has_words = true;
+        if !self.line.is_empty() {
+            self.line.push(b' ');
+        }
+        self.line.extend_from_slice(bytes);
+    }
+
+    /// Appends the words that were held back for the motion.
+    fn release(&mut self) {
+        let held = self.held.trim_ascii_start();
+        if !self.line.is_empty() && !held.is_empty() {
+            self.line.push(b' ');
+        }
+        self.line.extend_from_slice(held);
+        self.held.clear();
+    }
+
+    fn exact_stop(&mut self) {
+        if std::mem::take(&mut self.stops_exactly) {
+            self.word(EXACT_STOP.as_bytes());
+        }
+    }
+
+    fn feed_word(&mut self, feed: f64) {
+        self.word(b"F");
+        push_value(&mut self.line, feed);
+        self.feed = feed;
+    }
+}

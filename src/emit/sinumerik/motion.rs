@@ -1,0 +1,76 @@
+//! Pieces of moves.
+
+use super::{ALWAYS_STOP, NEVER_STOP, Sinumerik};
+use crate::geometry::Axis;
+use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Piece};
+use crate::units::push_integer;
+
+/// Stands in each block with machine coordinates.
+const IN_MACHINE_FRAME: &str = "G153";
+/// The comment of a step on the spot with which a move begins.
+const ON_THE_SPOT: &str = ";~";
+
+impl Sinumerik {
+    pub(super) fn piece(&mut self, piece: &Piece) {
+        if piece.last {
+            self.exact_stop();
+        }
+        let is_continued = !piece.first;
+        self.has_motion = true;
+        // The program stops at the end of its move, not at the end of each piece.
+        if self.always_stops && piece.first != piece.last {
+            let word = if piece.first { NEVER_STOP } else { ALWAYS_STOP }.as_bytes();
+            match self.stop_word_at {
+                // One word of a group in a block: the one that is there changes.
+                Some(at) => self.line[at..at + word.len()].copy_from_slice(word),
+                None => self.word(word),
+            }
+        }
+        if self.in_machine_frame {
+            self.word(IN_MACHINE_FRAME.as_bytes());
+        } else if let Some(word) = self.suppressing.filter(|_| self.is_again && piece.in_machine_frame) {
+            self.word(word.as_bytes());
+        }
+        let motion = match (piece.rapid, &piece.arc) {
+            (true, _) => b'0',
+            (false, None) => b'1',
+            (false, Some(arc)) if arc.clockwise => b'2',
+            (false, Some(_)) => b'3',
+        };
+        if piece.starts_block || piece.first || motion != self.motion {
+            self.word(&[b'G', motion]);
+            self.motion = motion;
+        }
+        for axis in piece.words.iter() {
+            self.word(&[axis.letter()]);
+            let decimals = if axis.is_rotary() { self.rotary } else { self.linear };
+            decimals.push(&mut self.line, piece.counts[axis.slot()]);
+        }
+        if let Some(arc) = &piece.arc {
+            let across = arc.plane.axes()[2];
+            for (letter, axis) in [(b'I', Axis::X), (b'J', Axis::Y), (b'K', Axis::Z)] {
+                if axis != across {
+                    self.word(&[letter]);
+                    self.linear.push(&mut self.line, arc.center_counts[axis.slot()]);
+                }
+            }
+            if arc.extra_turns > 0 {
+                self.word(b"TURN=");
+                push_integer(&mut self.line, u64::from(arc.extra_turns));
+            }
+        }
+        if piece.feed_named || !piece.rapid && piece.feed > 0.0 && piece.feed != self.feed {
+            self.feed_word(piece.feed);
+        }
+        self.release();
+        if self.comment.is_empty() {
+            let mark = match (piece.take_up, is_continued) {
+                (true, false) => ON_THE_SPOT,
+                (true, true) => CONTINUES_ON_THE_SPOT,
+                (false, true) => CONTINUES,
+                (false, false) => "",
+            };
+            self.comment.extend_from_slice(mark.as_bytes());
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Words without motion: modal codes, frames, tools, auxiliary functions, comments.
+
+use super::{ALWAYS_STOP, ASSUMED, EXACT_STOP, NEVER_STOP, Sinumerik};
+use crate::geometry::{Axis, AxisVector};
+use crate::snc::{Dwell, Element, FrameWords, Kind, Word, WordValue};
+use crate::units::push_integer;
+
+use super::super::number::push_value;
+
+/// Words that suppress frames for their block.
+const SUPPRESSING: [&str; 3] = ["G53", "G153", "SUPA"];
+const STOP_GROUP: [&str; 7] = [ALWAYS_STOP, NEVER_STOP, "G641", "G642", "G643", "G644", "G645"];
+/// Shifts are written to this many parts of a mm or degree: far below any increment, without the noise of the arithmetic.
+const SHIFT_PARTS: f64 = 1e9;
+
+impl Sinumerik {
+    pub(super) fn element(&mut self, element: &Element, out: &mut Vec<u8>) {
+        if let Kind::Header(bytes) = &element.kind {
+            out.extend_from_slice(bytes);
+            out.extend_from_slice(self.line_end);
+            return;
+        }
+        self.stamp(out);
+        match &element.kind {
+            Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Empty => {}
+            Kind::Comment(bytes) => {
+                if !self.comment.is_empty() {
+                    self.comment.push(b' ');
+                }
+                self.comment.extend_from_slice(bytes);
+            }
+            kind => self.words(kind),
+        }
+    }
+
+    fn words(&mut self, kind: &Kind) {
+        match kind {
+            Kind::Keep(word) if SUPPRESSING.contains(word) => {
+                self.suppressing = Some(word);
+                if !self.in_machine_frame {
+                    self.word(word.as_bytes());
+                }
+            }
+            Kind::Keep(word) if *word == EXACT_STOP => self.stops_exactly = true,
+            Kind::Keep(word) if *word == ASSUMED => {
+                self.has_assumed = true;
+                self.word(word.as_bytes());
+            }
+            Kind::Keep(word) => {
+                if STOP_GROUP.contains(word) {
+                    self.always_stops = *word == ALWAYS_STOP;
+                }
+                self.word(word.as_bytes());
+                if *word == ALWAYS_STOP {
+                    self.stop_word_at = Some(self.line.len() - word.len());
+                }
+            }
+            Kind::Frame(words) => self.frame(words),
+            Kind::Tool(value) => self.auxiliary(b'T', None, value),
+            Kind::Before(words) => {
+                // They are put together on the line and taken off it until the motion has been written.
+                let start = self.line.len();
+                for Word { letter, extension, value } in words {
+                    self.auxiliary(*letter, *extension, value);
+                }
+                self.held.extend_from_slice(&self.line[start..]);
+                self.line.truncate(start);
+            }
+            Kind::After(words) => {
+                self.release();
+                for Word { letter, extension, value } in words {
+                    self.auxiliary(*letter, *extension, value);
+                }
+            }
+            Kind::Feed(feed) => self.feed_word(*feed),
+            Kind::Dwell(dwell) => {
+                let (letter, value) = match dwell {
+                    Dwell::Seconds(seconds) => (&b"F"[..], *seconds),
+                    Dwell::Turns(turns) => (&b"S"[..], *turns),
+                };
+                self.word(b"G4");
+                self.word(letter);
+                push_value(&mut self.line, value);
+            }
+            Kind::Message(text) if text.is_empty() => self.word(b"MSG()"),
+            Kind::Message(text) => {
+                self.word(b"MSG(\"");
+                self.line.extend_from_slice(text);
+                self.line.extend_from_slice(b"\")");
+            }
+            Kind::Header(_) | Kind::Comment(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Empty => {}
+        }
+    }
+
+    fn auxiliary(&mut self, letter: u8, extension: Option<u32>, value: &WordValue) {
+        self.word(&[letter]);
+        if let Some(extension) = extension {
+            push_integer(&mut self.line, u64::from(extension));
+        }
+        match value {
+            WordValue::Number(number) => {
+                if extension.is_some() {
+                    self.line.push(b'=');
+                }
+                push_value(&mut self.line, *number);
+            }
+            WordValue::Name(name) => {
+                self.line.extend_from_slice(b"=\"");
+                self.line.extend_from_slice(name);
+                self.line.push(b'"');
+            }
+        }
+    }
+
+    fn frame(&mut self, words: &FrameWords) {
+        match words {
+            FrameWords::Settable(name) => self.word(name.as_bytes()),
+            FrameWords::Translate { additive, shift, named } => {
+                self.word(if *additive { b"ATRANS" } else { b"TRANS" });
+                for axis in named.iter() {
+                    self.word(&[axis.letter()]);
+                    push_value(&mut self.line, shown_shift(axis, shift));
+                }
+            }
+        }
+    }
+}
+
+/// A shift in mm or degrees without the noise of the arithmetic.
+fn shown_shift(axis: Axis, shift: &AxisVector) -> f64 {
+    let value = if axis.is_rotary() { shift[axis].to_degrees() } else { shift[axis] };
+    (value * SHIFT_PARTS).round() / SHIFT_PARTS
+}
