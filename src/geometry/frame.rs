@@ -1,14 +1,14 @@
 //! A frame: the map from programmed positions to the control's machine positions.
 
-use super::{Axis, AxisVector, Matrix, Plane, Vector};
+use super::{AXES, Axis, AxisSet, AxisVector, Matrix, Plane, Vector};
 
 /// Lengths squared and products of directions nearer than this share are the same.
 const SAME_SHAPE: f64 = 1e-12;
 
 /// `machine = linear · programmed + translation` for X Y Z, and an offset each for U V W A B C.
 ///
-/// Sinumerik: the total of settable frame and programmable frame (TRANS, ATRANS), right-most nearest to the
-/// programmed value.
+/// Sinumerik: the total of base frame, settable frame and programmable frame (TRANS, ROT, SCALE, MIRROR), right-most nearest to the
+/// programmed value. U V W A B C are shifted only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     linear: Matrix,
@@ -29,6 +29,74 @@ impl Frame {
     #[must_use]
     pub fn translation(offset: AxisVector) -> Frame {
         Frame { linear: Matrix::identity(), inverse: Matrix::identity(), offset, is_translation: true }
+    }
+
+    /// A rotation about the origin; the matrix must be orthonormal.
+    #[must_use]
+    pub fn rotation(rotation: Matrix) -> Frame {
+        Frame::linear_part(rotation, rotation.transpose())
+    }
+
+    /// A scale along X, Y and Z; `None` where a factor cannot be undone.
+    #[must_use]
+    pub fn scale(factors: Vector) -> Option<Frame> {
+        let is_sound =
+            |factor: &f64| factor.is_finite() && factor.abs() > f64::MIN_POSITIVE && (1.0 / factor).is_finite();
+        let inverse = factors.map(|factor| 1.0 / factor);
+        let is_good = factors.iter().all(is_sound);
+        is_good.then(|| Frame::linear_part(Matrix::from_diagonal(&factors), Matrix::from_diagonal(&inverse)))
+    }
+
+    /// Mirrors those of X, Y and Z that are in the set.
+    #[must_use]
+    pub fn mirror(axes: AxisSet) -> Frame {
+        let signs =
+            Vector::from_iterator(AXES.into_iter().take(3).map(|axis| if axes.contains(axis) { -1.0 } else { 1.0 }));
+        Frame::linear_part(Matrix::from_diagonal(&signs), Matrix::from_diagonal(&signs))
+    }
+
+    fn linear_part(linear: Matrix, inverse: Matrix) -> Frame {
+        let is_translation = linear == Matrix::identity();
+        Frame { linear, inverse, offset: AxisVector::ZERO, is_translation }
+    }
+
+    /// The same with other offsets.
+    #[must_use]
+    pub fn with_offset(self, offset: AxisVector) -> Frame {
+        Frame { offset, ..self }
+    }
+
+    /// The frame that undoes this one.
+    #[must_use]
+    pub fn inverse(&self) -> Frame {
+        let mut offset = AxisVector::ZERO - self.offset;
+        offset.set_xyz(-(self.inverse * self.offset.xyz()));
+        Frame { linear: self.inverse, inverse: self.linear, offset, is_translation: self.is_translation }
+    }
+
+    /// Which axes are stated where only those in `known` were: with `inward`, of programmed coordinates from machine positions, else the
+    /// other way. An axis that the frame mixes with others is known where all of them are.
+    #[must_use]
+    pub fn known_across(&self, known: AxisSet, inward: bool) -> AxisSet {
+        if self.is_translation {
+            return known;
+        }
+        let mixing = if inward { &self.inverse } else { &self.linear };
+        let mut out = known;
+        for (row, axis) in AXES.into_iter().take(3).enumerate() {
+            let size = mixing.row(row).norm();
+            let is_known = AXES
+                .into_iter()
+                .take(3)
+                .enumerate()
+                .all(|(column, other)| known.contains(other) || mixing[(row, column)].abs() <= SAME_SHAPE * size);
+            if is_known {
+                out.insert(axis);
+            } else {
+                out.remove(axis);
+            }
+        }
+        out
     }
 
     /// Whether the frame only shifts.
@@ -77,12 +145,11 @@ impl Frame {
     pub fn compose(&self, inner: &Frame) -> Frame {
         let mut offset = self.offset + inner.offset;
         offset.set_xyz(self.linear * inner.offset.xyz() + self.offset.xyz());
-        Frame {
-            linear: self.linear * inner.linear,
-            inverse: inner.inverse * self.inverse,
-            offset,
-            is_translation: self.is_translation && inner.is_translation,
+        if self.is_translation && inner.is_translation {
+            return Frame { offset, ..*self };
         }
+        let (linear, inverse) = (self.linear * inner.linear, inner.inverse * self.inverse);
+        Frame { linear, inverse, offset, is_translation: linear == Matrix::identity() }
     }
 
     /// Programmed to machine.

@@ -4,11 +4,13 @@ mod arc;
 mod axes;
 mod basis;
 mod frame;
+mod rotation;
 
 pub use arc::{Arc, CenterFault, Plane};
 pub use axes::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
 pub use basis::PlaneBasis;
 pub use frame::Frame;
+pub use rotation::{RotationOrder, about, by_solid_angles};
 
 /// A vector in space, mm or a direction.
 pub type Vector = nalgebra::Vector3<f64>;
