@@ -21,7 +21,12 @@ impl Library for Programs {
 }
 
 /// The SNC lines of a program without origins, and the codes of all findings with their lines.
-fn run_with(text: &str, machine: &Machine, library: Box<dyn Library>, options: Options) -> (Vec<String>, Vec<String>) {
+pub(crate) fn run_with(
+    text: &str,
+    machine: &Machine,
+    library: Box<dyn Library>,
+    options: Options,
+) -> (Vec<String>, Vec<String>) {
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
     let (program, findings) = syntax::parse(&source, dialect::sinumerik());
     let mut codes: Vec<String> =
@@ -43,13 +48,13 @@ fn run_with(text: &str, machine: &Machine, library: Box<dyn Library>, options: O
     (lines, codes)
 }
 
-fn run(text: &str) -> (Vec<String>, Vec<String>) {
+pub(crate) fn run(text: &str) -> (Vec<String>, Vec<String>) {
     run_with(text, &xyz_machine(), Box::new(NoLibrary), Options::default())
 }
 
 /// Checks the motion lines (G0 … G3) of a program that runs without findings.
 #[track_caller]
-fn check(text: &str, expected: &[&str]) {
+pub(crate) fn check(text: &str, expected: &[&str]) {
     let (lines, codes) = run(text);
     assert!(codes.is_empty(), "{codes:?}");
     let moves: Vec<&str> =
@@ -58,7 +63,7 @@ fn check(text: &str, expected: &[&str]) {
 }
 
 #[track_caller]
-fn check_codes(text: &str, expected: &[&str]) {
+pub(crate) fn check_codes(text: &str, expected: &[&str]) {
     assert_eq!(run(text).1, expected);
 }
 

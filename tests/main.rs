@@ -23,3 +23,4 @@ mod model;
 mod programs;
 mod support;
 mod tolerance;
+mod variables;

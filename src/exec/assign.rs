@@ -1,39 +1,30 @@
-//! Assignments: R parameters, variables, and whatever else may stand left of an equals sign.
+//! Assignments: R parameters, variables, arrays, and whatever else may stand left of an equals sign.
 
 use super::channel::Channel;
 use super::fault::Fault;
 use super::value::Value as ExecValue;
+use super::variables::{List, Shape};
 use super::{Loaded, at, scope_of};
 use crate::diagnostic::Code;
 use crate::source::Span;
-use crate::syntax::{Address, Block, ExprId, NameId, Node, Value, Word};
+use crate::syntax::{Address, Block, Definition, ExprId, NameId, Node, Value, Word};
 
 /// Carries out the assignments of a block, from left to right, before its words take effect.
 pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Block) -> Result<(), Fault> {
     for word in loaded.program.words_of(block) {
-        let Word { address, value: Value::Expr(id), span } = *word else {
-            if let Address::Extended(b'R', _) | Address::Indexed(_) = word.address {
-                return Err(at(
-                    word.span,
-                    Code::NOT_SUPPORTED,
-                    "this assignment is not supported yet",
-                    "assign a plain expression",
-                ));
-            }
-            continue;
-        };
-        match address {
+        let span = word.span;
+        match word.address {
             Address::Extended(b'R', index) => {
-                let value = scope_of(loaded, channel).number(id)?;
-                channel.variables.set_parameter(i64::from(index), value, span)?;
+                let list = assigned(loaded, channel, word)?;
+                channel.variables.set_parameters(i64::from(index), list, span)?;
             }
-            Address::Name(name) if channel.variables.has(name) => {
-                let value = scope_of(loaded, channel).value(id)?;
-                assign_name(loaded, channel, name, value, span)?;
+            Address::Name(name) if channel.variables.has(name, loaded.program.names.text(name)) => {
+                let list = assigned(loaded, channel, word)?;
+                assign_name(loaded, channel, name, list, span)?;
             }
-            Address::Indexed(left) => {
-                let value = scope_of(loaded, channel).value(id)?;
-                assign(loaded, channel, left, value, span)?;
+            Address::Indexed(left) if is_assignable(loaded, channel, left) => {
+                let list = assigned(loaded, channel, word)?;
+                assign(loaded, channel, left, list, span)?;
             }
             _ => {}
         }
@@ -41,15 +32,38 @@ pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Bl
     Ok(())
 }
 
+/// Whether the left side is no address of the language such as `POS[X]=`.
+pub(super) fn is_assignable(loaded: &Loaded, channel: &Channel<'_>, left: ExprId) -> bool {
+    match loaded.program.expr(left).node {
+        Node::Indexed(name, _) => {
+            let text = loaded.program.names.text(name);
+            text.starts_with('$') || channel.variables.has(name, text)
+        }
+        _ => true,
+    }
+}
+
+/// What stands right of the equals sign.
+fn assigned(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> Result<List, Fault> {
+    let scope = scope_of(loaded, channel);
+    match word.value {
+        Value::Expr(id) => scope.assigned(id),
+        Value::Arguments(range) => scope.list(range).map(List::Set),
+        _ => {
+            Err(at(word.span, Code::UNEXPECTED, "this is no assignment", "write '=' and an expression behind the name"))
+        }
+    }
+}
+
 pub(super) fn assign_name(
     loaded: &Loaded,
     channel: &mut Channel<'_>,
     name: NameId,
-    value: ExecValue,
+    list: List,
     span: Span,
 ) -> Result<(), Fault> {
     let text = loaded.program.names.text(name);
-    if channel.variables.assign(name, text, value, span)? {
+    if channel.variables.assign(name, text, &[], list, span)? {
         return Ok(());
     }
     Err(at(
@@ -60,25 +74,38 @@ pub(super) fn assign_name(
     ))
 }
 
-/// Assigns to the left side of an assignment: an R parameter or a variable.
-pub(super) fn assign(
+/// Assigns one value to the left side of an assignment.
+pub(super) fn assign_value(
     loaded: &Loaded,
     channel: &mut Channel<'_>,
     left: ExprId,
     value: ExecValue,
     span: Span,
 ) -> Result<(), Fault> {
+    assign(loaded, channel, left, List::One(value), span)
+}
+
+/// Assigns to the left side of an assignment: an R parameter, a variable, an element.
+pub(super) fn assign(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    left: ExprId,
+    list: List,
+    span: Span,
+) -> Result<(), Fault> {
     let scope = scope_of(loaded, channel);
-    let number = |value: &ExecValue| {
-        value.number().ok_or_else(|| at(span, Code::TYPE_MISMATCH, "an R parameter holds a number", "assign a number"))
-    };
     match loaded.program.expr(left).node {
-        Node::Parameter(index) => channel.variables.set_parameter(i64::from(index), number(&value)?, span),
+        Node::Parameter(index) => channel.variables.set_parameters(i64::from(index), list, span),
         Node::ParameterAt(index) => {
             let index = scope.whole(index)?;
-            channel.variables.set_parameter(index, number(&value)?, span)
+            channel.variables.set_parameters(index, list, span)
         }
-        Node::Name(name) => assign_name(loaded, channel, name, value, span),
+        Node::Name(name) => assign_name(loaded, channel, name, list, span),
+        Node::Indexed(name, range) if channel.variables.has(name, loaded.program.names.text(name)) => {
+            let indices = scope.indices(range, left)?;
+            let text = loaded.program.names.text(name);
+            channel.variables.assign(name, text, &indices, list, span).map(|_| ())
+        }
         _ => {
             let shown =
                 String::from_utf8_lossy(loaded.program.source.slice(loaded.program.expr(left).span)).into_owned();
@@ -89,5 +116,27 @@ pub(super) fn assign(
                 "use a plain variable or an R parameter",
             ))
         }
+    }
+}
+
+/// Carries out one definition of a DEF block.
+pub(super) fn define(loaded: &Loaded, channel: &mut Channel<'_>, definition: &Definition) -> Result<(), Fault> {
+    let scope = scope_of(loaded, channel);
+    let text = loaded.program.names.text(definition.name);
+    let string = definition.length.map(|id| scope.whole(id)).transpose()?;
+    let mut dimensions = Vec::new();
+    for length in loaded.program.arguments_of(definition.dimensions) {
+        let Some(length) = length else {
+            let message = format!("{text} has a dimension without a length");
+            return Err(at(definition.span, Code::BAD_INDEX, message, "write the length of every dimension"));
+        };
+        dimensions.push(scope.whole(*length)?);
+    }
+    let value = definition.value.map(|id| scope.assigned(id)).transpose()?;
+    let shape = Shape { kind: definition.kind, string, dimensions: &dimensions };
+    if definition.is_global {
+        channel.variables.define_global(text, shape, value, definition.span)
+    } else {
+        channel.variables.define(definition.name, text, shape, value, definition.span)
     }
 }

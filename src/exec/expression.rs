@@ -1,12 +1,14 @@
 //! Evaluation of expressions.
 
 use super::fault::{Fault, fault};
+use super::functions::{NoValue, evaluate};
 use super::modal::Modal;
 use super::value::Value;
 use super::variables::Variables;
 use crate::diagnostic::Code;
+use crate::geometry::Axis;
 use crate::machine::Machine;
-use crate::syntax::{ExprId, NameId, Node, Operator, Program, UnaryOperator};
+use crate::syntax::{ExprId, Node, Operator, Program, UnaryOperator};
 
 /// What an expression may look at.
 #[derive(Clone, Copy)]
@@ -16,7 +18,6 @@ pub(super) struct Scope<'a> {
     /// State of the channel, for system variables.
     #[expect(dead_code, reason = "system variables look at it")]
     pub(super) modal: &'a Modal,
-    #[expect(dead_code, reason = "system variables look at it")]
     pub(super) machine: &'a Machine,
 }
 
@@ -33,18 +34,7 @@ impl Scope<'_> {
             Node::Parameter(index) => Value::Real(self.variables.parameter(i64::from(index), expr.span)?),
             Node::ParameterAt(index) => Value::Real(self.variables.parameter(self.whole(index)?, expr.span)?),
             Node::Name(name) => self.named(name, id)?,
-            Node::Indexed(name, _) => {
-                let text = self.program.names.text(name);
-                return Err(fault(
-                    Code::NOT_SUPPORTED,
-                    expr.span,
-                    format!(
-                        "{text}[…]: {} are not supported yet",
-                        if text.starts_with('$') { "system variables" } else { "arrays" }
-                    ),
-                    "use a plain variable or an R parameter",
-                ));
-            }
+            Node::Indexed(name, range) => self.indexed(name, range, id)?,
             Node::Call(name, range) => {
                 let mut arguments = Vec::new();
                 for argument in self.program.arguments_of(range) {
@@ -58,11 +48,11 @@ impl Scope<'_> {
             Node::Unary(operator, inner) => {
                 let inner = self.value(inner)?;
                 let value = match (operator, &inner) {
-                    (UnaryOperator::Plus, Value::Text(_)) | (UnaryOperator::Minus, Value::Text(_)) => None,
-                    (UnaryOperator::Plus, _) => Some(inner),
+                    (UnaryOperator::Plus, _) => inner.number().is_some().then_some(inner),
                     (UnaryOperator::Minus, Value::Int(value)) => value.checked_neg().map(Value::Int),
                     (UnaryOperator::Minus, _) => inner.number().map(|value| Value::Real(-value)),
                     (UnaryOperator::Not, _) => inner.truth().map(|value| Value::Bool(!value)),
+                    (UnaryOperator::ToText, Value::Frame(_)) => None,
                     (UnaryOperator::ToText, _) => Some(Value::Text(inner.text())),
                     (UnaryOperator::BitNot, _) => inner.whole().map(|value| Value::Int(!value)),
                 };
@@ -91,7 +81,7 @@ impl Scope<'_> {
         self.value(id)?.whole().ok_or_else(|| self.type_fault(id))
     }
 
-    fn type_fault(&self, id: ExprId) -> Fault {
+    pub(super) fn type_fault(&self, id: ExprId) -> Fault {
         let span = self.program.expr(id).span;
         fault(
             Code::TYPE_MISMATCH,
@@ -99,31 +89,6 @@ impl Scope<'_> {
             "this value has the wrong type here",
             "use a number where a number is needed, a string where a string is",
         )
-    }
-
-    fn named(&self, name: NameId, id: ExprId) -> Result<Value, Fault> {
-        if let Some(value) = self.variables.get(name) {
-            return Ok(value.clone());
-        }
-        let text = self.program.names.text(name);
-        let span = self.program.expr(id).span;
-        if text == "$PI" {
-            return Ok(Value::Real(std::f64::consts::PI));
-        }
-        if text.starts_with('$') {
-            return Err(fault(
-                Code::NOT_SUPPORTED,
-                span,
-                format!("system variable {text} is not supported yet"),
-                "replace it by its value or an R parameter",
-            ));
-        }
-        Err(fault(
-            Code::UNDEFINED_VARIABLE,
-            span,
-            format!("{text} is not defined"),
-            "define it with DEF at the start of this program",
-        ))
     }
 
     fn binary(&self, operator: Operator, left: ExprId, right: ExprId, id: ExprId) -> Result<Value, Fault> {
@@ -163,6 +128,7 @@ impl Scope<'_> {
             Operator::And => truths().map(|(a, b)| Value::Bool(a && b)),
             Operator::Xor => truths().map(|(a, b)| Value::Bool(a != b)),
             Operator::Or => truths().map(|(a, b)| Value::Bool(a || b)),
+            Operator::Concatenate if matches!(a, Value::Frame(_)) || matches!(b, Value::Frame(_)) => None,
             Operator::Concatenate => Some(Value::Text([a.text(), b.text()].concat())),
             Operator::Equal => a.equals(&b).map(Value::Bool),
             Operator::NotEqual => a.equals(&b).map(|equal| Value::Bool(!equal)),
@@ -184,69 +150,35 @@ impl Scope<'_> {
 
     fn function(&self, name: &str, arguments: &[Value], id: ExprId) -> Result<Value, Fault> {
         let span = self.program.expr(id).span;
-        let Some(&(_, count, function)) = FUNCTIONS.iter().find(|(known, ..)| *known == name) else {
-            return Err(fault(
+        if name == "ISAXIS" {
+            return match arguments {
+                [number] => {
+                    let number = number.whole().ok_or_else(|| self.type_fault(id))?;
+                    Ok(Value::Bool(usize::try_from(number).is_ok_and(|n| (1..=3).contains(&n) && self.has_geometry(n))))
+                }
+                _ => Err(self.argument_count(name, "1 argument", arguments.len(), id)),
+            };
+        }
+        evaluate(name, arguments).map_err(|found| match found {
+            NoValue::Unknown => fault(
                 Code::NOT_SUPPORTED,
                 span,
                 format!("function {name}( ) is not supported yet"),
                 "replace it by arithmetic or a value",
-            ));
-        };
-        if arguments.len() != count {
-            let message =
-                format!("{name} takes {count} argument{}, not {}", if count == 1 { "" } else { "s" }, arguments.len());
-            return Err(fault(Code::BAD_EXPRESSION, span, message, "give it the arguments it takes"));
-        }
-        let numbers: Option<Vec<f64>> = arguments.iter().map(Value::number).collect();
-        let numbers = numbers.ok_or_else(|| self.type_fault(id))?;
-        let result = function(&numbers);
-        if !result.is_finite() {
-            return Err(fault(Code::NOT_COMPUTABLE, span, format!("{name} has no value here"), "check its argument"));
-        }
-        let whole = matches!(name, "TRUNC" | "ROUND" | "ROUNDUP") && result.abs() < 9e15;
-        Ok(if whole { Value::Int(result as i64) } else { Value::Real(result) })
+            ),
+            NoValue::Count(count) => self.argument_count(name, count, arguments.len(), id),
+            NoValue::Type => self.type_fault(id),
+            NoValue::Undefined(help) => fault(Code::NOT_COMPUTABLE, span, format!("{name} has no value here"), help),
+        })
     }
-}
 
-/// A function of the language: name, number of arguments, value. Angles in degrees.
-type Function = (&'static str, usize, fn(&[f64]) -> f64);
+    fn argument_count(&self, name: &str, count: &str, given: usize, id: ExprId) -> Fault {
+        let message = format!("{name} takes {count}, not {given}");
+        fault(Code::BAD_EXPRESSION, self.program.expr(id).span, message, "give it the arguments it takes")
+    }
 
-const FUNCTIONS: &[Function] = &[
-    ("SIN", 1, |a| sin_deg(a[0])),
-    ("COS", 1, |a| sin_deg(90.0 - a[0])),
-    ("TAN", 1, |a| sin_deg(a[0]) / sin_deg(90.0 - a[0])),
-    ("ASIN", 1, |a| a[0].asin().to_degrees()),
-    ("ACOS", 1, |a| a[0].acos().to_degrees()),
-    ("ATAN2", 2, |a| a[0].atan2(a[1]).to_degrees()),
-    ("SQRT", 1, |a| a[0].sqrt()),
-    ("ABS", 1, |a| a[0].abs()),
-    ("POT", 1, |a| a[0] * a[0]),
-    ("TRUNC", 1, |a| a[0].trunc()),
-    ("ROUND", 1, |a| (a[0] + 0.5).floor()),
-    ("ROUNDUP", 1, |a| a[0].ceil()),
-    ("LN", 1, |a| a[0].ln()),
-    ("EXP", 1, |a| a[0].exp()),
-    ("MINVAL", 2, |a| a[0].min(a[1])),
-    ("MAXVAL", 2, |a| a[0].max(a[1])),
-    ("BOUND", 3, |a| a[2].max(a[0]).min(a[1])),
-];
-
-/// Whether a name is a function, and so no variable.
-pub(super) fn is_function(name: &str) -> bool {
-    FUNCTIONS.iter().any(|(known, ..)| *known == name)
-}
-
-/// Sine of degrees, exact at multiples of 90 and 30: a bolt circle's zero must be zero.
-fn sin_deg(degrees: f64) -> f64 {
-    let turn = degrees.rem_euclid(360.0);
-    let (sign, half) = if turn >= 180.0 { (-1.0, turn - 180.0) } else { (1.0, turn) };
-    let quarter = if half > 90.0 { 180.0 - half } else { half };
-    let value = match quarter {
-        0.0 => 0.0,
-        30.0 => 0.5,
-        90.0 => 1.0,
-        _ if quarter > 45.0 => (90.0 - quarter).to_radians().cos(),
-        _ => quarter.to_radians().sin(),
-    };
-    sign * value
+    /// Whether the machine has the first, second or third geometry axis.
+    fn has_geometry(&self, number: usize) -> bool {
+        [Axis::X, Axis::Y, Axis::Z].get(number - 1).is_some_and(|&axis| self.machine.axis(axis).is_some())
+    }
 }

@@ -26,3 +26,8 @@ impl FaultData {
         Diagnostic::at(self.code, Place { file, span: self.span }, self.message, self.help)
     }
 }
+
+/// A finding about a part of a block.
+pub(super) fn at(span: Span, code: Code, message: impl Into<String>, help: &str) -> Fault {
+    fault(code, span, message, help)
+}

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use super::assign::{assign, assignments};
+use super::assign::{assign_value, assignments, define};
 use super::channel::Channel;
 use super::fault::Fault;
 use super::gathered::Call;
@@ -95,7 +95,7 @@ pub(super) fn block(
             let (from, to) = (scope.value(from)?, scope.number(to)?);
             level.for_ends.insert(index, to);
             let start = from.number();
-            assign(loaded, channel, variable, from, block.span)?;
+            assign_value(loaded, channel, variable, from, block.span)?;
             if start.is_some_and(|start| start <= to) { Action::Next } else { Action::Jump(partner + 1) }
         }
         Body::EndFor => return end_for(loaded, level, channel, block, partner),
@@ -103,18 +103,7 @@ pub(super) fn block(
         Body::Define { start, count } => {
             for place in start as usize..start as usize + usize::from(count) {
                 let definition = loaded.program.definitions[place];
-                if definition.is_array {
-                    let message = "arrays are not supported yet";
-                    return Err(at(
-                        definition.span,
-                        Code::NOT_SUPPORTED,
-                        message,
-                        "use R parameters with an index, R[n]",
-                    ));
-                }
-                let value = definition.value.map(|id| scope_of(loaded, channel).value(id)).transpose()?;
-                let text = loaded.program.names.text(definition.name);
-                channel.variables.define(definition.name, text, definition.kind, value, definition.span)?;
+                define(loaded, channel, &definition)?;
             }
             Action::Next
         }
@@ -182,7 +171,7 @@ fn end_for(
         other => ExecValue::Real(other.number().unwrap_or(f64::NAN) + 1.0),
     };
     let goes_on = next.number().is_some_and(|value| value <= end);
-    assign(loaded, channel, variable, next, block.span)?;
+    assign_value(loaded, channel, variable, next, block.span)?;
     Ok(if goes_on { Action::Jump(start + 1) } else { Action::Next })
 }
 

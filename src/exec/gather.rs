@@ -54,7 +54,8 @@ impl Gatherer<'_> {
     fn word(&self, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
         match word.address {
             Address::Letter(letter) => self.letter(letter, word, out),
-            Address::Extended(b'R', _) | Address::Indexed(_) => Ok(()),
+            Address::Extended(b'R', _) => Ok(()),
+            Address::Indexed(left) => self.indexed(left, word, out),
             Address::Extended(letter @ (b'S' | b'M' | b'H'), extension) => {
                 let value = self.number(word)?;
                 let word = AuxWord { letter, extension: Some(extension), value: WordValue::Number(value) };
@@ -215,7 +216,7 @@ impl Gatherer<'_> {
         Ok(())
     }
 
-    fn axis(&self, letter: u8, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+    pub(super) fn axis(&self, letter: u8, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
         let Some(axis) = Axis::from_letter(letter) else { return Err(self.unsupported(word)) };
         if !self.machine_axes.contains(axis) {
             let message = format!("the machine has no axis {axis}");
@@ -277,7 +278,7 @@ impl Gatherer<'_> {
             }
             (Meaning::Unsupported | Meaning::Return | Meaning::System, _) => Err(self.unsupported(word)),
             // Assignments were carried out before the words are gathered.
-            (Meaning::Free, Value::Expr(_)) if self.scope.variables.has(name) => Ok(()),
+            (Meaning::Free, Value::Expr(_)) if self.scope.variables.has(name, text) => Ok(()),
             (Meaning::Free, Value::Expr(_)) => Err(fault(
                 Code::UNDEFINED_VARIABLE,
                 word.span,
@@ -307,7 +308,7 @@ impl Gatherer<'_> {
         }
     }
 
-    fn unsupported(&self, word: &Word) -> Fault {
+    pub(super) fn unsupported(&self, word: &Word) -> Fault {
         let text = String::from_utf8_lossy(self.scope.program.source.slice(word.span)).into_owned();
         let shown: String = text.chars().take(40).collect();
         fault(

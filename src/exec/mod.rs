@@ -7,18 +7,22 @@
 
 mod address;
 mod assign;
+mod cells;
 mod channel;
 mod contour;
 mod expression;
 mod fault;
 mod flow;
 mod frames;
+mod functions;
 mod gather;
 mod gathered;
+mod indexed_word;
 mod library;
 mod modal;
 mod motion;
 mod names;
+mod operand;
 mod path;
 mod report;
 mod resolve;
@@ -34,12 +38,12 @@ use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::AxisVector;
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, Element, Kind, Origin};
-use crate::source::{FileId, Source, Span};
+use crate::source::{FileId, Source};
 use crate::syntax::{self, Block, Program};
 
 use channel::Channel;
 use expression::Scope;
-use fault::{Fault, fault};
+use fault::{at, fault};
 use flow::{Action, Level};
 use gather::Gatherer;
 use gathered::Call;
@@ -373,9 +377,4 @@ fn gatherer<'s>(loaded: &'s Loaded, channel: &'s Channel<'_>, machine: &Machine)
         codes: loaded.program.dialect.codes(),
         machine_axes: machine.axis_set(),
     }
-}
-
-/// A finding about a part of a block.
-fn at(span: Span, code: Code, message: impl Into<String>, help: &str) -> Fault {
-    fault(code, span, message, help)
 }

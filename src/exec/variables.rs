@@ -1,7 +1,10 @@
-//! R parameters, which live as long as the run, and DEF variables, which live as long as their program level.
+//! R parameters and global variables, which live as long as the run, and DEF variables, which live as long as their program level.
 
-use super::expression::is_function;
+use std::collections::HashMap;
+
+use super::cells::{Cells, wrong_type};
 use super::fault::{Fault, fault};
+use super::functions::is_function;
 use super::value::Value;
 use crate::diagnostic::Code;
 use crate::source::Span;
@@ -9,28 +12,51 @@ use crate::syntax::{DefinitionType, NameId};
 
 /// R0 … R9999.
 const PARAMETERS: usize = 10_000;
+/// Elements of all variables of one program level.
+const MAX_LOCAL: usize = 100_000;
+/// Elements of all global variables.
+const MAX_GLOBAL: usize = 1_000_000;
 
-/// A DEF variable.
+/// How a variable is defined.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape<'a> {
+    pub(super) kind: DefinitionType,
+    /// `n` of `STRING[n]`.
+    pub(super) string: Option<i64>,
+    /// Lengths of an array; none for a single value.
+    pub(super) dimensions: &'a [i64],
+}
+
+/// Values from an index on.
 #[derive(Clone, Debug)]
-struct Variable {
-    name: NameId,
-    kind: DefinitionType,
-    value: Value,
+pub(super) enum List {
+    /// One value.
+    One(Value),
+    /// `SET(1,,3)`
+    Set(Vec<Option<Value>>),
+    /// `REP(0)`, `REP(0,5)`
+    Repeat(Value, Option<i64>),
 }
 
 /// DEF variables of one program level.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Locals(Vec<Variable>);
+pub(super) struct Locals {
+    variables: Vec<(NameId, Cells)>,
+    elements: usize,
+}
 
 /// All variables that a block can see.
 pub(super) struct Variables {
     parameters: Vec<f64>,
     locals: Locals,
+    globals: HashMap<String, Cells>,
+    global_elements: usize,
 }
 
 impl Variables {
     pub(super) fn new() -> Self {
-        Variables { parameters: vec![0.0; PARAMETERS], locals: Locals::default() }
+        let parameters = vec![0.0; PARAMETERS];
+        Variables { parameters, locals: Locals::default(), globals: HashMap::new(), global_elements: 0 }
     }
 
     /// Puts the variables of another level in place and gives back those that were there.
@@ -40,55 +66,129 @@ impl Variables {
 
     /// An R parameter.
     pub(super) fn parameter(&self, index: i64, span: Span) -> Result<f64, Fault> {
-        slot(index).and_then(|slot| self.parameters.get(slot)).copied().ok_or_else(|| bad_index(index, span))
+        slot(index).and_then(|slot| self.parameters.get(slot)).copied().ok_or_else(|| bad_parameter(index, span))
     }
 
     /// Sets an R parameter.
     pub(super) fn set_parameter(&mut self, index: i64, value: f64, span: Span) -> Result<(), Fault> {
-        let place = slot(index).and_then(|slot| self.parameters.get_mut(slot)).ok_or_else(|| bad_index(index, span))?;
+        let place =
+            slot(index).and_then(|slot| self.parameters.get_mut(slot)).ok_or_else(|| bad_parameter(index, span))?;
         *place = value;
         Ok(())
     }
 
-    /// A variable of this level.
-    pub(super) fn get(&self, name: NameId) -> Option<&Value> {
-        self.locals.0.iter().find(|variable| variable.name == name).map(|variable| &variable.value)
+    /// Sets R parameters from an index on.
+    pub(super) fn set_parameters(&mut self, index: i64, list: List, span: Span) -> Result<(), Fault> {
+        let number = |value: &Value| {
+            let message = "an R parameter holds a number";
+            value.number().ok_or_else(|| fault(Code::TYPE_MISMATCH, span, message, "assign a number"))
+        };
+        match list {
+            List::One(value) => self.set_parameter(index, number(&value)?, span),
+            List::Set(values) => {
+                for (offset, value) in (0..).zip(values) {
+                    if let Some(value) = value {
+                        self.set_parameter(index.saturating_add(offset), number(&value)?, span)?;
+                    }
+                }
+                Ok(())
+            }
+            List::Repeat(value, count) => {
+                let end = count.map_or(PARAMETERS as i64, |count| index.saturating_add(count.max(0)));
+                let value = number(&value)?;
+                for index in index..end.min(PARAMETERS as i64) {
+                    self.set_parameter(index, value, span)?;
+                }
+                Ok(())
+            }
+        }
     }
 
-    /// Whether the level has a variable of this name.
-    pub(super) fn has(&self, name: NameId) -> bool {
-        self.get(name).is_some()
+    /// The cells of a variable: of this level, else a global one.
+    pub(super) fn cells(&self, name: NameId, text: &str) -> Option<&Cells> {
+        let local = self.locals.variables.iter().find(|(known, _)| *known == name).map(|(_, cells)| cells);
+        local.or_else(|| if self.globals.is_empty() { None } else { self.globals.get(text) })
     }
 
-    /// Defines a variable.
+    fn cells_mut(&mut self, name: NameId, text: &str) -> Option<&mut Cells> {
+        let local = self.locals.variables.iter_mut().find(|(known, _)| *known == name).map(|(_, cells)| cells);
+        if local.is_some() || self.globals.is_empty() { local } else { self.globals.get_mut(text) }
+    }
+
+    /// Whether there is a variable of this name.
+    pub(super) fn has(&self, name: NameId, text: &str) -> bool {
+        self.cells(name, text).is_some()
+    }
+
+    /// Defines a variable of this level.
     pub(super) fn define(
         &mut self,
         name: NameId,
         text: &str,
-        kind: DefinitionType,
-        value: Option<Value>,
+        shape: Shape<'_>,
+        value: Option<List>,
         span: Span,
     ) -> Result<(), Fault> {
-        if self.has(name) || is_function(text) {
+        if self.locals.variables.iter().any(|(known, _)| *known == name) || is_function(text) {
             return Err(fault(Code::DUPLICATE_NAME, span, format!("{text} is taken already"), "choose another name"));
         }
-        let Some(initial) = Value::initial(kind) else {
-            let message = "variables of type AXIS and FRAME are not supported yet";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "write the axis or frame out"));
-        };
-        let value = match value {
-            Some(value) => value.converted(kind).ok_or_else(|| wrong_type(text, span))?,
-            None => initial,
-        };
-        self.locals.0.push(Variable { name, kind, value });
+        let left = MAX_LOCAL - self.locals.elements;
+        let mut cells = Cells::new(shape.kind, shape.string, shape.dimensions, left, (text, span))?;
+        initialise(&mut cells, value, (text, span))?;
+        self.locals.elements += cells.count();
+        self.locals.variables.push((name, cells));
         Ok(())
     }
 
-    /// Assigns a variable that is defined; `false` where it is not.
-    pub(super) fn assign(&mut self, name: NameId, text: &str, value: Value, span: Span) -> Result<bool, Fault> {
-        let Some(variable) = self.locals.0.iter_mut().find(|variable| variable.name == name) else { return Ok(false) };
-        variable.value = value.converted(variable.kind).ok_or_else(|| wrong_type(text, span))?;
+    /// Defines a variable that all programs see and that lives as long as the run. One that is there already is replaced.
+    pub(super) fn define_global(
+        &mut self,
+        text: &str,
+        shape: Shape<'_>,
+        value: Option<List>,
+        span: Span,
+    ) -> Result<(), Fault> {
+        if let Some(old) = self.globals.remove(text) {
+            self.global_elements -= old.count();
+        }
+        let left = MAX_GLOBAL - self.global_elements;
+        let mut cells = Cells::new(shape.kind, shape.string, shape.dimensions, left, (text, span))?;
+        initialise(&mut cells, value, (text, span))?;
+        self.global_elements += cells.count();
+        self.globals.insert(text.to_owned(), cells);
+        Ok(())
+    }
+
+    /// Assigns to a variable that is defined; `false` where it is not.
+    pub(super) fn assign(
+        &mut self,
+        name: NameId,
+        text: &str,
+        indices: &[i64],
+        list: List,
+        span: Span,
+    ) -> Result<bool, Fault> {
+        let Some(cells) = self.cells_mut(name, text) else { return Ok(false) };
+        put(cells, indices, list, (text, span))?;
         Ok(true)
+    }
+}
+
+fn initialise(cells: &mut Cells, value: Option<List>, at: (&str, Span)) -> Result<(), Fault> {
+    match value {
+        None => Ok(()),
+        // One value for an array is that of all elements.
+        Some(List::One(value)) if cells.is_array() => cells.repeat(&[], &value, None, at),
+        Some(list) => put(cells, &[], list, at),
+    }
+}
+
+fn put(cells: &mut Cells, indices: &[i64], list: List, at: (&str, Span)) -> Result<(), Fault> {
+    match list {
+        List::One(_) if cells.is_array() && indices.is_empty() => Err(wrong_type(at.0, at.1)),
+        List::One(value) => cells.set(indices, value, at),
+        List::Set(values) => cells.fill(indices, values, at),
+        List::Repeat(value, count) => cells.repeat(indices, &value, count, at),
     }
 }
 
@@ -96,15 +196,11 @@ fn slot(index: i64) -> Option<usize> {
     usize::try_from(index).ok()
 }
 
-fn bad_index(index: i64, span: Span) -> Fault {
+fn bad_parameter(index: i64, span: Span) -> Fault {
     fault(
         Code::BAD_INDEX,
         span,
         format!("there is no R{index}"),
         format!("R parameters run from R0 to R{}", PARAMETERS - 1),
     )
-}
-
-fn wrong_type(text: &str, span: Span) -> Fault {
-    fault(Code::TYPE_MISMATCH, span, format!("{text} cannot hold this value"), "check the types in the DEF block")
 }

@@ -4,12 +4,14 @@ mod arc;
 mod axes;
 mod basis;
 mod frame;
+mod frame_parts;
 mod rotation;
 
 pub use arc::{Arc, CenterFault, Plane};
 pub use axes::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
 pub use basis::PlaneBasis;
 pub use frame::Frame;
+pub use frame_parts::FrameParts;
 pub use rotation::{RotationOrder, about, by_solid_angles};
 
 /// A vector in space, mm or a direction.

@@ -1,17 +1,25 @@
-//! `DEF` blocks: types, arrays, initial values.
+//! `DEF` blocks: modifiers, types, arrays, initial values.
 
 use super::block::Parser;
 use super::token::{Input, Parsed, blanks, fault, identifier};
-use super::tree::{Body, Definition, DefinitionType, ExprId};
+use super::tree::{ArgumentRange, Body, Definition, DefinitionType, ExprId, Node};
 use crate::diagnostic::Code;
 use crate::source::Span;
 
+/// Modifiers with a number behind them: access rights, physical unit, limits. They change no value.
+const WITH_NUMBER: &[&[u8]] = &[b"APR", b"APW", b"APRP", b"APWP", b"APRB", b"APWB", b"PHU", b"LLI", b"ULI"];
+/// Modifiers without one: preprocessing stop, initialisation, data class.
+const ALONE: &[&[u8]] =
+    &[b"SYNR", b"SYNW", b"SYNRW", b"INIPO", b"INIRE", b"INICF", b"PRLOC", b"DCM", b"DCI", b"DCU", b"DCS", b"DCN"];
+
 impl Parser {
-    /// `DEF [modifiers] TYPE name [= value] {, name [= value]}`
+    /// `DEF {modifier} TYPE {modifier} name [= value] {, name [= value]}`
     pub(super) fn define<'a>(&mut self, input: Input<'a>, rest: Input<'a>) -> Parsed<'a, Body> {
         let start = self.program.definitions.len();
         let mut rest = blanks(rest);
+        let mut is_global = false;
         let kind = loop {
+            rest = self.modifiers(rest)?;
             let Ok((behind, word)) = identifier(rest) else {
                 return fault(
                     Code::UNEXPECTED,
@@ -21,20 +29,19 @@ impl Parser {
                 );
             };
             rest = blanks(behind);
-            match word.to_ascii_uppercase().as_slice() {
-                b"INT" => break DefinitionType::Int,
-                b"REAL" => break DefinitionType::Real,
-                b"BOOL" => break DefinitionType::Bool,
-                b"CHAR" => break DefinitionType::Char,
-                b"STRING" => break DefinitionType::String,
-                b"AXIS" => break DefinitionType::Axis,
-                b"FRAME" => break DefinitionType::Frame,
-                _ => {}
+            match type_of(word) {
+                Some(kind) => break kind,
+                None if word.eq_ignore_ascii_case(b"CHAN") || word.eq_ignore_ascii_case(b"NCK") => is_global = true,
+                None => {}
             }
         };
+        let mut length = None;
         if kind == DefinitionType::String && rest.first() == Some(&b'[') {
-            rest = blanks(self.arguments(rest, b']')?.0);
+            let (behind, range) = self.arguments(rest, b']')?;
+            length = self.program.arguments_of(range).first().copied().flatten();
+            rest = blanks(behind);
         }
+        rest = self.modifiers(rest)?;
         loop {
             let at = blanks(rest);
             let Ok((behind, name)) = identifier(at) else {
@@ -42,19 +49,22 @@ impl Parser {
             };
             let id = self.intern(name);
             let mut next = blanks(behind);
-            let mut is_array = false;
+            let mut dimensions = ArgumentRange::default();
             if next.first() == Some(&b'[') {
-                is_array = true;
-                next = blanks(self.arguments(next, b']')?.0);
+                let (behind, range) = self.arguments(next, b']')?;
+                dimensions = range;
+                next = blanks(behind);
             }
+            next = self.modifiers(next)?;
             let mut value = None;
             if next.first() == Some(&b'=') {
+                let is_array = dimensions != ArgumentRange::default();
                 let (behind, id) = if is_array { self.value_list(&next[1..])? } else { self.expression(&next[1..])? };
                 value = Some(id);
                 next = blanks(behind);
             }
             let span = Span::new(self.offset(at), self.offset(at) + name.len());
-            self.program.definitions.push(Definition { span, kind, name: id, is_array, value });
+            self.program.definitions.push(Definition { span, kind, name: id, length, dimensions, is_global, value });
             rest = next;
             match rest.first() {
                 Some(b',') => rest = &rest[1..],
@@ -65,13 +75,46 @@ impl Parser {
         Ok((rest, Body::Define { start: u32::try_from(start).unwrap_or(u32::MAX), count }))
     }
 
+    /// Skips modifiers, with the numbers that belong to them.
+    fn modifiers<'a>(&mut self, input: Input<'a>) -> Skipped<'a> {
+        let mut rest = blanks(input);
+        while let Ok((behind, word)) = identifier(rest) {
+            let upper = word.to_ascii_uppercase();
+            if WITH_NUMBER.contains(&upper.as_slice()) {
+                rest = blanks(self.expression(behind)?.0);
+            } else if ALONE.contains(&upper.as_slice()) {
+                rest = blanks(behind);
+            } else {
+                break;
+            }
+        }
+        Ok(rest)
+    }
+
     /// `(1,2,3)`, `SET(1,2)`, `REP(0)` or one expression.
-    fn value_list<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
+    pub(super) fn value_list<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ExprId> {
         let at = blanks(input);
         if at.first() == Some(&b'(') {
-            let (rest, _) = self.arguments(at, b')')?;
-            return Ok((rest, self.nothing(at, rest)));
+            let (rest, range) = self.arguments(at, b')')?;
+            let set = self.intern(b"SET");
+            return Ok((rest, self.push_between(at, rest, Node::Call(set, range))));
         }
         self.expression(at)
     }
+}
+
+/// The rest of the line, or a fault.
+type Skipped<'a> = Result<Input<'a>, nom::Err<super::token::Fault>>;
+
+fn type_of(word: &[u8]) -> Option<DefinitionType> {
+    Some(match word.to_ascii_uppercase().as_slice() {
+        b"INT" => DefinitionType::Int,
+        b"REAL" => DefinitionType::Real,
+        b"BOOL" => DefinitionType::Bool,
+        b"CHAR" => DefinitionType::Char,
+        b"STRING" => DefinitionType::String,
+        b"AXIS" => DefinitionType::Axis,
+        b"FRAME" => DefinitionType::Frame,
+        _ => return None,
+    })
 }

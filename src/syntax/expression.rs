@@ -250,11 +250,6 @@ impl Parser {
         self.named(input)
     }
 
-    /// A node for something that was read and is not kept.
-    pub(super) fn nothing(&mut self, from: Input<'_>, to: Input<'_>) -> ExprId {
-        self.push_between(from, to, Node::Boolean(false))
-    }
-
     fn name_with_arguments<'a>(&mut self, input: Input<'a>, name: &[u8], rest: Input<'a>) -> Parsed<'a, ExprId> {
         let id = self.intern(name);
         let open = blanks(rest);
@@ -315,7 +310,7 @@ impl Parser {
         Ok((&rest[1..], range))
     }
 
-    fn push_between(&mut self, from: Input<'_>, to: Input<'_>, node: Node) -> ExprId {
+    pub(super) fn push_between(&mut self, from: Input<'_>, to: Input<'_>, node: Node) -> ExprId {
         let span = Span::new(self.offset(from), self.offset(to));
         self.push_expr(span, node)
     }

@@ -316,9 +316,13 @@ pub struct Definition {
     pub kind: DefinitionType,
     /// Name.
     pub name: NameId,
-    /// Whether it is an array, or has an initial value list.
-    pub is_array: bool,
-    /// Initial value.
+    /// `n` of `STRING[n]`.
+    pub length: Option<ExprId>,
+    /// Lengths of an array; none for a single value.
+    pub dimensions: ArgumentRange,
+    /// Whether all programs see it (`DEF CHAN`, `DEF NCK`).
+    pub is_global: bool,
+    /// Initial value; a list is a call of `SET` or `REP`.
     pub value: Option<ExprId>,
 }
 

@@ -1,0 +1,121 @@
+//! Operands of expressions that are looked up: variables, elements, axes, system variables; lists that are assigned.
+
+use super::expression::Scope;
+use super::fault::{Fault, fault};
+use super::value::{Value, axis_of, is_axis_name};
+use super::variables::List;
+use crate::diagnostic::Code;
+use crate::geometry::Axis;
+use crate::syntax::{ArgumentRange, ExprId, NameId, Node};
+
+impl Scope<'_> {
+    fn text_of(&self, name: NameId) -> &str {
+        self.program.names.text(name)
+    }
+
+    pub(super) fn named(&self, name: NameId, id: ExprId) -> Result<Value, Fault> {
+        let text = self.text_of(name);
+        let span = self.program.expr(id).span;
+        if let Some(cells) = self.variables.cells(name, text) {
+            return match cells.first() {
+                Some(value) if !cells.is_array() => Ok(value.clone()),
+                _ => cells.get(&[], (text, span)),
+            };
+        }
+        if text == "$PI" {
+            return Ok(Value::Real(std::f64::consts::PI));
+        }
+        if text.starts_with('$') {
+            return Err(fault(
+                Code::NOT_SUPPORTED,
+                span,
+                format!("system variable {text} is not supported yet"),
+                "replace it by its value or an R parameter",
+            ));
+        }
+        if is_axis_name(text) {
+            return Ok(Value::Axis(text.to_owned()));
+        }
+        Err(self.undefined(text, id))
+    }
+
+    fn undefined(&self, text: &str, id: ExprId) -> Fault {
+        fault(
+            Code::UNDEFINED_VARIABLE,
+            self.program.expr(id).span,
+            format!("{text} is not defined"),
+            "define it with DEF at the start of this program",
+        )
+    }
+
+    pub(super) fn indexed(&self, name: NameId, range: ArgumentRange, id: ExprId) -> Result<Value, Fault> {
+        let text = self.text_of(name);
+        let span = self.program.expr(id).span;
+        if let Some(cells) = self.variables.cells(name, text) {
+            return cells.get(&self.indices(range, id)?, (text, span));
+        }
+        if text.starts_with('$') {
+            return Err(fault(
+                Code::NOT_SUPPORTED,
+                span,
+                format!("{text}[…]: system variables are not supported yet"),
+                "use a plain variable or an R parameter",
+            ));
+        }
+        Err(self.undefined(text, id))
+    }
+
+    /// Whole numbers as indices.
+    pub(super) fn indices(&self, range: ArgumentRange, id: ExprId) -> Result<Vec<i64>, Fault> {
+        let list = self.program.arguments_of(range).iter();
+        list.map(|index| match index {
+            Some(index) => self.whole(*index),
+            None => {
+                let span = self.program.expr(id).span;
+                Err(fault(Code::BAD_INDEX, span, "an index is missing", "write all indices of the element"))
+            }
+        })
+        .collect()
+    }
+
+    /// The values of a whole argument list; an empty slot has none.
+    pub(super) fn list(&self, range: ArgumentRange) -> Result<Vec<Option<Value>>, Fault> {
+        self.program.arguments_of(range).iter().map(|slot| slot.map(|id| self.value(id)).transpose()).collect()
+    }
+
+    /// What is assigned: a value, `SET(…)` or `REP(…)`.
+    pub(super) fn assigned(&self, id: ExprId) -> Result<List, Fault> {
+        let Node::Call(name, range) = self.program.expr(id).node else { return self.value(id).map(List::One) };
+        match self.text_of(name) {
+            "SET" => self.list(range).map(List::Set),
+            "REP" => match self.list(range)?.as_slice() {
+                [Some(value)] => Ok(List::Repeat(value.clone(), None)),
+                [Some(value), Some(count)] => {
+                    let count = count.whole().ok_or_else(|| self.type_fault(id))?;
+                    Ok(List::Repeat(value.clone(), Some(count)))
+                }
+                _ => {
+                    let span = self.program.expr(id).span;
+                    let message = "REP takes a value, and how often where that is not to the end";
+                    Err(fault(Code::BAD_EXPRESSION, span, message, "write for example REP(0) or REP(0,5)"))
+                }
+            },
+            _ => self.value(id).map(List::One),
+        }
+    }
+
+    /// The axis that an expression names.
+    pub(super) fn axis(&self, id: ExprId) -> Result<Axis, Fault> {
+        let value = self.value(id)?;
+        let span = self.program.expr(id).span;
+        let Value::Axis(name) = value else { return Err(self.type_fault(id)) };
+        axis_of(&name, self.machine.axis_set().iter()).ok_or_else(|| {
+            let message = if name.is_empty() {
+                "this AXIS variable was never assigned".to_owned()
+            } else {
+                format!("the machine has no axis {name}")
+            };
+            fault(Code::NO_AXIS, span, message, "name an axis of the machine")
+        })
+    }
+}
