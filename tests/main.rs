@@ -16,6 +16,7 @@ mod emission;
 mod exec;
 mod grammar;
 mod hostile;
+mod kinematics;
 mod limits;
 mod machine_file;
 mod machines;

@@ -11,11 +11,11 @@ use ncfix::model::{ErrorModel, ErrorName, LocationError, Model, MotionError, Sol
 use ncfix::source::{FileId, Source};
 
 /// A generator with a fixed seed (splitmix64), so that a failure repeats.
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
     /// Even between −1 and 1.
-    fn symmetric(&mut self) -> f64 {
+    pub(crate) fn symmetric(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut bits = self.0;
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -24,7 +24,7 @@ impl Random {
     }
 
     /// Linear commands within ±300 mm, rotary ones within ±`rotary_rad`.
-    fn command(&mut self, rotary_rad: f64) -> AxisVector {
+    pub(crate) fn command(&mut self, rotary_rad: f64) -> AxisVector {
         AxisVector(AXES.map(|axis| self.symmetric() * if axis.is_rotary() { rotary_rad } else { 300.0 }))
     }
 }
@@ -50,7 +50,7 @@ fn read(text: &str) -> (Machine, ErrorModel) {
     result.unwrap()
 }
 
-fn sample(name: &str) -> (Machine, ErrorModel) {
+pub(crate) fn sample(name: &str) -> (Machine, ErrorModel) {
     read(&std::fs::read_to_string(format!("{}/samples/machines/{name}.toml", env!("CARGO_MANIFEST_DIR"))).unwrap())
 }
 
@@ -79,7 +79,7 @@ fn all_errors(machine: &Machine, random: &mut Random) -> ErrorModel {
 }
 
 /// Machines of every build: table, head, both; parallel axes; the 45° table.
-fn machines() -> Vec<Machine> {
+pub(crate) fn machines() -> Vec<Machine> {
     let topologies = [
         "wFXYZSt",
         "wXYZFSt",

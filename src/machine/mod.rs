@@ -5,10 +5,12 @@
 mod chain;
 mod document;
 pub mod file;
+mod kinematics;
 mod section;
 mod state;
 
 pub use chain::{Branch, Topology, TopologyFault};
+pub use kinematics::Kinematics;
 pub use state::State;
 
 use std::collections::BTreeMap;
