@@ -21,6 +21,7 @@ mod limits;
 mod machine_file;
 mod machines;
 mod model;
+mod modes;
 mod programs;
 mod support;
 mod tolerance;

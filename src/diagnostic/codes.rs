@@ -223,6 +223,12 @@ axes _deg.";
     MORE_PROGRAMS = "W0203" "further main programs in the file"
 "The file is an archive with more than one main program (%_N_…_MPF). The first one is executed; the others are only executed where it
 calls them. Put each main program into a file of its own.";
+    LEFT_OUT = "W0204" "statement left out of the output"
+"WRITE and DELETE access files of the control. They are not carried out here and not written to the output; their result variable counts
+as 0, no error. Nothing about the motion changes.";
+    NOT_CORRECTED = "W0205" "moves that are not corrected"
+"SETINT lets an input of the control interrupt the program and start another one, which is run as it lies on the control. Its moves are
+not corrected, unless that program has been corrected too.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. For check and snc zero is used; a correction is refused.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"

@@ -23,6 +23,10 @@ pub enum Effect {
     Frame,
     /// No position changes; passed on.
     Keep,
+    /// Limits of working area or spindle: the whole block is passed on.
+    Limits,
+    /// Diameter or radius programming of the transverse axis.
+    Diameter,
     /// Concerns display or editor only; left out of the output.
     Display,
     /// Known, not executed yet.
@@ -105,6 +109,8 @@ impl Effect {
             "suppress" => Effect::Suppress,
             "frame" => Effect::Frame,
             "keep" => Effect::Keep,
+            "limits" => Effect::Limits,
+            "diameter" => Effect::Diameter,
             "display" => Effect::Display,
             "refuse" => Effect::Refuse,
             _ => return None,

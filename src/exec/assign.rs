@@ -2,6 +2,7 @@
 
 use super::channel::Channel;
 use super::fault::Fault;
+use super::pass::file_result;
 use super::value::Value as ExecValue;
 use super::variables::{List, Shape};
 use super::{Loaded, at, scope_of};
@@ -26,6 +27,7 @@ pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Bl
                 let list = assigned(loaded, channel, word)?;
                 assign(loaded, channel, left, list, span)?;
             }
+            _ if matches!(word.value, Value::Arguments(_)) => file_result(loaded, channel, word)?,
             _ => {}
         }
     }

@@ -153,6 +153,11 @@ impl<'a> Channel<'a> {
         for &word in &gathered.keep {
             self.push(Kind::Keep(word));
         }
+        for text in std::mem::take(&mut gathered.verbatim) {
+            self.push(Kind::Verbatim(text));
+        }
+        self.warnings.extend(gathered.warning.take());
+        self.check_diameter(gathered)?;
         self.offset(gathered)?;
         if let Some((additive, at)) = gathered.frame {
             self.translate(gathered, additive, at)?;
@@ -189,6 +194,10 @@ impl<'a> Channel<'a> {
         let after = std::mem::take(&mut gathered.after);
         if !after.is_empty() {
             self.push(Kind::After(after));
+        }
+        if gathered.loses_position {
+            self.modal.forget_position();
+            self.push(Kind::Lost);
         }
         Ok(())
     }
@@ -293,7 +302,18 @@ impl<'a> Channel<'a> {
             Arc::clone(&self.setup)
         };
         let context = MotionContext { control: &self.machine.control, setup: &setup, strict: self.strict, span };
-        let path = motion(gathered, &mut self.modal, context)?;
+        let modal_feed = self.modal.feed;
+        if let Some(feed) = gathered.block_feed {
+            self.modal.feed = feed;
+        }
+        let found = motion(gathered, &mut self.modal, context);
+        self.modal.feed = modal_feed;
+        let mut path = found?;
+        if path.motion.rapid {
+            path.motion.feed = modal_feed;
+        } else {
+            path.motion.feed_named |= gathered.block_feed.is_some();
+        }
         let step = &path.motion;
         if !step.rapid && step.feed <= 0.0 && !std::mem::replace(&mut self.feed_warned, true) {
             let message = "a feed motion, and no F was programmed yet";

@@ -16,7 +16,6 @@ pub(super) struct Scope<'a> {
     pub(super) program: &'a Program,
     pub(super) variables: &'a Variables,
     /// State of the channel, for system variables.
-    #[expect(dead_code, reason = "system variables look at it")]
     pub(super) modal: &'a Modal,
     pub(super) machine: &'a Machine,
 }

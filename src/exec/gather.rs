@@ -28,7 +28,13 @@ impl Gatherer<'_> {
         let mut out = Gathered::new();
         let words = self.scope.program.words_of(block);
         for word in words {
-            self.word(word, &mut out)?;
+            self.word(word, block, &mut out)?;
+            if out.is_complete {
+                break;
+            }
+        }
+        if let Some(span) = out.limits {
+            self.limits(block, span, &mut out)?;
         }
         if let Some((repeats, span)) = out.call_repeats {
             match &mut out.call {
@@ -51,8 +57,13 @@ impl Gatherer<'_> {
         Ok(out)
     }
 
-    fn word(&self, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+    fn word(&self, word: &Word, block: &Block, out: &mut Gathered) -> Result<(), Fault> {
         match word.address {
+            Address::Name(_) | Address::Indexed(_) | Address::Letter(b'L' | b'M')
+                if self.passes(word, block, out)? =>
+            {
+                Ok(())
+            }
             Address::Letter(letter) => self.letter(letter, word, out),
             Address::Extended(b'R', _) => Ok(()),
             Address::Indexed(left) => self.indexed(left, word, out),
@@ -208,6 +219,9 @@ impl Gatherer<'_> {
             Effect::Frame => out.frame = Some((entry.name == "ATRANS", span)),
             Effect::Keep => out.keep.push(entry.name),
             Effect::Display => {}
+            Effect::Limits => out.limits = Some(span),
+            // The output is in radii; the transverse axis is not moved while they are diameters.
+            Effect::Diameter => out.diameter = Some((entry.name != "DIAMOF", span)),
             Effect::Refuse => {
                 let message = format!("{} ({}) is not supported yet", entry.name, entry.meaning);
                 return Err(fault(Code::NOT_SUPPORTED, span, message, "the program cannot be corrected with it"));

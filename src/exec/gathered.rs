@@ -1,6 +1,7 @@
 //! All that one block says.
 
 use super::address::Named;
+use super::fault::Fault;
 use super::modal::MotionKind;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
 use crate::snc::{Word as AuxWord, WordValue};
@@ -58,6 +59,19 @@ pub(super) struct Gathered {
     pub(super) program_end: Option<u32>,
     pub(super) is_return: bool,
     pub(super) message: Option<Vec<u8>>,
+    /// Words that are passed on, values evaluated.
+    pub(super) verbatim: Vec<Vec<u8>>,
+    /// Whether they say all that the block says.
+    pub(super) is_complete: bool,
+    /// Whether the axes are anywhere behind the block.
+    pub(super) loses_position: bool,
+    /// G25, G26.
+    pub(super) limits: Option<Span>,
+    /// Diameter programming on or off.
+    pub(super) diameter: Option<(bool, Span)>,
+    /// FB, mm/min.
+    pub(super) block_feed: Option<f64>,
+    pub(super) warning: Option<Fault>,
     pub(super) call: Option<Call>,
     pub(super) call_repeats: Option<(u32, Span)>,
 }
@@ -93,6 +107,13 @@ impl Gathered {
             program_end: None,
             is_return: false,
             message: None,
+            verbatim: Vec::new(),
+            is_complete: false,
+            loses_position: false,
+            limits: None,
+            diameter: None,
+            block_feed: None,
+            warning: None,
             call: None,
             call_repeats: None,
         }

@@ -1,6 +1,7 @@
 //! Programs that are loaded, and where further ones come from.
 
 use super::names::{self, Meaning};
+use crate::machine::Control;
 use crate::syntax::{Block, Program};
 
 /// Finds subprograms that are not in the file of the main program.
@@ -30,8 +31,8 @@ pub(super) struct Loaded {
 }
 
 impl Loaded {
-    pub(super) fn new(program: Program) -> Self {
-        let meanings = names::resolve(&program, program.dialect);
+    pub(super) fn new(program: Program, control: &Control) -> Self {
+        let meanings = names::resolve(&program, program.dialect, control);
         let targets = vec![None; program.jumps.len()];
         let commented = vec![false; program.blocks.len()];
         Loaded { program, meanings, targets, commented }

@@ -18,11 +18,13 @@ mod functions;
 mod gather;
 mod gathered;
 mod indexed_word;
+mod kept;
 mod library;
 mod modal;
 mod motion;
 mod names;
 mod operand;
+mod pass;
 mod path;
 mod report;
 mod resolve;
@@ -126,7 +128,7 @@ impl<'a> Execution<'a> {
             library,
             options,
             sources: vec![source],
-            programs: vec![Loaded::new(program)],
+            programs: vec![Loaded::new(program, &machine.control)],
             levels: vec![Level::new(0, main, start, 0)],
             channel,
             findings,
@@ -335,7 +337,7 @@ impl<'a> Execution<'a> {
         }
         let section = section_of(&program, name)
             .or_else(|| program.sections.iter().position(|section| !section.blocks.is_empty()))?;
-        self.programs.push(Loaded::new(program));
+        self.programs.push(Loaded::new(program, &self.machine.control));
         Some((self.programs.len() - 1, section))
     }
 }

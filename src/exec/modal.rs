@@ -3,6 +3,7 @@
 use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
 use crate::machine::{Machine, Tool};
 use crate::snc::{Setup, WordValue};
+use crate::source::Span;
 use crate::units::MM_PER_INCH;
 
 /// The kind of motion that is in force: G group 1.
@@ -43,6 +44,8 @@ pub(super) struct Modal {
     pub(super) inch_feed: bool,
     /// mm/min, 0 for none yet.
     pub(super) feed: f64,
+    /// Where diameter programming was turned on, if it is.
+    pub(super) diameter: Option<Span>,
     /// Base frame, below the settable one.
     pub(super) base: Frame,
     /// `G500`, `G54` …
@@ -78,6 +81,7 @@ impl Modal {
             inch: false,
             inch_feed: false,
             feed: 0.0,
+            diameter: None,
             base: Frame::identity(),
             settable: Frame::identity(),
             programmable: Frame::identity(),

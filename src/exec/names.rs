@@ -1,7 +1,9 @@
 //! What the names of a program mean, resolved once when it is loaded.
 
 use super::address::{Named, named};
+use super::kept::{Row, row};
 use crate::dialect::{CodeEntry, Dialect};
+use crate::machine::Control;
 use crate::syntax::Program;
 
 /// What a name in word position is.
@@ -11,6 +13,13 @@ pub(super) enum Meaning {
     Code(&'static CodeEntry),
     /// An address with a value: `CR=`, `TURN=` …
     Address(Named),
+    /// A word that is passed on.
+    Kept(&'static Row),
+    /// A program that the machine file says the control runs by itself.
+    Opaque {
+        /// Whether it moves axes.
+        moves: bool,
+    },
     /// `MSG(…)`
     Message,
     /// `RET`
@@ -47,21 +56,6 @@ const UNSUPPORTED: &[&str] = &[
     "POS",
     "POSA",
     "POSP",
-    "SPOS",
-    "SPOSA",
-    "FA",
-    "FL",
-    "FB",
-    "FGROUP",
-    "FGREF",
-    "ACC",
-    "VELOLIM",
-    "ADIS",
-    "ADISPOS",
-    "CTOL",
-    "OTOL",
-    "STOLF",
-    "LIMS",
     "RPL",
     "AX",
     "PO",
@@ -71,45 +65,14 @@ const UNSUPPORTED: &[&str] = &[
     "LEAD",
     "TILT",
     "THETA",
-    "SETAL",
-    "WAITM",
-    "WAITE",
-    "WAITMC",
-    "INIT",
-    "START",
-    "GEOAX",
-    "PRESETON",
     "TCARR",
     "EXECSTRING",
-    "CYCLE832",
-    "MEAS",
-    "MEAW",
-    "FXS",
-    "WRITE",
-    "READ",
-    "DELETE",
-    "GETT",
-    "SETMS",
-    "COUPON",
-    "COUPOF",
-    "TRAILON",
-    "TRAILOF",
-    "LEADON",
-    "LEADOF",
     "DL",
     "ISD",
-    "IPOBRKA",
-    "BLSYNC",
-    "NEWCONF",
     "STRLEN",
     "SET",
     "REP",
     "ORIRESET",
-    "RELEASE",
-    "GET",
-    "GETD",
-    "DISABLE",
-    "ENABLE",
     "SPI",
     "MIRRORAX",
 ];
@@ -118,7 +81,7 @@ const UNSUPPORTED: &[&str] = &[
 const CYCLES: &[&str] = &["CYCLE", "HOLES", "POCKET", "SLOT", "LONGHOLE", "E_", "F_"];
 
 /// The meaning of every name, by [`crate::syntax::NameId::index`].
-pub(super) fn resolve(program: &Program, dialect: &'static Dialect) -> Vec<Meaning> {
+pub(super) fn resolve(program: &Program, dialect: &'static Dialect, control: &Control) -> Vec<Meaning> {
     program
         .names
         .iter()
@@ -127,11 +90,13 @@ pub(super) fn resolve(program: &Program, dialect: &'static Dialect) -> Vec<Meani
             "RET" => Meaning::Return,
             _ => match dialect.codes().word(name) {
                 Some(entry) => Meaning::Code(entry),
-                None => match named(name) {
-                    Some(address) => Meaning::Address(address),
-                    None if UNSUPPORTED.contains(&name) => Meaning::Unsupported,
-                    None if name.starts_with('$') => Meaning::System,
-                    None => Meaning::Free,
+                None => match (named(name), control.opaque_moves(name), row(name)) {
+                    (Some(address), ..) => Meaning::Address(address),
+                    (_, Some(moves), _) => Meaning::Opaque { moves },
+                    (_, _, Some(row)) => Meaning::Kept(row),
+                    _ if UNSUPPORTED.contains(&name) => Meaning::Unsupported,
+                    _ if name.starts_with('$') => Meaning::System,
+                    _ => Meaning::Free,
                 },
             },
         })

@@ -9,6 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Plane, Vector};
 use crate::source::Source;
 
+use super::opaque;
 use super::{AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
 
 pub use super::document::Document as MachineFile;
@@ -18,7 +19,7 @@ pub use super::section::{Section, nearest};
 pub const DEMO: &str = include_str!("../../samples/machines/demo.toml");
 
 /// Top-level sections that describe the machine.
-pub const SECTIONS: &[&str] = &["machine", "axis", "spindle", "control", "zero_offset", "tool"];
+pub const SECTIONS: &[&str] = &["machine", "axis", "spindle", "control", "opaque", "zero_offset", "tool"];
 
 /// How far the direction of a linear axis may be off its direction of F.
 const PARALLEL_LIMIT: f64 = 1e-9;
@@ -35,7 +36,8 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         check_chain(topology, *place, &headers, &mut findings);
     }
     let spindle = read_spindle(root.section("spindle"), &mut findings);
-    let control = read_control(root.section("control"), &mut findings);
+    let mut control = read_control(root.section("control"), &mut findings);
+    opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let known = head.topology.as_ref().map(|(topology, _)| topology.axis_set());
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
     let zero_offsets = read_zero_offsets(&mut root, axis_set, &mut findings);
@@ -270,6 +272,7 @@ fn read_control(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
     if let Some(value) = section.boolean("incremental_traverses_frame_change") {
         control.incremental_traverses_frame_change = value;
     }
+    opaque::read(&mut section, &mut control);
     if let Some(value) = section.number_where("chord_tolerance_mm", "a number above 0", |value| value > 0.0) {
         control.chord_tolerance_mm = value;
     }

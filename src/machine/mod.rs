@@ -6,11 +6,13 @@ mod chain;
 mod document;
 pub mod file;
 mod kinematics;
+mod opaque;
 mod section;
 mod state;
 
 pub use chain::{Branch, Topology, TopologyFault};
 pub use kinematics::Kinematics;
+pub use opaque::Opaque;
 pub use state::State;
 
 use std::collections::BTreeMap;
@@ -98,6 +100,12 @@ pub struct Control {
     /// How far the straight pieces that stand for a curve – a spline, an arc in a tilted plane or under unequal scale, a straight line
     /// of a five-axis transformation – may be off it, mm.
     pub chord_tolerance_mm: f64,
+    /// Programs and cycles that the control runs by itself: their calls are passed on.
+    pub opaque: Vec<Opaque>,
+    /// Synchronised actions that may move axes, by their ID.
+    pub allow_synchronised: Vec<String>,
+    /// The axis whose positions are diameters behind DIAMON (Sinumerik MD20100).
+    pub transverse_axis: Axis,
     /// Program levels, main program included.
     pub max_program_levels: u32,
     /// `G500`, `G54`: the zero offset that is active at the start.
@@ -141,6 +149,9 @@ impl Default for Control {
             edge_after_tool_change: 1,
             incremental_traverses_frame_change: true,
             chord_tolerance_mm: 2.5e-4,
+            opaque: Vec::new(),
+            allow_synchronised: Vec::new(),
+            transverse_axis: Axis::X,
             max_program_levels: 16,
             initial_zero_offset: "G500".into(),
         }

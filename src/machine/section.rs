@@ -146,6 +146,20 @@ impl<'a> Section<'a> {
         })
     }
 
+    /// A list of texts.
+    pub fn texts(&mut self, key: &str) -> Option<Vec<String>> {
+        self.value(key, "a list of texts in quotation marks", |item| match &item.value {
+            Value::Items(items) => items
+                .iter()
+                .map(|item| match &item.value {
+                    Value::Text(text) => Some(text.clone()),
+                    _ => None,
+                })
+                .collect(),
+            _ => None,
+        })
+    }
+
     /// A list of three finite numbers.
     pub fn vector(&mut self, key: &str) -> Option<Vector> {
         self.value(key, "a list of three finite numbers", |item| match &item.value {

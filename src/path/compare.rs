@@ -16,7 +16,7 @@ use crate::snc::{Element, Kind, Origin};
 
 use super::prediction::{Pair, sample_count, sample_place};
 use super::route::Route;
-use super::{Prediction, Spread, changes_tool};
+use super::{Prediction, Spread, loses_position};
 
 /// Distance of the samples along the path, mm.
 const SAMPLE_MM: f64 = 1.0;
@@ -179,7 +179,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 // A mark belongs to its own line, which may move nothing.
                 self.continues = false;
             }
-            if changes_tool(&element, self.machine) {
+            if loses_position(&element, self.machine) {
                 self.known = AxisSet::EMPTY;
             }
             let motion = match element.kind {

@@ -17,7 +17,7 @@ use super::place::{Placed, Placer};
 use super::prediction::{sample_count, sample_place};
 use super::route::Route;
 use super::trial::{Bench, Standing, Trial};
-use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, changes_tool};
+use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, loses_position};
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -127,13 +127,13 @@ where
                 return;
             }
             Kind::Setup(setup) => self.set_up(Arc::clone(setup)),
-            _ if changes_tool(&element, self.machine) => self.forget(),
+            _ if loses_position(&element, self.machine) => self.forget(),
             _ => {}
         }
         self.pending.push_back(Ok(Output::Element(element)));
     }
 
-    /// A tool change moves the machine: where it stands is unknown behind it.
+    /// A tool change, or something that is not in the stream, moves the machine: where it stands is unknown behind it.
     fn forget(&mut self) {
         self.standing.known = AxisSet::EMPTY;
         self.standing.written = AxisSet::EMPTY;

@@ -177,12 +177,13 @@ pub struct PieceArc {
     pub extra_turns: u32,
 }
 
-/// Whether an element changes the tool: where the machine stands is unknown behind it.
-fn changes_tool(element: &Element, machine: &Machine) -> bool {
+/// Whether where the machine stands is unknown behind an element: it changes the tool, or something else has moved the machine.
+fn loses_position(element: &Element, machine: &Machine) -> bool {
     let is_change =
         |word: &Word| word.letter == b'M' && word.extension.is_none() && word.value == WordValue::Number(6.0);
     match &element.kind {
         Kind::Tool(_) => machine.control.tool_change == ToolChange::T,
+        Kind::Lost => true,
         Kind::Before(words) | Kind::After(words) => words.iter().any(is_change),
         _ => false,
     }

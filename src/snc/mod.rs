@@ -68,6 +68,11 @@ pub enum Kind {
     /// A word of the program's language that changes no position and is passed on: `G64`, `G17`, `SOFT`, and the
     /// `G53`, `G153`, `SUPA` of a block whose move is [`Move::in_machine_frame`].
     Keep(&'static str),
+    /// Words of the program's language that change no position, values evaluated: `ADIS=0.5`, `SETMS(2)`. They stand before the words
+    /// of the motion of their block.
+    Verbatim(Vec<u8>),
+    /// Where the axes are is unknown from here on: something that is not in the stream has moved them.
+    Lost,
     /// From here on positions relate to axis commands like this. Does not show in the text form.
     Setup(sync::Arc<Setup>),
     /// A zero-offset or frame statement to be written in its place, values evaluated.

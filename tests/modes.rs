@@ -1,0 +1,228 @@
+//! Words that change no position: they come out in their places with the values that they have, and change nothing else.
+
+use ncfix::dialect;
+use ncfix::emit::{self, Stamp, WriterOptions};
+use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
+use ncfix::machine::{Machine, Opaque};
+use ncfix::model::{ErrorModel, Model};
+use ncfix::path::{Corrector, Increments, Options, OutputFrame};
+use ncfix::source::{FileId, Source};
+use ncfix::syntax;
+
+use crate::bench_machine::{motion, polynomial};
+use crate::machines::xyz_machine;
+
+/// The lines that a program becomes on a machine, without stamp, and the codes of all findings.
+fn written(text: &str, machine: &Machine, errors: &ErrorModel, options: Options) -> (Vec<String>, Vec<String>) {
+    let model = Model::new(machine, errors);
+    let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
+    let (program, findings) = syntax::parse(&source, dialect::sinumerik());
+    let mut codes: Vec<String> = findings.iter().map(|found| found.code.to_string()).collect();
+    let execution = Execution::new(program, machine, Box::new(NoLibrary), ExecOptions::default());
+    let stamp = Stamp { machine: "m".into(), model: "0".into(), source: "0".into(), is_demo: false };
+    let increments = Increments::new(&machine.control);
+    let writer = WriterOptions { increments, frame: OutputFrame::Work, crlf: false, stamp };
+    let mut corrector = Corrector::new(execution, machine, &model, options);
+    let mut writer = emit::writer("sinumerik", &writer).unwrap();
+    let mut out = Vec::new();
+    emit::emit(&mut corrector, writer.as_mut(), &mut out, |found| codes.push(found.code.to_string())).unwrap();
+    let out = String::from_utf8(out).unwrap();
+    (out.lines().filter(|line| !line.starts_with("; ncfix")).map(str::to_owned).collect(), codes)
+}
+
+/// Checks the lines behind the line `G90` that the writer begins with, for a program without findings on an ideal machine.
+#[track_caller]
+fn check_on(machine: &Machine, text: &str, expected: &[&str]) {
+    let (lines, codes) = written(text, machine, &ErrorModel::default(), Options::default());
+    assert!(codes.is_empty(), "{codes:?}");
+    assert_eq!(lines, expected);
+}
+
+#[track_caller]
+fn check(text: &str, expected: &[&str]) {
+    check_on(&xyz_machine(), text, expected);
+}
+
+#[track_caller]
+fn codes(text: &str) -> Vec<String> {
+    written(text, &xyz_machine(), &ErrorModel::default(), Options::default()).1
+}
+
+#[test]
+fn modes_keep_their_places_and_their_values() {
+    check(
+        "N10 G90 G641 ADIS=R1+0.5 ADISPOS=2 SOFT\nN20 FGROUP(X,Y) FGREF[A]=10 G0 X1\nN30 ACC[X]=80 LIMS=3000 G96 S200 M4\n\
+         N40 CYCLE832(0.05,_FINISH+_ORI_FINISH,1)\nN50 CTOL=0.02 OTOL=0.1 G1 X2 F100\nN60 SETMS(1+1)\nN70 COMPCAD FFWON\nN80 M30",
+        &[
+            "N10 G90 G641 SOFT ADIS=0.5 ADISPOS=2",
+            "N20 FGROUP(X,Y) FGREF[A]=10 G0 X1",
+            "N30 G96 ACC[X]=80 LIMS=3000 S200 M4",
+            "N40 CYCLE832(0.05,_FINISH+_ORI_FINISH,1)",
+            "N50 CTOL=0.02 OTOL=0.1 G1 X2 F100",
+            "N60 SETMS(2)",
+            "N70 COMPCAD FFWON",
+            "N80 M30",
+        ],
+    );
+}
+
+#[test]
+fn spindles_axes_and_channels_are_passed_on() {
+    check(
+        "G90\nDEF INT K=2\nS[K]=500 M[K]=4\nM=QU(7)\nSPOS=R1+90\nSPOS[2]=DC(45)\nSPCON(K)\nH1=5\nWAITM(1,1,2)\nINIT(2,\"SUB\",\"S\")\n\
+         START(2)\nSETAL(65000)\nCANCEL(K,3)\nCOUPON(S2,S1,30)\nENABLE(1)\nNEWCONF\nM30",
+        &[
+            "G90",
+            "S[2]=500 M[2]=4",
+            "M=QU(7)",
+            "SPOS=90",
+            "SPOS[2]=DC(45)",
+            "SPCON(2)",
+            "H1=5",
+            "WAITM(1,1,2)",
+            "INIT(2,\"SUB\",\"S\")",
+            "START(2)",
+            "SETAL(65000)",
+            "CANCEL(2,3)",
+            "COUPON(S2,S1,30)",
+            "ENABLE(1)",
+            "NEWCONF",
+            "M30",
+        ],
+    );
+}
+
+#[test]
+fn lengths_and_feeds_of_inch_programs_become_metric() {
+    // 0.1 in = 2.54 mm, 10 in/min = 254 mm/min.
+    check(
+        "G90 G700\nG641 ADIS=0.1 FA[X]=10 OTOL=0.1\nG26 X4 S3000\nG1 X1 F10\nCYCLE832(0.001,1,1)\nM30",
+        &[
+            "G90 G710",
+            "G641 ADIS=2.54 FA[X]=254 OTOL=0.1",
+            "G26 X101.6 S3000",
+            "G1 X25.4 F254",
+            "CYCLE832(0.0254,1,1)",
+            "M30",
+        ],
+    );
+}
+
+#[test]
+fn limits_of_the_working_area_move_nothing() {
+    let (lines, codes) = written(
+        "G90 G0 X1\nG25 X-10 Y=R1-5 S2=20\nG26 S3000\nG91 Y1\nM30",
+        &xyz_machine(),
+        &ErrorModel::default(),
+        Options::default(),
+    );
+    assert!(codes.is_empty(), "{codes:?}");
+    assert_eq!(lines[1..3], ["G25 X-10 Y=-5 S2=20", "G26 S3000"]);
+    assert_eq!(self::codes("G25 X1 M3"), ["E0108"]);
+}
+
+#[test]
+fn a_block_feed_holds_for_its_block() {
+    check(
+        "G90 G1 X1 F100\nX2 FB=250\nX3\nG0 X4 FB=7\nG1 X5\nM30",
+        &["G90 G1 X1 F100", "G1 X2 F250", "G1 X3 F100", "G0 X4", "G1 X5", "M30"],
+    );
+    assert_eq!(codes("G90 G1 X1 FB=0 F100"), ["E0210"]);
+}
+
+#[test]
+fn a_block_feed_holds_for_all_pieces_of_its_block() {
+    let errors = ErrorModel { motion: vec![motion("EYX", polynomial(&[0.0, 0.0, 1e-6]))], ..ErrorModel::default() };
+    let (lines, codes) =
+        written("G90 G0 X0 Y0 Z0\nG1 X10 F100\nX300 FB=250\nX310\nM30", &xyz_machine(), &errors, Options::default());
+    assert!(codes.is_empty(), "{codes:?}");
+    let feeds: Vec<&String> = lines.iter().filter(|line| line.contains('F')).collect();
+    assert_eq!(feeds.len(), 3, "{lines:?}");
+    assert!(feeds[1].contains("F250") && feeds[2].contains("X310") && feeds[2].contains("F100"), "{lines:?}");
+    assert!(lines.len() > 6, "the long move is cut: {lines:?}");
+}
+
+#[test]
+fn diameters_are_refused_where_they_matter() {
+    check("G90 DIAMON\nG0 Y1 Z2\nDIAMOF G0 X1\nM30", &["G90", "G0 Y1 Z2", "G0 X1", "M30"]);
+    assert_eq!(codes("G90 DIAMON\nG0 X1"), ["E0201"]);
+    assert_eq!(codes("G90 DIAM90\nG2 Y1 I1 F1"), ["E0201"]);
+    let mut machine = xyz_machine();
+    machine.control.transverse_axis = ncfix::geometry::Axis::Y;
+    check_on(&machine, "G90 DIAMON\nG0 X1 Z2\nM30", &["G90", "G0 X1 Z2", "M30"]);
+}
+
+#[test]
+fn file_access_is_left_out_and_its_result_is_no_error() {
+    let program = "DEF INT ERR=7\nG90\nWRITE(ERR,\"LOG\",\"A\"<<R1)\nDELETE(R5,\"LOG\")\nIF ERR==0 GOTOF FINE\nG0 X99\nFINE: G0 X1\nM30";
+    let (lines, codes) = written(program, &xyz_machine(), &ErrorModel::default(), Options::default());
+    assert_eq!(codes, ["W0204", "W0204"]);
+    assert_eq!(lines, ["G90", "G0 X1", "M30"]);
+}
+
+#[test]
+fn what_would_move_the_machine_unseen_is_refused() {
+    for word in [
+        "GEOAX(1,U)",
+        "PRESETON(X,10)",
+        "TRAILON(V,X)",
+        "LEADON(V,X,1)",
+        "TOFFON(Z)",
+        "MEAS=1 G1 X1 F1",
+        "MEAW=1 G1 X1 F1",
+        "READ(R1,\"A\",1,1,R2)",
+        "TRANSMIT",
+        "TRACYL(40)",
+        "TRAANG(30)",
+    ] {
+        assert_eq!(codes(&format!("G90\n{word}\nM30")), ["E0201"], "{word}");
+    }
+    check("G90\nTRAILOF(V,X)\nLEADOF(V,X)\nM30", &["G90", "TRAILOF(V,X)", "LEADOF(V,X)", "M30"]);
+}
+
+#[test]
+fn an_interrupt_is_passed_on_with_a_warning() {
+    let program = "G90\nSETINT(3) PRIO=1 LIFT_Z LIFTFAST ; AWAY\nCLRINT(3)\nM30";
+    let (lines, codes) = written(program, &xyz_machine(), &ErrorModel::default(), Options::default());
+    assert_eq!(codes, ["W0205"]);
+    assert_eq!(lines, ["G90", "SETINT(3) PRIO=1 LIFT_Z LIFTFAST ; AWAY", "CLRINT(3)", "M30"]);
+}
+
+#[test]
+fn a_name_of_the_program_beside_one_of_the_control_is_not_guessed() {
+    assert_eq!(codes("G90\nSETMS(R1+UNKNOWN)\nM30"), ["E0206"]);
+    assert_eq!(codes("G90\nLIMS=$UNKNOWN\nM30"), ["E0201"]);
+}
+
+fn with_opaque(entries: &[(&str, bool)]) -> Machine {
+    let mut machine = xyz_machine();
+    machine.control.opaque = entries.iter().map(|&(name, moves)| Opaque { name: name.into(), moves }).collect();
+    machine
+}
+
+#[test]
+fn an_opaque_call_is_passed_on_with_its_values() {
+    let machine = with_opaque(&[("WASH", false), ("L6", false), ("CYCLE9*", false)]);
+    check_on(
+        &machine,
+        "DEF REAL D=1.5\nG90 G0 X1\nN20 WASH(R1+2,,\"A\",D)\nL6 P2\nCYCLE97(1,2)\nWASH\nG91 X1\nM30",
+        &["G90 G0 X1", "N20 WASH(2,,\"A\",1.5)", "L6 P2", "CYCLE97(1,2)", "WASH", "G90 G0 X2", "M30"],
+    );
+    assert_eq!(codes("G90\nWASH\nM30"), ["E0212"]);
+    assert_eq!(codes("G90\nL6\nM30"), ["E0212"]);
+}
+
+#[test]
+fn behind_an_opaque_call_that_moves_the_position_is_unknown() {
+    let program = "G90 G0 X1 Y2 Z3\nCHANGE\nG91 G1 X1 F100\nM30";
+    let source = Source::new(FileId(0), "test.mpf", program.as_bytes().to_vec()).unwrap();
+    for (moves, expected) in [(true, vec!["E0304"]), (false, vec![])] {
+        let machine = with_opaque(&[("CHANGE", moves)]);
+        let (parsed, _) = syntax::parse(&source, dialect::sinumerik());
+        let options = ExecOptions { strict: true, ..ExecOptions::default() };
+        let found: Vec<String> = Execution::new(parsed, &machine, Box::new(NoLibrary), options)
+            .filter_map(|item| item.err().map(|found| found.code.to_string()))
+            .collect();
+        assert_eq!(found, expected);
+    }
+}
