@@ -3,7 +3,7 @@
 use ncfix::dialect;
 use ncfix::emit::{self, Stamp, WriterOptions};
 use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
-use ncfix::machine::{Machine, Opaque};
+use ncfix::machine::{Machine, Opaque, file};
 use ncfix::model::{ErrorModel, Model};
 use ncfix::path::{Corrector, Increments, Options, OutputFrame};
 use ncfix::source::{FileId, Source};
@@ -225,4 +225,19 @@ fn behind_an_opaque_call_that_moves_the_position_is_unknown() {
             .collect();
         assert_eq!(found, expected);
     }
+}
+
+#[test]
+fn the_machine_file_names_opaque_programs() {
+    let keys = "[control]\nopaque = [\"l6\", \"CYCLE9*\"]\nallow_synchronised = [\"3\"]\ntransverse_axis = \"Y\"\n";
+    let text = file::DEMO.replace("[control]\n", keys) + "\n[[opaque]]\nname = \"L6\"\nmoves = false\n";
+    let source = Source::new(FileId(0), "machine.toml", text.into_bytes()).unwrap();
+    let (machine, findings) = file::read_machine(&file::MachineFile::parse(&source).unwrap());
+    let control = machine.unwrap_or_else(|| panic!("{findings:?}")).control;
+    assert_eq!(control.opaque_moves("L6"), Some(false));
+    assert_eq!(control.opaque_moves("CYCLE97"), Some(true));
+    assert_eq!(control.opaque_moves("CYCLE81"), None);
+    assert_eq!(control.transverse_axis, ncfix::geometry::Axis::Y);
+    assert!(control.allows_synchronised(Some(3)));
+    assert!(!control.allows_synchronised(Some(4)) && !control.allows_synchronised(None));
 }

@@ -139,7 +139,12 @@ center is not determined; use I, J, K.";
 its start, never into other programs.";
     NO_SUBPROGRAM = "E0212" "subprogram not found"
 "The called program is neither in this file (as a %_N_…_SPF section) nor beside it. Names searched: NAME.SPF, NAME.MPF, NAME, and the
-same in lower case. L10 and L010 are different programs.";
+same in lower case. L10 and L010 are different programs. A program that must run on the control itself (tool change, washing) is named
+in the machine file; its call is passed on with its values:
+
+  [[opaque]]
+  name = \"TOOLCHANGE\"
+  moves = true               the position behind it is unknown";
     TOO_MANY_CALLS = "E0213" "subprogram calls nested too deeply"
 "A Sinumerik nests 16 program levels. A program that calls itself without end is refused here.";
     TOO_MANY_BLOCKS = "E0214" "more blocks executed than allowed"

@@ -295,7 +295,12 @@ impl<'a> Execution<'a> {
             } else {
                 (Code::NO_SUBPROGRAM, format!("there is no program {}", call.name))
             };
-            let help = if cycle { "write its moves out" } else { "put it beside the main program, as NAME.SPF" };
+            let help = if cycle {
+                "write its moves out, or name it in control.opaque of the machine file if the control shall run it by itself"
+            } else {
+                "put it beside the main program, as NAME.SPF, or name it in control.opaque of the machine file if the control shall \
+                 run it by itself"
+            };
             self.report(fault(code, call.span, message, help).in_file(file));
             return;
         };
