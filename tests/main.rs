@@ -14,6 +14,8 @@ mod comparison;
 mod correction;
 mod emission;
 mod exec;
+mod flat;
+mod frames;
 mod grammar;
 mod hostile;
 mod kinematics;

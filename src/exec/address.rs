@@ -10,10 +10,12 @@ pub(super) enum Named {
     Cr,
     /// Extra turns of a helix.
     Turn,
+    /// Angle of a rotation in the working plane.
+    Rpl,
 }
 
 /// Names and their addresses.
-pub(super) const NAMED: &[(&str, Named)] = &[("CR", Named::Cr), ("TURN", Named::Turn)];
+pub(super) const NAMED: &[(&str, Named)] = &[("CR", Named::Cr), ("TURN", Named::Turn), ("RPL", Named::Rpl)];
 
 /// The address of a name, upper case.
 pub(super) fn named(name: &str) -> Option<Named> {
@@ -25,6 +27,7 @@ impl Named {
     pub(super) fn moves(self) -> bool {
         match self {
             Named::Cr | Named::Turn => true,
+            Named::Rpl => false,
         }
     }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::Options;
 use super::contour::{Contour, Item};
 use super::fault::{Fault, fault};
+use super::frames;
 use super::gather::bad_value;
 use super::gathered::Gathered;
 use super::modal::Modal;
@@ -14,7 +15,7 @@ use super::path::Path;
 use super::resolve;
 use super::variables::Variables;
 use crate::diagnostic::Code;
-use crate::geometry::{Frame, LINEAR_AXES, Plane};
+use crate::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Plane};
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, Dwell, Element, Kind, Origin, Setup, Word, WordValue};
 use crate::source::{FileId, Span};
@@ -159,11 +160,12 @@ impl<'a> Channel<'a> {
         self.warnings.extend(gathered.warning.take());
         self.check_diameter(gathered)?;
         self.offset(gathered)?;
-        if let Some((additive, at)) = gathered.frame {
-            self.translate(gathered, additive, at)?;
+        if let Some(statement) = gathered.frame {
+            self.frame_statement(gathered, statement)?;
             self.comment(comment);
             return Ok(());
         }
+        frames::without_statement(gathered)?;
         self.tool(gathered)?;
         if let Some(at) = gathered.dwell {
             self.dwell(gathered, at)?;
@@ -290,10 +292,11 @@ impl<'a> Channel<'a> {
     }
 
     fn motion(&mut self, gathered: &Gathered, span: Span) -> Result<(), Fault> {
-        let setup = if gathered.suppress.is_some() {
-            let bare = Arc::new(Setup { frame: Frame::identity(), ..(*self.setup).clone() });
+        let setup = if let Some(word) = gathered.suppress {
+            let bare = Arc::new(self.suppressed(word));
             self.push(Kind::Setup(Arc::clone(&bare)));
             self.setup_changed = true;
+            self.modal.known = known_behind(self.modal.known, &self.setup.frame, &bare.frame);
             bare
         } else {
             if std::mem::take(&mut self.setup_changed) {
@@ -308,6 +311,9 @@ impl<'a> Channel<'a> {
         }
         let found = motion(gathered, &mut self.modal, context);
         self.modal.feed = modal_feed;
+        if gathered.suppress.is_some() {
+            self.modal.known = known_behind(self.modal.known, &setup.frame, &self.setup.frame);
+        }
         let mut path = found?;
         if path.motion.rapid {
             path.motion.feed = modal_feed;
@@ -331,7 +337,24 @@ impl<'a> Channel<'a> {
                 self.modal.known.remove(axis);
             }
         }
+        let (old, new) = (&self.setup.frame, &setup.frame);
+        if old.linear() != new.linear() {
+            self.modal.known = known_behind(self.modal.known, old, new);
+            let is_other = |axis: &Axis| old.unapply_row(*axis) != new.unapply_row(*axis);
+            self.modal.stale = self.modal.stale.union(AxisSet::XYZ.iter().filter(is_other).collect());
+        }
         self.setup = Arc::new(setup);
         self.setup_changed = true;
     }
+
+    /// What holds in a block with a word that suppresses frames: G53 leaves the base frame.
+    fn suppressed(&self, word: &str) -> Setup {
+        let frame = if word == "G53" { self.modal.base } else { Frame::identity() };
+        Setup { frame, ..(*self.setup).clone() }
+    }
+}
+
+/// Which axes of a new frame are stated, where those in `known` of an old one are.
+fn known_behind(known: AxisSet, old: &Frame, new: &Frame) -> AxisSet {
+    new.known_across(old.known_across(known, false), true)
 }

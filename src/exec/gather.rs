@@ -9,7 +9,7 @@ use super::value::Value as ExecValue;
 use crate::diagnostic::Code;
 use crate::dialect::{CodeEntry, CodeTable, Effect};
 use crate::geometry::{Axis, AxisSet};
-use crate::snc::{Word as AuxWord, WordValue};
+use crate::snc::{FrameKind, Word as AuxWord, WordValue};
 use crate::source::Span;
 use crate::syntax::{Address, ArgumentRange, Block, DimensionFunction, NameId, Value, Word};
 
@@ -216,7 +216,7 @@ impl Gatherer<'_> {
                 out.suppress = Some(entry.name);
                 out.keep.push(entry.name);
             }
-            Effect::Frame => out.frame = Some((entry.name == "ATRANS", span)),
+            Effect::Frame => out.frame = FrameKind::of(entry.name).map(|(kind, additive)| (kind, additive, span)),
             Effect::Keep => out.keep.push(entry.name),
             Effect::Display => {}
             Effect::Limits => out.limits = Some(span),

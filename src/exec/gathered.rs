@@ -4,7 +4,7 @@ use super::address::Named;
 use super::fault::Fault;
 use super::modal::MotionKind;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
-use crate::snc::{Word as AuxWord, WordValue};
+use crate::snc::{FrameKind, Word as AuxWord, WordValue};
 use crate::source::Span;
 use crate::syntax::DimensionFunction;
 
@@ -38,7 +38,7 @@ pub(super) struct Gathered {
     pub(super) incremental: Option<bool>,
     pub(super) offset: Option<(String, Span)>,
     pub(super) suppress: Option<&'static str>,
-    pub(super) frame: Option<(bool, Span)>,
+    pub(super) frame: Option<(FrameKind, bool, Span)>,
     pub(super) keep: Vec<&'static str>,
     pub(super) axes: AxisVector,
     pub(super) axis_spans: [Span; AXIS_COUNT],

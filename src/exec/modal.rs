@@ -52,6 +52,8 @@ pub(super) struct Modal {
     pub(super) settable: Frame,
     /// TRANS, ROT, SCALE, MIRROR and their additive kin.
     pub(super) programmable: Frame,
+    /// The part of its shift that `G59` replaces.
+    pub(super) fine: AxisVector,
     /// Where frame or tool has no value in the machine file.
     pub(super) offset_assumed: bool,
     pub(super) tool_assumed: bool,
@@ -66,8 +68,10 @@ pub(super) struct Modal {
     pub(super) command: AxisVector,
     /// Last programmed values per axis; after a frame change they may belong to the old frame (Sinumerik SD42440).
     pub(super) programmed: AxisVector,
-    /// Axes whose position the program has stated.
+    /// Axes whose position the program has stated, in the frame in force.
     pub(super) known: AxisSet,
+    /// Axes whose last programmed value belongs to a frame that was turned, scaled or mirrored otherwise.
+    pub(super) stale: AxisSet,
 }
 
 impl Modal {
@@ -85,6 +89,7 @@ impl Modal {
             base: Frame::identity(),
             settable: Frame::identity(),
             programmable: Frame::identity(),
+            fine: AxisVector::ZERO,
             offset_assumed: false,
             tool_assumed: false,
             selected: None,
@@ -93,6 +98,7 @@ impl Modal {
             length_mm: [0.0; 3],
             command,
             programmed: command,
+            stale: AxisSet::EMPTY,
             known: if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY },
         }
     }

@@ -89,9 +89,14 @@ fn target(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) ->
         if incremental && context.strict && !modal.known.contains(axis) {
             return Err(unknown_start(span, axis));
         }
+        let is_stale = modal.stale.contains(axis) && !suppressed;
+        let traverses = context.control.incremental_traverses_frame_change;
+        if incremental && context.strict && is_stale && traverses {
+            return Err(stale_start(span, axis));
+        }
         programmed[axis] = if !incremental {
             value
-        } else if suppressed || !context.control.incremental_traverses_frame_change {
+        } else if suppressed || is_stale || !traverses {
             here[axis] + value
         } else {
             modal.programmed[axis] + value
@@ -110,13 +115,31 @@ fn target(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) ->
     } else {
         target = context.setup.command(&programmed);
     }
-    for axis in gathered.named.iter() {
+    if suppressed {
         // Behind a block without frame, the position in the frame follows from the machine position.
-        let tool = if axis.slot() < 3 { modal.tool_mm()[axis.slot()] } else { 0.0 };
-        modal.programmed[axis] =
-            if suppressed { target[axis] + tool - modal.frame().shift(axis) } else { programmed[axis] };
+        let behind = modal.setup().programmed(&target);
+        let is_shifted = modal.stale.is_empty() && modal.frame().is_translation();
+        let moved = if is_shifted { gathered.named } else { gathered.named.union(AxisSet::XYZ) };
+        for axis in moved.iter() {
+            modal.programmed[axis] = behind[axis];
+        }
+        modal.stale = modal.stale.difference(moved);
+    } else {
+        for axis in gathered.named.iter() {
+            modal.programmed[axis] = programmed[axis];
+        }
+        modal.stale = modal.stale.difference(gathered.named);
     }
     Ok(target)
+}
+
+fn stale_start(span: Span, axis: Axis) -> Fault {
+    fault(
+        Code::UNKNOWN_START,
+        span,
+        format!("an incremental {axis} directly behind a change of the frame that is more than a shift"),
+        "begin with an absolute position of this axis in the new frame, or set control.incremental_traverses_frame_change = false if          the control moves by the increment alone",
+    )
 }
 
 fn unknown_start(span: Span, axis: Axis) -> Fault {

@@ -56,7 +56,6 @@ const UNSUPPORTED: &[&str] = &[
     "POS",
     "POSA",
     "POSP",
-    "RPL",
     "AX",
     "PO",
     "PL",

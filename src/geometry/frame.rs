@@ -185,6 +185,12 @@ impl Frame {
         self.inverse * machine
     }
 
+    /// How far one of X, Y, Z moves in programmed coordinates for each of the machine's.
+    #[must_use]
+    pub fn unapply_row(&self, axis: Axis) -> [f64; 3] {
+        [0, 1, 2].map(|column| self.inverse.get((axis.slot(), column)).copied().unwrap_or_default())
+    }
+
     /// The shift of one axis, mm or rad.
     #[must_use]
     pub fn shift(&self, axis: Axis) -> f64 {

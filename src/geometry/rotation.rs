@@ -1,5 +1,7 @@
 //! Rotations of space as matrices: about a line, by three angles, by the inclination of a plane.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::{Axis, Matrix, Vector};
 
 /// Numbers nearer than this to 0, 1 or −1 are these: the noise of sine and cosine at right angles.
@@ -69,16 +71,24 @@ pub fn about(axis: &Vector, angle_rad: f64) -> Matrix {
 /// `second_rad` about `second`, which follows it in the order X Y Z X.
 ///
 /// With X and Y: the new X lies in the old Z X plane, turned about Y; the line of the new plane in the old Y Z plane is turned about X
-/// (Sinumerik ROTS). `None` where the two lines make no plane.
+/// (Sinumerik ROTS). `None` where two angles are not both below a right angle.
 #[must_use]
 pub fn by_solid_angles(first: Axis, first_rad: f64, second_rad: f64) -> Option<Matrix> {
     let base = first.dimension();
     let unit = |k: usize| Vector::ith((base + k) % 3, 1.0);
+    // One angle alone turns about its axis, however far.
+    if second_rad == 0.0 {
+        return Some(about(&unit(0), first_rad));
+    }
+    if first_rad == 0.0 {
+        return Some(about(&unit(1), second_rad));
+    }
+    if first_rad.abs().max(second_rad.abs()) >= FRAC_PI_2 {
+        return None;
+    }
     let abscissa = about(&unit(1), second_rad) * unit(0);
     let line = about(&unit(0), first_rad) * unit(1);
     let normal = abscissa.cross(&line).try_normalize(SINGULAR)?;
-    // The new plane keeps the side of the old one.
-    let normal = if normal[(base + 2) % 3] < 0.0 { -normal } else { normal };
     let ordinate = normal.cross(&abscissa);
     let mut out = Matrix::identity();
     for (k, column) in [abscissa, ordinate, normal].iter().enumerate() {

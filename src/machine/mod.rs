@@ -5,6 +5,7 @@
 mod chain;
 mod document;
 pub mod file;
+mod frame_control;
 mod kinematics;
 mod opaque;
 mod section;
@@ -17,7 +18,7 @@ pub use state::State;
 
 use std::collections::BTreeMap;
 
-use crate::geometry::{Axis, AxisSet, AxisVector, Plane, Vector};
+use crate::geometry::{Axis, AxisSet, AxisVector, Plane, RotationOrder, Vector};
 
 /// A machine as its file describes it. Lengths mm, angles rad, directions unit vectors in F at the zero pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,6 +98,12 @@ pub struct Control {
     pub edge_after_tool_change: u32,
     /// Sinumerik SD42440: an incremental word behind a frame change also traverses the change.
     pub incremental_traverses_frame_change: bool,
+    /// In which order the angles of `ROT` turn (Sinumerik MD10600).
+    pub rotation_order: RotationOrder,
+    /// Whether naming an axis with `MIRROR` mirrors it whatever value follows; else 0 means no (Sinumerik MD10612).
+    pub mirror_toggles: bool,
+    /// Whether shifts have a fine part, which `G59` programs (Sinumerik MD24000).
+    pub fine_shift: bool,
     /// How far the straight pieces that stand for a curve – a spline, an arc in a tilted plane or under unequal scale, a straight line
     /// of a five-axis transformation – may be off it, mm.
     pub chord_tolerance_mm: f64,
@@ -148,6 +155,9 @@ impl Default for Control {
             tool_length_plane: None,
             edge_after_tool_change: 1,
             incremental_traverses_frame_change: true,
+            rotation_order: RotationOrder::Rpy,
+            mirror_toggles: true,
+            fine_shift: false,
             chord_tolerance_mm: 2.5e-4,
             opaque: Vec::new(),
             allow_synchronised: Vec::new(),

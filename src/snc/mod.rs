@@ -99,7 +99,8 @@ pub struct Move {
     pub target: AxisVector,
     /// Axes that the block itself names.
     pub named: AxisSet,
-    /// Axes whose position the program has stated by now (this block included); the others are assumptions.
+    /// Axes whose position the program has stated by now (this block included); the others are assumptions. Behind a frame that mixes
+    /// axes these are the axes of the program.
     pub known: AxisSet,
     /// Feed in force, mm/min in feed mode G94 (mm/rev in G95), 0 for none; also on rapid moves, which do not use it.
     pub feed: f64,
@@ -143,15 +144,62 @@ pub enum WordValue {
 pub enum FrameWords {
     /// `G500`, `G54` …
     Settable(String),
-    /// `TRANS` or `ATRANS` with the axis shifts it names (mm, rad).
-    Translate {
-        /// ATRANS instead of TRANS.
-        additive: bool,
-        /// Shifts.
-        shift: AxisVector,
-        /// Axes named.
-        named: AxisSet,
-    },
+    /// `TRANS`, `AROT` …
+    Statement(FrameStatement),
+}
+
+/// A statement that programs the frame, values evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameStatement {
+    /// What it does.
+    pub kind: FrameKind,
+    /// Whether it goes on top of the frame in force (`ATRANS`) instead of replacing it (`TRANS`).
+    pub additive: bool,
+    /// Shifts (mm, rad), angles (rad), factors, or for mirroring what stands behind the axis.
+    pub values: AxisVector,
+    /// Axes named.
+    pub named: AxisSet,
+    /// `RPL=`: angle in the working plane, rad.
+    pub in_plane_rad: Option<f64>,
+}
+
+/// Kinds of frame statements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameKind {
+    /// `TRANS`
+    Translate,
+    /// `ROT`
+    Rotate,
+    /// `ROTS`
+    SolidAngles,
+    /// `SCALE`
+    Scale,
+    /// `MIRROR`
+    Mirror,
+    /// `G58`: the shift but for its fine part.
+    Coarse,
+    /// `G59`: the fine part of the shift.
+    Fine,
+}
+
+impl FrameKind {
+    /// The kind of a word, and whether the word is additive.
+    #[must_use]
+    pub fn of(word: &str) -> Option<(FrameKind, bool)> {
+        let kind = |word: &str| {
+            Some(match word {
+                "TRANS" => FrameKind::Translate,
+                "ROT" => FrameKind::Rotate,
+                "ROTS" => FrameKind::SolidAngles,
+                "SCALE" => FrameKind::Scale,
+                "MIRROR" => FrameKind::Mirror,
+                "G58" => FrameKind::Coarse,
+                "G59" => FrameKind::Fine,
+                _ => return None,
+            })
+        };
+        kind(word).map(|kind| (kind, false)).or_else(|| word.strip_prefix('A').and_then(kind).map(|kind| (kind, true)))
+    }
 }
 
 /// How programmed positions relate to axis commands: `axis command = frame(programmed) − tool`.

@@ -1,8 +1,7 @@
 //! Words without motion: modal codes, frames, tools, auxiliary functions, comments.
 
 use super::{ALWAYS_STOP, ASSUMED, EXACT_STOP, NEVER_STOP, Sinumerik};
-use crate::geometry::{Axis, AxisVector};
-use crate::snc::{Dwell, Element, FrameWords, Kind, Word, WordValue};
+use crate::snc::{Dwell, Element, FrameKind, FrameStatement, FrameWords, Kind, Word, WordValue};
 use crate::units::push_integer;
 
 use super::super::number::push_value;
@@ -10,8 +9,9 @@ use super::super::number::push_value;
 /// Words that suppress frames for their block.
 const SUPPRESSING: [&str; 3] = ["G53", "G153", "SUPA"];
 const STOP_GROUP: [&str; 7] = [ALWAYS_STOP, NEVER_STOP, "G641", "G642", "G643", "G644", "G645"];
-/// Shifts are written to this many parts of a mm or degree: far below any increment, without the noise of the arithmetic.
-const SHIFT_PARTS: f64 = 1e9;
+/// Shifts, angles and factors are written to this many parts of a mm or degree: far below any increment, without the noise of the
+/// arithmetic.
+const VALUE_PARTS: f64 = 1e9;
 
 impl Sinumerik {
     pub(super) fn element(&mut self, element: &Element, out: &mut Vec<u8>) {
@@ -116,19 +116,47 @@ impl Sinumerik {
     fn frame(&mut self, words: &FrameWords) {
         match words {
             FrameWords::Settable(name) => self.word(name.as_bytes()),
-            FrameWords::Translate { additive, shift, named } => {
-                self.word(if *additive { b"ATRANS" } else { b"TRANS" });
-                for axis in named.iter() {
-                    self.word(&[axis.letter()]);
-                    push_value(&mut self.line, shown_shift(axis, shift));
-                }
-            }
+            FrameWords::Statement(statement) => self.frame_statement(statement),
+        }
+    }
+
+    fn frame_statement(&mut self, statement: &FrameStatement) {
+        if statement.additive {
+            self.word(b"A");
+            // The rest of the word follows without a blank.
+            self.line.extend_from_slice(word_of(statement.kind));
+        } else {
+            self.word(word_of(statement.kind));
+        }
+        if let Some(angle_rad) = statement.in_plane_rad {
+            self.word(b"RPL=");
+            push_value(&mut self.line, without_noise(angle_rad.to_degrees()));
+        }
+        let is_angle = matches!(statement.kind, FrameKind::Rotate | FrameKind::SolidAngles);
+        let is_shift = matches!(statement.kind, FrameKind::Translate | FrameKind::Coarse | FrameKind::Fine);
+        for axis in statement.named.iter() {
+            self.word(&[axis.letter()]);
+            let value = statement.values[axis];
+            let in_degrees = is_angle || is_shift && axis.is_rotary();
+            push_value(&mut self.line, without_noise(if in_degrees { value.to_degrees() } else { value }));
         }
     }
 }
 
-/// A shift in mm or degrees without the noise of the arithmetic.
-fn shown_shift(axis: Axis, shift: &AxisVector) -> f64 {
-    let value = if axis.is_rotary() { shift[axis].to_degrees() } else { shift[axis] };
-    (value * SHIFT_PARTS).round() / SHIFT_PARTS
+/// The word of a statement that replaces the frame.
+fn word_of(kind: FrameKind) -> &'static [u8] {
+    match kind {
+        FrameKind::Translate => b"TRANS",
+        FrameKind::Rotate => b"ROT",
+        FrameKind::SolidAngles => b"ROTS",
+        FrameKind::Scale => b"SCALE",
+        FrameKind::Mirror => b"MIRROR",
+        FrameKind::Coarse => b"G58",
+        FrameKind::Fine => b"G59",
+    }
+}
+
+/// A value without the noise of the arithmetic.
+fn without_noise(value: f64) -> f64 {
+    (value * VALUE_PARTS).round() / VALUE_PARTS
 }
