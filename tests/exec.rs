@@ -9,7 +9,7 @@ use ncfix::syntax;
 
 use crate::machines::xyz_machine;
 
-struct Programs(Vec<(&'static str, &'static str)>);
+pub(crate) struct Programs(pub(crate) Vec<(&'static str, &'static str)>);
 
 impl Library for Programs {
     fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)> {

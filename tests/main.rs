@@ -15,6 +15,7 @@ mod correction;
 mod emission;
 mod exec;
 mod flat;
+mod flow;
 mod frames;
 mod grammar;
 mod hostile;

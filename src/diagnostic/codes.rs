@@ -156,6 +156,11 @@ end; nothing was written.";
 "A variable was defined twice in one program, or with the name of a function or keyword.";
     SKIPPED_INTO = "E0217" "jump into a control structure"
 "A jump led into a FOR loop whose start was not executed, so its end value is unknown.";
+    BAD_ARGUMENTS = "E0221" "arguments that do not fit the program"
+"The call gives more arguments than the PROC block of the called program has parameters, or no variable for a VAR parameter, which
+the called program changes.
+
+  PROC HOLE(REAL DEPTH, VAR INT COUNT)      called as HOLE(-5, N_1) with DEF INT N_1";
 
     ALREADY_CORRECTED = "E0301" "this program was corrected before"
 "The first comment says that ncfix made this file. Correcting it again would add the corrections twice. Correct the original.";

@@ -57,6 +57,16 @@ impl Cells {
         self.values.len()
     }
 
+    /// Number of indices of an element.
+    pub(super) fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+
+    /// Type of the elements.
+    pub(super) fn kind(&self) -> DefinitionType {
+        self.kind
+    }
+
     /// Whether an index belongs to it.
     pub(super) fn is_array(&self) -> bool {
         self.dimensions > 0

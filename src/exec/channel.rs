@@ -15,6 +15,7 @@ use super::path::Path;
 use super::resolve;
 use super::variables::Variables;
 use crate::diagnostic::Code;
+use crate::dialect::CodeTable;
 use crate::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Plane};
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, Dwell, Element, Kind, Origin, Setup, Word, WordValue};
@@ -29,6 +30,9 @@ pub(super) struct Channel<'a> {
     pub(super) queue: VecDeque<Element>,
     /// Findings of the block that do not stop it.
     pub(super) warnings: Vec<Fault>,
+    pub(super) codes: &'static CodeTable,
+    /// Whether the block has moved a geometry axis.
+    pub(super) has_moved: bool,
     pub(super) contour: Contour,
     released: Vec<Item>,
     pub(super) strict: bool,
@@ -44,7 +48,7 @@ pub(super) struct Channel<'a> {
 }
 
 impl<'a> Channel<'a> {
-    pub(super) fn new(machine: &'a Machine, options: &Options) -> Self {
+    pub(super) fn new(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Self {
         let mut channel = Channel {
             machine,
             modal: Modal::new(options.start, machine),
@@ -53,6 +57,8 @@ impl<'a> Channel<'a> {
             warnings: Vec::new(),
             contour: Contour::default(),
             released: Vec::new(),
+            codes,
+            has_moved: false,
             strict: options.strict,
             origin: Origin::default(),
             number: None,
@@ -75,6 +81,13 @@ impl<'a> Channel<'a> {
     pub(super) fn begin_block(&mut self, origin: Origin, number: Option<BlockNumber>) {
         self.origin = origin;
         self.number = number;
+        self.starts_block = true;
+        self.has_moved = false;
+    }
+
+    /// A new line of the output for the same block.
+    pub(super) fn begin_line(&mut self) {
+        self.number = None;
         self.starts_block = true;
     }
 
@@ -152,7 +165,7 @@ impl<'a> Channel<'a> {
     ) -> Result<(), Fault> {
         self.modal_codes(gathered)?;
         for &word in &gathered.keep {
-            self.push(Kind::Keep(word));
+            self.keep(word);
         }
         for text in std::mem::take(&mut gathered.verbatim) {
             self.push(Kind::Verbatim(text));
@@ -292,6 +305,8 @@ impl<'a> Channel<'a> {
     }
 
     fn motion(&mut self, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+        let geometry = || LINEAR_AXES.into_iter().take(3).any(|axis| gathered.named.contains(axis));
+        self.has_moved = gathered.named.is_empty() || geometry();
         let setup = if let Some(word) = gathered.suppress {
             let bare = Arc::new(self.suppressed(word));
             self.push(Kind::Setup(Arc::clone(&bare)));

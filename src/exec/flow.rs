@@ -1,58 +1,49 @@
 //! Control flow: what a block does to the order of execution.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use super::assign::{assign_value, assignments, define};
 use super::channel::Channel;
 use super::fault::Fault;
 use super::gathered::Call;
+use super::jump::jumps;
+use super::level::Level;
+use super::part;
 use super::value::Value as ExecValue;
-use super::variables::Locals;
 use super::{Loaded, at, gatherer, scope_of};
 use crate::diagnostic::Code;
 use crate::machine::Machine;
 use crate::snc::{Kind, Word as AuxWord, WordValue};
-use crate::syntax::{Block, Body, Jump, JumpTarget, Search};
-
-/// A program level: a program that runs, and where it is.
-pub(super) struct Level {
-    pub(super) program: usize,
-    pub(super) section: usize,
-    /// The block to execute next.
-    pub(super) next: usize,
-    /// The call chain that led here.
-    pub(super) calls: u32,
-    /// How many runs of this program are left, this one included.
-    pub(super) repeats: u32,
-    /// Variables of the level that called this one.
-    pub(super) callers_variables: Locals,
-    /// End values of FOR loops by the block of the FOR.
-    for_ends: HashMap<usize, f64>,
-}
-
-impl Level {
-    pub(super) fn new(program: usize, section: usize, next: usize, calls: u32) -> Self {
-        let (repeats, callers_variables) = (1, Locals::default());
-        Level { program, section, next, calls, repeats, callers_variables, for_ends: HashMap::new() }
-    }
-
-    /// Forgets what the last run of the program left behind.
-    pub(super) fn restart(&mut self) {
-        self.for_ends.clear();
-    }
-}
+use crate::syntax::{ArgumentRange, Block, Body};
 
 /// What comes after a block.
 #[derive(Debug, PartialEq)]
 pub(super) enum Action {
     Next,
+    /// Around the blocks of a control structure.
     Jump(usize),
+    /// GOTO
+    Goto(usize),
+    /// REPEAT: first and last block, and how many times.
+    Repeat(usize, usize, u32),
     Call(Call),
+    /// CALL, MCALL …: a place among the call statements.
+    CallStatement(u32),
     /// RET
-    Return,
+    Return(ReturnTarget),
     /// M2, M17, M30
     End(u32),
+}
+
+/// Where RET goes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ReturnTarget {
+    /// Label or block number in the caller; empty for the block behind the call.
+    pub(super) place: Vec<u8>,
+    /// Whether to go on behind that block.
+    pub(super) behind: bool,
+    /// How many program levels back.
+    pub(super) levels: u32,
 }
 
 /// Executes one block.
@@ -107,20 +98,13 @@ pub(super) fn block(
             }
             Action::Next
         }
-        Body::Proc { parameters: Some(span), .. } => {
-            let message = "programs with parameters are not supported yet";
-            return Err(at(span, Code::NOT_SUPPORTED, message, "pass values in R parameters"));
+        Body::Proc { .. } | Body::Declaration => Action::Next,
+        Body::Call(place) => Action::CallStatement(place),
+        Body::RepeatPart(place) => {
+            let passes = part::passes(loaded, channel, &loaded.program.repetitions[place as usize])?;
+            let (first, last) = part::blocks_of(loaded, channel, place as usize, index, section)?;
+            Action::Repeat(first, last, passes)
         }
-        Body::Proc { save: Some(span), .. } => {
-            let message = "SAVE is not supported yet";
-            return Err(at(
-                span,
-                Code::NOT_SUPPORTED,
-                message,
-                "restore the modal codes with words at the end of the program",
-            ));
-        }
-        Body::Proc { .. } => Action::Next,
         Body::Unsupported(span) => {
             let shown = String::from_utf8_lossy(loaded.program.source.slice(span)).to_ascii_uppercase();
             let message = format!("{shown} is not supported yet");
@@ -144,12 +128,12 @@ fn words(
         channel.comment(comment);
         return Ok(Action::Call(call));
     }
-    let (end, is_return) = (gathered.program_end, gathered.is_return);
+    let end = gathered.program_end;
+    let target = gathered.is_return.then(|| return_target(loaded, channel, gathered.return_arguments)).transpose()?;
     channel.execute(&mut gathered, comment, block.span)?;
     Ok(match end {
         Some(number) => Action::End(number),
-        None if is_return => Action::Return,
-        None => Action::Next,
+        None => target.map_or(Action::Next, Action::Return),
     })
 }
 
@@ -175,60 +159,35 @@ fn end_for(
     Ok(if goes_on { Action::Jump(start + 1) } else { Action::Next })
 }
 
-fn jumps(
-    loaded: &mut Loaded,
+/// The arguments of `RET(target, behind, levels)`.
+fn return_target(
+    loaded: &Loaded,
     channel: &Channel<'_>,
-    index: usize,
-    section: Range<usize>,
-    start: u32,
-    count: u16,
-) -> Result<Action, Fault> {
-    for place in start as usize..start as usize + usize::from(count) {
-        let jump = loaded.program.jumps[place];
-        let taken = match jump.condition {
-            Some(condition) => scope_of(loaded, channel).truth(condition)?,
-            None => true,
-        };
-        if !taken {
-            continue;
-        }
-        if let Some(target) = loaded.targets[place] {
-            return Ok(Action::Jump(target));
-        }
-        match find_target(loaded, &jump, index, section.clone())? {
-            Some(target) => {
-                loaded.targets[place] = Some(target);
-                return Ok(Action::Jump(target));
+    arguments: Option<ArgumentRange>,
+) -> Result<ReturnTarget, Fault> {
+    let mut out = ReturnTarget { place: Vec::new(), behind: false, levels: 1 };
+    let Some(arguments) = arguments else { return Ok(out) };
+    let scope = scope_of(loaded, channel);
+    for (index, id) in loaded.program.arguments_of(arguments).iter().enumerate() {
+        let Some(id) = *id else { continue };
+        let span = loaded.program.expr(id).span;
+        match index {
+            0 => out.place = scope.value(id)?.text(),
+            1 => out.behind = scope.truth(id)?,
+            2 => {
+                let levels = u32::try_from(scope.whole(id)?).ok().filter(|levels| (1..=100).contains(levels));
+                let help = "name the number of program levels to go back";
+                out.levels =
+                    levels.ok_or_else(|| at(span, Code::BAD_WORD_VALUE, "RET goes back at least one level", help))?;
             }
-            None if jump.search == Search::AroundIfAny => {}
-            None => {
-                let shown = String::from_utf8_lossy(loaded.program.source.slice(jump.span)).into_owned();
-                let message = format!("{shown}: the target is not there");
-                return Err(at(jump.span, Code::NO_TARGET, message, "check the name and the direction of the jump"));
+            _ if scope.truth(id)? => {
+                let message = "RET to the start of the main program is not supported yet";
+                return Err(at(span, Code::NOT_SUPPORTED, message, "name a label there"));
             }
+            _ => {}
         }
     }
-    Ok(Action::Next)
-}
-
-fn find_target(loaded: &Loaded, jump: &Jump, index: usize, section: Range<usize>) -> Result<Option<usize>, Fault> {
-    let blocks = &loaded.program.blocks;
-    let hits = |at: &usize| match jump.target {
-        JumpTarget::Label(name) => blocks[*at].label == Some(name),
-        JumpTarget::Number(number) => blocks[*at].number == Some(number),
-        JumpTarget::Computed | JumpTarget::Start => false,
-    };
-    let forward = || (index + 1..section.end).find(hits);
-    Ok(match (jump.target, jump.search) {
-        (JumpTarget::Computed, _) => {
-            let message = "jumps to a computed target are not supported yet";
-            return Err(at(jump.span, Code::NOT_SUPPORTED, message, "jump to a label"));
-        }
-        (JumpTarget::Start, _) | (_, Search::Start) => Some(section.start),
-        (_, Search::Forward) => forward(),
-        (_, Search::Backward) => (section.start..=index).rev().find(hits),
-        (_, Search::Around | Search::AroundIfAny) => forward().or_else(|| (section.start..=index).find(hits)),
-    })
+    Ok(out)
 }
 
 impl Channel<'_> {

@@ -8,7 +8,7 @@ use super::gathered::Gathered;
 use crate::diagnostic::Code;
 use crate::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector, about, by_solid_angles};
 use crate::machine::Control;
-use crate::snc::{FrameKind, FrameStatement, FrameWords, Kind};
+use crate::snc::{FrameKind, FrameStatement, FrameWords};
 use crate::source::Span;
 
 impl Channel<'_> {
@@ -36,7 +36,7 @@ impl Channel<'_> {
         self.modal.settable = Frame::translation(value.unwrap_or_default());
         self.modal.offset_assumed = missing;
         self.refresh_setup();
-        self.push(Kind::Frame(FrameWords::Settable(name.clone())));
+        self.push_frame(FrameWords::Settable(name.clone()));
         Ok(())
     }
 
@@ -89,7 +89,7 @@ impl Channel<'_> {
         let in_plane_rad = in_plane.map(|angle| angle.value.to_radians());
         let statement = FrameStatement { kind, additive, values, named: gathered.named, in_plane_rad };
         self.apply_statement(&statement, span)?;
-        self.push(Kind::Frame(FrameWords::Statement(statement)));
+        self.push_frame(FrameWords::Statement(statement));
         Ok(())
     }
 

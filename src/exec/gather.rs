@@ -141,7 +141,7 @@ impl Gatherer<'_> {
                 if !name[1..].bytes().all(|b| b.is_ascii_digit()) {
                     return Err(bad_value(word.span, "L takes the number of a subprogram", "write for example L10"));
                 }
-                self.call(name, word.span, out)
+                self.call(name, None, word.span, out)
             }
             b'P' => {
                 let repeats = self.whole(word, 9999)?;
@@ -151,7 +151,13 @@ impl Gatherer<'_> {
         }
     }
 
-    fn call(&self, name: String, span: Span, out: &mut Gathered) -> Result<(), Fault> {
+    fn call(
+        &self,
+        name: String,
+        arguments: Option<ArgumentRange>,
+        span: Span,
+        out: &mut Gathered,
+    ) -> Result<(), Fault> {
         if let Some(first) = &out.call {
             return Err(fault(
                 Code::UNEXPECTED,
@@ -160,7 +166,7 @@ impl Gatherer<'_> {
                 "give each call its block",
             ));
         }
-        out.call = Some(Call { name, repeats: 1, span });
+        out.call = Some(Call { name, arguments, repeats: 1, span });
         Ok(())
     }
 
@@ -286,8 +292,11 @@ impl Gatherer<'_> {
                 };
                 once(&mut out.message, text, word.span)
             }
-            (Meaning::Return, Value::None) => {
+            (Meaning::Return, Value::None | Value::Arguments(_)) => {
                 out.is_return = true;
+                if let Value::Arguments(range) = word.value {
+                    out.return_arguments = Some(range);
+                }
                 Ok(())
             }
             (Meaning::Unsupported | Meaning::Return | Meaning::System, _) => Err(self.unsupported(word)),
@@ -299,20 +308,8 @@ impl Gatherer<'_> {
                 format!("{text} is neither a variable nor a known address"),
                 "define it with DEF at the start of this program",
             )),
-            (Meaning::Free, Value::None) => self.call(text.to_owned(), word.span, out),
-            (Meaning::Free, Value::Arguments(range)) if range == ArgumentRange::default() => {
-                self.call(text.to_owned(), word.span, out)
-            }
-            (Meaning::Free, Value::Arguments(_)) => {
-                let what = if super::names::is_cycle(text) { "the cycle" } else { "a call with parameters:" };
-                let message = format!("{what} {text} is not supported yet");
-                Err(fault(
-                    Code::NOT_SUPPORTED,
-                    word.span,
-                    message,
-                    "write its moves out, or call a program without parameters",
-                ))
-            }
+            (Meaning::Free, Value::None) => self.call(text.to_owned(), None, word.span, out),
+            (Meaning::Free, Value::Arguments(range)) => self.call(text.to_owned(), Some(range), word.span, out),
             _ => Err(fault(
                 Code::UNEXPECTED,
                 word.span,

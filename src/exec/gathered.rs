@@ -6,12 +6,13 @@ use super::modal::MotionKind;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
 use crate::snc::{FrameKind, Word as AuxWord, WordValue};
 use crate::source::Span;
-use crate::syntax::DimensionFunction;
+use crate::syntax::{ArgumentRange, DimensionFunction};
 
 /// A call found in a block.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Call {
     pub(super) name: String,
+    pub(super) arguments: Option<ArgumentRange>,
     pub(super) repeats: u32,
     pub(super) span: Span,
 }
@@ -58,6 +59,8 @@ pub(super) struct Gathered {
     pub(super) tool_change: bool,
     pub(super) program_end: Option<u32>,
     pub(super) is_return: bool,
+    /// `RET(…)`
+    pub(super) return_arguments: Option<ArgumentRange>,
     pub(super) message: Option<Vec<u8>>,
     /// Words that are passed on, values evaluated.
     pub(super) verbatim: Vec<Vec<u8>>,
@@ -106,6 +109,7 @@ impl Gathered {
             tool_change: false,
             program_end: None,
             is_return: false,
+            return_arguments: None,
             message: None,
             verbatim: Vec::new(),
             is_complete: false,

@@ -1,13 +1,26 @@
 //! Programs that are loaded, and where further ones come from.
 
+use std::collections::HashMap;
+
+use super::jump::Place;
 use super::names::{self, Meaning};
+use super::{Execution, cycles};
 use crate::machine::Control;
-use crate::syntax::{Block, Program};
+use crate::source::{FileId, Source};
+use crate::syntax::{self, Block, Body, Parameter, Program};
 
 /// Finds subprograms that are not in the file of the main program.
 pub trait Library {
     /// The file of the subprogram `name` (upper case, without ending): the name to show, and its bytes.
     fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)>;
+
+    /// The file of a program that is named with its path (`/_N_WKS_DIR/_N_PART_WPD/NAME`), if the library knows paths.
+    fn load_path(&mut self, _path: &str) -> Option<(String, Vec<u8>)> {
+        None
+    }
+
+    /// One more folder to search (CALLPATH); an empty name takes the added ones away.
+    fn add_folder(&mut self, _path: &str) {}
 }
 
 /// A library without programs.
@@ -26,6 +39,12 @@ pub(super) struct Loaded {
     pub(super) meanings: Vec<Meaning>,
     /// Targets of its jumps, where they were looked up already.
     pub(super) targets: Vec<Option<usize>>,
+    /// Blocks of its jumps with computed targets, as far as they were looked up.
+    pub(super) computed: HashMap<(usize, Place), usize>,
+    /// Blocks of its repetitions, where they were looked up already.
+    pub(super) parts: Vec<Option<(usize, usize)>>,
+    /// By section: first and number of the parameters of its PROC block, and whether it has SAVE.
+    procs: Vec<(u32, u16, bool)>,
     /// Blocks whose comments were passed on already.
     commented: Vec<bool>,
 }
@@ -35,7 +54,19 @@ impl Loaded {
         let meanings = names::resolve(&program, program.dialect, control);
         let targets = vec![None; program.jumps.len()];
         let commented = vec![false; program.blocks.len()];
-        Loaded { program, meanings, targets, commented }
+        let parts = vec![None; program.repetitions.len()];
+        let procs = program.sections.iter().map(|section| proc_of(&program.blocks[section.blocks.clone()])).collect();
+        Loaded { program, meanings, targets, computed: HashMap::new(), parts, procs, commented }
+    }
+
+    /// The parameters of a section's program.
+    pub(super) fn parameters(&self, section: usize) -> &[Parameter] {
+        self.procs.get(section).map_or(&[], |&(start, count, _)| self.program.parameters_of(start, count))
+    }
+
+    /// Whether a section's program has SAVE.
+    pub(super) fn has_save(&self, section: usize) -> bool {
+        self.procs.get(section).is_some_and(|&(_, _, save)| save)
     }
 
     /// The comment of a block the first time it is executed: a loop does not repeat its comments.
@@ -44,6 +75,44 @@ impl Loaded {
             return None;
         }
         Some(self.program.source.slice(block.comment).to_vec())
+    }
+}
+
+/// What the PROC block says, which stands before all that is executed.
+fn proc_of(blocks: &[Block]) -> (u32, u16, bool) {
+    let first = blocks.iter().find(|block| !matches!(block.body, Body::Empty | Body::Declaration));
+    match first.map(|block| block.body) {
+        Some(Body::Proc { start, count, save, .. }) => (start, count, save),
+        _ => (0, 0, false),
+    }
+}
+
+/// The name of a program without path, `_N_` and ending, upper case.
+pub(super) fn program_name(path: &str) -> String {
+    let name = path.rsplit(['/', '\\', ':']).next().unwrap_or(path).trim().to_ascii_uppercase();
+    let name = name.strip_prefix("_N_").unwrap_or(&name);
+    let endings = ["_SPF", "_MPF", ".SPF", ".MPF"];
+    endings.iter().find_map(|ending| name.strip_suffix(ending)).unwrap_or(name).to_owned()
+}
+
+impl Execution<'_> {
+    /// Loads a program from the library or from among the built-in cycles.
+    pub(super) fn load(&mut self, path: &str, name: &str, is_path: bool) -> Option<(usize, usize)> {
+        let found = if is_path { self.library.load_path(path) } else { self.library.load(name) };
+        let built_in =
+            || cycles::source(name).filter(|_| !is_path).map(|text| (format!("{name} (built in)"), text.to_vec()));
+        let (shown, bytes) = found.or_else(built_in)?;
+        let id = FileId(u16::try_from(self.sources.len()).ok()?);
+        let source = Source::new(id, &shown, bytes).ok()?;
+        let (program, findings) = syntax::parse(&source, self.programs[0].program.dialect);
+        self.sources.push(source);
+        for finding in findings {
+            self.report(finding);
+        }
+        let section = section_of(&program, name)
+            .or_else(|| program.sections.iter().position(|section| !section.blocks.is_empty()))?;
+        self.programs.push(Loaded::new(program, &self.machine.control));
+        Some((self.programs.len() - 1, section))
     }
 }
 

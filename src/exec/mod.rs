@@ -7,9 +7,11 @@
 
 mod address;
 mod assign;
+mod call;
 mod cells;
 mod channel;
 mod contour;
+mod cycles;
 mod expression;
 mod fault;
 mod flow;
@@ -18,16 +20,21 @@ mod functions;
 mod gather;
 mod gathered;
 mod indexed_word;
+mod jump;
 mod kept;
+mod level;
 mod library;
 mod modal;
 mod motion;
 mod names;
 mod operand;
+mod parameters;
+mod part;
 mod pass;
 mod path;
 mod report;
 mod resolve;
+mod save;
 mod tool;
 mod value;
 mod variables;
@@ -40,16 +47,16 @@ use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::AxisVector;
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, Element, Kind, Origin};
-use crate::source::{FileId, Source};
+use crate::source::Source;
 use crate::syntax::{self, Block, Program};
 
 use channel::Channel;
 use expression::Scope;
-use fault::{at, fault};
-use flow::{Action, Level};
+use fault::{Fault, at};
+use flow::Action;
 use gather::Gatherer;
-use gathered::Call;
-use library::{Loaded, section_of};
+use level::Level;
+use library::Loaded;
 
 /// How to execute.
 #[derive(Clone, Debug, Default)]
@@ -90,6 +97,8 @@ pub struct Execution<'a> {
     chains: Vec<(u32, u32)>,
     chain_ids: HashMap<(u32, u32), u32>,
     found: HashMap<String, Option<(usize, usize)>>,
+    /// The program of MCALL.
+    modal_call: Option<call::Entry>,
     is_over: bool,
     is_finished: bool,
 }
@@ -105,7 +114,7 @@ impl<'a> Execution<'a> {
             .position(|section| section.ending == "MPF" && !section.blocks.is_empty())
             .or_else(|| program.sections.iter().position(|section| !section.blocks.is_empty()))
             .unwrap_or(0);
-        let mut channel = Channel::new(machine, &options);
+        let mut channel = Channel::new(machine, &options, program.dialect.codes());
         let source = program.source.clone();
         if let Some(section) = program.sections.get(main) {
             for &header in &section.headers {
@@ -139,6 +148,7 @@ impl<'a> Execution<'a> {
             chains: Vec::new(),
             chain_ids: HashMap::new(),
             found: HashMap::new(),
+            modal_call: None,
             is_over: false,
             is_finished: false,
         }
@@ -174,6 +184,15 @@ impl<'a> Execution<'a> {
             self.is_over = true;
             return;
         };
+        if let Some(pending) = level.pending.take() {
+            if let Err(found) = self.act(pending.0, &pending.1) {
+                self.report_here(found);
+            }
+            return;
+        }
+        if !level.parts.is_empty() {
+            level.end_parts();
+        }
         let loaded = &mut self.programs[level.program];
         // An empty file has no section.
         let Some(section) = loaded.program.sections.get(level.section) else {
@@ -227,123 +246,47 @@ impl<'a> Execution<'a> {
         for warning in warnings {
             self.report(warning.in_file(file));
         }
-        match action {
+        let done = match action {
+            // What the block does to the order of execution waits for the modal call that it triggers.
+            Ok(action) if self.channel.has_moved && self.modal_call.is_some() && self.trigger(&block) => {
+                let caller = self.levels.len().checked_sub(2).and_then(|index| self.levels.get_mut(index));
+                if let (Some(level), true) = (caller, action != Action::Next) {
+                    level.pending = Some(Box::new((action, block)));
+                }
+                Ok(())
+            }
             Ok(action) => self.act(action, &block),
-            Err(found) => self.report(found.in_file(file)),
+            Err(found) => Err(found),
+        };
+        if let Err(found) = done {
+            self.report(found.in_file(file));
         }
     }
 
-    fn act(&mut self, action: Action, block: &Block) {
+    fn act(&mut self, action: Action, block: &Block) -> Result<(), Fault> {
         match action {
             Action::Next => {}
-            Action::Jump(target) => {
+            Action::Jump(target) | Action::Goto(target) => {
                 if let Some(level) = self.levels.last_mut() {
-                    level.next = target;
+                    level.go_to(target, matches!(action, Action::Goto(_)));
                 }
             }
-            Action::Call(call) => self.call(&call, block),
-            Action::Return => {
-                if self.levels.len() == 1 {
-                    self.channel.push(Kind::Keep("RET"));
+            Action::Repeat(first, last, passes) => {
+                self.check_depth("the repetition", block.span)?;
+                if let Some(level) = self.levels.last_mut() {
+                    part::begin(level, first, last, passes);
                 }
-                self.end_of_program(None);
             }
+            Action::Call(call) => self.call(&call, block)?,
+            Action::CallStatement(place) => {
+                let program = self.levels.last().map_or(0, |level| level.program);
+                let statement = self.programs[program].program.calls[place as usize];
+                self.call_statement(&statement, block)?;
+            }
+            Action::Return(target) => self.return_to(&target, block.span)?,
             Action::End(word) => self.end_of_program(Some(word)),
         }
-    }
-
-    /// The end of a program: back to the caller, or the end of the run. `word` is M2, M17 or M30 or none.
-    fn end_of_program(&mut self, word: Option<u32>) {
-        if self.levels.len() <= 1 {
-            if let Some(number) = word {
-                self.channel.push_end(number);
-            }
-            self.is_over = true;
-            return;
-        }
-        let Some(level) = self.levels.last_mut() else { return };
-        if level.repeats > 1 {
-            level.repeats -= 1;
-            let start = self.programs[level.program].program.sections[level.section].blocks.start;
-            level.next = start;
-            level.restart();
-            self.channel.variables.exchange(variables::Locals::default());
-            return;
-        }
-        if let Some(level) = self.levels.pop() {
-            self.channel.variables.exchange(level.callers_variables);
-        }
-    }
-
-    fn call(&mut self, call: &Call, block: &Block) {
-        let Some(level) = self.levels.last() else { return };
-        let file = self.programs[level.program].program.source.id();
-        if self.levels.len() as u64 >= u64::from(self.machine.control.max_program_levels) {
-            let message = format!("{} would be program level {}", call.name, self.levels.len() + 1);
-            let help = "a program that calls itself never ends; the limit is control.max_program_levels";
-            self.report(fault(Code::TOO_MANY_CALLS, call.span, message, help).in_file(file));
-            return;
-        }
-        if call.repeats == 0 {
-            return;
-        }
-        let caller = (level.calls, block.line);
-        let Some((program, section)) = self.find(&call.name, level.program) else {
-            let cycle = names::is_cycle(&call.name);
-            let (code, message) = if cycle {
-                (Code::NOT_SUPPORTED, format!("the cycle {} is not supported yet", call.name))
-            } else {
-                (Code::NO_SUBPROGRAM, format!("there is no program {}", call.name))
-            };
-            let help = if cycle {
-                "write its moves out, or name it in control.opaque of the machine file if the control shall run it by itself"
-            } else {
-                "put it beside the main program, as NAME.SPF, or name it in control.opaque of the machine file if the control shall \
-                 run it by itself"
-            };
-            self.report(fault(code, call.span, message, help).in_file(file));
-            return;
-        };
-        let next_id = u32::try_from(self.chains.len() + 1).unwrap_or(u32::MAX);
-        let calls = *self.chain_ids.entry(caller).or_insert(next_id);
-        if calls == next_id {
-            self.chains.push(caller);
-        }
-        let start = self.programs[program].program.sections[section].blocks.start;
-        let mut level = Level::new(program, section, start, calls);
-        level.repeats = call.repeats;
-        level.callers_variables = self.channel.variables.exchange(variables::Locals::default());
-        self.levels.push(level);
-    }
-
-    /// The program and section of a name: in the file of the caller, in files loaded before, in the library.
-    fn find(&mut self, name: &str, caller: usize) -> Option<(usize, usize)> {
-        let in_caller = section_of(&self.programs[caller].program, name).map(|section| (caller, section));
-        let in_main = || section_of(&self.programs[0].program, name).map(|section| (0, section));
-        if let Some(found) = in_caller.or_else(in_main) {
-            return Some(found);
-        }
-        if let Some(found) = self.found.get(name) {
-            return *found;
-        }
-        let found = self.load(name);
-        self.found.insert(name.to_owned(), found);
-        found
-    }
-
-    fn load(&mut self, name: &str) -> Option<(usize, usize)> {
-        let (shown, bytes) = self.library.load(name)?;
-        let id = FileId(u16::try_from(self.sources.len()).ok()?);
-        let source = Source::new(id, &shown, bytes).ok()?;
-        let (program, findings) = syntax::parse(&source, self.programs[0].program.dialect);
-        self.sources.push(source);
-        for finding in findings {
-            self.report(finding);
-        }
-        let section = section_of(&program, name)
-            .or_else(|| program.sections.iter().position(|section| !section.blocks.is_empty()))?;
-        self.programs.push(Loaded::new(program, &self.machine.control));
-        Some((self.programs.len() - 1, section))
+        Ok(())
     }
 }
 

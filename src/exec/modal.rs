@@ -1,5 +1,6 @@
 //! What stays in force from block to block: modal codes, frames, tool, position.
 
+use super::save::Stated;
 use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
 use crate::machine::{Machine, Tool};
 use crate::snc::{Setup, WordValue};
@@ -54,6 +55,8 @@ pub(super) struct Modal {
     pub(super) programmable: Frame,
     /// The part of its shift that `G59` replaces.
     pub(super) fine: AxisVector,
+    /// What the output says of all this.
+    pub(super) stated: Stated,
     /// Where frame or tool has no value in the machine file.
     pub(super) offset_assumed: bool,
     pub(super) tool_assumed: bool,
@@ -90,6 +93,7 @@ impl Modal {
             settable: Frame::identity(),
             programmable: Frame::identity(),
             fine: AxisVector::ZERO,
+            stated: Stated::new(&machine.control.initial_zero_offset),
             offset_assumed: false,
             tool_assumed: false,
             selected: None,
@@ -144,6 +148,20 @@ impl Modal {
                 candidate.edge == edge && known.as_bytes().eq_ignore_ascii_case(name)
             }),
         }
+    }
+
+    /// Takes over what SAVE does not bring back: position, tool, feed.
+    pub(super) fn keep_position_of(&mut self, left: &Modal) {
+        self.feed = left.feed;
+        self.selected.clone_from(&left.selected);
+        self.active.clone_from(&left.active);
+        self.edge = left.edge;
+        self.length_mm = left.length_mm;
+        self.tool_assumed = left.tool_assumed;
+        self.command = left.command;
+        self.programmed = left.programmed;
+        self.known = left.known;
+        self.stale = left.stale;
     }
 
     /// The position is unknown from here on: a tool change has moved the machine.

@@ -140,6 +140,27 @@ impl Variables {
         Ok(())
     }
 
+    /// Defines a variable of this level that holds something already: a parameter.
+    pub(super) fn define_cells(&mut self, name: NameId, text: &str, cells: Cells, span: Span) -> Result<(), Fault> {
+        if self.locals.variables.iter().any(|(known, _)| *known == name) || is_function(text) {
+            return Err(fault(Code::DUPLICATE_NAME, span, format!("{text} is taken already"), "choose another name"));
+        }
+        if cells.count() > MAX_LOCAL - self.locals.elements {
+            let message = format!("{text} has more elements than the {MAX_LOCAL} of a program");
+            return Err(fault(Code::BAD_INDEX, span, message, "make the array smaller"));
+        }
+        self.locals.elements += cells.count();
+        self.locals.variables.push((name, cells));
+        Ok(())
+    }
+
+    /// Puts new contents of the same shape into a variable: a VAR parameter comes back.
+    pub(super) fn replace_cells(&mut self, name: NameId, text: &str, cells: Cells) {
+        if let Some(old) = self.cells_mut(name, text).filter(|old| old.count() == cells.count()) {
+            *old = cells;
+        }
+    }
+
     /// Defines a variable that all programs see and that lives as long as the run. One that is there already is replaced.
     pub(super) fn define_global(
         &mut self,

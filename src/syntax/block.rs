@@ -35,6 +35,9 @@ impl Parser {
             arguments: Vec::new(),
             jumps: Vec::new(),
             definitions: Vec::new(),
+            parameters: Vec::new(),
+            calls: Vec::new(),
+            repetitions: Vec::new(),
             names: Names::default(),
         };
         Parser { program, findings: Vec::new(), line_end: 0, depth: 0 }

@@ -29,7 +29,7 @@ impl Parser {
                 );
             };
             rest = blanks(behind);
-            match type_of(word) {
+            match DefinitionType::from_word(word) {
                 Some(kind) => break kind,
                 None if word.eq_ignore_ascii_case(b"CHAN") || word.eq_ignore_ascii_case(b"NCK") => is_global = true,
                 None => {}
@@ -106,15 +106,18 @@ impl Parser {
 /// The rest of the line, or a fault.
 type Skipped<'a> = Result<Input<'a>, nom::Err<super::token::Fault>>;
 
-fn type_of(word: &[u8]) -> Option<DefinitionType> {
-    Some(match word.to_ascii_uppercase().as_slice() {
-        b"INT" => DefinitionType::Int,
-        b"REAL" => DefinitionType::Real,
-        b"BOOL" => DefinitionType::Bool,
-        b"CHAR" => DefinitionType::Char,
-        b"STRING" => DefinitionType::String,
-        b"AXIS" => DefinitionType::Axis,
-        b"FRAME" => DefinitionType::Frame,
-        _ => return None,
-    })
+impl DefinitionType {
+    /// The type that a word names.
+    pub(super) fn from_word(word: &[u8]) -> Option<DefinitionType> {
+        Some(match word.to_ascii_uppercase().as_slice() {
+            b"INT" => DefinitionType::Int,
+            b"REAL" => DefinitionType::Real,
+            b"BOOL" => DefinitionType::Bool,
+            b"CHAR" => DefinitionType::Char,
+            b"STRING" => DefinitionType::String,
+            b"AXIS" => DefinitionType::Axis,
+            b"FRAME" => DefinitionType::Frame,
+            _ => return None,
+        })
+    }
 }

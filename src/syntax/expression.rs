@@ -250,6 +250,11 @@ impl Parser {
         self.named(input)
     }
 
+    /// `left == right`, for a branch of CASE.
+    pub(super) fn comparison(&mut self, left: ExprId, right: ExprId) -> ExprId {
+        self.push_expr(self.span_of(right), Node::Binary(Operator::Equal, left, right))
+    }
+
     fn name_with_arguments<'a>(&mut self, input: Input<'a>, name: &[u8], rest: Input<'a>) -> Parsed<'a, ExprId> {
         let id = self.intern(name);
         let open = blanks(rest);

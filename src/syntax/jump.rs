@@ -1,4 +1,4 @@
-//! Jumps and their targets.
+//! Jumps, their targets, and the repetition of program parts.
 
 use super::names::NameId;
 use super::tree::{BlockNumber, ExprId};
@@ -9,7 +9,7 @@ use crate::source::Span;
 pub struct Jump {
     /// From the keyword to the target.
     pub span: Span,
-    /// `IF …` before it.
+    /// `IF …` before it; a branch of CASE compares here.
     pub condition: Option<ExprId>,
     /// Where to look.
     pub search: Search,
@@ -35,12 +35,27 @@ pub enum Search {
 /// What a jump looks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JumpTarget {
-    /// A label.
+    /// A label, or a variable that holds one.
     Label(NameId),
     /// A block number.
     Number(BlockNumber),
-    /// A computed name, which is known but not executed yet.
-    Computed,
+    /// A computed name.
+    Computed(ExprId),
     /// The start (GOTOS).
     Start,
+}
+
+/// `REPEAT label …` or `REPEATB label …`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Repetition {
+    /// From the keyword to the last label.
+    pub span: Span,
+    /// The block that is repeated, or with which the part begins.
+    pub first: JumpTarget,
+    /// The last block, where it is named.
+    pub last: Option<JumpTarget>,
+    /// REPEATB: only the one block.
+    pub one_block: bool,
+    /// `P`: how many times.
+    pub count: Option<ExprId>,
 }

@@ -5,6 +5,7 @@
 //! that a block of plain words costs no allocation of its own.
 
 mod block;
+mod call;
 mod definition;
 mod expression;
 mod jump;
@@ -14,7 +15,8 @@ mod structure;
 mod token;
 mod tree;
 
-pub use jump::{Jump, JumpTarget, Search};
+pub use call::{CallKind, CallStatement, Callee, Parameter};
+pub use jump::{Jump, JumpTarget, Repetition, Search};
 pub use names::{NameId, Names};
 pub use tree::{
     Address, ArgumentRange, Block, BlockNumber, Body, Definition, DefinitionType, DimensionFunction, Expr, ExprId,

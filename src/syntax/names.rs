@@ -26,6 +26,12 @@ impl Names {
         NameId(id)
     }
 
+    /// The id of a name, upper case, that the program has.
+    #[must_use]
+    pub fn find(&self, text: &str) -> Option<NameId> {
+        self.ids.get(text).map(|&id| NameId(id))
+    }
+
     /// A name's text, upper case.
     #[must_use]
     pub fn text(&self, id: NameId) -> &str {

@@ -2,17 +2,15 @@
 
 use super::block::{Draft, Parser};
 use super::expression::{keyword, target_number};
-use super::jump::{Jump, JumpTarget, Search};
+use super::jump::{Jump, JumpTarget, Repetition, Search};
 use super::token::{Input, Parsed, blanks, fault, identifier};
 use super::tree::{BlockNumber, Body, ExprId};
 use crate::diagnostic::Code;
 use crate::source::Span;
 
 /// Statements that are known and not executed yet; the rest of their block is not read.
-const NOT_YET: &[&str] = &[
-    "CASE", "CALL", "CALLPATH", "PCALL", "ISOCALL", "EXTCALL", "MCALL", "REPEATB", "EXTERN", "DEFINE", "ID", "IDS",
-    "WHEN", "WHENEVER", "EVERY", "FROM", "DO", "REDEF", "PROC_DEF",
-];
+const NOT_YET: &[&str] =
+    &["ISOCALL", "DEFINE", "ID", "IDS", "WHEN", "WHENEVER", "EVERY", "FROM", "DO", "REDEF", "PROC_DEF"];
 
 impl Parser {
     /// Reads a statement, or says that there is none at this place.
@@ -32,8 +30,14 @@ impl Parser {
             b"FOR" => Some(self.for_statement(rest)),
             b"REPEAT" => Some(match blanks(rest).first() {
                 None | Some(b';') => Ok((rest, Body::Repeat)),
-                Some(_) => self.unsupported(input, rest, draft),
+                Some(_) => self.repetition(input, rest, false),
             }),
+            b"REPEATB" => Some(self.repetition(input, rest, true)),
+            b"CASE" => Some(self.case(rest)),
+            word @ (b"MCALL" | b"CALL" | b"PCALL" | b"EXTCALL" | b"CALLPATH") => {
+                Some(self.call_statement(input, word, rest))
+            }
+            b"EXTERN" => Some(self.skipped(rest, draft).map(|(rest, ())| (rest, Body::Declaration))),
             b"GOTO" | b"GOTOF" | b"GOTOB" | b"GOTOC" | b"GOTOS" => Some(self.jumps(input, None)),
             b"DEF" => Some(self.define(input, rest)),
             b"PROC" => Some(self.proc(rest, draft)),
@@ -46,12 +50,17 @@ impl Parser {
     /// Takes the rest of the block as it is; the execution will say that it is not supported.
     fn unsupported<'a>(&mut self, input: Input<'a>, rest: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
         let span = Span::new(self.offset(input), self.offset(rest));
+        self.skipped(rest, draft).map(|(rest, ())| (rest, Body::Unsupported(span)))
+    }
+
+    /// The rest of the block, of which only the comment is kept.
+    fn skipped<'a>(&mut self, rest: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
         let comment = rest.iter().position(|&byte| byte == b';');
         let end = &rest[comment.unwrap_or(rest.len())..];
         if comment.is_some() {
             self.comment(end, draft);
         }
-        Ok((&rest[rest.len()..], Body::Unsupported(span)))
+        Ok((&rest[rest.len()..], ()))
     }
 
     fn if_statement<'a>(&mut self, input: Input<'a>, rest: Input<'a>) -> Parsed<'a, Body> {
@@ -101,25 +110,68 @@ impl Parser {
         else {
             return fault(Code::UNEXPECTED, input, 1, "GOTOF, GOTOB or GOTO was expected here");
         };
-        let at = blanks(rest);
-        let (rest, target) = if search == Search::Start {
-            (rest, JumpTarget::Start)
-        } else if let Some((rest, main, number)) = target_number(at) {
-            (rest, JumpTarget::Number(BlockNumber { main, number }))
-        } else if at.first().is_some_and(|&byte| matches!(byte, b'"' | b'(' | b'<')) {
-            let (rest, _) = self.expression(at)?;
-            (rest, JumpTarget::Computed)
-        } else {
-            match identifier(at) {
-                Ok((rest, name)) => (rest, JumpTarget::Label(self.intern(name))),
-                Err(_) => {
-                    return fault(Code::UNEXPECTED, at, 1, "a label or block number was expected behind the jump");
-                }
-            }
-        };
+        let (rest, target) =
+            if search == Search::Start { (rest, JumpTarget::Start) } else { self.jump_target(blanks(rest))? };
         let span = Span::new(self.offset(input), self.offset(rest));
         self.program.jumps.push(Jump { span, condition, search, target });
         Ok((rest, ()))
+    }
+
+    /// A label, a block number, or an expression that makes one of them.
+    pub(super) fn jump_target<'a>(&mut self, at: Input<'a>) -> Parsed<'a, JumpTarget> {
+        if let Some((rest, main, number)) = target_number(at) {
+            return Ok((rest, JumpTarget::Number(BlockNumber { main, number })));
+        }
+        match identifier(at) {
+            Ok((rest, name)) if !blanks(rest).starts_with(b"<<") && !rest.starts_with(b"[") => {
+                Ok((rest, JumpTarget::Label(self.intern(name))))
+            }
+            Err(_) if !at.first().is_some_and(|&byte| matches!(byte, b'"' | b'(' | b'<')) => {
+                fault(Code::UNEXPECTED, at, 1, "a label or block number was expected here")
+            }
+            _ => self.expression(at).map(|(rest, id)| (rest, JumpTarget::Computed(id))),
+        }
+    }
+
+    /// `CASE expression OF {constant GOTOx target} [DEFAULT GOTOx target]`: jumps, each with its comparison.
+    fn case<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Body> {
+        let start = self.program.jumps.len();
+        let (rest, selector) = self.expression(input)?;
+        let Some(mut rest) = keyword("OF", blanks(rest)) else {
+            return fault(Code::UNEXPECTED, blanks(rest), 1, "OF was expected behind the expression of CASE");
+        };
+        loop {
+            rest = blanks(rest);
+            let mut condition = None;
+            match keyword("DEFAULT", rest) {
+                Some(behind) => rest = behind,
+                None if matches!(rest.first(), None | Some(b';')) => break,
+                None => {
+                    let (behind, constant) = self.expression(rest)?;
+                    condition = Some(self.comparison(selector, constant));
+                    rest = behind;
+                }
+            }
+            rest = self.jump(blanks(rest), condition)?.0;
+        }
+        let count = u16::try_from(self.program.jumps.len() - start).unwrap_or(u16::MAX);
+        Ok((rest, Body::Jumps { start: u32::try_from(start).unwrap_or(u32::MAX), count }))
+    }
+
+    /// `REPEAT label [label] [P=n]`, `REPEATB label [P=n]`
+    fn repetition<'a>(&mut self, input: Input<'a>, rest: Input<'a>, one_block: bool) -> Parsed<'a, Body> {
+        let (mut rest, first) = self.jump_target(blanks(rest))?;
+        let (mut behind, mut count) = self.count(rest)?;
+        let mut last = None;
+        if count.is_none() && !one_block && !matches!(blanks(rest).first(), None | Some(b';')) {
+            let (next, target) = self.jump_target(blanks(rest))?;
+            (rest, last) = (next, Some(target));
+            (behind, count) = self.count(rest)?;
+        }
+        let span = Span::new(self.offset(input), self.offset(rest));
+        let place = u32::try_from(self.program.repetitions.len()).unwrap_or(u32::MAX);
+        self.program.repetitions.push(Repetition { span, first, last, one_block, count });
+        Ok((behind, Body::RepeatPart(place)))
     }
 
     /// `FOR variable = from TO to`
@@ -135,47 +187,6 @@ impl Parser {
         };
         let (rest, to) = self.expression(rest)?;
         Ok((rest, Body::For { variable, from, to }))
-    }
-
-    /// `PROC NAME[(parameters)] {attributes}`
-    fn proc<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Body> {
-        let at = blanks(input);
-        let Ok((rest, name)) = identifier(at) else {
-            return fault(Code::UNEXPECTED, at, 1, "the name of the program was expected behind PROC");
-        };
-        let name = self.intern(name);
-        let mut rest = blanks(rest);
-        let mut parameters = None;
-        if rest.first() == Some(&b'(') {
-            let Some(length) = rest.iter().position(|&byte| byte == b')') else {
-                return fault(Code::UNCLOSED, rest, 1, "this bracket is not closed in the block");
-            };
-            if rest[1..length].iter().any(|&byte| !byte.is_ascii_whitespace()) {
-                parameters = Some(Span::new(self.offset(rest), self.offset(rest) + length + 1));
-            }
-            rest = &rest[length + 1..];
-        }
-        let mut save = None;
-        loop {
-            rest = blanks(rest);
-            match rest.first() {
-                None => break,
-                Some(b';') => {
-                    self.comment(rest, draft);
-                    rest = &rest[rest.len()..];
-                    break;
-                }
-                Some(_) => {}
-            }
-            let Ok((behind, word)) = identifier(rest) else {
-                return fault(Code::UNEXPECTED, rest, 1, "an attribute such as SAVE or DISPLOF was expected here");
-            };
-            if word.eq_ignore_ascii_case(b"SAVE") {
-                save = Some(Span::new(self.offset(rest), self.offset(behind)));
-            }
-            rest = behind;
-        }
-        Ok((rest, Body::Proc { name, parameters, save }))
     }
 }
 

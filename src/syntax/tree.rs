@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::jump::Jump;
+use super::call::{CallStatement, Parameter};
+use super::jump::{Jump, Repetition};
 use super::names::{NameId, Names};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
@@ -12,7 +13,7 @@ use crate::source::{Source, Span};
 pub struct ExprId(pub(super) u32);
 
 /// A block number: `N10` or `:10`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BlockNumber {
     /// `:` instead of `N`.
     pub main: bool,
@@ -48,6 +49,12 @@ pub struct Program {
     pub jumps: Vec<Jump>,
     /// Variables of all DEF blocks.
     pub definitions: Vec<Definition>,
+    /// Parameters of all PROC blocks.
+    pub parameters: Vec<Parameter>,
+    /// Call statements of all blocks.
+    pub calls: Vec<CallStatement>,
+    /// `REPEAT label` of all blocks.
+    pub repetitions: Vec<Repetition>,
     /// All identifiers.
     pub names: Names,
 }
@@ -145,15 +152,23 @@ pub enum Body {
         /// How many.
         count: u16,
     },
-    /// `PROC`.
+    /// `PROC`: its parameters are a range of [`Program::parameters`].
     Proc {
         /// The name.
         name: NameId,
-        /// Where the parameter list stands, if there is one with anything in it.
-        parameters: Option<Span>,
-        /// Where `SAVE` stands, if it does.
-        save: Option<Span>,
+        /// First.
+        start: u32,
+        /// How many.
+        count: u16,
+        /// `SAVE`: the caller's modal state comes back at the return.
+        save: bool,
     },
+    /// `MCALL`, `CALL`, `PCALL` …: a place in [`Program::calls`].
+    Call(u32),
+    /// `REPEAT label`, `REPEATB label`: a place in [`Program::repetitions`].
+    RepeatPart(u32),
+    /// Says something to the reader of the program only: `EXTERN`, `DEFINE`.
+    Declaration,
     /// A statement that is known but not executed yet: its keyword.
     Unsupported(Span),
     /// Could not be read; a finding says why.
@@ -358,6 +373,12 @@ impl Program {
     #[must_use]
     pub fn jumps_of(&self, start: u32, count: u16) -> &[Jump] {
         &self.jumps[start as usize..start as usize + usize::from(count)]
+    }
+
+    /// Parameters of a PROC block.
+    #[must_use]
+    pub fn parameters_of(&self, start: u32, count: u16) -> &[Parameter] {
+        &self.parameters[start as usize..start as usize + usize::from(count)]
     }
 
     /// Definitions of a block.
