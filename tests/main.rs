@@ -27,5 +27,6 @@ mod model;
 mod modes;
 mod programs;
 mod support;
+mod synchronised;
 mod tolerance;
 mod variables;

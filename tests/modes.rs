@@ -13,7 +13,12 @@ use crate::bench_machine::{motion, polynomial};
 use crate::machines::xyz_machine;
 
 /// The lines that a program becomes on a machine, without stamp, and the codes of all findings.
-fn written(text: &str, machine: &Machine, errors: &ErrorModel, options: Options) -> (Vec<String>, Vec<String>) {
+pub(crate) fn written(
+    text: &str,
+    machine: &Machine,
+    errors: &ErrorModel,
+    options: Options,
+) -> (Vec<String>, Vec<String>) {
     let model = Model::new(machine, errors);
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
     let (program, findings) = syntax::parse(&source, dialect::sinumerik());
@@ -39,12 +44,12 @@ fn check_on(machine: &Machine, text: &str, expected: &[&str]) {
 }
 
 #[track_caller]
-fn check(text: &str, expected: &[&str]) {
+pub(crate) fn check(text: &str, expected: &[&str]) {
     check_on(&xyz_machine(), text, expected);
 }
 
 #[track_caller]
-fn codes(text: &str) -> Vec<String> {
+pub(crate) fn codes(text: &str) -> Vec<String> {
     written(text, &xyz_machine(), &ErrorModel::default(), Options::default()).1
 }
 

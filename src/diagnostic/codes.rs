@@ -239,6 +239,9 @@ as 0, no error. Nothing about the motion changes.";
     NOT_CORRECTED = "W0205" "moves that are not corrected"
 "SETINT lets an input of the control interrupt the program and start another one, which is run as it lies on the control. Its moves are
 not corrected, unless that program has been corrected too.";
+    WATCHED_ONCE = "W0206" "synchronised action of one block"
+"A synchronised action without ID acts while the next block is executed. Where the correction cuts the move of that block into pieces, the
+action is watched during the first piece only.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. For check and snc zero is used; a correction is refused.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"

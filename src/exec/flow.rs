@@ -10,7 +10,7 @@ use super::jump::jumps;
 use super::level::Level;
 use super::part;
 use super::value::Value as ExecValue;
-use super::{Loaded, at, gatherer, scope_of};
+use super::{Loaded, at, gatherer, scope_of, sync_action};
 use crate::diagnostic::Code;
 use crate::machine::Machine;
 use crate::snc::{Kind, Word as AuxWord, WordValue};
@@ -104,6 +104,10 @@ pub(super) fn block(
             let passes = part::passes(loaded, channel, &loaded.program.repetitions[place as usize])?;
             let (first, last) = part::blocks_of(loaded, channel, place as usize, index, section)?;
             Action::Repeat(first, last, passes)
+        }
+        Body::Synchronised { whole, id, condition, actions } => {
+            sync_action::execute(loaded, channel, [whole, id, condition, actions])?;
+            Action::Next
         }
         Body::Unsupported(span) => {
             let shown = String::from_utf8_lossy(loaded.program.source.slice(span)).to_ascii_uppercase();

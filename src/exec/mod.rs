@@ -35,6 +35,7 @@ mod path;
 mod report;
 mod resolve;
 mod save;
+mod sync_action;
 mod tool;
 mod value;
 mod variables;

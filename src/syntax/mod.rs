@@ -12,6 +12,7 @@ mod jump;
 mod names;
 mod statement;
 mod structure;
+mod sync_action;
 mod token;
 mod tree;
 

@@ -9,8 +9,7 @@ use crate::diagnostic::Code;
 use crate::source::Span;
 
 /// Statements that are known and not executed yet; the rest of their block is not read.
-const NOT_YET: &[&str] =
-    &["ISOCALL", "DEFINE", "ID", "IDS", "WHEN", "WHENEVER", "EVERY", "FROM", "DO", "REDEF", "PROC_DEF"];
+const NOT_YET: &[&str] = &["ISOCALL", "DEFINE", "REDEF", "PROC_DEF"];
 
 impl Parser {
     /// Reads a statement, or says that there is none at this place.
@@ -40,6 +39,9 @@ impl Parser {
             b"EXTERN" => Some(self.skipped(rest, draft).map(|(rest, ())| (rest, Body::Declaration))),
             b"GOTO" | b"GOTOF" | b"GOTOB" | b"GOTOC" | b"GOTOS" => Some(self.jumps(input, None)),
             b"DEF" => Some(self.define(input, rest)),
+            b"ID" | b"IDS" | b"WHEN" | b"WHENEVER" | b"EVERY" | b"FROM" | b"DO" => {
+                Some(self.synchronised(input, draft))
+            }
             b"PROC" => Some(self.proc(rest, draft)),
             upper => {
                 NOT_YET.iter().any(|known| known.as_bytes() == upper).then(|| self.unsupported(input, rest, draft))

@@ -169,6 +169,17 @@ pub enum Body {
     RepeatPart(u32),
     /// Says something to the reader of the program only: `EXTERN`, `DEFINE`.
     Declaration,
+    /// `ID=1 WHEN … DO …`; parts that are not there are empty.
+    Synchronised {
+        /// All of it.
+        whole: Span,
+        /// The number behind `ID=` or `IDS=`.
+        id: Span,
+        /// Behind WHEN, WHENEVER, EVERY or FROM.
+        condition: Span,
+        /// Behind DO.
+        actions: Span,
+    },
     /// A statement that is known but not executed yet: its keyword.
     Unsupported(Span),
     /// Could not be read; a finding says why.
