@@ -16,6 +16,7 @@ mod emission;
 mod exec;
 mod flat;
 mod flow;
+mod frame_correction;
 mod frames;
 mod grammar;
 mod hostile;

@@ -99,6 +99,23 @@ impl Frame {
         out
     }
 
+    /// The machine axes that move where the program moves those of a set.
+    #[must_use]
+    pub fn mixed_with(&self, programmed: AxisSet) -> AxisSet {
+        if self.is_translation {
+            return programmed;
+        }
+        let mut out = programmed.difference(AxisSet::XYZ);
+        for (row, axis) in AXES.into_iter().take(3).enumerate() {
+            let size = self.linear.row(row).norm();
+            let moves = |other: Axis| self.linear[(row, other.slot())].abs() > SAME_SHAPE * size;
+            if programmed.intersection(AxisSet::XYZ).iter().any(moves) {
+                out.insert(axis);
+            }
+        }
+        out
+    }
+
     /// Whether the frame only shifts.
     #[must_use]
     pub fn is_translation(&self) -> bool {

@@ -143,6 +143,11 @@ where
     fn set_up(&mut self, setup: Arc<Setup>) {
         let standing = &mut self.standing;
         standing.is_doubtful |= setup.tool_mm != self.placer.setup.tool_mm;
+        let (old, new) = (&self.placer.setup.frame, &setup.frame);
+        if old.linear() != new.linear() && !self.placer.is_machine_frame() {
+            standing.known = new.known_across(old.known_across(standing.known, false), true);
+            standing.written = standing.written.intersection(standing.known);
+        }
         self.placer.setup = setup;
         let programmed = self.placer.programmed(&standing.command);
         for axis in standing.written.iter() {
@@ -156,6 +161,16 @@ where
     }
 
     fn begin(&mut self, element: &Element, motion: &Move) {
+        let frame = &self.placer.setup.frame;
+        let motion = &if self.placer.is_machine_frame() && !frame.is_translation() {
+            let (named, known) = (frame.mixed_with(motion.named), frame.known_across(motion.known, false));
+            if let Some(axis) = named.difference(known).iter().next() {
+                self.findings.unknown_in_machine_frame(&element.origin, axis);
+            }
+            Move { named: named.intersection(known), known, ..*motion }
+        } else {
+            *motion
+        };
         let standing = &mut self.standing;
         let starts_at_known = motion.named.difference(standing.known).is_empty();
         let is_placed = self.placing.difference(motion.known).is_empty();
@@ -259,14 +274,17 @@ where
     fn accept(&mut self, active: &mut Active, trial: &Trial) {
         let [from, to] = trial.between;
         let is_last = to >= 1.0;
+        let frame = &self.placer.setup.frame;
         let known = active.motion.known;
+        let stated = if self.placer.is_parallel() { known } else { frame.known_across(known, false) };
         if let Some(start) = &trial.take_up {
             let way = Route::new(self.standing.command, start.command, None);
-            self.findings.check(&active.origin, known, &active.route.at(from), &way, &self.placer.setup.tool_mm);
+            let nominal = active.route.at(from);
+            self.findings.check(&active.origin, stated, &nominal, &way, &self.placer.setup.tool_mm);
             self.write(active, start, None, true, false);
         }
         let nominal = active.route.at(to);
-        self.findings.check(&active.origin, known, &nominal, &trial.emitted, &self.placer.setup.tool_mm);
+        self.findings.check(&active.origin, stated, &nominal, &trial.emitted, &self.placer.setup.tool_mm);
         if let Some(failure) = trial.end.failure.or(trial.take_up.and_then(|start| start.failure)) {
             self.findings.not_converged(&active.origin, failure);
         }

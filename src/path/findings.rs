@@ -102,6 +102,12 @@ impl<'a> Findings<'a> {
         reach.cross(&data.direction).norm()
     }
 
+    pub(super) fn unknown_in_machine_frame(&mut self, origin: &Origin, axis: Axis) {
+        let message = format!("the frame moves {axis}, and the program has not stated where {axis} is");
+        let help = "begin with a block that names X, Y and Z, or leave out --frame machine";
+        self.report(origin, Code::UNKNOWN_START, message, help.into());
+    }
+
     pub(super) fn not_converged(&mut self, origin: &Origin, failure: NotConverged) {
         let message = format!("no correction was found here; {} are left", micrometers(failure.residual_mm));
         let help = "check the error model, and that the machine can move the tool in all directions";

@@ -141,7 +141,26 @@ impl<'a> Placer<'a> {
         out
     }
 
+    /// Whether programs are written in machine coordinates.
+    pub(super) fn is_machine_frame(&self) -> bool {
+        self.frame == OutputFrame::Machine
+    }
+
     fn keep_unknown(&self, mut command: AxisVector, nominal: &AxisVector, known: AxisSet) -> AxisVector {
+        if !self.is_parallel() {
+            // What is not known is an axis of the program here.
+            if !AxisSet::XYZ.difference(known).is_empty() {
+                let (mut programmed, stays) = (self.programmed(&command), self.programmed(nominal));
+                for axis in AxisSet::XYZ.difference(known).iter() {
+                    programmed[axis] = stays[axis];
+                }
+                command = self.command(&programmed);
+            }
+            for axis in unknown_others(known) {
+                command[axis] = nominal[axis];
+            }
+            return command;
+        }
         for axis in crate::geometry::AXES {
             if !known.contains(axis) {
                 command[axis] = nominal[axis];
@@ -154,4 +173,9 @@ impl<'a> Placer<'a> {
     pub(super) fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, state: &State) -> f64 {
         self.model.tip_error_mm(nominal, command, &self.setup.tool_mm, state).norm()
     }
+}
+
+/// Axes beside X Y Z that are not known.
+fn unknown_others(known: AxisSet) -> impl Iterator<Item = Axis> {
+    crate::geometry::AXES.into_iter().skip(3).filter(move |&axis| !known.contains(axis))
 }

@@ -179,8 +179,10 @@ impl Bench<'_, '_> {
         let nominal_end = self.route.at(between[1]);
         let place = |nominal: &AxisVector, state: &State| {
             let mut placed = self.placer.place(nominal, self.known, state, &standing.correction);
-            // An axis whose word does not change is not written and does not move, though a new frame has another grid.
-            for axis in standing.written.iter() {
+            // An axis whose word does not change is not written and does not move, though a new frame has another grid. Where the
+            // frame turns or scales, a word is no axis; the grids differ by noise only then.
+            let is_parallel = self.placer.is_parallel();
+            for axis in standing.written.iter().filter(|axis| is_parallel || axis.slot() > 2) {
                 if placed.counts[axis.slot()] == standing.counts[axis.slot()] {
                     placed.command[axis] = standing.command[axis];
                 }
@@ -317,12 +319,14 @@ impl Bench<'_, '_> {
             return (plane == setup.plane).then_some((plane, clockwise));
         }
         let linear = setup.frame.linear();
-        let off_orthonormal = (linear * linear.transpose() - crate::geometry::Matrix::identity()).norm();
+        let square = linear * linear.transpose();
+        let scale = square.trace() / 3.0;
+        let off_scale = (square - crate::geometry::Matrix::identity() * scale).norm() / scale;
         let mut normal = Vector::zeros();
         normal[plane.axes()[2].slot()] = linear.determinant().signum();
-        let normal = setup.frame.unapply_direction(normal);
+        let normal = setup.frame.unapply_direction(normal).normalize();
         let across = normal[setup.plane.axes()[2].slot()];
-        let is_principal = off_orthonormal < SAME_PLACE_MM && (across.abs() - 1.0).abs() < SAME_PLACE_MM;
+        let is_principal = off_scale < SAME_PLACE_MM && (across.abs() - 1.0).abs() < SAME_PLACE_MM;
         is_principal.then_some((setup.plane, clockwise == (across > 0.0)))
     }
 
