@@ -246,3 +246,69 @@ fn the_machine_file_names_opaque_programs() {
     assert!(control.allows_synchronised(Some(3)));
     assert!(!control.allows_synchronised(Some(4)) && !control.allows_synchronised(None));
 }
+
+#[test]
+fn the_time_of_a_block_is_shared_by_its_pieces() {
+    let errors = ErrorModel { motion: vec![motion("EYX", polynomial(&[0.0, 0.0, 1e-6]))], ..ErrorModel::default() };
+    let program = "G90 G94 G0 X0 Y0 Z0\nG93 G1 X300 F2\nX310\nX10 F0.5\nG94 X0 F100\nM30";
+    let (lines, codes) = written(program, &xyz_machine(), &errors, Options::default());
+    assert!(codes.is_empty(), "{codes:?}");
+    let blocks: Vec<(&str, f64, Option<f64>)> = lines
+        .iter()
+        .filter_map(|line| {
+            let word = |letter: char| line.split(' ').find_map(|word| word.strip_prefix(letter)?.parse().ok());
+            Some((line.as_str(), word('X')?, word('F')))
+        })
+        .collect();
+    // Minutes of the blocks: 1/2, 1/2 (F stays), 1/0.5; each piece takes what its length takes of that.
+    let (mut at, mut feed, mut minutes) = (0.0, 0.0, vec![0.0; 4]);
+    let mut block = 0;
+    let mut is_on = false;
+    for (line, x, word) in &blocks {
+        is_on |= line.contains("G93");
+        if line.contains("G94") && is_on {
+            assert_eq!(*word, Some(100.0));
+            break;
+        }
+        if let Some(word) = word {
+            feed = *word;
+        }
+        block += usize::from(!line.contains(";+"));
+        if is_on {
+            minutes[block - 2] += 1.0 / feed;
+        }
+        at = *x;
+    }
+    assert!((at - 10.0_f64).abs() < 1e-3);
+    assert!(blocks.len() > 8, "{lines:?}");
+    for (found, expected) in minutes.iter().zip([0.5, 0.5, 2.0]) {
+        assert!((found - expected).abs() < 1e-4, "{minutes:?} {lines:?}");
+    }
+}
+
+#[test]
+fn behind_a_change_of_the_feed_mode_the_feed_must_be_programmed_again() {
+    assert_eq!(codes("G90 G0 X0\nG93 G1 X1 F2\nG94 X2\nM30"), ["W0202"]);
+    check("G90 G700 G0 X0\nG93 G1 X1 F2\nM30", &["G90 G710 G0 X0", "G93 G1 X25.4 F2", "M30"]);
+}
+
+#[test]
+fn the_chords_of_one_block_share_its_time() {
+    // Circles become ellipses under unequal scale, so the arc comes out as chords: their times add up to that of the block.
+    let (lines, codes) = written(
+        "G90 G0 X0 Y0 Z0\nSCALE X2\nG93 G3 X0 Y20 I0 J10 F4\nSCALE\nG94 G1 X1 F100\nM30",
+        &xyz_machine(),
+        &ErrorModel::default(),
+        Options::default(),
+    );
+    assert!(codes.is_empty(), "{codes:?}");
+    let feeds: Vec<f64> = lines
+        .iter()
+        .skip_while(|line| !line.contains("G93"))
+        .take_while(|line| !line.contains("SCALE"))
+        .map(|line| line.split(' ').find_map(|word| word.strip_prefix('F')?.parse().ok()).unwrap_or(f64::NAN))
+        .collect();
+    assert!(feeds.len() > 20, "{lines:?}");
+    let minutes: f64 = feeds.iter().map(|feed| 1.0 / feed).sum();
+    assert!((minutes - 0.25).abs() < 1e-5, "{minutes}");
+}

@@ -23,6 +23,8 @@ pub enum Effect {
     Frame,
     /// No position changes; passed on.
     Keep,
+    /// Selects what F means; passed on.
+    FeedMode,
     /// Limits of working area or spindle: the whole block is passed on.
     Limits,
     /// Diameter or radius programming of the transverse axis.
@@ -109,6 +111,7 @@ impl Effect {
             "suppress" => Effect::Suppress,
             "frame" => Effect::Frame,
             "keep" => Effect::Keep,
+            "feedmode" => Effect::FeedMode,
             "limits" => Effect::Limits,
             "diameter" => Effect::Diameter,
             "display" => Effect::Display,

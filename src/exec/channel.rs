@@ -137,12 +137,16 @@ impl<'a> Channel<'a> {
 
     fn resolve(&mut self, path: &Path, mut element: Element) {
         let queue = &mut self.queue;
+        let first = queue.len();
         resolve::moves(path, self.machine.control.chord_tolerance_mm, |step| {
             let kind = Kind::Move(step);
             queue.push_back(Element { kind, ..element.clone() });
             element.starts_block = false;
             element.number = None;
         });
+        if path.motion.inverse_time && queue.len() > first + 1 {
+            resolve::share_time(&path.start, queue.range_mut(first..));
+        }
     }
 
     /// The file of the block.
@@ -200,9 +204,8 @@ impl<'a> Channel<'a> {
             self.comment(comment);
             self.motion(gathered, span)?;
         } else {
-            if let Some((feed, _)) = gathered.feed {
-                let feed = if self.modal.inch_feed { feed * MM_PER_INCH } else { feed };
-                self.push(Kind::Feed(feed));
+            if gathered.feed.is_some() {
+                self.push(Kind::Feed(self.modal.feed));
             }
             self.comment(comment);
         }
@@ -247,6 +250,13 @@ impl<'a> Channel<'a> {
         }
         if let Some((kind, _)) = gathered.motion {
             self.modal.motion = kind;
+        }
+        if let Some(inverse_time) = gathered.inverse_time
+            && inverse_time != self.modal.inverse_time
+        {
+            // F meant something else: it must be programmed again.
+            self.modal.inverse_time = inverse_time;
+            self.modal.feed = 0.0;
         }
         if let Some(incremental) = gathered.incremental {
             self.modal.incremental = incremental;
@@ -294,7 +304,8 @@ impl<'a> Channel<'a> {
 
     fn feed_and_speed(&mut self, gathered: &mut Gathered) {
         if let Some((feed, _)) = gathered.feed {
-            self.modal.feed = if self.modal.inch_feed { feed * MM_PER_INCH } else { feed };
+            let is_inch = self.modal.inch_feed && !self.modal.inverse_time;
+            self.modal.feed = if is_inch { feed * MM_PER_INCH } else { feed };
         }
         if let Some((speed, _)) = gathered.speed {
             let word = Word { letter: b'S', extension: None, value: WordValue::Number(speed) };

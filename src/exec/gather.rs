@@ -224,6 +224,10 @@ impl Gatherer<'_> {
             }
             Effect::Frame => out.frame = FrameKind::of(entry.name).map(|(kind, additive)| (kind, additive, span)),
             Effect::Keep => out.keep.push(entry.name),
+            Effect::FeedMode => {
+                out.inverse_time = Some(entry.name == "G93");
+                out.keep.push(entry.name);
+            }
             Effect::Display => {}
             Effect::Limits => out.limits = Some(span),
             // The output is in radii; the transverse axis is not moved while they are diameters.

@@ -72,6 +72,8 @@ pub(super) struct Gathered {
     pub(super) limits: Option<Span>,
     /// Diameter programming on or off.
     pub(super) diameter: Option<(bool, Span)>,
+    /// Feed mode: whether it is G93.
+    pub(super) inverse_time: Option<bool>,
     /// FB, mm/min.
     pub(super) block_feed: Option<f64>,
     pub(super) warning: Option<Fault>,
@@ -116,6 +118,7 @@ impl Gathered {
             loses_position: false,
             limits: None,
             diameter: None,
+            inverse_time: None,
             block_feed: None,
             warning: None,
             call: None,

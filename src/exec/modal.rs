@@ -45,6 +45,8 @@ pub(super) struct Modal {
     pub(super) inch_feed: bool,
     /// mm/min, 0 for none yet.
     pub(super) feed: f64,
+    /// G93: F is the reciprocal of the time of a block.
+    pub(super) inverse_time: bool,
     /// Where diameter programming was turned on, if it is.
     pub(super) diameter: Option<Span>,
     /// Base frame, below the settable one.
@@ -88,6 +90,7 @@ impl Modal {
             inch: false,
             inch_feed: false,
             feed: 0.0,
+            inverse_time: false,
             diameter: None,
             base: Frame::identity(),
             settable: Frame::identity(),

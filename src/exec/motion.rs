@@ -65,6 +65,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         known: modal.known,
         feed: modal.feed,
         feed_named: gathered.feed.is_some(),
+        inverse_time: modal.inverse_time,
         in_machine_frame: gathered.suppress.is_some(),
     };
     let basis = PlaneBasis::behind(&context.setup.frame, modal.plane)

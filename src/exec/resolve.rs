@@ -2,7 +2,7 @@
 
 use super::path::{Path, Shape};
 use crate::geometry::{Arc, AxisVector};
-use crate::snc::Move;
+use crate::snc::{Element, Kind, Move};
 
 /// Chords of one arc at most; a tolerance that asks for more is not met.
 const MOST_CHORDS: f64 = 100_000.0;
@@ -25,6 +25,25 @@ pub(super) fn moves(path: &Path, chord_tolerance_mm: f64, mut out: impl FnMut(Mo
             for &target in ends {
                 out(Move { target, ..path.motion });
             }
+        }
+    }
+}
+
+/// Gives each of the moves of one block its share of the block's time (G93), by their lengths.
+pub(super) fn share_time<'a>(start: &AxisVector, elements: impl Iterator<Item = &'a mut Element>) {
+    let mut from = *start;
+    let mut parts: Vec<(&mut Move, f64)> = Vec::new();
+    for element in elements {
+        if let Kind::Move(step) = &mut element.kind {
+            let way = (step.target - from).0.iter().map(|part| part * part).sum::<f64>().sqrt();
+            from = step.target;
+            parts.push((step, way));
+        }
+    }
+    let whole: f64 = parts.iter().map(|(_, way)| way).sum();
+    for (step, way) in parts {
+        if way > 0.0 {
+            step.feed *= whole / way;
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::snc::{BlockNumber, Element, Kind, Move, Origin, Setup};
 
 use super::check::Sampler;
-use super::cut::{fit_arc, next_step};
+use super::cut::{fit_arc, next_step, of_share};
 use super::extend::{Reach, longest};
 use super::findings::{Findings, placing_axes};
 use super::place::{Placed, Placer};
@@ -281,7 +281,9 @@ where
             let way = Route::new(self.standing.command, start.command, None);
             let nominal = active.route.at(from);
             self.findings.check(&active.origin, stated, &nominal, &way, &self.placer.setup.tool_mm);
-            self.write(active, start, None, true, false);
+            // Such a step takes the time that its length takes on the way.
+            let share = way.size_mm() / active.route.size_mm();
+            self.write(active, start, None, share, false);
         }
         let nominal = active.route.at(to);
         self.findings.check(&active.origin, stated, &nominal, &trial.emitted, &self.placer.setup.tool_mm);
@@ -292,7 +294,7 @@ where
         if is_measured && trial.deviation_mm > self.options.tolerance_mm {
             self.findings.tolerance_missed(&active.origin, self.options.tolerance_mm);
         }
-        self.write(active, &trial.end, Some(trial), false, is_last);
+        self.write(active, &trial.end, Some(trial), to - from, is_last);
         if !self.sampler.backlash.is_empty() {
             self.standing.nominal_state.note_motion(&active.route.at(from), &nominal);
         }
@@ -309,8 +311,8 @@ where
         active.length = to - from;
     }
 
-    /// Puts a piece into the output.
-    fn write(&mut self, active: &mut Active, placed: &Placed, trial: Option<&Trial>, take_up: bool, is_last: bool) {
+    /// Puts a piece into the output: of a trial, or a step on the spot. `share` is its share of the time of the move.
+    fn write(&mut self, active: &mut Active, placed: &Placed, trial: Option<&Trial>, share: f64, is_last: bool) {
         let standing = &mut self.standing;
         let motion = &active.motion;
         let first = std::mem::take(&mut active.is_first);
@@ -336,12 +338,12 @@ where
             number: if first { active.number } else { None },
             first,
             last: is_last,
-            take_up,
+            take_up: trial.is_none(),
             rapid: motion.rapid,
             arc,
             counts: placed.counts,
             words,
-            feed: motion.feed,
+            feed: if motion.inverse_time { of_share(motion.feed, share) } else { motion.feed },
             feed_named: first && motion.feed_named,
             in_machine_frame: motion.in_machine_frame,
             command: placed.command,

@@ -58,3 +58,9 @@ pub(super) fn next_step(route: &Route, from: f64, step_mm: f64) -> f64 {
     let to = steps * step_mm / leading;
     if to < 1.0 - SAME_PARAMETER { to } else { 1.0 }
 }
+
+/// The reciprocal of a share of a time; a step that takes no time keeps that of the move.
+pub(super) fn of_share(feed: f64, share: f64) -> f64 {
+    let feed = if share > 0.0 && share < 1.0 { feed / share } else { feed };
+    if feed < 1e6 { (feed * 1e6).round() / 1e6 } else { feed }
+}

@@ -102,10 +102,12 @@ pub struct Move {
     /// Axes whose position the program has stated by now (this block included); the others are assumptions. Behind a frame that mixes
     /// axes these are the axes of the program.
     pub known: AxisSet,
-    /// Feed in force, mm/min in feed mode G94 (mm/rev in G95), 0 for none; also on rapid moves, which do not use it.
+    /// Feed in force, mm/min in feed mode G94 (mm/rev in G95, 1/min in G93), 0 for none; also on rapid moves, which do not use it.
     pub feed: f64,
     /// Whether the block itself names F.
     pub feed_named: bool,
+    /// Feed mode G93: [`Self::feed`] is the reciprocal of the time of this move, 1/min.
+    pub inverse_time: bool,
     /// Whether the positions are written as machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
 }

@@ -119,6 +119,7 @@ impl<'a> TextReader<'a> {
             known: self.known,
             feed: feed.unwrap_or(0.0),
             feed_named: feed.is_some(),
+            inverse_time: false,
             in_machine_frame: false,
         })
     }

@@ -106,7 +106,8 @@ impl Parser {
                 (b'"', None) => quote = Some(at),
                 (b'(' | b'[', None) => open.push(at),
                 (b')' | b']', None) => {
-                    if open.pop().is_none() {
+                    let closed = open.pop();
+                    if closed.is_none() {
                         let message = "this bracket closes nothing";
                         return fault(Code::UNEXPECTED, &input[at..], 1, message).map(|(rest, ())| (rest, None));
                     }
