@@ -53,7 +53,10 @@ fn the_samples_are_sound() {
         for (offset, position) in &machine.zero_offsets {
             for axis in machine.axis_set().iter() {
                 let [low, high] = machine.axis(axis).unwrap().travel.unwrap();
-                assert!((low..=high).contains(&position[axis]), "{name}: {offset} lies in the travel of {axis}");
+                assert!(
+                    (low..=high).contains(&position.shift()[axis]),
+                    "{name}: {offset} lies in the travel of {axis}"
+                );
             }
         }
     }
@@ -164,7 +167,7 @@ fn units_become_millimeters_and_radians() {
     assert_eq!(machine.spindle.axis, Vector::new(0.0, 0.6, 0.8));
     assert!((machine.control.increment_rad - 1.745_329_251_994_33e-5).abs() < 1e-17);
     assert_eq!(machine.control.tool_change, ToolChange::T);
-    assert!((machine.zero_offsets["G54"][Axis::C] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+    assert!((machine.zero_offsets["G54"].translation[Axis::C] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
     assert_eq!(machine.tool(3, 1).unwrap().length_mm, [100.0, 1.0, 2.0]);
     assert!((errors.location[0].value + 2e-3).abs() < 1e-18 && (errors.location[1].value - 3e-5).abs() < 1e-18);
     let Function::Table(table) = &errors.motion[0].function else { panic!("{:?}", errors.motion[0]) };
@@ -201,8 +204,8 @@ fn a_set_up_replaces_and_adds_and_an_unsound_one_changes_nothing() {
     let text = "[zero_offset.G54]\nX_mm = 1\n[zero_offset.G599]\nY_mm = 2\n\
         [[tool]]\nnumber = 5\nlength_mm = 77\n[[tool]]\nnumber = 5\nedge = 2\nlength_mm = 78\n";
     assert_eq!(apply_setup(&source(text.as_bytes()), &mut machine), []);
-    assert_eq!(machine.zero_offsets["G54"].xyz(), Vector::new(1.0, 0.0, 0.0));
-    assert_eq!(machine.zero_offsets["G599"].xyz(), Vector::new(0.0, 2.0, 0.0));
+    assert_eq!(machine.zero_offsets["G54"].translation.xyz(), Vector::new(1.0, 0.0, 0.0));
+    assert_eq!(machine.zero_offsets["G599"].translation.xyz(), Vector::new(0.0, 2.0, 0.0));
     assert_eq!(machine.zero_offsets["G55"], before.zero_offsets["G55"]);
     assert_eq!(machine.tool(5, 1).unwrap().length_mm[0], 77.0);
     assert_eq!(machine.tool(5, 2).unwrap().length_mm[0], 78.0);

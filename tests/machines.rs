@@ -20,7 +20,7 @@ pub(crate) fn xyz_machine() -> Machine {
     let mut zero_offsets = BTreeMap::new();
     let mut g54 = AxisVector::ZERO;
     g54.set_xyz(Vector::new(100.0, 50.0, 10.0));
-    zero_offsets.insert("G54".to_owned(), g54);
+    zero_offsets.insert("G54".to_owned(), g54.into());
     Machine {
         name: "test".into(),
         topology: "wFXYZSt".parse::<Topology>().unwrap(),
@@ -30,6 +30,8 @@ pub(crate) fn xyz_machine() -> Machine {
         spindle: Spindle { origin_mm: Vector::zeros(), axis: Vector::z() },
         control: Control::default(),
         zero_offsets,
+        system: BTreeMap::new(),
+        gud: BTreeMap::new(),
         tools: Vec::new(),
     }
 }

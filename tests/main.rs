@@ -29,5 +29,6 @@ mod modes;
 mod programs;
 mod support;
 mod synchronised;
+mod system;
 mod tolerance;
 mod variables;

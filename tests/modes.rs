@@ -196,7 +196,7 @@ fn an_interrupt_is_passed_on_with_a_warning() {
 #[test]
 fn a_name_of_the_program_beside_one_of_the_control_is_not_guessed() {
     assert_eq!(codes("G90\nSETMS(R1+UNKNOWN)\nM30"), ["E0206"]);
-    assert_eq!(codes("G90\nLIMS=$UNKNOWN\nM30"), ["E0201"]);
+    assert_eq!(codes("G90\nLIMS=$UNKNOWN\nM30"), ["E0219"]);
 }
 
 fn with_opaque(entries: &[(&str, bool)]) -> Machine {

@@ -162,6 +162,19 @@ the called program changes.
 
   PROC HOLE(REAL DEPTH, VAR INT COUNT)      called as HOLE(-5, N_1) with DEF INT N_1";
 
+    NO_SYSTEM_VALUE = "E0219" "system variable without a value"
+"The program reads a system variable whose value only the machine knows: machine data, an input, a measured position, the tool in the
+spindle. Where it decides what moves, it has to be known before. Give it in the machine file, with the name and indices that the
+message shows:
+
+  [system]
+  \"$MN_INT_INCR_PER_MM\" = 1000
+  \"$A_IN[1]\" = true";
+    OWN_COMPENSATION = "E0220" "the program changes the machine's own compensation"
+"The program writes compensation tables or backlash of the control ($AN_CEC, $AA_ENC_COMP, $AA_QEC, $MA_BACKLASH …). The error model in the
+machine file holds for the machine as it was measured, with the values that were active then. Load such tables before, measure, and take
+the assignments out of the program.";
+
     ALREADY_CORRECTED = "E0301" "this program was corrected before"
 "The first comment says that ncfix made this file. Correcting it again would add the corrections twice. Correct the original.";
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"

@@ -3,6 +3,7 @@
 use super::channel::Channel;
 use super::fault::Fault;
 use super::pass::file_result;
+use super::system_write::{SystemName, assign_system};
 use super::value::Value as ExecValue;
 use super::variables::{List, Shape};
 use super::{Loaded, at, scope_of};
@@ -26,6 +27,11 @@ pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Bl
             Address::Indexed(left) if is_assignable(loaded, channel, left) => {
                 let list = assigned(loaded, channel, word)?;
                 assign(loaded, channel, left, list, span)?;
+            }
+            Address::Name(name) if loaded.program.names.text(name).starts_with('$') => {
+                let list = assigned(loaded, channel, word)?;
+                let name = loaded.program.names.text(name);
+                assign_system(loaded, channel, SystemName { name, range: None, span }, list)?;
             }
             _ if matches!(word.value, Value::Arguments(_)) => file_result(loaded, channel, word)?,
             _ => {}
@@ -102,22 +108,39 @@ pub(super) fn assign(
             let index = scope.whole(index)?;
             channel.variables.set_parameters(index, list, span)
         }
+        Node::Name(name) if loaded.program.names.text(name).starts_with('$') => {
+            let name = loaded.program.names.text(name);
+            assign_system(loaded, channel, SystemName { name, range: None, span }, list)
+        }
         Node::Name(name) => assign_name(loaded, channel, name, list, span),
         Node::Indexed(name, range) if channel.variables.has(name, loaded.program.names.text(name)) => {
-            let indices = scope.indices(range, left)?;
             let text = loaded.program.names.text(name);
+            if let Some((axis, component, front)) = scope.component(range)? {
+                let indices = scope.first_indices(range, front, left)?;
+                let old = channel.variables.cells(name, text).map(|cells| cells.get(&indices, (text, span)));
+                let (Some(ExecValue::Frame(mut parts)), List::One(value)) = (old.transpose()?, list) else {
+                    return Err(at(
+                        span,
+                        Code::TYPE_MISMATCH,
+                        "this is no component of a frame",
+                        "name a FRAME variable",
+                    ));
+                };
+                let number = value.number().ok_or_else(|| {
+                    at(span, Code::TYPE_MISMATCH, "a component of a frame is a number", "assign a number")
+                })?;
+                scope.set_component(&mut parts, axis, component, number, span)?;
+                let list = List::One(ExecValue::Frame(parts));
+                return channel.variables.assign(name, text, &indices, list, span).map(|_| ());
+            }
+            let indices = scope.indices(range, left)?;
             channel.variables.assign(name, text, &indices, list, span).map(|_| ())
         }
-        _ => {
-            let shown =
-                String::from_utf8_lossy(loaded.program.source.slice(loaded.program.expr(left).span)).into_owned();
-            Err(at(
-                span,
-                Code::NOT_SUPPORTED,
-                format!("assigning {shown} is not supported yet"),
-                "use a plain variable or an R parameter",
-            ))
+        Node::Indexed(name, range) => {
+            let name = loaded.program.names.text(name);
+            assign_system(loaded, channel, SystemName { name, range: Some(range), span }, list)
         }
+        _ => Err(at(span, Code::UNEXPECTED, "this cannot be assigned", "name a variable left of the equals sign")),
     }
 }
 

@@ -13,6 +13,7 @@ use super::modal::Modal;
 use super::motion::{MotionContext, motion};
 use super::path::Path;
 use super::resolve;
+use super::system::System;
 use super::variables::Variables;
 use crate::diagnostic::Code;
 use crate::dialect::CodeTable;
@@ -27,6 +28,7 @@ pub(super) struct Channel<'a> {
     pub(super) machine: &'a Machine,
     pub(super) modal: Modal,
     pub(super) variables: Variables,
+    pub(super) system: System,
     pub(super) queue: VecDeque<Element>,
     /// Findings of the block that do not stop it.
     pub(super) warnings: Vec<Fault>,
@@ -52,7 +54,8 @@ impl<'a> Channel<'a> {
         let mut channel = Channel {
             machine,
             modal: Modal::new(options.start, machine),
-            variables: Variables::new(),
+            variables: Variables::new(&machine.gud),
+            system: System::new(options.strict),
             queue: VecDeque::with_capacity(16),
             warnings: Vec::new(),
             contour: Contour::default(),
@@ -70,7 +73,7 @@ impl<'a> Channel<'a> {
             feed_warned: false,
         };
         if let Some(offset) = machine.zero_offsets.get(&machine.control.initial_zero_offset) {
-            channel.modal.settable = Frame::translation(*offset);
+            channel.modal.settable = offset.frame(machine.control.rotation_order).unwrap_or_else(Frame::identity);
             channel.refresh_setup();
         }
         channel.modal.programmed = channel.setup.programmed(&channel.modal.command);

@@ -1,12 +1,12 @@
 //! Evaluation of expressions.
 
 use super::fault::{Fault, fault};
-use super::functions::{NoValue, evaluate};
+use super::functions::{FRAME_FUNCTIONS, NoValue, evaluate};
 use super::modal::Modal;
+use super::system::System;
 use super::value::Value;
 use super::variables::Variables;
 use crate::diagnostic::Code;
-use crate::geometry::Axis;
 use crate::machine::Machine;
 use crate::syntax::{ExprId, Node, Operator, Program, UnaryOperator};
 
@@ -18,6 +18,7 @@ pub(super) struct Scope<'a> {
     /// State of the channel, for system variables.
     pub(super) modal: &'a Modal,
     pub(super) machine: &'a Machine,
+    pub(super) system: &'a System,
 }
 
 impl Scope<'_> {
@@ -135,28 +136,21 @@ impl Scope<'_> {
             Operator::Less => compare(|a, b| a < b),
             Operator::GreaterEqual => a.equals(&b).and_then(|same| numbers().map(|(a, b)| Value::Bool(same || a > b))),
             Operator::LessEqual => a.equals(&b).and_then(|same| numbers().map(|(a, b)| Value::Bool(same || a < b))),
-            Operator::Chain => {
-                return Err(fault(
-                    Code::NOT_SUPPORTED,
-                    span,
-                    "chains of frames are not supported yet",
-                    "use TRANS and ATRANS",
-                ));
-            }
+            Operator::Chain => match (&a, &b) {
+                (Value::Frame(a), Value::Frame(b)) => return self.chain(a, b, span),
+                _ => None,
+            },
         };
         value.ok_or_else(|| self.type_fault(id))
     }
 
     fn function(&self, name: &str, arguments: &[Value], id: ExprId) -> Result<Value, Fault> {
         let span = self.program.expr(id).span;
-        if name == "ISAXIS" {
-            return match arguments {
-                [number] => {
-                    let number = number.whole().ok_or_else(|| self.type_fault(id))?;
-                    Ok(Value::Bool(usize::try_from(number).is_ok_and(|n| (1..=3).contains(&n) && self.has_geometry(n))))
-                }
-                _ => Err(self.argument_count(name, "1 argument", arguments.len(), id)),
-            };
+        if FRAME_FUNCTIONS.contains(&name) {
+            return self.frame_function(name, arguments, id);
+        }
+        if let Some(value) = self.channel_function(name, arguments, id)? {
+            return Ok(value);
         }
         evaluate(name, arguments).map_err(|found| match found {
             NoValue::Unknown => fault(
@@ -171,13 +165,8 @@ impl Scope<'_> {
         })
     }
 
-    fn argument_count(&self, name: &str, count: &str, given: usize, id: ExprId) -> Fault {
+    pub(super) fn argument_count(&self, name: &str, count: &str, given: usize, id: ExprId) -> Fault {
         let message = format!("{name} takes {count}, not {given}");
         fault(Code::BAD_EXPRESSION, self.program.expr(id).span, message, "give it the arguments it takes")
-    }
-
-    /// Whether the machine has the first, second or third geometry axis.
-    fn has_geometry(&self, number: usize) -> bool {
-        [Axis::X, Axis::Y, Axis::Z].get(number - 1).is_some_and(|&axis| self.machine.axis(axis).is_some())
     }
 }

@@ -3,6 +3,7 @@
 use super::address::Named;
 use super::channel::Channel;
 use super::fault::{Fault, fault};
+use super::frame_store::settable_number;
 use super::gather::bad_value;
 use super::gathered::Gathered;
 use crate::diagnostic::Code;
@@ -14,26 +15,33 @@ use crate::source::Span;
 impl Channel<'_> {
     pub(super) fn offset(&mut self, gathered: &Gathered) -> Result<(), Fault> {
         let Some((name, span)) = &gathered.offset else { return Ok(()) };
-        let value = self.machine.zero_offsets.get(name).copied();
-        let missing = value.is_none() && name != "G500";
+        let order = self.rotation_order();
+        let parts = settable_number(name).and_then(|number| self.system.frames.settable(self.machine, number));
+        let missing = parts.is_none();
+        if missing && self.strict {
+            return Err(no_offset(name, *span));
+        }
         if missing {
-            let message = format!("{name} has no value in the machine file");
-            if self.strict {
-                return Err(fault(
-                    Code::NO_OFFSET,
-                    *span,
-                    message,
-                    format!("add [zero_offset.{name}] there or in a file given with --setup"),
-                ));
-            }
             self.warnings.push(fault(
                 Code::OFFSET_ASSUMED,
                 *span,
-                format!("{message}; zero is used"),
+                format!("{name} has no value in the machine file; zero is used"),
                 format!("add [zero_offset.{name}] there"),
             ));
         }
-        self.modal.settable = Frame::translation(value.unwrap_or_default());
+        let settable = parts.unwrap_or_default().frame(order);
+        let frames = &mut self.system.frames;
+        frames.activate_bases();
+        let (Some(settable), Some(base)) = (settable, frames.base(order)) else {
+            return Err(fault(
+                Code::NOT_COMPUTABLE,
+                *span,
+                format!("the frame of {name} cannot be undone"),
+                "check its factors",
+            ));
+        };
+        self.modal.settable = settable;
+        self.modal.base = base;
         self.modal.offset_assumed = missing;
         self.refresh_setup();
         self.push_frame(FrameWords::Settable(name.clone()));
@@ -168,7 +176,7 @@ pub(super) fn without_statement(gathered: &Gathered) -> Result<(), Fault> {
 }
 
 /// The frame of a statement by itself; `None` where it cannot be undone.
-fn frame_of(statement: &FrameStatement, plane: Plane, control: &Control) -> Option<Frame> {
+pub(super) fn frame_of(statement: &FrameStatement, plane: Plane, control: &Control) -> Option<Frame> {
     let values = &statement.values;
     let xyz = [values[Axis::X], values[Axis::Y], values[Axis::Z]];
     let is_sound = values.0.iter().chain(&statement.in_plane_rad).all(|value| value.is_finite() && value.abs() < 1e9);
@@ -208,4 +216,10 @@ fn frame_of(statement: &FrameStatement, plane: Plane, control: &Control) -> Opti
             Some(Frame::mirror(statement.named.iter().filter(is_on).collect()))
         }
     }
+}
+
+/// A settable frame without value where one is needed.
+pub(super) fn no_offset(name: &str, span: Span) -> Fault {
+    let help = format!("add [zero_offset.{name}] there or in a file given with --setup");
+    fault(Code::NO_OFFSET, span, format!("{name} has no value in the machine file"), help)
 }

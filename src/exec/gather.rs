@@ -303,6 +303,8 @@ impl Gatherer<'_> {
                 }
                 Ok(())
             }
+            // Written before the words are gathered.
+            (Meaning::System, Value::Expr(_) | Value::Arguments(_)) => Ok(()),
             (Meaning::Unsupported | Meaning::Return | Meaning::System, _) => Err(self.unsupported(word)),
             // Assignments were carried out before the words are gathered.
             (Meaning::Free, Value::Expr(_)) if self.scope.variables.has(name, text) => Ok(()),

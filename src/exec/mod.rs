@@ -15,10 +15,13 @@ mod cycles;
 mod expression;
 mod fault;
 mod flow;
+mod frame_store;
+mod frame_value;
 mod frames;
 mod functions;
 mod gather;
 mod gathered;
+mod groups;
 mod indexed_word;
 mod jump;
 mod kept;
@@ -36,7 +39,10 @@ mod report;
 mod resolve;
 mod save;
 mod sync_action;
+mod system;
+mod system_write;
 mod tool;
+mod tool_data;
 mod value;
 mod variables;
 
@@ -317,7 +323,13 @@ impl Iterator for Execution<'_> {
 
 /// Everything in scope of a block's expressions.
 fn scope_of<'s>(loaded: &'s Loaded, channel: &'s Channel<'_>) -> Scope<'s> {
-    Scope { program: &loaded.program, variables: &channel.variables, modal: &channel.modal, machine: channel.machine }
+    Scope {
+        program: &loaded.program,
+        variables: &channel.variables,
+        modal: &channel.modal,
+        machine: channel.machine,
+        system: &channel.system,
+    }
 }
 
 /// Gathers the words of one block.

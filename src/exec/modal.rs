@@ -2,7 +2,7 @@
 
 use super::save::Stated;
 use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
-use crate::machine::{Machine, Tool};
+use crate::machine::Machine;
 use crate::snc::{Setup, WordValue};
 use crate::source::Span;
 use crate::units::MM_PER_INCH;
@@ -139,17 +139,6 @@ impl Modal {
             tool_mm: self.tool_mm(),
             plane: self.plane,
             assumed: self.offset_assumed || self.tool_assumed,
-        }
-    }
-
-    /// The tool of a number or name.
-    pub(super) fn find_tool<'m>(&self, machine: &'m Machine, tool: &WordValue, edge: u32) -> Option<&'m Tool> {
-        match tool {
-            WordValue::Number(number) => machine.tool(*number as u32, edge),
-            WordValue::Name(name) => machine.tools.iter().find(|candidate| {
-                let known = candidate.name.as_deref().unwrap_or_default();
-                candidate.edge == edge && known.as_bytes().eq_ignore_ascii_case(name)
-            }),
         }
     }
 

@@ -26,12 +26,7 @@ impl Scope<'_> {
             return Ok(Value::Real(std::f64::consts::PI));
         }
         if text.starts_with('$') {
-            return Err(fault(
-                Code::NOT_SUPPORTED,
-                span,
-                format!("system variable {text} is not supported yet"),
-                "replace it by its value or an R parameter",
-            ));
+            return self.read_system(text, None, id);
         }
         if is_axis_name(text) {
             return Ok(Value::Axis(text.to_owned()));
@@ -44,7 +39,9 @@ impl Scope<'_> {
             Code::UNDEFINED_VARIABLE,
             self.program.expr(id).span,
             format!("{text} is not defined"),
-            "define it with DEF at the start of this program",
+            format!(
+                "define it with DEF at the start of this program, or give its value as {text} = … in [gud] of the machine file"
+            ),
         )
     }
 
@@ -52,22 +49,27 @@ impl Scope<'_> {
         let text = self.text_of(name);
         let span = self.program.expr(id).span;
         if let Some(cells) = self.variables.cells(name, text) {
+            if let Some((axis, component, front)) = self.component(range)? {
+                let indices = self.first_indices(range, front, id)?;
+                let Value::Frame(parts) = cells.get(&indices, (text, span))? else { return Err(self.type_fault(id)) };
+                return self.get_component(&parts, axis, component, span);
+            }
             return cells.get(&self.indices(range, id)?, (text, span));
         }
         if text.starts_with('$') {
-            return Err(fault(
-                Code::NOT_SUPPORTED,
-                span,
-                format!("{text}[…]: system variables are not supported yet"),
-                "use a plain variable or an R parameter",
-            ));
+            return self.read_system(text, Some(range), id);
         }
         Err(self.undefined(text, id))
     }
 
     /// Whole numbers as indices.
     pub(super) fn indices(&self, range: ArgumentRange, id: ExprId) -> Result<Vec<i64>, Fault> {
-        let list = self.program.arguments_of(range).iter();
+        self.first_indices(range, usize::MAX, id)
+    }
+
+    /// Whole numbers as the first of so many indices.
+    pub(super) fn first_indices(&self, range: ArgumentRange, count: usize, id: ExprId) -> Result<Vec<i64>, Fault> {
+        let list = self.program.arguments_of(range).iter().take(count);
         list.map(|index| match index {
             Some(index) => self.whole(*index),
             None => {
@@ -106,10 +108,15 @@ impl Scope<'_> {
 
     /// The axis that an expression names.
     pub(super) fn axis(&self, id: ExprId) -> Result<Axis, Fault> {
-        let value = self.value(id)?;
+        self.axis_in(&self.value(id)?, id)
+    }
+
+    /// The axis that a value names.
+    pub(super) fn axis_in(&self, value: &Value, id: ExprId) -> Result<Axis, Fault> {
         let span = self.program.expr(id).span;
         let Value::Axis(name) = value else { return Err(self.type_fault(id)) };
-        axis_of(&name, self.machine.axis_set().iter()).ok_or_else(|| {
+        let known = axis_of(name, self.machine.axis_set().iter());
+        known.filter(|&axis| self.machine.axis(axis).is_some()).ok_or_else(|| {
             let message = if name.is_empty() {
                 "this AXIS variable was never assigned".to_owned()
             } else {

@@ -76,16 +76,35 @@ pub(super) struct Stated {
     codes: Vec<(u8, &'static str)>,
     /// `G500`, `G54` …
     offset: String,
+    /// The assignment to the programmable frame that its statements build on, where there was one.
+    assigned: Option<Vec<u8>>,
     /// The statements that make up the programmable frame, each with its working plane.
     frame: Vec<(FrameStatement, Plane)>,
 }
 
 impl Stated {
     pub(super) fn new(offset: &str) -> Stated {
-        Stated { codes: Vec::new(), offset: offset.to_owned(), frame: Vec::new() }
+        Stated { codes: Vec::new(), offset: offset.to_owned(), assigned: None, frame: Vec::new() }
     }
 
-    fn code(&self, group: u8) -> Option<&'static str> {
+    /// The settable frame in force: `G54`, or the assignment to it.
+    pub(super) fn offset(&self) -> &str {
+        &self.offset
+    }
+
+    /// Notes an assignment to the settable frame in force.
+    pub(super) fn assign_settable(&mut self, text: &str) {
+        text.clone_into(&mut self.offset);
+    }
+
+    /// Notes an assignment to the programmable frame.
+    pub(super) fn assign_programmable(&mut self, text: &str) {
+        self.frame.clear();
+        self.assigned = Some(text.as_bytes().to_vec());
+    }
+
+    /// The code of a group that was programmed last.
+    pub(super) fn code(&self, group: u8) -> Option<&'static str> {
         self.codes.iter().find(|(known, _)| *known == group).map(|&(_, word)| word)
     }
 
@@ -104,6 +123,7 @@ impl Stated {
         let is_part = matches!(new.kind, FrameKind::Coarse | FrameKind::Fine);
         if !new.additive && !is_part {
             self.frame.clear();
+            self.assigned = None;
         }
         let has_room = self.frame.len() < MAX_STATEMENTS;
         match self.frame.last_mut() {
@@ -112,14 +132,17 @@ impl Stated {
                 last.values = last.values + new.values;
                 last.named = last.named.iter().chain(new.named.iter()).collect();
             }
-            None if !is_part => self.frame.push((FrameStatement { additive: false, ..new }, plane)),
+            None if !is_part && self.assigned.is_none() => {
+                self.frame.push((FrameStatement { additive: false, ..new }, plane))
+            }
             _ if has_room => self.frame.push((new, plane)),
             _ => {}
         }
     }
 }
 
-fn initial(table: &'static CodeTable, group: u8) -> Option<&'static str> {
+/// The code of a group that is active when the control starts.
+pub(super) fn initial(table: &'static CodeTable, group: u8) -> Option<&'static str> {
     INITIAL.iter().copied().find(|word| table.word(word).is_some_and(|row| row.group == group))
 }
 
@@ -156,7 +179,11 @@ impl Channel<'_> {
             self.push(Kind::Frame(FrameWords::Settable(self.modal.stated.offset.clone())));
         }
         let (before, after) = (&left.stated.frame, self.modal.stated.frame.clone());
-        let is_said = *before != after || left.programmable == self.modal.programmable;
+        let assigned = self.modal.stated.assigned.clone();
+        let is_other = *before != after || left.stated.assigned != assigned;
+        let is_same_settable = left.settable == self.modal.settable;
+        let is_said = (is_other || left.programmable == self.modal.programmable)
+            && (is_same_settable || left.stated.offset != self.modal.stated.offset);
         let is_whole = after.len() < MAX_STATEMENTS && before.len() < MAX_STATEMENTS;
         let in_plane = |(statement, plane): &(FrameStatement, Plane)| {
             let needs_plane = statement.in_plane_rad.is_some() || statement.kind == FrameKind::SolidAngles;
@@ -166,8 +193,11 @@ impl Channel<'_> {
             let message = "SAVE of the program that ends here brings back a frame that cannot be written as statements";
             let help = "program the frame anew behind the call, with TRANS, ROT, SCALE, MIRROR in the plane in force";
             self.warnings.push(fault(Code::NOT_SUPPORTED, self.origin.span, message, help));
-        } else if *before != after {
-            if after.is_empty() {
+        } else if is_other {
+            if let Some(text) = assigned {
+                self.begin_line();
+                self.push(Kind::Verbatim(text));
+            } else if after.is_empty() {
                 self.begin_line();
                 self.push(Kind::Frame(FrameWords::Statement(NO_FRAME)));
             }

@@ -1,12 +1,14 @@
 //! R parameters and global variables, which live as long as the run, and DEF variables, which live as long as their program level.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::cells::{Cells, wrong_type};
 use super::fault::{Fault, fault};
 use super::functions::is_function;
+use super::system::value_of;
 use super::value::Value;
 use crate::diagnostic::Code;
+use crate::machine::Setting;
 use crate::source::Span;
 use crate::syntax::{DefinitionType, NameId};
 
@@ -51,12 +53,28 @@ pub(super) struct Variables {
     locals: Locals,
     globals: HashMap<String, Cells>,
     global_elements: usize,
+    /// Values of global variables that the machine file gives, whatever their definition says.
+    presets: BTreeMap<String, Setting>,
 }
 
 impl Variables {
-    pub(super) fn new() -> Self {
-        let parameters = vec![0.0; PARAMETERS];
-        Variables { parameters, locals: Locals::default(), globals: HashMap::new(), global_elements: 0 }
+    /// `presets` are the global variables whose values only the machine knows.
+    pub(super) fn new(presets: &BTreeMap<String, Setting>) -> Self {
+        let mut variables = Variables {
+            parameters: vec![0.0; PARAMETERS],
+            locals: Locals::default(),
+            globals: HashMap::new(),
+            global_elements: 0,
+            presets: presets.clone(),
+        };
+        for (name, setting) in presets {
+            let (kind, length) = kind_of(setting);
+            let dimensions: Vec<i64> = length.into_iter().collect();
+            let shape = Shape { kind, string: None, dimensions: &dimensions };
+            // Its type is made to fit its value; one that is too large for the store stays undefined.
+            let _ = variables.define_global(name, shape, None, Span::default());
+        }
+        variables
     }
 
     /// Puts the variables of another level in place and gives back those that were there.
@@ -113,6 +131,11 @@ impl Variables {
     fn cells_mut(&mut self, name: NameId, text: &str) -> Option<&mut Cells> {
         let local = self.locals.variables.iter_mut().find(|(known, _)| *known == name).map(|(_, cells)| cells);
         if local.is_some() || self.globals.is_empty() { local } else { self.globals.get_mut(text) }
+    }
+
+    /// Whether there is a global variable of this name.
+    pub(super) fn has_global(&self, text: &str) -> bool {
+        self.globals.contains_key(text)
     }
 
     /// Whether there is a variable of this name.
@@ -175,6 +198,11 @@ impl Variables {
         let left = MAX_GLOBAL - self.global_elements;
         let mut cells = Cells::new(shape.kind, shape.string, shape.dimensions, left, (text, span))?;
         initialise(&mut cells, value, (text, span))?;
+        match self.presets.get(text) {
+            Some(Setting::List(values)) => cells.fill(&[], values.iter().map(value_of), (text, span))?,
+            Some(setting) => initialise(&mut cells, value_of(setting).map(List::One), (text, span))?,
+            None => {}
+        }
         self.global_elements += cells.count();
         self.globals.insert(text.to_owned(), cells);
         Ok(())
@@ -210,6 +238,22 @@ fn put(cells: &mut Cells, indices: &[i64], list: List, at: (&str, Span)) -> Resu
         List::One(value) => cells.set(indices, value, at),
         List::Set(values) => cells.fill(indices, values, at),
         List::Repeat(value, count) => cells.repeat(indices, &value, count, at),
+    }
+}
+
+/// Type and length of a variable that can hold a setting.
+fn kind_of(setting: &Setting) -> (DefinitionType, Option<i64>) {
+    match setting {
+        Setting::Whole(_) => (DefinitionType::Int, None),
+        Setting::Number(_) => (DefinitionType::Real, None),
+        Setting::Truth(_) => (DefinitionType::Bool, None),
+        Setting::Text(_) => (DefinitionType::String, None),
+        Setting::List(values) => {
+            let is_real = values.iter().any(|value| matches!(value, Setting::Number(_)));
+            let first = values.first().map_or(DefinitionType::Real, |value| kind_of(value).0);
+            let kind = if is_real { DefinitionType::Real } else { first };
+            (kind, Some(i64::try_from(values.len()).unwrap_or(i64::MAX)))
+        }
     }
 }
 

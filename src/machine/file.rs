@@ -3,14 +3,13 @@
 //! Units are in the keys: mm, degrees, mm/min. A file is read as a whole and everything that is wrong with it is reported in
 //! one run. A set-up file holds zero offsets and tools only and is laid over a machine by [`apply_setup`].
 
-use std::collections::BTreeMap;
-
 use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Plane, Vector};
+use crate::geometry::{AXES, AXIS_COUNT, Axis, Plane, Vector};
 use crate::source::Source;
 
-use super::opaque;
+use super::zero_offset::{ZERO_OFFSET_NAMES, is_zero_offset_name, read_zero_offsets};
 use super::{AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
+use super::{opaque, setting};
 
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
@@ -19,7 +18,8 @@ pub use super::section::{Section, nearest};
 pub const DEMO: &str = include_str!("../../samples/machines/demo.toml");
 
 /// Top-level sections that describe the machine.
-pub const SECTIONS: &[&str] = &["machine", "axis", "spindle", "control", "opaque", "zero_offset", "tool"];
+pub const SECTIONS: &[&str] =
+    &["machine", "axis", "spindle", "control", "opaque", "zero_offset", "tool", "system", "gud"];
 
 /// How far the direction of a linear axis may be off its direction of F.
 const PARALLEL_LIMIT: f64 = 1e-9;
@@ -42,6 +42,8 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
     let zero_offsets = read_zero_offsets(&mut root, axis_set, &mut findings);
     let tools = read_tools(&mut root, &mut findings);
+    let system = setting::read(root.section("system"), true, &mut findings);
+    let gud = setting::read(root.section("gud"), false, &mut findings);
     // Other rooms have sections of their own; who reads the last one reports the unknown ones.
     let keys: Vec<&str> = root.keys().collect();
     keys.into_iter().for_each(|key| root.accept(key));
@@ -50,8 +52,19 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let Head { name: Some(name), topology: Some((topology, _)), controller, reference_temperature_c } = head else {
         return (None, findings);
     };
-    let machine =
-        Machine { name, topology, controller, reference_temperature_c, axes, spindle, control, zero_offsets, tools };
+    let machine = Machine {
+        name,
+        topology,
+        controller,
+        reference_temperature_c,
+        axes,
+        spindle,
+        control,
+        zero_offsets,
+        tools,
+        system,
+        gud,
+    };
     (sound.then_some(machine), findings)
 }
 
@@ -67,17 +80,16 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     let mut root = file.root();
     let zero_offsets = read_zero_offsets(&mut root, machine.topology.axis_set(), &mut findings);
     let tools = read_tools(&mut root, &mut findings);
+    let system = setting::read(root.section("system"), true, &mut findings);
+    let gud = setting::read(root.section("gud"), false, &mut findings);
     root.finish(&mut findings);
     if findings.iter().any(Diagnostic::is_error) {
         return findings;
     }
     machine.zero_offsets.extend(zero_offsets);
-    for tool in tools {
-        match machine.tools.iter_mut().find(|old| (old.number, old.edge) == (tool.number, tool.edge)) {
-            Some(old) => *old = tool,
-            None => machine.tools.push(tool),
-        }
-    }
+    machine.system.extend(system);
+    machine.gud.extend(gud);
+    machine.set_tools(tools);
     findings
 }
 
@@ -292,45 +304,6 @@ fn read_control(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
     }
     section.finish(findings);
     control
-}
-
-const ZERO_OFFSET_NAMES: &str = "settable zero offsets are G500, G54 to G57 and G505 to G599";
-
-fn is_zero_offset_name(name: &str) -> bool {
-    let number = name.strip_prefix('G').filter(|digits| digits.bytes().all(|digit| digit.is_ascii_digit()));
-    let number: Option<u32> = number.and_then(|digits| digits.parse().ok());
-    number.is_some_and(|number| matches!(number, 54..=57 | 500 | 505..=599)) && !name.starts_with("G0")
-}
-
-fn read_zero_offsets(
-    root: &mut Section<'_>,
-    axes: AxisSet,
-    findings: &mut Vec<Diagnostic>,
-) -> BTreeMap<String, AxisVector> {
-    let mut offsets = BTreeMap::new();
-    let Some(mut section) = root.section("zero_offset") else { return offsets };
-    let names: Vec<&str> = section.keys().collect();
-    for name in names {
-        if !is_zero_offset_name(name) {
-            let message = format!("\"{name}\" is no settable zero offset");
-            section.accept(name);
-            section.report(Code::UNKNOWN_KEY, section.place_of_key(name), message, ZERO_OFFSET_NAMES);
-            continue;
-        }
-        let Some(mut own) = section.section(name) else { continue };
-        let mut offset = AxisVector::ZERO;
-        for axis in axes.iter() {
-            if axis.is_rotary() {
-                offset[axis] = own.number(&format!("{axis}_deg")).map_or(0.0, f64::to_radians);
-            } else {
-                offset[axis] = own.number(&format!("{axis}_mm")).unwrap_or(0.0);
-            }
-        }
-        own.finish(findings);
-        offsets.insert(name.to_owned(), offset);
-    }
-    section.finish(findings);
-    offsets
 }
 
 fn read_tools(root: &mut Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<Tool> {

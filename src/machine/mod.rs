@@ -9,16 +9,19 @@ mod frame_control;
 mod kinematics;
 mod opaque;
 mod section;
+mod setting;
 mod state;
+mod zero_offset;
 
 pub use chain::{Branch, Topology, TopologyFault};
 pub use kinematics::Kinematics;
 pub use opaque::Opaque;
+pub use setting::Setting;
 pub use state::State;
 
 use std::collections::BTreeMap;
 
-use crate::geometry::{Axis, AxisSet, AxisVector, Plane, RotationOrder, Vector};
+use crate::geometry::{Axis, AxisSet, AxisVector, FrameParts, Plane, RotationOrder, Vector};
 
 /// A machine as its file describes it. Lengths mm, angles rad, directions unit vectors in F at the zero pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,9 +41,13 @@ pub struct Machine {
     /// Settings of the control.
     pub control: Control,
     /// Settable zero offsets by name, `G54` …
-    pub zero_offsets: BTreeMap<String, AxisVector>,
+    pub zero_offsets: BTreeMap<String, FrameParts>,
     /// Tools by number and edge.
     pub tools: Vec<Tool>,
+    /// System variables that only the machine knows, by name and indices: `$MN_INT_INCR_PER_MM`, `$TC_DP6[1,1]`.
+    pub system: BTreeMap<String, Setting>,
+    /// Global variables that only the machine knows, by name.
+    pub gud: BTreeMap<String, Setting>,
 }
 
 /// One axis.
@@ -185,6 +192,16 @@ impl Machine {
     #[must_use]
     pub fn tool(&self, number: u32, edge: u32) -> Option<&Tool> {
         self.tools.iter().find(|tool| tool.number == number && tool.edge == edge)
+    }
+
+    /// Adds tools; those of the same number and edge are replaced.
+    pub fn set_tools(&mut self, tools: impl IntoIterator<Item = Tool>) {
+        for tool in tools {
+            match self.tools.iter_mut().find(|old| (old.number, old.edge) == (tool.number, tool.edge)) {
+                Some(old) => *old = tool,
+                None => self.tools.push(tool),
+            }
+        }
     }
 
     /// The tool vector as the rotary axes of the tool side turn it at an axis command, along F's directions, mm.

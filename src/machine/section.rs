@@ -216,7 +216,12 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn value<T>(&mut self, key: &str, expected: &str, read: impl FnOnce(&'a Item) -> Option<T>) -> Option<T> {
+    pub(super) fn value<T>(
+        &mut self,
+        key: &str,
+        expected: &str,
+        read: impl FnOnce(&'a Item) -> Option<T>,
+    ) -> Option<T> {
         self.accept(key);
         let item = &self.table.entry(key)?.item;
         let value = read(item);

@@ -33,14 +33,25 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
         line("");
         line("zero offset");
         for (name, offset) in &machine.zero_offsets {
-            let parts: Vec<String> = AXES
+            let shift = offset.shift();
+            let mut parts: Vec<String> = AXES
                 .into_iter()
                 .filter(|&axis| machine.axis(axis).is_some())
                 .map(|axis| {
-                    let value = if axis.is_rotary() { offset[axis].to_degrees() } else { offset[axis] };
+                    let value = if axis.is_rotary() { shift[axis].to_degrees() } else { shift[axis] };
                     format!("{}{}", char::from(axis.letter()), decimal(value))
                 })
                 .collect();
+            let listed = |values: [f64; 3]| values.map(decimal).join(" ");
+            if offset.rotation != [0.0; 3] {
+                parts.push(format!("rotated {} deg", listed(offset.rotation.map(f64::to_degrees))));
+            }
+            if offset.scale != [1.0; 3] {
+                parts.push(format!("scaled {}", listed(offset.scale)));
+            }
+            for (letter, _) in ["X", "Y", "Z"].iter().zip(offset.mirror).filter(|(_, mirror)| *mirror) {
+                parts.push(format!("mirrored {letter}"));
+            }
             line(&format!("{name:<6}{}", parts.join(" ")));
         }
     }

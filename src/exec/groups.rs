@@ -1,0 +1,65 @@
+//! `$P_GG[group]`: the number of the code in force within its G group.
+
+use super::expression::Scope;
+use super::frame_store::settable_number;
+use super::modal::MotionKind;
+use super::save::initial;
+use crate::geometry::Plane;
+
+/// Codes of a group in the order of their numbers, from 1.
+const MEMBERS: &[(u8, &[&str])] = &[
+    (7, &["G40", "G41", "G42"]),
+    (10, &["G60", "G64", "G641", "G642", "G643", "G644", "G645"]),
+    (12, &["G601", "G602", "G603"]),
+    (15, &["G93", "G94", "G95", "G96", "G97", "G931", "G961", "G971", "G942", "G952", "G962", "G972", "G973"]),
+    (16, &["CFC", "CFTCP", "CFIN"]),
+    (17, &["NORM", "KONT", "KONTT", "KONTC"]),
+    (18, &["G450", "G451"]),
+    (21, &["BRISK", "SOFT", "DRIVE"]),
+    (23, &["CDOF", "CDON", "CDOF2"]),
+    (24, &["FFWOF", "FFWON"]),
+    (25, &["ORIWKS", "ORIMKS"]),
+    (29, &["DIAMOF", "DIAMON", "DIAM90"]),
+    (30, &["COMPOF", "COMPON", "COMPCURV", "COMPCAD"]),
+    (40, &["CUTCONOF", "CUTCONON"]),
+    (43, &["G140", "G141", "G142", "G143"]),
+    (44, &["G340", "G341"]),
+    (47, &["G290", "G291"]),
+    (49, &["CP", "PTP"]),
+    (59, &["DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH"]),
+];
+
+impl Scope<'_> {
+    /// The number of the code in force; `None` for groups whose numbers are not known here.
+    pub(super) fn member(&self, group: i64) -> Option<i64> {
+        let modal = self.modal;
+        let first_if = |first: bool| if first { 1 } else { 2 };
+        Some(match group {
+            1 => match modal.motion {
+                MotionKind::Rapid => 1,
+                MotionKind::Line => 2,
+                MotionKind::Clockwise => 3,
+                MotionKind::CounterClockwise => 4,
+            },
+            6 => match modal.plane {
+                Plane::XY => 1,
+                Plane::ZX => 2,
+                Plane::YZ => 3,
+            },
+            8 => settable_number(modal.stated.offset())? + 1,
+            13 => match (modal.inch, modal.inch_feed) {
+                (true, false) => 1,
+                (true, true) => 3,
+                // Whether G71 or G710 was programmed makes no difference to the execution, only to this number.
+                (false, _) => return None,
+            },
+            14 => first_if(!modal.incremental),
+            _ => {
+                let group = u8::try_from(group).ok()?;
+                let word = modal.stated.code(group).or_else(|| initial(self.program.dialect.codes(), group))?;
+                let (_, members) = MEMBERS.iter().find(|(known, _)| *known == group)?;
+                i64::try_from(members.iter().position(|member| *member == word)?).ok()? + 1
+            }
+        })
+    }
+}
