@@ -10,6 +10,8 @@ use crate::support::{Shop, machine, repository};
 
 /// Codes that no program and no machine file can provoke, with the test that covers each.
 const COVERED_ELSEWHERE: &[(&str, &str)] = &[
+    ("E0240", "five_axis: poles_and_directions_out_of_reach_are_found_with_their_place"),
+    ("E0241", "five_axis: poles_and_directions_out_of_reach_are_found_with_their_place"),
     ("E0308", "cli_fix: a_pose_where_two_linear_axes_are_parallel_has_no_correction"),
     ("E0310", "cli_fix: the_input_is_never_overwritten"),
     ("E0311", "cli_verify: programs_that_differ_cannot_be_compared"),

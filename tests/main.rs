@@ -14,6 +14,7 @@ mod comparison;
 mod correction;
 mod emission;
 mod exec;
+mod five_axis;
 mod flat;
 mod flow;
 mod frame_correction;

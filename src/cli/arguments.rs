@@ -155,6 +155,16 @@ pub(super) enum FrameChoice {
     Machine,
 }
 
+/// Five-axis transformations in the output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum FiveAxisChoice {
+    /// TRAORI stays: positions of the tip in the workpiece
+    #[default]
+    Tcp,
+    /// Positions of the axes in machine coordinates, without TRAORI
+    Axes,
+}
+
 /// Rotary axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(super) enum RotaryChoice {
@@ -198,6 +208,9 @@ pub(super) struct FixArguments {
     /// Coordinates of the output
     #[arg(long, value_enum, default_value_t)]
     pub(super) frame: FrameChoice,
+    /// Five-axis transformations
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) five_axis: FiveAxisChoice,
     /// Rotary axes
     #[arg(long, value_enum, default_value_t)]
     pub(super) rotary: RotaryChoice,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use super::arguments::{ArcChoice, FixArguments, FrameChoice, RapidChoice, RotaryChoice};
+use super::arguments::{ArcChoice, FiveAxisChoice, FixArguments, FrameChoice, RapidChoice, RotaryChoice};
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::is_standard_stream;
@@ -182,9 +182,13 @@ fn options(arguments: &FixArguments) -> path::Options {
             RapidChoice::None => path::Rapids::None,
             RapidChoice::All => path::Rapids::All,
         },
-        frame: match arguments.frame {
-            FrameChoice::Work => path::OutputFrame::Work,
-            FrameChoice::Machine => path::OutputFrame::Machine,
+        frame: match (arguments.frame, arguments.five_axis) {
+            (FrameChoice::Work, FiveAxisChoice::Tcp) => path::OutputFrame::Work,
+            _ => path::OutputFrame::Machine,
+        },
+        five_axis: match arguments.five_axis {
+            FiveAxisChoice::Tcp => path::FiveAxis::Tcp,
+            FiveAxisChoice::Axes => path::FiveAxis::Axes,
         },
         max_correction_mm: arguments.max_correction,
         rotary: match arguments.rotary {

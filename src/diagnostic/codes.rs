@@ -174,6 +174,15 @@ message shows:
 "The program writes compensation tables or backlash of the control ($AN_CEC, $AA_ENC_COMP, $AA_QEC, $MA_BACKLASH …). The error model in the
 machine file holds for the machine as it was measured, with the values that were active then. Load such tables before, measure, and take
 the assignments out of the program.";
+    NO_ORIENTATION = "E0240" "tool direction out of reach"
+"Under TRAORI the rotary axes cannot turn the tool to the programmed direction, or not within their travel: a table that tilts to one
+side only, an axis at its limit. Check the direction (A3, B3, C3 run from the tip to the spindle) and axis.….travel_deg.";
+    THROUGH_POLE = "E0241" "orientation passes a pole"
+"Between two directions the tool comes so near to the pole of the five-axis transformation (the tool along the rotary axis that is nearest
+to the workpiece) that a rotary axis would have to jump or to turn very fast. A control leaves the programmed orientation there in a
+way of its own (Sinumerik MD24530, MD24540; control.pole_limit_deg, default 2 degrees), which cannot be followed.
+
+Move around the pole, end a block at it, or program ORIAXES: rotary axes then move in proportion.";
 
     ALREADY_CORRECTED = "E0301" "this program was corrected before"
 "The first comment says that ncfix made this file. Correcting it again would add the corrections twice. Correct the original.";

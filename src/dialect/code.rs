@@ -25,6 +25,10 @@ pub enum Effect {
     Keep,
     /// Selects what F means; passed on.
     FeedMode,
+    /// Switches a five-axis transformation.
+    Transform,
+    /// Says how orientations are meant.
+    Orientation,
     /// Limits of working area or spindle: the whole block is passed on.
     Limits,
     /// Diameter or radius programming of the transverse axis.
@@ -112,6 +116,8 @@ impl Effect {
             "frame" => Effect::Frame,
             "keep" => Effect::Keep,
             "feedmode" => Effect::FeedMode,
+            "transform" => Effect::Transform,
+            "orientation" => Effect::Orientation,
             "limits" => Effect::Limits,
             "diameter" => Effect::Diameter,
             "display" => Effect::Display,

@@ -12,6 +12,8 @@ pub(super) enum Named {
     Turn,
     /// Angle of a rotation in the working plane.
     Rpl,
+    /// A part of a direction of the tool or surface: `A2=` (angles), `A3=` (tool), by its number and slot.
+    Orientation(u8, u8),
 }
 
 /// Names and their addresses.
@@ -26,7 +28,7 @@ impl Named {
     /// Whether a block moves because it has this address.
     pub(super) fn moves(self) -> bool {
         match self {
-            Named::Cr | Named::Turn => true,
+            Named::Cr | Named::Turn | Named::Orientation(..) => true,
             Named::Rpl => false,
         }
     }

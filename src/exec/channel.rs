@@ -12,13 +12,12 @@ use super::gathered::Gathered;
 use super::modal::Modal;
 use super::motion::{MotionContext, motion};
 use super::path::Path;
-use super::resolve;
 use super::system::System;
 use super::variables::Variables;
 use crate::diagnostic::Code;
 use crate::dialect::CodeTable;
 use crate::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Plane};
-use crate::machine::Machine;
+use crate::machine::{Kinematics, Machine};
 use crate::snc::{BlockNumber, Dwell, Element, Kind, Origin, Setup, Word, WordValue};
 use crate::source::{FileId, Span};
 use crate::units::MM_PER_INCH;
@@ -27,6 +26,8 @@ use crate::units::MM_PER_INCH;
 pub(super) struct Channel<'a> {
     pub(super) machine: &'a Machine,
     pub(super) modal: Modal,
+    /// Of the machine, once a transformation was in force.
+    pub(super) kinematics: Option<Box<Kinematics>>,
     pub(super) variables: Variables,
     pub(super) system: System,
     pub(super) queue: VecDeque<Element>,
@@ -56,6 +57,7 @@ impl<'a> Channel<'a> {
             modal: Modal::new(options.start, machine),
             variables: Variables::new(&machine.gud),
             system: System::new(options.strict),
+            kinematics: None,
             queue: VecDeque::with_capacity(16),
             warnings: Vec::new(),
             contour: Contour::default(),
@@ -138,20 +140,6 @@ impl<'a> Channel<'a> {
         self.released = released;
     }
 
-    fn resolve(&mut self, path: &Path, mut element: Element) {
-        let queue = &mut self.queue;
-        let first = queue.len();
-        resolve::moves(path, self.machine.control.chord_tolerance_mm, |step| {
-            let kind = Kind::Move(step);
-            queue.push_back(Element { kind, ..element.clone() });
-            element.starts_block = false;
-            element.number = None;
-        });
-        if path.motion.inverse_time && queue.len() > first + 1 {
-            resolve::share_time(&path.start, queue.range_mut(first..));
-        }
-    }
-
     /// The file of the block.
     pub(super) fn file(&self) -> FileId {
         self.origin.file
@@ -179,6 +167,7 @@ impl<'a> Channel<'a> {
         }
         self.warnings.extend(gathered.warning.take());
         self.check_diameter(gathered)?;
+        self.transform(gathered)?;
         self.offset(gathered)?;
         if let Some(statement) = gathered.frame {
             self.frame_statement(gathered, statement)?;
@@ -354,6 +343,7 @@ impl<'a> Channel<'a> {
             let message = "a feed motion, and no F was programmed yet";
             self.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));
         }
+        self.orient(gathered, &mut path)?;
         self.push_path(path)
     }
 
@@ -361,6 +351,7 @@ impl<'a> Channel<'a> {
     /// again: how and when a control traverses the change is a setting of the control (Sinumerik SD42940, SD42442).
     pub(super) fn refresh_setup(&mut self) {
         let setup = self.modal.setup();
+        self.keep_pose(&setup);
         for axis in LINEAR_AXES.into_iter().take(3) {
             if setup.tool_mm[axis.slot()] != self.setup.tool_mm[axis.slot()] {
                 self.modal.known.remove(axis);

@@ -1,10 +1,12 @@
 //! Gathers the words of one block before anything is executed: gather, check, execute.
 
+use super::address::Named;
 use super::expression::Scope;
 use super::fault::{Fault, fault};
 use super::gathered::{Call, Gathered, NamedValue};
 use super::modal::MotionKind;
 use super::names::Meaning;
+use super::orientation;
 use super::value::Value as ExecValue;
 use crate::diagnostic::Code;
 use crate::dialect::{CodeEntry, CodeTable, Effect};
@@ -73,7 +75,10 @@ impl Gatherer<'_> {
                 out.before.push(word);
                 Ok(())
             }
-            Address::Extended(..) => Err(self.unsupported(word)),
+            Address::Extended(letter, extension) => match orientation::address(letter, extension) {
+                Some(address) => self.address(address, word, out),
+                None => Err(self.unsupported(word)),
+            },
             Address::Name(name) => self.name(name, word, out),
         }
     }
@@ -198,7 +203,7 @@ impl Gatherer<'_> {
         Ok(())
     }
 
-    fn code(&self, entry: &'static CodeEntry, span: Span, out: &mut Gathered) -> Result<(), Fault> {
+    pub(super) fn code(&self, entry: &'static CodeEntry, span: Span, out: &mut Gathered) -> Result<(), Fault> {
         self.group(entry.group, span, out)?;
         match entry.effect {
             Effect::Motion => out.motion = MotionKind::of(entry.name).map(|kind| (kind, span)),
@@ -227,6 +232,11 @@ impl Gatherer<'_> {
             Effect::FeedMode => {
                 out.inverse_time = Some(entry.name == "G93");
                 out.keep.push(entry.name);
+            }
+            Effect::Transform => out.transform.switch = Some((entry.name, span)),
+            Effect::Orientation => {
+                out.keep.push(entry.name);
+                out.transform.codes.push(entry.name);
             }
             Effect::Display => {}
             Effect::Limits => out.limits = Some(span),
@@ -276,18 +286,11 @@ impl Gatherer<'_> {
             {
                 self.code(entry, word.span, out)
             }
-            (Meaning::Code(entry), _) if entry.effect == Effect::Refuse => self.code(entry, word.span, out),
-            (Meaning::Address(address), Value::Expr(_) | Value::Dimension(..)) => {
-                let dimension = match word.value {
-                    Value::Dimension(function, _) => Some(function),
-                    _ => None,
-                };
-                if out.named(address).is_some() {
-                    return Err(twice(word.span));
-                }
-                out.addresses.push(NamedValue { address, value: self.number(word)?, dimension, span: word.span });
-                Ok(())
+            (Meaning::Code(entry), Value::Arguments(range)) if entry.effect == Effect::Transform => {
+                self.transformation(entry, range, word, out)
             }
+            (Meaning::Code(entry), _) if entry.effect == Effect::Refuse => self.code(entry, word.span, out),
+            (Meaning::Address(address), Value::Expr(_) | Value::Dimension(..)) => self.address(address, word, out),
             (Meaning::Message, Value::Arguments(range)) => {
                 let text = match self.scope.program.arguments_of(range) {
                     [] | [None] => Vec::new(),
@@ -323,6 +326,18 @@ impl Gatherer<'_> {
                 "check its spelling and value",
             )),
         }
+    }
+
+    fn address(&self, address: Named, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+        let dimension = match word.value {
+            Value::Dimension(function, _) => Some(function),
+            _ => None,
+        };
+        if out.named(address).is_some() {
+            return Err(twice(word.span));
+        }
+        out.addresses.push(NamedValue { address, value: self.number(word)?, dimension, span: word.span });
+        Ok(())
     }
 
     pub(super) fn unsupported(&self, word: &Word) -> Fault {

@@ -3,6 +3,7 @@
 use super::address::Named;
 use super::fault::Fault;
 use super::modal::MotionKind;
+use super::transform::TransformWords;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
 use crate::snc::{FrameKind, Word as AuxWord, WordValue};
 use crate::source::Span;
@@ -48,6 +49,8 @@ pub(super) struct Gathered {
     pub(super) as_incremental: AxisSet,
     pub(super) center: [Option<(f64, bool)>; 3],
     pub(super) center_span: Span,
+    /// Five-axis transformation.
+    pub(super) transform: TransformWords,
     /// Values of named addresses, see [`Self::named`].
     pub(super) addresses: Vec<NamedValue>,
     pub(super) feed: Option<(f64, Span)>,
@@ -102,6 +105,7 @@ impl Gathered {
             center: [None; 3],
             center_span: Span::default(),
             addresses: Vec::new(),
+            transform: TransformWords::default(),
             feed: None,
             speed: None,
             tool: None,

@@ -1,6 +1,7 @@
 //! What stays in force from block to block: modal codes, frames, tool, position.
 
 use super::save::Stated;
+use super::transform::Transform;
 use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
 use crate::machine::Machine;
 use crate::snc::{Setup, WordValue};
@@ -69,10 +70,12 @@ pub(super) struct Modal {
     pub(super) edge: u32,
     /// Lengths L1, L2, L3 in force, mm.
     pub(super) length_mm: [f64; 3],
-    /// Axis commands, mm and rad.
+    /// Axis commands, mm and rad; under a transformation positions fixed to the workpiece.
     pub(super) command: AxisVector,
     /// Last programmed values per axis; after a frame change they may belong to the old frame (Sinumerik SD42440).
     pub(super) programmed: AxisVector,
+    /// Five-axis transformation.
+    pub(super) transform: Transform,
     /// Axes whose position the program has stated, in the frame in force.
     pub(super) known: AxisSet,
     /// Axes whose last programmed value belongs to a frame that was turned, scaled or mirrored otherwise.
@@ -106,6 +109,7 @@ impl Modal {
             command,
             programmed: command,
             stale: AxisSet::EMPTY,
+            transform: Transform::default(),
             known: if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY },
         }
     }
@@ -138,6 +142,7 @@ impl Modal {
             frame: self.frame(),
             tool_mm: self.tool_mm(),
             plane: self.plane,
+            transform: self.transform.turning(),
             assumed: self.offset_assumed || self.tool_assumed,
         }
     }
@@ -154,6 +159,7 @@ impl Modal {
         self.programmed = left.programmed;
         self.known = left.known;
         self.stale = left.stale;
+        self.transform.keep_switch_of(&left.transform);
     }
 
     /// The position is unknown from here on: a tool change has moved the machine.

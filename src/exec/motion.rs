@@ -32,7 +32,7 @@ pub(super) struct MotionContext<'a> {
 
 /// The motion of a block that names axes or a center, and the state behind it.
 pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<Path, Fault> {
-    let start = modal.command;
+    let (start, start_known) = (modal.command, modal.known);
     let target = target(gathered, modal, context)?;
     let rapid = modal.motion == MotionKind::Rapid;
     let is_arc = matches!(modal.motion, MotionKind::Clockwise | MotionKind::CounterClockwise);
@@ -70,7 +70,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
     };
     let basis = PlaneBasis::behind(&context.setup.frame, modal.plane)
         .ok_or_else(|| bad_value(context.span, "the frame squeezes the working plane flat", "check SCALE"))?;
-    Ok(Path { motion, start, basis, shape, setup: Shared::clone(context.setup), span: context.span })
+    Ok(Path { motion, start, start_known, basis, shape, setup: Shared::clone(context.setup), span: context.span })
 }
 
 /// Axis commands at the end of the block; sets the programmed values.

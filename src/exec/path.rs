@@ -5,7 +5,7 @@
 
 use std::sync::Arc as Shared;
 
-use crate::geometry::{AxisVector, PlaneBasis};
+use crate::geometry::{AxisSet, AxisVector, PlaneBasis};
 use crate::snc::{Move, Setup};
 use crate::source::Span;
 
@@ -16,15 +16,15 @@ pub(super) struct Path {
     pub(super) motion: Move,
     /// Where it starts, base coordinates.
     pub(super) start: AxisVector,
+    /// Axes whose place there the program has stated.
+    pub(super) start_known: AxisSet,
     /// The working plane behind the frame.
     pub(super) basis: PlaneBasis,
     /// Its way.
     pub(super) shape: Shape,
     /// Frame and tool that hold.
-    #[expect(dead_code, reason = "transformations look at it")]
     pub(super) setup: Shared<Setup>,
     /// Where its block stands.
-    #[expect(dead_code, reason = "contour findings point at it")]
     pub(super) span: Span,
 }
 

@@ -1,5 +1,7 @@
 //! From paths in base coordinates to moves of the axes.
 
+use super::channel::Channel;
+use super::five_axis;
 use super::path::{Path, Shape};
 use crate::geometry::{Arc, AxisVector};
 use crate::snc::{Element, Kind, Move};
@@ -7,8 +9,34 @@ use crate::snc::{Element, Kind, Move};
 /// Chords of one arc at most; a tolerance that asks for more is not met.
 const MOST_CHORDS: f64 = 100_000.0;
 
+impl Channel<'_> {
+    /// Puts the moves of a path into the stream.
+    pub(super) fn resolve(&mut self, path: &Path, mut element: Element) {
+        let queue = &mut self.queue;
+        let first = queue.len();
+        if let (Some(turning), Some(kinematics)) = (path.setup.transform, &self.kinematics) {
+            let found = five_axis::moves(kinematics, turning, path, &self.machine.control, |step| {
+                queue.push_back(Element { kind: Kind::Move(step), ..element.clone() });
+                element.starts_block = false;
+                element.number = None;
+            });
+            self.warnings.extend(found.err());
+            return;
+        }
+        moves(path, self.machine.control.chord_tolerance_mm, |step| {
+            let kind = Kind::Move(step);
+            queue.push_back(Element { kind, ..element.clone() });
+            element.starts_block = false;
+            element.number = None;
+        });
+        if path.motion.inverse_time && queue.len() > first + 1 {
+            share_time(&path.start, queue.range_mut(first..));
+        }
+    }
+}
+
 /// Calls `out` with every move that a path becomes, in order.
-pub(super) fn moves(path: &Path, chord_tolerance_mm: f64, mut out: impl FnMut(Move)) {
+fn moves(path: &Path, chord_tolerance_mm: f64, mut out: impl FnMut(Move)) {
     match &path.shape {
         Shape::Line => out(path.motion),
         Shape::Arc { clockwise, center, extra_turns } => {
@@ -30,7 +58,7 @@ pub(super) fn moves(path: &Path, chord_tolerance_mm: f64, mut out: impl FnMut(Mo
 }
 
 /// Gives each of the moves of one block its share of the block's time (G93), by their lengths.
-pub(super) fn share_time<'a>(start: &AxisVector, elements: impl Iterator<Item = &'a mut Element>) {
+fn share_time<'a>(start: &AxisVector, elements: impl Iterator<Item = &'a mut Element>) {
     let mut from = *start;
     let mut parts: Vec<(&mut Move, f64)> = Vec::new();
     for element in elements {

@@ -50,6 +50,7 @@ const INITIAL: &[&str] = &[
     "FENDNORM",
     "DYNNORM",
     "RTLION",
+    "ORIVECT",
     "PAROTOF",
     "TOROTOF",
 ];

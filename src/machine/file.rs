@@ -9,7 +9,7 @@ use crate::source::Source;
 
 use super::zero_offset::{ZERO_OFFSET_NAMES, is_zero_offset_name, read_zero_offsets};
 use super::{AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
-use super::{opaque, setting};
+use super::{opaque, orientation, setting};
 
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
@@ -286,6 +286,7 @@ fn read_control(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
     }
     opaque::read(&mut section, &mut control);
     super::frame_control::read(&mut section, &mut control);
+    orientation::read(&mut section, &mut control);
     if let Some(value) = section.number_where("chord_tolerance_mm", "a number above 0", |value| value > 0.0) {
         control.chord_tolerance_mm = value;
     }

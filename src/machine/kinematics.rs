@@ -132,6 +132,32 @@ impl Kinematics {
         Some(out)
     }
 
+    /// An axis command as a position fixed to the workpiece, the tool at its zero pose taken off: what a control programs under a five-axis
+    /// transformation. At the zero pose of the rotary axes it is the command itself.
+    #[must_use]
+    pub fn on_workpiece(&self, command: &AxisVector, tool_mm: &Vector) -> AxisVector {
+        let mut out = *command;
+        out.set_xyz(self.tip_mm(command, tool_mm) - self.origin_mm - tool_mm);
+        out
+    }
+
+    /// The command of such a position; `None` where the machine lacks X, Y or Z.
+    #[must_use]
+    pub fn command_on_workpiece(&self, position: &AxisVector, tool_mm: &Vector) -> Option<AxisVector> {
+        if self.linear != [Some(Axis::X), Some(Axis::Y), Some(Axis::Z)] {
+            return None;
+        }
+        self.placed(&(position.xyz() + self.origin_mm + tool_mm), position, tool_mm)
+    }
+
+    /// The direction of the tool at which the rotary axis nearest to the workpiece has no effect on it; `None` without two
+    /// rotary axes.
+    #[must_use]
+    pub fn pole(&self) -> Option<Vector> {
+        let outer = self.rotary().last()?;
+        (self.rotary().count() >= 2).then_some(outer.direction)
+    }
+
     /// The rotary angles that give the tool a direction in the workpiece: up to two ways, each by the turns nearest to `near` that the
     /// travel allows, the shorter way first. An axis whose angle the direction does not tell keeps that of `near`; of three
     /// rotary axes the one nearest to the tool stays.

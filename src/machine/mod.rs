@@ -8,6 +8,7 @@ pub mod file;
 mod frame_control;
 mod kinematics;
 mod opaque;
+mod orientation;
 mod section;
 mod setting;
 mod state;
@@ -120,10 +121,25 @@ pub struct Control {
     pub allow_synchronised: Vec<String>,
     /// The axis whose positions are diameters behind DIAMON (Sinumerik MD20100).
     pub transverse_axis: Axis,
+    /// How A2, B2, C2 turn the tool (Sinumerik MD21100).
+    pub orientation_angles: OrientationAngles,
+    /// Nearer to its pole than this, a five-axis transformation moves the rotary axes linearly instead of along a great circle
+    /// (Sinumerik MD24530, MD24540), rad.
+    pub pole_limit_rad: f64,
     /// Program levels, main program included.
     pub max_program_levels: u32,
     /// `G500`, `G54`: the zero offset that is active at the start.
     pub initial_zero_offset: String,
+}
+
+/// The turns that three orientation angles stand for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OrientationAngles {
+    /// C about Z, B about the new Y, A about the new X.
+    #[default]
+    Rpy,
+    /// A about Z, B about the new X, C about the new Z.
+    Euler,
 }
 
 /// When a tool takes effect.
@@ -166,6 +182,8 @@ impl Default for Control {
             mirror_toggles: true,
             fine_shift: false,
             chord_tolerance_mm: 2.5e-4,
+            orientation_angles: OrientationAngles::Rpy,
+            pole_limit_rad: 2_f64.to_radians(),
             opaque: Vec::new(),
             allow_synchronised: Vec::new(),
             transverse_axis: Axis::X,

@@ -127,6 +127,10 @@ where
                 return;
             }
             Kind::Setup(setup) => self.set_up(Arc::clone(setup)),
+            Kind::Keep(word) if self.placer.drops(word) => {
+                self.pending.push_back(Ok(Output::Element(Element { kind: Kind::Empty, ..element })));
+                return;
+            }
             _ if loses_position(&element, self.machine) => self.forget(),
             _ => {}
         }
@@ -183,12 +187,13 @@ where
             _ => Treatment::End,
         };
         let route = Route::new(standing.nominal, motion.target, motion.arc);
+        let feed = motion.feed * self.placer.feed_ratio(&standing.nominal, motion);
         self.prediction.moves += 1;
         self.active = Some(Active {
             origin: element.origin,
             starts_block: element.starts_block,
             number: element.number,
-            motion: *motion,
+            motion: Move { feed, ..*motion },
             treatment,
             samples: self.sampler.whole(&route),
             route,

@@ -43,6 +43,8 @@ pub struct Options {
     pub rapids: Rapids,
     /// What the emitted coordinates relate to.
     pub frame: OutputFrame,
+    /// What becomes of five-axis transformations.
+    pub five_axis: FiveAxis,
     /// Corrections beyond this are refused, mm; rotary axes are judged by the arc at the tool tip.
     pub max_correction_mm: f64,
     /// Whether rotary axes take part in the correction.
@@ -61,6 +63,7 @@ impl Default for Options {
             arcs: Arcs::Keep,
             rapids: Rapids::Ends,
             frame: OutputFrame::Work,
+            five_axis: FiveAxis::Tcp,
             max_correction_mm: 0.2,
             rotary: Rotary::Correct,
             sample_mm: 1.0,
@@ -109,6 +112,16 @@ pub enum OutputFrame {
     Work,
     /// Machine coordinates of the tool center point.
     Machine,
+}
+
+/// What becomes of five-axis transformations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FiveAxis {
+    /// They stay: the output is positions of the tip in the workpiece and rotary axes.
+    #[default]
+    Tcp,
+    /// The output is positions of the axes, in [`OutputFrame::Machine`].
+    Axes,
 }
 
 /// Whether rotary axes take part in the correction.

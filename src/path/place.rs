@@ -6,11 +6,14 @@
 use std::sync::Arc;
 
 use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
-use crate::machine::{Machine, State};
+use crate::machine::{Kinematics, Machine, State};
 use crate::model::{Model, NotConverged, Solve};
-use crate::snc::Setup;
+use crate::snc::{Move, Setup};
 
-use super::{Increments, Options, OutputFrame, Rotary};
+use super::{FiveAxis, Increments, Options, OutputFrame, Rotary};
+
+/// Ways shorter than this have no direction, mm.
+const SHORT_MM: f64 = 1e-6;
 
 /// A position that can be written: counts in the emitted frame, and the axis command that they stand for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +30,9 @@ pub(super) struct Placer<'a> {
     pub(super) model: &'a Model,
     pub(super) setup: Arc<Setup>,
     pub(super) increments: Increments,
+    kinematics: Kinematics,
     frame: OutputFrame,
+    keeps_transform: bool,
     has_rotary: bool,
     turns_rotary: bool,
     is_empty: bool,
@@ -40,7 +45,9 @@ impl<'a> Placer<'a> {
             model,
             setup: Arc::default(),
             increments: Increments::new(&machine.control),
+            kinematics: Kinematics::new(machine),
             frame: options.frame,
+            keeps_transform: options.five_axis == FiveAxis::Tcp,
             has_rotary,
             turns_rotary: has_rotary && options.rotary == Rotary::Correct,
             is_empty: model.is_empty(),
@@ -49,10 +56,14 @@ impl<'a> Placer<'a> {
 
     /// Coordinates in the emitted frame.
     pub(super) fn programmed(&self, command: &AxisVector) -> AxisVector {
+        let mut position = *command;
+        if self.is_transformed() {
+            position = self.kinematics.on_workpiece(command, &self.setup.tool_mm);
+        }
         match self.frame {
-            OutputFrame::Work => self.setup.programmed(command),
+            OutputFrame::Work => self.setup.programmed(&position),
             OutputFrame::Machine => {
-                let mut out = *command;
+                let mut out = position;
                 out.set_xyz(out.xyz() + self.setup.tool_mm);
                 out
             }
@@ -60,19 +71,50 @@ impl<'a> Placer<'a> {
     }
 
     fn command(&self, programmed: &AxisVector) -> AxisVector {
-        match self.frame {
+        let position = match self.frame {
             OutputFrame::Work => self.setup.command(programmed),
             OutputFrame::Machine => {
                 let mut out = *programmed;
                 out.set_xyz(out.xyz() - self.setup.tool_mm);
                 out
             }
+        };
+        if !self.is_transformed() {
+            return position;
         }
+        // The execution has refused machines that cannot be transformed.
+        self.kinematics.command_on_workpiece(&position, &self.setup.tool_mm).unwrap_or(position)
+    }
+
+    /// Whether the emitted coordinates are those of the tip in the workpiece.
+    fn is_transformed(&self) -> bool {
+        self.keeps_transform && self.setup.transform.is_some()
+    }
+
+    /// Feed of the axes for one of the tip, where the output has no transformation any more: the path feed of a control is that of X, Y, Z,
+    /// or of the rotary axes, in degrees, where only these move.
+    pub(super) fn feed_ratio(&self, start: &AxisVector, motion: &Move) -> f64 {
+        if self.keeps_transform || self.setup.transform.is_none() || motion.inverse_time {
+            return 1.0;
+        }
+        let end = &motion.target;
+        let tip = |command: &AxisVector| self.kinematics.tip_mm(command, &self.setup.tool_mm);
+        let tip_mm = (tip(end) - tip(start)).norm();
+        let linear_mm = (end.xyz() - start.xyz()).norm();
+        let rotary = ROTARY_AXES.map(|axis| (end[axis] - start[axis]).to_degrees());
+        let way =
+            if linear_mm > SHORT_MM { linear_mm } else { rotary.iter().map(|turn| turn * turn).sum::<f64>().sqrt() };
+        if tip_mm > SHORT_MM && way > 0.0 { way / tip_mm } else { 1.0 }
+    }
+
+    /// Whether a word is about the transformation, and not for an output without one.
+    pub(super) fn drops(&self, word: &str) -> bool {
+        !self.keeps_transform && ["TRA", "ORI"].iter().any(|start| word.starts_with(start))
     }
 
     /// Whether directions in the emitted frame are those of the axes.
     pub(super) fn is_parallel(&self) -> bool {
-        self.frame == OutputFrame::Machine || self.setup.frame.is_translation()
+        !self.is_transformed() && (self.frame == OutputFrame::Machine || self.setup.frame.is_translation())
     }
 
     /// The command on the grid that brings the tip to where it is nominally at `nominal`. Axes outside `known` stay there.

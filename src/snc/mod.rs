@@ -204,7 +204,17 @@ impl FrameKind {
     }
 }
 
-/// How programmed positions relate to axis commands: `axis command = frame(programmed) − tool`.
+/// How the tool turns under a five-axis transformation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turning {
+    /// Rotary axes in proportion to the way.
+    Axes,
+    /// The tool along a great circle.
+    Vector,
+}
+
+/// How programmed positions relate to axis commands: `axis command = frame(programmed) − tool`. Under a five-axis transformation
+/// the right side is the position fixed to the workpiece, which the kinematics turn into a command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
     /// Programmed to the control's machine coordinates of the tool center point.
@@ -213,6 +223,8 @@ pub struct Setup {
     pub tool_mm: Vector,
     /// The working plane.
     pub plane: Plane,
+    /// The five-axis transformation, where one is in force.
+    pub transform: Option<Turning>,
     /// Where frame or tool had no value and zero was assumed, the code of the finding is not repeated but the
     /// correction must not use it.
     pub assumed: bool,
@@ -238,7 +250,7 @@ impl Setup {
 
 impl Default for Setup {
     fn default() -> Self {
-        Setup { frame: Frame::identity(), tool_mm: Vector::zeros(), plane: Plane::XY, assumed: false }
+        Setup { frame: Frame::identity(), tool_mm: Vector::zeros(), plane: Plane::XY, transform: None, assumed: false }
     }
 }
 
