@@ -54,7 +54,20 @@ pub struct Source {
     name: Arc<str>,
     bytes: Arc<[u8]>,
     line_end: u8,
+    /// What macros made of some lines: bytes behind the file's own, as far as spans are concerned.
+    tail: Arc<Tail>,
 }
+
+/// Expanded lines.
+#[derive(Debug, Default)]
+struct Tail {
+    bytes: Vec<u8>,
+    /// Where each expanded line begins in the tail, and the line that it was made of.
+    lines: Vec<(u32, Span)>,
+}
+
+/// Spans of findings may reach this far behind the file; the tail begins there.
+const TAIL_GAP: usize = 64;
 
 impl Source {
     /// Wraps bytes that were read from the file `name`.
@@ -67,7 +80,27 @@ impl Source {
         }
         // Old files end their lines with a carriage return alone.
         let line_end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
-        Ok(Source { id, name: name.into(), bytes: bytes.into(), line_end })
+        Ok(Source { id, name: name.into(), bytes: bytes.into(), line_end, tail: Arc::default() })
+    }
+
+    /// The offset at which the tail begins.
+    #[must_use]
+    pub fn tail_start(&self) -> usize {
+        self.bytes.len() + TAIL_GAP
+    }
+
+    /// The file with a tail of expanded lines: their bytes, where each begins in them, and the line that it was made of.
+    #[must_use]
+    pub fn with_tail(self, bytes: Vec<u8>, lines: Vec<(u32, Span)>) -> Self {
+        Source { tail: Arc::new(Tail { bytes, lines }), ..self }
+    }
+
+    /// A span as a place in the file: a part of an expanded line is the line that it was made of.
+    #[must_use]
+    pub fn in_file(&self, span: Span) -> Span {
+        let Some(offset) = (span.start as usize).checked_sub(self.tail_start()) else { return span };
+        let next = self.tail.lines.partition_point(|(start, _)| *start as usize <= offset);
+        next.checked_sub(1).and_then(|index| self.tail.lines.get(index)).map_or(span, |(_, line)| *line)
     }
 
     /// Which file this is.
@@ -97,6 +130,10 @@ impl Source {
     /// The bytes of a span; empty where the span lies outside.
     #[must_use]
     pub fn slice(&self, span: Span) -> &[u8] {
+        if let Some(start) = (span.start as usize).checked_sub(self.tail_start()) {
+            let end = (span.end as usize).saturating_sub(self.tail_start());
+            return self.tail.bytes.get(start..end).unwrap_or_default();
+        }
         self.bytes.get(span.range()).unwrap_or_default()
     }
 

@@ -250,3 +250,32 @@ fn under_exact_stop_a_move_stops_at_its_end_only() {
     let n60 = lines.iter().position(|line| line.starts_with("N60")).unwrap();
     assert!(lines[n60].starts_with("N60 G64 G1 X") && lines.last().unwrap().starts_with("G60 X"), "{out}");
 }
+
+#[test]
+fn what_save_brings_back_is_said_again() {
+    let text = "%_N_MAIN_MPF
+N10 G17 G90 G71 G64 G94
+N20 G54 G0 X0 Y0 Z0
+N25 TRANS X10
+N30 SUB P2
+N40 G1 X5 F100
+N50 M30
+%_N_SUB_SPF
+PROC SUB SAVE
+N1 G18 G60 SOFT G91
+N2 G500
+N3 TRANS Y5
+N4 AROT Z90
+N5 X=AC(7) Y=AC(0) M17
+";
+    let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
+    let run = "N1 G18 G60 SOFT G90\nN2 G500\nN3 TRANS Y5\nN4 AROT Z90\n";
+    let back = "G17 G64 BRISK\nG54\nTRANS X10\n";
+    assert_eq!(out.matches(run).count(), 2, "{out}");
+    assert_eq!(out.matches(back).count(), 2, "{out}");
+    assert!(out.ends_with("TRANS X10\nN40 G1 X5 F100\nN50 M30\n"), "{out}");
+    // Positions, feed and tool are no modal state.
+    let text = "F100\nG0 X1 Y0 Z0\nSUB\nG1 X2\nM30\n%_N_SUB_SPF\nPROC SUB SAVE\nG1 X5 F300\nM17\n";
+    let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
+    assert!(out.ends_with("G1 X5 F300\nG1 X2\nM30\n"), "{out}");
+}

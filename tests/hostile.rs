@@ -72,6 +72,9 @@ const PIECES: &[&str] = &[
     "A(1,,R1)",
     "RET(\"AB\")",
     "GOTOF \"AB\"<<",
+    "\nDEFINE AA AS AB: X1 AA BB AA\n",
+    "\nDEFINE BB AS G0 AA(\"\n",
+    "BB ",
     "UNTIL ",
     "LOOP",
     "ENDLOOP",
@@ -144,6 +147,14 @@ fn deep_nesting_is_refused_not_overflowed() {
         format!("R1={}0{}", "R[".repeat(1500), "]".repeat(1500)),
         "IF 1\n".repeat(5000),
         format!("R1=1{}", "+1".repeat(2000)),
+        format!("PROC A({})", "INT AA,".repeat(500)),
+        format!("A({})\n%_N_A_SPF\nPROC A({}INT ZZ)", "1,".repeat(700), "INT AA,".repeat(300)),
+        format!("AA: X1\n{}", "REPEAT AA P9999\n".repeat(500)),
+        format!("{}AA: X1\n", "REPEATB AA P9999\n".repeat(500)),
+        format!("CASE R1 OF {}", "1 GOTOF AA ".repeat(300)),
+        "MCALL A\nG0 X1\n%_N_A_SPF\nX2\nMCALL A\nA\n".into(),
+        "CALL \"A\"\n%_N_A_SPF\nRET(\"AA\",,99)".into(),
+        "AA: CALL BLOCK AA TO BB P9999\nBB: X1\n".into(),
     ] {
         run(text.into_bytes());
     }

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails here, which is what it is for")]
 
 mod architecture;
+mod arcs;
 mod bad;
 mod bench_machine;
 mod cli_check;
@@ -12,6 +13,7 @@ mod cli_snc;
 mod cli_verify;
 mod comparison;
 mod correction;
+mod definitions;
 mod emission;
 mod exec;
 mod five_axis;

@@ -66,6 +66,14 @@ pub(super) fn choose(choice: &MachineChoice, program: &Path, findings: &mut Find
     };
     let Some(mut chosen) = read(&source, choice.setup.as_deref(), findings)? else { return Ok(None) };
     chosen.is_demo = path.is_none();
+    // Folders of the machine file lie beside it where they are there, else beside the program.
+    let base = path.as_deref().and_then(Path::parent).unwrap_or(Path::new("."));
+    for entry in &mut chosen.machine.control.search_path {
+        let folder = base.join(&*entry);
+        if let Some(full) = folder.canonicalize().ok().and_then(|full| full.to_str().map(str::to_owned)) {
+            *entry = full;
+        }
+    }
     chosen.files.extend(path);
     Ok(Some(chosen))
 }

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use super::arguments::ProgramChoice;
 use super::findings::Findings;
-use super::input::{self, is_standard_stream};
+use super::input::{self, STANDARD_INPUT, is_standard_stream};
 use super::library::FolderLibrary;
 use super::machine_choice::{Chosen, dialect_names};
 use super::output::Target;
@@ -14,11 +14,11 @@ use super::progress::Progress;
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::dialect::{self, Dialect};
-use crate::exec::{Execution, NoLibrary, Options};
+use crate::exec::{Execution, Library as _, NoLibrary, Options};
 use crate::machine::Machine;
 use crate::snc::Element;
 use crate::source::{FileId, Source};
-use crate::syntax::{self, Program};
+use crate::syntax::{self, Macros, Program};
 
 /// Blocks executed in search of further findings in a program that was not understood.
 const BLOCKS_IN_SEARCH: u64 = 100_000;
@@ -55,7 +55,12 @@ pub(super) fn open(
         );
         return Ok(None);
     }
-    let (program, found) = syntax::parse(source, dialect);
+    let path = Path::new(source.name());
+    let search_path = chosen.map_or(&[][..], |chosen| &chosen.machine.control.search_path);
+    let (mut library, _) = FolderLibrary::beside((source.name() != STANDARD_INPUT).then_some(path), search_path);
+    let mut macros = Macros::default();
+    library.definitions().iter().for_each(|(_, bytes)| macros.read(bytes));
+    let (program, found) = syntax::parse_with(source, dialect, &macros);
     let is_understood = !found.iter().any(Diagnostic::is_error);
     findings.extend(found, std::slice::from_ref(source));
     if let (false, Some(chosen)) = (is_understood, chosen) {
@@ -121,7 +126,8 @@ impl<'a> Running<'a> {
         machine: &'a Machine,
         is_strict: bool,
     ) -> Running<'a> {
-        let (library, loaded) = FolderLibrary::beside((!is_standard_stream(path)).then_some(path));
+        let (library, loaded) =
+            FolderLibrary::beside((!is_standard_stream(path)).then_some(path), &machine.control.search_path);
         let options = Options {
             skip_levels: choice.skip.unwrap_or_default(),
             max_blocks: choice.max_blocks,

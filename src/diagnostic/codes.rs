@@ -161,6 +161,15 @@ end; nothing was written.";
 the called program changes.
 
   PROC HOLE(REAL DEPTH, VAR INT COUNT)      called as HOLE(-5, N_1) with DEF INT N_1";
+    BAD_POLAR = "E0230" "polar position that is not clear"
+"A polar position (AP=, RP=) shares its block with an axis of the plane, angle or radius was never given since the pole was set, the
+plane was changed behind the pole, or G91 leaves open how the value is meant.
+
+  G111 X40 Y20              pole
+  G1 AP=30 RP=25            both in the first block behind it
+  AP=IC(15)                 then either of them
+
+Program the pole in the plane in force, and write AC(…) or IC(…) under G91.";
 
     NO_SYSTEM_VALUE = "E0219" "system variable without a value"
 "The program reads a system variable whose value only the machine knows: machine data, an input, a measured position, the tool in the

@@ -21,6 +21,8 @@ pub enum Effect {
     Suppress,
     /// Programs the frame.
     Frame,
+    /// Sets the pole of polar coordinates.
+    Pole,
     /// No position changes; passed on.
     Keep,
     /// Selects what F means; passed on.
@@ -114,6 +116,7 @@ impl Effect {
             "offset" => Effect::Offset,
             "suppress" => Effect::Suppress,
             "frame" => Effect::Frame,
+            "pole" => Effect::Pole,
             "keep" => Effect::Keep,
             "feedmode" => Effect::FeedMode,
             "transform" => Effect::Transform,

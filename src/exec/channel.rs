@@ -175,6 +175,11 @@ impl<'a> Channel<'a> {
             return Ok(());
         }
         frames::without_statement(gathered)?;
+        if let Some(pole) = gathered.pole {
+            self.set_pole(gathered, pole)?;
+            self.comment(comment);
+            return Ok(());
+        }
         self.tool(gathered)?;
         if let Some(at) = gathered.dwell {
             self.dwell(gathered, at)?;
@@ -322,7 +327,13 @@ impl<'a> Channel<'a> {
             }
             Arc::clone(&self.setup)
         };
-        let context = MotionContext { control: &self.machine.control, setup: &setup, strict: self.strict, span };
+        let context = MotionContext {
+            control: &self.machine.control,
+            setup: &setup,
+            is_suppressed: gathered.suppress.is_some(),
+            strict: self.strict,
+            span,
+        };
         let modal_feed = self.modal.feed;
         if let Some(feed) = gathered.block_feed {
             self.modal.feed = feed;

@@ -54,17 +54,7 @@ impl Channel<'_> {
         gathered: &Gathered,
         (kind, additive, span): (FrameKind, bool, Span),
     ) -> Result<(), Fault> {
-        let strange = gathered.center.iter().any(Option::is_some)
-            || gathered.feed.is_some()
-            || gathered.tool.is_some()
-            || gathered.motion.is_some()
-            || gathered.offset.is_some()
-            || gathered.dwell.is_some()
-            || !gathered.after.is_empty()
-            || !gathered.before.is_empty()
-            || !gathered.as_incremental.is_empty()
-            || gathered.addresses.iter().any(|value| value.address.moves());
-        if strange {
+        if shares_its_block(gathered) || gathered.addresses.iter().any(|value| value.address.moves()) {
             return Err(fault(
                 Code::MUST_STAND_ALONE,
                 span,
@@ -165,6 +155,19 @@ impl Channel<'_> {
         self.modal.programmable = Frame::translation(offset);
         Ok(())
     }
+}
+
+/// Whether a block has words that no frame statement and no pole may stand beside.
+pub(super) fn shares_its_block(gathered: &Gathered) -> bool {
+    gathered.center.iter().any(Option::is_some)
+        || gathered.feed.is_some()
+        || gathered.tool.is_some()
+        || gathered.motion.is_some()
+        || gathered.offset.is_some()
+        || gathered.dwell.is_some()
+        || !gathered.after.is_empty()
+        || !gathered.before.is_empty()
+        || !gathered.as_incremental.is_empty()
 }
 
 /// Refuses words of frame statements in other blocks.

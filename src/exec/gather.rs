@@ -6,7 +6,7 @@ use super::fault::{Fault, fault};
 use super::gathered::{Call, Gathered, NamedValue};
 use super::modal::MotionKind;
 use super::names::Meaning;
-use super::orientation;
+use super::polar::PoleBase;
 use super::value::Value as ExecValue;
 use crate::diagnostic::Code;
 use crate::dialect::{CodeEntry, CodeTable, Effect};
@@ -75,7 +75,7 @@ impl Gatherer<'_> {
                 out.before.push(word);
                 Ok(())
             }
-            Address::Extended(letter, extension) => match orientation::address(letter, extension) {
+            Address::Extended(letter, extension) => match super::address::extended(letter, extension) {
                 Some(address) => self.address(address, word, out),
                 None => Err(self.unsupported(word)),
             },
@@ -228,6 +228,7 @@ impl Gatherer<'_> {
                 out.keep.push(entry.name);
             }
             Effect::Frame => out.frame = FrameKind::of(entry.name).map(|(kind, additive)| (kind, additive, span)),
+            Effect::Pole => out.pole = PoleBase::of(entry.name).map(|base| (base, span)),
             Effect::Keep => out.keep.push(entry.name),
             Effect::FeedMode => {
                 out.inverse_time = Some(entry.name == "G93");

@@ -3,6 +3,7 @@
 use super::address::Named;
 use super::fault::Fault;
 use super::modal::MotionKind;
+use super::polar::PoleBase;
 use super::transform::TransformWords;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
 use crate::snc::{FrameKind, Word as AuxWord, WordValue};
@@ -41,6 +42,7 @@ pub(super) struct Gathered {
     pub(super) offset: Option<(String, Span)>,
     pub(super) suppress: Option<&'static str>,
     pub(super) frame: Option<(FrameKind, bool, Span)>,
+    pub(super) pole: Option<(PoleBase, Span)>,
     pub(super) keep: Vec<&'static str>,
     pub(super) axes: AxisVector,
     pub(super) axis_spans: [Span; AXIS_COUNT],
@@ -96,6 +98,7 @@ impl Gathered {
             offset: None,
             suppress: None,
             frame: None,
+            pole: None,
             keep: Vec::new(),
             axes: AxisVector::ZERO,
             axis_spans: [Span::default(); AXIS_COUNT],

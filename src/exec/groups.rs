@@ -40,6 +40,8 @@ impl Scope<'_> {
                 MotionKind::Line => 2,
                 MotionKind::Clockwise => 3,
                 MotionKind::CounterClockwise => 4,
+                MotionKind::Through => 5,
+                MotionKind::Tangent => 15,
             },
             6 => match modal.plane {
                 Plane::XY => 1,

@@ -1,13 +1,16 @@
 //! Programs that are loaded, and where further ones come from.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
+use super::assign::define;
+use super::channel::Channel;
 use super::jump::Place;
 use super::names::{self, Meaning};
 use super::{Execution, cycles};
 use crate::machine::Control;
 use crate::source::{FileId, Source};
-use crate::syntax::{self, Block, Body, Parameter, Program};
+use crate::syntax::{self, Block, Body, Definition, Macros, Parameter, Program};
 
 /// Finds subprograms that are not in the file of the main program.
 pub trait Library {
@@ -15,12 +18,17 @@ pub trait Library {
     fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)>;
 
     /// The file of a program that is named with its path (`/_N_WKS_DIR/_N_PART_WPD/NAME`), if the library knows paths.
-    fn load_path(&mut self, _path: &str) -> Option<(String, Vec<u8>)> {
+    fn load_path(&mut self, _path: &str, _name: &str) -> Option<(String, Vec<u8>)> {
         None
     }
 
     /// One more folder to search (CALLPATH); an empty name takes the added ones away.
     fn add_folder(&mut self, _path: &str) {}
+
+    /// The definition files of the control, macros first: the name to show, and the bytes.
+    fn definitions(&mut self) -> Vec<(String, Vec<u8>)> {
+        Vec::new()
+    }
 }
 
 /// A library without programs.
@@ -98,14 +106,15 @@ pub(super) fn program_name(path: &str) -> String {
 impl Execution<'_> {
     /// Loads a program from the library or from among the built-in cycles.
     pub(super) fn load(&mut self, path: &str, name: &str, is_path: bool) -> Option<(usize, usize)> {
-        let found = if is_path { self.library.load_path(path) } else { self.library.load(name) };
+        let found = if is_path { self.library.load_path(path, name) } else { self.library.load(name) };
         let built_in =
             || cycles::source(name).filter(|_| !is_path).map(|text| (format!("{name} (built in)"), text.to_vec()));
         let (shown, bytes) = found.or_else(built_in)?;
         let id = FileId(u16::try_from(self.sources.len()).ok()?);
         let source = Source::new(id, &shown, bytes).ok()?;
-        let (program, findings) = syntax::parse(&source, self.programs[0].program.dialect);
-        self.sources.push(source);
+        let (program, findings) = syntax::parse_with(&source, self.programs[0].program.dialect, &self.macros);
+        // With what its macros made of it.
+        self.sources.push(program.source.clone());
         for finding in findings {
             self.report(finding);
         }
@@ -113,6 +122,42 @@ impl Execution<'_> {
             .or_else(|| program.sections.iter().position(|section| !section.blocks.is_empty()))?;
         self.programs.push(Loaded::new(program, &self.machine.control));
         Some((self.programs.len() - 1, section))
+    }
+}
+
+/// Reads the definition files of a library: their macros, and their variables, which all programs see.
+pub(super) fn read_definitions(
+    library: &mut (dyn Library + '_),
+    program: &Program,
+    channel: &mut Channel<'_>,
+    sources: &mut Vec<Source>,
+) -> Macros {
+    let mut macros = Macros::default();
+    let own = program.sections.iter().filter(|section| section.ending == "DEF").map(|section| section.blocks.clone());
+    let own: Vec<Range<usize>> = own.collect();
+    if !own.is_empty() {
+        let loaded = Loaded::new(program.clone(), &channel.machine.control);
+        own.into_iter().for_each(|blocks| define_globals(&loaded, channel, blocks));
+    }
+    for (name, bytes) in library.definitions() {
+        macros.read(&bytes);
+        let Ok(id) = u16::try_from(sources.len()) else { break };
+        let Ok(source) = Source::new(FileId(id), &name, bytes) else { continue };
+        let (program, _) = syntax::parse_with(&source, program.dialect, &macros);
+        sources.push(program.source.clone());
+        let blocks = 0..program.blocks.len();
+        define_globals(&Loaded::new(program, &channel.machine.control), channel, blocks);
+    }
+    macros
+}
+
+/// Defines the variables of a definition file. What cannot be defined is missed where it is used.
+fn define_globals(loaded: &Loaded, channel: &mut Channel<'_>, blocks: Range<usize>) {
+    for block in &loaded.program.blocks[blocks] {
+        let Body::Define { start, count } = block.body else { continue };
+        for definition in loaded.program.definitions_of(start, count) {
+            let _ = define(loaded, channel, &Definition { is_global: true, ..*definition });
+        }
     }
 }
 

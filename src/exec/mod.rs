@@ -6,6 +6,7 @@
 //! yields is then no longer good for anything but more findings.
 
 mod address;
+mod arc;
 mod assign;
 mod call;
 mod cells;
@@ -37,9 +38,11 @@ mod parameters;
 mod part;
 mod pass;
 mod path;
+mod polar;
 mod report;
 mod resolve;
 mod save;
+mod spatial;
 mod sync_action;
 mod system;
 mod system_write;
@@ -58,7 +61,7 @@ use crate::geometry::AxisVector;
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, Element, Kind, Origin};
 use crate::source::Source;
-use crate::syntax::{self, Block, Program};
+use crate::syntax::{self, Block, Macros, Program};
 
 use channel::Channel;
 use expression::Scope;
@@ -66,7 +69,7 @@ use fault::{Fault, at};
 use flow::Action;
 use gather::Gatherer;
 use level::Level;
-use library::Loaded;
+use library::{Loaded, read_definitions};
 
 /// How to execute.
 #[derive(Clone, Debug, Default)]
@@ -96,6 +99,8 @@ pub struct Execution<'a> {
     options: Options,
     programs: Vec<Loaded>,
     sources: Vec<Source>,
+    /// Those of the definition files, which hold in every program.
+    macros: Macros,
     levels: Vec<Level>,
     channel: Channel<'a>,
     findings: VecDeque<Diagnostic>,
@@ -116,13 +121,15 @@ pub struct Execution<'a> {
 impl<'a> Execution<'a> {
     /// Starts a program. Syntax findings of the main program are the caller's business; faulty blocks do nothing here.
     #[must_use]
-    pub fn new(program: Program, machine: &'a Machine, library: Box<dyn Library + 'a>, options: Options) -> Self {
+    pub fn new(program: Program, machine: &'a Machine, mut library: Box<dyn Library + 'a>, options: Options) -> Self {
         let limit = options.max_blocks.unwrap_or_else(|| MAX_BLOCKS.max(program.blocks.len() as u64 * 20));
         let main = program
             .sections
             .iter()
             .position(|section| section.ending == "MPF" && !section.blocks.is_empty())
-            .or_else(|| program.sections.iter().position(|section| !section.blocks.is_empty()))
+            .or_else(|| {
+                program.sections.iter().position(|section| section.ending != "DEF" && !section.blocks.is_empty())
+            })
             .unwrap_or(0);
         let mut channel = Channel::new(machine, &options, program.dialect.codes());
         let source = program.source.clone();
@@ -142,12 +149,20 @@ impl<'a> Execution<'a> {
             let help = "put each main program into a file of its own";
             findings.push_back(Diagnostic::at(Code::MORE_PROGRAMS, Place { file: source.id(), span }, message, help));
         }
+        let mut sources = vec![source];
+        let macros = read_definitions(library.as_mut(), &program, &mut channel, &mut sources);
+        let loaded = Loaded::new(program, &machine.control);
+        // A subprogram that is run by itself has the defaults of its parameters.
+        if let Err(found) = parameters::bind(&loaded, &mut channel, loaded.parameters(main), &[]) {
+            findings.push_back(found.in_file(loaded.program.source.id()));
+        }
         Execution {
             machine,
             library,
             options,
-            sources: vec![source],
-            programs: vec![Loaded::new(program, &machine.control)],
+            sources,
+            macros,
+            programs: vec![loaded],
             levels: vec![Level::new(0, main, start, 0)],
             channel,
             findings,

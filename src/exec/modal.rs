@@ -1,5 +1,6 @@
 //! What stays in force from block to block: modal codes, frames, tool, position.
 
+use super::polar::Polar;
 use super::save::Stated;
 use super::transform::Transform;
 use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
@@ -19,6 +20,10 @@ pub(super) enum MotionKind {
     Clockwise,
     /// G3
     CounterClockwise,
+    /// CIP
+    Through,
+    /// CT
+    Tangent,
 }
 
 impl MotionKind {
@@ -29,6 +34,8 @@ impl MotionKind {
             "G1" => MotionKind::Line,
             "G2" => MotionKind::Clockwise,
             "G3" => MotionKind::CounterClockwise,
+            "CIP" => MotionKind::Through,
+            "CT" => MotionKind::Tangent,
             _ => return None,
         })
     }
@@ -58,6 +65,10 @@ pub(super) struct Modal {
     pub(super) programmable: Frame,
     /// The part of its shift that `G59` replaces.
     pub(super) fine: AxisVector,
+    /// Pole and polar position.
+    pub(super) polar: Polar,
+    /// Direction at the end of the last motion, base coordinates, of any length.
+    pub(super) tangent: Option<Vector>,
     /// What the output says of all this.
     pub(super) stated: Stated,
     /// Where frame or tool has no value in the machine file.
@@ -99,6 +110,8 @@ impl Modal {
             settable: Frame::identity(),
             programmable: Frame::identity(),
             fine: AxisVector::ZERO,
+            polar: Polar::default(),
+            tangent: None,
             stated: Stated::new(&machine.control.initial_zero_offset),
             offset_assumed: false,
             tool_assumed: false,
@@ -160,10 +173,12 @@ impl Modal {
         self.known = left.known;
         self.stale = left.stale;
         self.transform.keep_switch_of(&left.transform);
+        self.tangent = left.tangent;
     }
 
     /// The position is unknown from here on: a tool change has moved the machine.
     pub(super) fn forget_position(&mut self) {
         self.known = AxisSet::EMPTY;
+        self.tangent = None;
     }
 }

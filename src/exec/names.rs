@@ -34,9 +34,6 @@ pub(super) enum Meaning {
 
 /// Addresses and words that change positions or feeds and are not executed yet.
 const UNSUPPORTED: &[&str] = &[
-    "AP",
-    "RP",
-    "AR",
     "RND",
     "RNDM",
     "CHF",

@@ -7,7 +7,13 @@ use crate::source::FileId;
 use crate::syntax::Block;
 
 impl Execution<'_> {
-    pub(super) fn report(&mut self, finding: Diagnostic) {
+    pub(super) fn report(&mut self, mut finding: Diagnostic) {
+        // A place in the text of a macro is shown where the macro is used.
+        if let Some(place) = &mut finding.place
+            && let Some(source) = self.sources.get(usize::from(place.file.0))
+        {
+            place.span = source.in_file(place.span);
+        }
         if !self.reported.insert((finding.code, finding.place)) {
             return;
         }

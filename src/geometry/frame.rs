@@ -144,6 +144,12 @@ impl Frame {
         Some(Frame { linear, inverse, offset, is_translation: false })
     }
 
+    /// Whether every circle stays one: turned, mirrored, or scaled alike in all directions.
+    #[must_use]
+    pub fn keeps_shapes(&self) -> bool {
+        self.keeps_circles(Plane::XY) && self.keeps_circles(Plane::YZ)
+    }
+
     /// Whether circles of a plane stay circles, and what is across it stays across it: turned, mirrored, or scaled alike.
     #[must_use]
     pub fn keeps_circles(&self, plane: Plane) -> bool {

@@ -126,6 +126,8 @@ pub struct Control {
     /// Nearer to its pole than this, a five-axis transformation moves the rotary axes linearly instead of along a great circle
     /// (Sinumerik MD24530, MD24540), rad.
     pub pole_limit_rad: f64,
+    /// Folders in which subprograms are looked for beside that of the program, in order.
+    pub search_path: Vec<String>,
     /// Program levels, main program included.
     pub max_program_levels: u32,
     /// `G500`, `G54`: the zero offset that is active at the start.
@@ -187,6 +189,7 @@ impl Default for Control {
             opaque: Vec::new(),
             allow_synchronised: Vec::new(),
             transverse_axis: Axis::X,
+            search_path: Vec::new(),
             max_program_levels: 16,
             initial_zero_offset: "G500".into(),
         }

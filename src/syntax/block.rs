@@ -1,5 +1,6 @@
 //! Blocks: splits the file into lines, sections and words, and goes on behind whatever cannot be read.
 
+use super::macros::{Macros, definition};
 use super::names::{NameId, Names};
 use super::token::{Fault, Input, Parsed, blanks, fault, identifier, is_blank, number, small_number};
 use super::tree::{Address, Block, BlockNumber, Body, Program, Section, Value, Word};
@@ -14,7 +15,13 @@ const MAX_BLOCK_BYTES: usize = 4096;
 pub(super) struct Parser {
     pub(super) program: Program,
     findings: Vec<Diagnostic>,
-    line_end: usize,
+    pub(super) line_end: usize,
+    macros: Macros,
+    /// Those of definition files, which outlive their section.
+    shared: Macros,
+    /// Expanded lines, see [`Source::with_tail`].
+    pub(super) tail: Vec<u8>,
+    pub(super) expanded: Vec<(u32, Span)>,
     pub(super) depth: u32,
 }
 
@@ -24,7 +31,7 @@ pub(super) struct Draft {
 }
 
 impl Parser {
-    pub(super) fn new(source: Source, dialect: &'static Dialect) -> Parser {
+    pub(super) fn new(source: Source, dialect: &'static Dialect, macros: Macros) -> Parser {
         let program = Program {
             source,
             dialect,
@@ -40,10 +47,15 @@ impl Parser {
             repetitions: Vec::new(),
             names: Names::default(),
         };
-        Parser { program, findings: Vec::new(), line_end: 0, depth: 0 }
+        let (tail, expanded) = (Vec::new(), Vec::new());
+        let shared = macros.clone();
+        Parser { program, findings: Vec::new(), line_end: 0, macros, shared, tail, expanded, depth: 0 }
     }
 
-    pub(super) fn finish(self) -> (Program, Vec<Diagnostic>) {
+    pub(super) fn finish(mut self) -> (Program, Vec<Diagnostic>) {
+        if !self.expanded.is_empty() {
+            self.program.source = self.program.source.with_tail(self.tail, self.expanded);
+        }
         (self.program, self.findings)
     }
 
@@ -80,7 +92,7 @@ impl Parser {
         self.program.names.intern(name)
     }
 
-    pub(super) fn report(&mut self, fault: &Fault) {
+    fn report(&mut self, fault: &Fault) {
         let start = self.line_end - fault.left.min(self.line_end);
         let end = (start + fault.length.max(1)).min(self.line_end.max(start + 1));
         let place = Place { file: self.program.source.id(), span: Span::new(start, end) };
@@ -119,24 +131,36 @@ impl Parser {
             partner: u32::MAX,
         };
         let mut draft = Draft { block };
-        if text.len() > MAX_BLOCK_BYTES {
-            self.report(&Fault {
-                code: Code::BLOCK_TOO_LONG,
-                left: text.len(),
-                length: 40,
-                message: "this block has more than 4096 bytes",
-            });
-            draft.block.body = Body::Faulty;
-        } else if let Err(nom::Err::Error(fault) | nom::Err::Failure(fault)) = self.block(text, &mut draft) {
+        let found = match self.macros.expand(text) {
+            None => self.bounded_block(text, &mut draft),
+            Some(expanded) => self.expanded_block(expanded, block.span, &mut draft),
+        };
+        if let Err(fault) = found {
             self.report(&fault);
             // A control statement with something behind it still opens or closes its structure.
             if matches!(draft.block.body, Body::Empty | Body::Words) {
                 draft.block.body = Body::Faulty;
             }
         }
+        if matches!(draft.block.body, Body::Declaration)
+            && let Some((name, text)) = definition(text)
+        {
+            self.macros.define(name, text);
+        }
         let count = self.program.words.len() - draft.block.first_word as usize;
         draft.block.word_count = u16::try_from(count).unwrap_or(u16::MAX);
         self.program.blocks.push(draft.block);
+    }
+
+    pub(super) fn bounded_block(&mut self, text: Input<'_>, draft: &mut Draft) -> Result<(), Fault> {
+        if text.len() > MAX_BLOCK_BYTES {
+            let message = "this block has more than 4096 bytes";
+            return Err(Fault { code: Code::BLOCK_TOO_LONG, left: text.len(), length: 40, message });
+        }
+        match self.block(text, draft) {
+            Err(nom::Err::Error(fault) | nom::Err::Failure(fault)) => Err(fault),
+            _ => Ok(()),
+        }
     }
 
     /// Number, skip, label, then a statement or words.
@@ -325,6 +349,10 @@ impl Parser {
     fn open_section(&mut self, text: &[u8]) {
         let span = Span::new(self.offset(text), self.line_end);
         self.close_section();
+        match self.program.sections.last() {
+            Some(section) if section.ending == "DEF" => self.shared = self.macros.clone(),
+            _ => self.macros = self.shared.clone(),
+        }
         let shown = String::from_utf8_lossy(&text[1..]).trim().to_ascii_uppercase();
         let full = shown.strip_prefix("_N_").unwrap_or(&shown);
         let (name, ending) = match full.rsplit_once('_') {

@@ -9,6 +9,7 @@ mod call;
 mod definition;
 mod expression;
 mod jump;
+mod macros;
 mod names;
 mod statement;
 mod structure;
@@ -18,6 +19,7 @@ mod tree;
 
 pub use call::{CallKind, CallStatement, Callee, Parameter};
 pub use jump::{Jump, JumpTarget, Repetition, Search};
+pub use macros::Macros;
 pub use names::{NameId, Names};
 pub use tree::{
     Address, ArgumentRange, Block, BlockNumber, Body, Definition, DefinitionType, DimensionFunction, Expr, ExprId,
@@ -34,7 +36,13 @@ const MAX_FINDINGS: usize = 1000;
 /// Parses a program. Never fails: what cannot be read is reported and left out, and parsing goes on in the next block.
 #[must_use]
 pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
-    let mut parser = block::Parser::new(source.clone(), dialect);
+    parse_with(source, dialect, &Macros::default())
+}
+
+/// Parses a program in which these macros hold, beside its own.
+#[must_use]
+pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
+    let mut parser = block::Parser::new(source.clone(), dialect, macros.clone());
     parser.run();
     let (mut program, mut findings) = parser.finish();
     structure::connect(&mut program, &mut findings);

@@ -3,13 +3,14 @@
 use super::block::{Draft, Parser};
 use super::expression::{keyword, target_number};
 use super::jump::{Jump, JumpTarget, Repetition, Search};
+use super::macros::definition;
 use super::token::{Input, Parsed, blanks, fault, identifier};
 use super::tree::{BlockNumber, Body, ExprId};
 use crate::diagnostic::Code;
 use crate::source::Span;
 
 /// Statements that are known and not executed yet; the rest of their block is not read.
-const NOT_YET: &[&str] = &["ISOCALL", "DEFINE", "REDEF", "PROC_DEF"];
+const NOT_YET: &[&str] = &["ISOCALL"];
 
 impl Parser {
     /// Reads a statement, or says that there is none at this place.
@@ -36,7 +37,12 @@ impl Parser {
             word @ (b"MCALL" | b"CALL" | b"PCALL" | b"EXTCALL" | b"CALLPATH") => {
                 Some(self.call_statement(input, word, rest))
             }
-            b"EXTERN" => Some(self.skipped(rest, draft).map(|(rest, ())| (rest, Body::Declaration))),
+            b"DEFINE" if definition(input).is_none() => {
+                Some(fault(Code::UNEXPECTED, input, 6, "a macro is written DEFINE NAME AS and its text"))
+            }
+            b"DEFINE" | b"REDEF" | b"EXTERN" => {
+                Some(self.skipped(rest, draft).map(|(rest, ())| (rest, Body::Declaration)))
+            }
             b"GOTO" | b"GOTOF" | b"GOTOB" | b"GOTOC" | b"GOTOS" => Some(self.jumps(input, None)),
             b"DEF" => Some(self.define(input, rest)),
             b"ID" | b"IDS" | b"WHEN" | b"WHENEVER" | b"EVERY" | b"FROM" | b"DO" => {
@@ -57,7 +63,11 @@ impl Parser {
 
     /// The rest of the block, of which only the comment is kept.
     fn skipped<'a>(&mut self, rest: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
-        let comment = rest.iter().position(|&byte| byte == b';');
+        let mut in_text = false;
+        let comment = rest.iter().position(|&byte| {
+            in_text ^= byte == b'"';
+            byte == b';' && !in_text
+        });
         let end = &rest[comment.unwrap_or(rest.len())..];
         if comment.is_some() {
             self.comment(end, draft);
