@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails here, which is what it is for")]
 
 mod architecture;
+mod archives;
 mod arcs;
 mod bad;
 mod bench_machine;

@@ -6,6 +6,7 @@ use super::findings::Findings;
 use super::machine_choice;
 use super::program::{self, Running};
 use super::stop::Stop;
+use super::support_file;
 use super::{print, tell};
 use crate::report::json;
 use crate::report::number::grouped;
@@ -13,7 +14,8 @@ use crate::report::number::grouped;
 /// Checks a program.
 pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
-    let mut check = json::Check { parsed: false, executed: false, elements: 0, diagnostics: Vec::new() };
+    let mut check =
+        json::Check { parsed: false, executed: false, support_file: None, elements: 0, diagnostics: Vec::new() };
     examine(arguments, &mut findings, &mut check)?;
     if arguments.json {
         check.diagnostics = findings.json();
@@ -21,6 +23,9 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> {
     } else {
         findings.draw();
         let done = match (check.parsed, check.executed) {
+            (true, _) if check.support_file.is_some() => {
+                format!("understood, no program but a support file: {}", check.support_file.unwrap_or_default())
+            }
             (false, _) => "not understood".to_owned(),
             (true, false) if arguments.syntax_only => "understood".to_owned(),
             (true, false) => "understood, not executed to its end".to_owned(),
@@ -34,6 +39,12 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> {
 /// Parses, and executes unless `--syntax-only`.
 fn examine(arguments: &CheckArguments, findings: &mut Findings, check: &mut json::Check) -> Result<(), Stop> {
     let source = program::read(&arguments.input)?;
+    if let Some(kind) = support_file::kind_of_text(&source) {
+        // Another language: there is nothing to understand for a program.
+        check.parsed = true;
+        check.support_file = Some(kind);
+        return Ok(());
+    }
     // Only the dialect could matter to the syntax, so a machine is read where one is named, and the demo machine is no topic.
     let chosen = if arguments.syntax_only && arguments.machine.machine.is_none() {
         None
@@ -42,6 +53,10 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings, check: &mut json
     };
     let Some(opened) = program::open(&source, &arguments.program, chosen.as_ref(), findings)? else { return Ok(()) };
     check.parsed = true;
+    check.support_file = support_file::kind(&opened.program);
+    if check.support_file.is_some() {
+        return Ok(());
+    }
     let Some(chosen) = chosen.filter(|_| !arguments.syntax_only) else { return Ok(()) };
     let mut running = Running::start(opened, &arguments.input, &arguments.program, &chosen.machine, false);
     check.executed = true;

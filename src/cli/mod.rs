@@ -3,6 +3,7 @@
 //! [`run`] reads the arguments and ends with an [`ExitCode`]. A command returns findings through `findings`, draws what `report`
 //! makes of them on standard error, and writes results through `output`, completely or not at all.
 
+mod archive;
 mod arguments;
 mod check;
 mod exit_code;
@@ -18,6 +19,7 @@ mod program;
 mod progress;
 mod snc;
 mod stop;
+mod support_file;
 mod value;
 mod verify;
 

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+use super::archive;
 use super::arguments::ProgramChoice;
 use super::findings::Findings;
 use super::input::{self, STANDARD_INPUT, is_standard_stream};
@@ -14,7 +15,7 @@ use super::progress::Progress;
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::dialect::{self, Dialect};
-use crate::exec::{Execution, Library as _, NoLibrary, Options};
+use crate::exec::{Execution, Library, NoLibrary, Options};
 use crate::machine::Machine;
 use crate::snc::Element;
 use crate::source::{FileId, Source};
@@ -57,7 +58,7 @@ pub(super) fn open(
     }
     let path = Path::new(source.name());
     let search_path = chosen.map_or(&[][..], |chosen| &chosen.machine.control.search_path);
-    let (mut library, _) = FolderLibrary::beside((source.name() != STANDARD_INPUT).then_some(path), search_path);
+    let (mut library, _) = library_of((source.name() != STANDARD_INPUT).then_some(path), search_path);
     let mut macros = Macros::default();
     library.definitions().iter().for_each(|(_, bytes)| macros.read(bytes));
     let (program, found) = syntax::parse_with(source, dialect, &macros);
@@ -73,6 +74,16 @@ pub(super) fn open(
         return Ok(None);
     }
     Ok(is_understood.then(|| Opened { source: source.clone(), program, dialect }))
+}
+
+/// Where the subprograms of a program come from, and the files that were read.
+fn library_of(program: Option<&Path>, search_path: &[String]) -> (Box<dyn Library>, Rc<RefCell<Vec<PathBuf>>>) {
+    if let Some(archive) = program.and_then(|path| archive::open(path).ok().flatten()) {
+        let loaded = Rc::new(RefCell::new(vec![archive.path().to_path_buf()]));
+        return (Box::new(archive), loaded);
+    }
+    let (library, loaded) = FolderLibrary::beside(program, search_path);
+    (Box::new(library), loaded)
 }
 
 /// The dialect: the option, then the machine file, then file name and content. The demo machine was not chosen by anybody,
@@ -92,6 +103,9 @@ fn resolve(name: Option<&str>, chosen: Option<&Chosen>, source: &Source) -> Resu
 /// # Errors
 /// Where the file cannot be read.
 pub(super) fn read(path: &Path) -> Result<Source, Stop> {
+    if let Some(archive) = archive::open(path)? {
+        return archive.main();
+    }
     input::read(path, FileId(0))
 }
 
@@ -126,8 +140,7 @@ impl<'a> Running<'a> {
         machine: &'a Machine,
         is_strict: bool,
     ) -> Running<'a> {
-        let (library, loaded) =
-            FolderLibrary::beside((!is_standard_stream(path)).then_some(path), &machine.control.search_path);
+        let (library, loaded) = library_of((!is_standard_stream(path)).then_some(path), &machine.control.search_path);
         let options = Options {
             skip_levels: choice.skip.unwrap_or_default(),
             max_blocks: choice.max_blocks,
@@ -135,7 +148,7 @@ impl<'a> Running<'a> {
             strict: is_strict,
         };
         let length = opened.source.bytes().len();
-        let execution = Execution::new(opened.program, machine, Box::new(library), options);
+        let execution = Execution::new(opened.program, machine, library, options);
         Running { execution, progress: Progress::new(), loaded, length }
     }
 

@@ -49,6 +49,9 @@ pub struct Check {
     pub parsed: bool,
     /// Whether it was executed to its end without an error.
     pub executed: bool,
+    /// What the file is where it is no program: `machine data`, `definitions` …
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support_file: Option<&'static str>,
     /// Elements of the flat stream (moves, dwells, tool and auxiliary words).
     pub elements: u64,
     /// Findings in the order in which they were met.
@@ -101,6 +104,7 @@ mod tests {
         let check = Check {
             parsed: true,
             executed: false,
+            support_file: None,
             elements: 1,
             diagnostics: vec![Finding::new(&found, Some(&source))],
         };

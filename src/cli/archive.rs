@@ -1,0 +1,178 @@
+//! Archives of a control: one file with programs, machine data and tools, read as a folder.
+//!
+//! Every entry is a record of 512 bytes and its content, filled up to whole records, much like a tape archive: at byte 0 the name on
+//! the control (`_N_PART_MPF`), at 50 the name of the file (`PART.MPF`), at 124 its length in decimal digits, at 148 the sum of the
+//! record's bytes in decimal digits with this field taken as zeros, at 384 its folder (`\MPF.DIR\`). The first record names the format.
+
+use std::fs;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use super::library::DEFINITION_FILES;
+use super::stop::Stop;
+use crate::exec::Library;
+use crate::source::{FileId, MAX_BYTES, Source};
+
+/// What the first record begins with.
+const MAGIC: &[u8] = b"@@MMCIBN";
+/// Length of a record.
+const RECORD: usize = 512;
+/// Where a program looks for others, behind its own folder.
+const FOLDERS: [&str; 4] = ["SPF.DIR", "CUS.DIR", "CMA.DIR", "CST.DIR"];
+/// So many names are shown where one must be chosen.
+const SHOWN: usize = 8;
+
+/// A file in an archive.
+#[derive(Clone, Debug, PartialEq)]
+struct Entry {
+    /// `PART.MPF`
+    name: String,
+    /// `WKS.DIR/PART.WPD`
+    folder: String,
+    content: Range<usize>,
+}
+
+/// An archive in memory.
+pub(super) struct Archive {
+    path: PathBuf,
+    bytes: Vec<u8>,
+    entries: Vec<Entry>,
+    main: usize,
+}
+
+/// Opens the archive that a path leads to or into (`SAVE.arc/PART.MPF`); `None` where it leads to no archive.
+///
+/// # Errors
+/// Where the archive is damaged, or it does not say which of its programs is meant.
+pub(super) fn open(path: &Path) -> Result<Option<Archive>, Stop> {
+    let Some(file) = path.ancestors().find(|ancestor| ancestor.is_file()) else { return Ok(None) };
+    if !begins_with_magic(file) {
+        return Ok(None);
+    }
+    let bytes = fs::read(file).map_err(|error| Stop::file("read", file, &error))?;
+    let shown = file.display();
+    let entries = entries(&bytes).map_err(|at| {
+        Stop::Usage(format!(
+            "{shown} is damaged: at byte {at} there is no entry whose sum is right; copy it from the control again"
+        ))
+    })?;
+    let member =
+        path.strip_prefix(file).ok().map(|rest| rest.display().to_string().replace('\\', "/")).unwrap_or_default();
+    let is_meant = |entry: &&Entry| {
+        if member.is_empty() {
+            return entry.name.to_ascii_uppercase().ends_with(".MPF");
+        }
+        let full = format!("{}/{}", entry.folder, entry.name);
+        entry.name.eq_ignore_ascii_case(&member) || full.eq_ignore_ascii_case(&member)
+    };
+    let found: Vec<&Entry> = entries.iter().filter(is_meant).collect();
+    let main = match found.as_slice() {
+        [only] => entries.iter().position(|entry| entry == *only).unwrap_or(0),
+        [] if member.is_empty() => return Err(Stop::Usage(format!("{shown} holds no main program"))),
+        [] => return Err(Stop::Usage(format!("{shown} holds no file {member}"))),
+        several => {
+            let mut names: Vec<String> =
+                several.iter().map(|entry| format!("{}/{}", entry.folder, entry.name)).collect();
+            names.sort();
+            let more = if names.len() > SHOWN { " …" } else { "" };
+            let list = names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
+            return Err(Stop::Usage(format!(
+                "{shown} holds {} such programs; name one behind the archive, for example {shown}/{}: {list}{more}",
+                names.len(),
+                names.first().map_or("", String::as_str)
+            )));
+        }
+    };
+    Ok(Some(Archive { path: file.to_path_buf(), bytes, entries, main }))
+}
+
+fn begins_with_magic(file: &Path) -> bool {
+    use std::io::Read as _;
+    let mut head = [0; 8];
+    fs::File::open(file).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == MAGIC
+}
+
+/// All entries behind the first record, or the byte where something is wrong.
+fn entries(bytes: &[u8]) -> Result<Vec<Entry>, usize> {
+    let mut entries = Vec::new();
+    let mut at = 0;
+    while at < bytes.len() {
+        let record = bytes.get(at..at + RECORD).ok_or(at)?;
+        let sum: u32 =
+            record.iter().enumerate().map(|(k, &byte)| if (148..156).contains(&k) { 0 } else { u32::from(byte) }).sum();
+        if number(record, 148..156) != Some(sum as usize) {
+            return Err(at);
+        }
+        let length = number(record, 124..136).ok_or(at)?;
+        let start = at + RECORD;
+        let content = start..start.checked_add(length).filter(|&end| end <= bytes.len()).ok_or(at)?;
+        at = start + length.div_ceil(RECORD) * RECORD;
+        let name = text(record, 50..100);
+        if !name.is_empty() {
+            let folder = text(record, 384..RECORD).trim_matches('\\').replace('\\', "/");
+            entries.push(Entry { name, folder, content });
+        }
+    }
+    Ok(entries)
+}
+
+/// The bytes of a field before its first zero.
+fn field(record: &[u8], range: Range<usize>) -> &[u8] {
+    record.get(range).and_then(|field| field.split(|&byte| byte == 0).next()).unwrap_or_default()
+}
+
+fn text(record: &[u8], range: Range<usize>) -> String {
+    String::from_utf8_lossy(field(record, range)).trim().to_owned()
+}
+
+fn number(record: &[u8], range: Range<usize>) -> Option<usize> {
+    text(record, range).parse().ok()
+}
+
+impl Archive {
+    /// The main program.
+    ///
+    /// # Errors
+    /// Where it is too large.
+    pub(super) fn main(&self) -> Result<Source, Stop> {
+        let (name, bytes) = self.entries.get(self.main).map(|entry| self.content(entry)).unwrap_or_default();
+        let too_large = format!("cannot read {name}: it has more than {MAX_BYTES} bytes");
+        Source::new(FileId(0), &name, bytes).map_err(|_| Stop::Usage(too_large))
+    }
+
+    /// The archive itself.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn content(&self, entry: &Entry) -> (String, Vec<u8>) {
+        let shown = format!("{}/{}/{}", self.path.display(), entry.folder, entry.name);
+        (shown, self.bytes.get(entry.content.clone()).unwrap_or_default().to_vec())
+    }
+}
+
+impl Library for Archive {
+    fn definitions(&mut self) -> Vec<(String, Vec<u8>)> {
+        let is_of = |entry: &&Entry| entry.folder.eq_ignore_ascii_case("DEF.DIR");
+        let place = |entry: &Entry| {
+            let name = entry.name.to_ascii_uppercase();
+            DEFINITION_FILES.iter().position(|known| name.strip_suffix(".DEF") == Some(known))
+        };
+        let mut found: Vec<(usize, &Entry)> =
+            self.entries.iter().filter(is_of).filter_map(|entry| Some((place(entry)?, entry))).collect();
+        found.sort_by_key(|&(place, _)| place);
+        found.into_iter().map(|(_, entry)| self.content(entry)).collect()
+    }
+
+    fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)> {
+        let own = self.entries.get(self.main).map_or("", |entry| entry.folder.as_str());
+        let folders = std::iter::once(own).chain(FOLDERS);
+        let found = folders.flat_map(|folder| [(folder, "SPF"), (folder, "MPF")]).find_map(|(folder, ending)| {
+            let file = format!("{name}.{ending}");
+            self.entries
+                .iter()
+                .find(|entry| entry.folder.eq_ignore_ascii_case(folder) && entry.name.eq_ignore_ascii_case(&file))
+        })?;
+        Some(self.content(found))
+    }
+}

@@ -1,0 +1,106 @@
+//! Files that a control keeps beside part programs: machine data, tools, zero offsets, definitions, screens, logs.
+
+use crate::source::Source;
+use crate::syntax::{Address, Body, Definition, ExprId, Node, Program, Value, Word};
+
+/// Words of data files that assign nothing.
+const FRAMING: [&str; 7] = ["CHANDATA", "METRIC", "INCH", "NEWCONF", "RET", "COMPLETE_CEC", "COMPLETE_QEC"];
+/// Beginnings of the variables of each kind of file.
+const KINDS: [(&[&str], &str); 6] = [
+    (&["$TC_"], "tool data"),
+    (&["$P_UIFR", "$P_CHB", "$P_NCB", "$P_UBFR", "$P_BFR"], "zero offsets"),
+    (&["$AN_CEC", "$AA_ENC_COMP", "$AA_QEC", "$AA_CEC", "$SN_CEC"], "compensation tables"),
+    (&["$SN_PA", "$MN_PA", "$SC_PA"], "protection zones"),
+    (&["$M", "$S", "$O"], "machine data"),
+    (&["$"], "values of system variables"),
+];
+
+/// What a file that cannot be a program is, by its name and its first lines.
+pub(super) fn kind_of_text(source: &Source) -> Option<&'static str> {
+    let name = source.name().to_ascii_lowercase();
+    let first =
+        source.bytes().split(|&byte| byte == source.line_end()).map(<[u8]>::trim_ascii).find(|line| !line.is_empty());
+    let begins = |start: &[u8]| {
+        first.is_some_and(|line| line.len() >= start.len() && line[..start.len()].eq_ignore_ascii_case(start))
+    };
+    if name.ends_with(".com") || begins(b"//S(") || begins(b"//M(") || begins(b"//M{") || begins(b"//S{") {
+        return Some("screens");
+    }
+    if name.ends_with(".log") || name.ends_with(".trc") {
+        return Some("log");
+    }
+    begins(b"[SINUMERIK_HEADER]").then_some("drive data")
+}
+
+/// What a file that was parsed is, where it is no program: nothing in it but definitions, or assignments of data.
+pub(super) fn kind(program: &Program) -> Option<&'static str> {
+    let mut counts = [0_usize; KINDS.len()];
+    let (mut definitions, mut parameters) = (0, 0);
+    for block in &program.blocks {
+        match block.body {
+            Body::Empty => {}
+            Body::Define { start, count } => {
+                let globals = program.definitions_of(start, count).iter().filter(|one| is_global(one)).count();
+                if globals < usize::from(count) {
+                    return None;
+                }
+                definitions += 1;
+            }
+            Body::Declaration => definitions += 1,
+            Body::Words => {
+                for word in program.words_of(block) {
+                    match meaning(program, word)? {
+                        Data::Framing => {}
+                        Data::Parameter => parameters += 1,
+                        Data::Variable(kind) => counts[kind] += 1,
+                    }
+                }
+            }
+            _ => return None,
+        }
+    }
+    let most = (0..KINDS.len()).max_by_key(|&kind| counts[kind]).filter(|&kind| counts[kind] > 0);
+    match (most, definitions, parameters) {
+        (Some(kind), definitions, _) if counts[kind] >= definitions => Some(KINDS[kind].1),
+        (_, 1.., _) => Some("definitions"),
+        (_, _, 2..) => Some("R parameters"),
+        _ => None,
+    }
+}
+
+fn is_global(definition: &Definition) -> bool {
+    definition.is_global
+}
+
+/// What a word of a data file is.
+enum Data {
+    Framing,
+    Parameter,
+    /// Place in [`KINDS`].
+    Variable(usize),
+}
+
+fn meaning(program: &Program, word: &Word) -> Option<Data> {
+    let named = |name: &str| {
+        if FRAMING.contains(&name) {
+            return Some(Data::Framing);
+        }
+        let is_of = |(starts, _): &(&[&str], &str)| starts.iter().any(|start| name.starts_with(start));
+        KINDS.iter().position(is_of).map(Data::Variable)
+    };
+    match (word.address, word.value) {
+        (Address::Letter(b'M'), Value::Number(17.0 | 2.0 | 30.0, _)) => Some(Data::Framing),
+        (Address::Extended(b'R', _), _) => Some(Data::Parameter),
+        (Address::Name(name), _) => named(program.names.text(name)),
+        (Address::Indexed(left), _) => left_name(program, left).map_or(Some(Data::Parameter), named),
+        _ => None,
+    }
+}
+
+/// The name left of an assignment to an element; `None` for `R[…]`.
+fn left_name(program: &Program, left: ExprId) -> Option<&str> {
+    match program.expr(left).node {
+        Node::Indexed(name, _) => Some(program.names.text(name)),
+        _ => None,
+    }
+}
