@@ -30,6 +30,8 @@ pub(crate) fn xyz_machine() -> Machine {
         spindle: Spindle { origin_mm: Vector::zeros(), axis: Vector::z() },
         control: Control::default(),
         zero_offsets,
+        base_frames: BTreeMap::new(),
+        parameters: BTreeMap::new(),
         system: BTreeMap::new(),
         gud: BTreeMap::new(),
         tools: Vec::new(),

@@ -31,6 +31,7 @@ mod machines;
 mod model;
 mod modes;
 mod programs;
+mod saved_data;
 mod support;
 mod synchronised;
 mod system;

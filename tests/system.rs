@@ -9,7 +9,7 @@ use crate::machines::xyz_machine;
 use crate::support::Shop;
 
 /// A machine without errors, as a file.
-const IDEAL: &str = r#"
+pub(crate) const IDEAL: &str = r#"
 [machine]
 name = "ideal"
 topology = "wFXYZSt"

@@ -100,9 +100,10 @@ pub(super) struct MachineChoice {
     /// Machine file; without it the nearest ncfix.toml upwards from the program, then from the working folder
     #[arg(long, value_name = "M.toml")]
     pub(super) machine: Option<PathBuf>,
-    /// Set-up file with zero offsets and tools, which override those of the machine file
-    #[arg(long, value_name = "S.toml")]
-    pub(super) setup: Option<PathBuf>,
+    /// Set-up file with zero offsets and tools, which override those of the machine file: TOML, or data as the control saves them (TOA, UFR,
+    /// RPA, GUD, INI); may be given several times, the last one wins
+    #[arg(long, value_name = "FILE")]
+    pub(super) setup: Vec<PathBuf>,
 }
 
 /// How a program is read and executed.
@@ -295,9 +296,9 @@ pub(super) struct MachineArguments {
     /// Machine file
     #[arg(value_name = "M.toml")]
     pub(super) file: PathBuf,
-    /// Set-up file with zero offsets and tools
-    #[arg(long, value_name = "S.toml")]
-    pub(super) setup: Option<PathBuf>,
+    /// Set-up file with zero offsets and tools: TOML, or data as the control saves them; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub(super) setup: Vec<PathBuf>,
 }
 
 /// `ncfix explain`.

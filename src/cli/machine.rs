@@ -22,8 +22,8 @@ pub(super) fn run(command: &MachineCommand) -> Result<ExitCode, Stop> {
     Ok(findings.exit_code())
 }
 
-/// Reads the machine file with its set-up file.
+/// Reads the machine file with its set-up files.
 fn read(arguments: &MachineArguments, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
     let source = input::read(&arguments.file, FileId(0))?;
-    machine_choice::read(&source, arguments.setup.as_deref(), findings)
+    machine_choice::read(&source, &arguments.setup, findings)
 }

@@ -10,6 +10,7 @@ use super::input::{self, is_standard_stream};
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::dialect;
+use crate::exec::apply_archive;
 use crate::machine::Machine;
 use crate::machine::file::{DEMO, apply_setup};
 use crate::model::ErrorModel;
@@ -64,7 +65,7 @@ pub(super) fn choose(choice: &MachineChoice, program: &Path, findings: &mut Find
             demo()?
         }
     };
-    let Some(mut chosen) = read(&source, choice.setup.as_deref(), findings)? else { return Ok(None) };
+    let Some(mut chosen) = read(&source, &choice.setup, findings)? else { return Ok(None) };
     chosen.is_demo = path.is_none();
     // Folders of the machine file lie beside it where they are there, else beside the program.
     let base = path.as_deref().and_then(Path::parent).unwrap_or(Path::new("."));
@@ -78,11 +79,11 @@ pub(super) fn choose(choice: &MachineChoice, program: &Path, findings: &mut Find
     Ok(Some(chosen))
 }
 
-/// Reads a machine from its file and an optional set-up file; `None` where findings forbid to use it.
+/// Reads a machine from its file and its set-up files; `None` where findings forbid to use it.
 ///
 /// # Errors
-/// Where the set-up file cannot be read.
-pub(super) fn read(source: &Source, setup: Option<&Path>, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
+/// Where a set-up file cannot be read.
+pub(super) fn read(source: &Source, setups: &[PathBuf], findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
     let (loaded, found) = load(source);
     let mut is_usable = !found.iter().any(Diagnostic::is_error);
     findings.extend(found, std::slice::from_ref(source));
@@ -100,16 +101,33 @@ pub(super) fn read(source: &Source, setup: Option<&Path>, findings: &mut Finding
     }
     let mut files = Vec::new();
     let mut parts = vec![source.bytes()];
-    let setup_source = setup.map(|path| input::read(path, FileId(0))).transpose()?;
-    if let (Some(path), Some(setup)) = (setup, &setup_source) {
-        let found = apply_setup(setup, &mut machine);
+    let mut sources = Vec::new();
+    for path in setups {
+        let setup = input::read(path, FileId(0))?;
+        let found = if is_saved_data(path, setup.bytes()) {
+            apply_archive(&setup, &mut machine)
+        } else {
+            apply_setup(&setup, &mut machine)
+        };
         is_usable &= !found.iter().any(Diagnostic::is_error);
-        findings.extend(found, std::slice::from_ref(setup));
-        files.push(path.to_path_buf());
-        parts.push(setup.bytes());
+        findings.extend(found, std::slice::from_ref(&setup));
+        files.push(path.clone());
+        sources.push(setup);
     }
+    parts.extend(sources.iter().map(Source::bytes));
     let hash = short_hash(parts);
     Ok(is_usable.then_some(Chosen { machine, errors, is_demo: false, hash, files }))
+}
+
+/// Whether a set-up file is in the control's own language rather than TOML.
+fn is_saved_data(path: &Path, bytes: &[u8]) -> bool {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+        return false;
+    }
+    let lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r').map(<[u8]>::trim_ascii_start);
+    let is_mark = |line: &[u8]| matches!(line, [b'%' | b'$' | b';', ..] | [b'R' | b'N' | b'n', b'0'..=b'9', ..]);
+    let first = lines.into_iter().find(|line| !line.is_empty());
+    first.is_some_and(|line| is_mark(line) || line.starts_with(b"CHANDATA") || line.starts_with(b"METRIC"))
 }
 
 /// The demo machine as a file.

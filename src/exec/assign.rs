@@ -52,7 +52,7 @@ pub(super) fn is_assignable(loaded: &Loaded, channel: &Channel<'_>, left: ExprId
 }
 
 /// What stands right of the equals sign.
-fn assigned(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> Result<List, Fault> {
+pub(super) fn assigned(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> Result<List, Fault> {
     let scope = scope_of(loaded, channel);
     match word.value {
         Value::Expr(id) => scope.assigned(id),

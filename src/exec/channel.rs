@@ -55,8 +55,8 @@ impl<'a> Channel<'a> {
         let mut channel = Channel {
             machine,
             modal: Modal::new(options.start, machine),
-            variables: Variables::new(&machine.gud),
-            system: System::new(options.strict),
+            variables: Variables::new(machine),
+            system: System::new(options.strict, machine),
             kinematics: None,
             queue: VecDeque::with_capacity(16),
             warnings: Vec::new(),
@@ -74,10 +74,12 @@ impl<'a> Channel<'a> {
             unit_stated: false,
             feed_warned: false,
         };
+        let order = machine.control.rotation_order;
+        channel.modal.base = channel.system.frames.base(order).unwrap_or_else(Frame::identity);
         if let Some(offset) = machine.zero_offsets.get(&machine.control.initial_zero_offset) {
-            channel.modal.settable = offset.frame(machine.control.rotation_order).unwrap_or_else(Frame::identity);
-            channel.refresh_setup();
+            channel.modal.settable = offset.frame(order).unwrap_or_else(Frame::identity);
         }
+        channel.refresh_setup();
         channel.modal.programmed = channel.setup.programmed(&channel.modal.command);
         channel
     }

@@ -95,6 +95,22 @@ impl FrameStore {
         known.or_else(|| (number == 0).then(FrameParts::default))
     }
 
+    /// With the base frames that the control has when a program starts.
+    pub(super) fn new(machine: &Machine) -> FrameStore {
+        let bases = &machine.base_frames;
+        FrameStore { settable: BTreeMap::new(), stored_base: bases.clone(), active_base: bases.clone() }
+    }
+
+    /// Settable frames that were written, by number.
+    pub(super) fn written_settable(&self) -> impl Iterator<Item = (i64, FrameParts)> + '_ {
+        self.settable.iter().map(|(&number, &parts)| (number, parts))
+    }
+
+    /// Base frames in the data of the control.
+    pub(super) fn written_bases(&self) -> impl Iterator<Item = (i64, FrameParts)> + '_ {
+        self.stored_base.iter().map(|(&number, &parts)| (number, parts))
+    }
+
     /// Sets a settable frame; it acts when it is selected next.
     pub(super) fn set_settable(&mut self, number: i64, parts: FrameParts) {
         self.settable.insert(number, parts);

@@ -7,6 +7,7 @@
 
 mod address;
 mod arc;
+mod archive;
 mod assign;
 mod call;
 mod cells;
@@ -52,6 +53,7 @@ mod transform;
 mod value;
 mod variables;
 
+pub use archive::apply_archive;
 pub use library::{Library, NoLibrary};
 
 use std::collections::{HashMap, HashSet, VecDeque};

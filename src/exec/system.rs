@@ -10,7 +10,7 @@ use super::tool_data::ToolData;
 use super::value::Value;
 use crate::diagnostic::Code;
 use crate::geometry::Axis;
-use crate::machine::Setting;
+use crate::machine::{Machine, Setting};
 use crate::snc::WordValue;
 use crate::syntax::{ArgumentRange, ExprId};
 use crate::units::MM_PER_INCH;
@@ -44,8 +44,8 @@ const ZERO_AT_START: &[&str] = &["$AC_MARKER", "$AC_PARAM"];
 
 impl System {
     /// Nothing written yet.
-    pub(super) fn new(strict: bool) -> System {
-        System { strict, ..System::default() }
+    pub(super) fn new(strict: bool, machine: &Machine) -> System {
+        System { strict, frames: FrameStore::new(machine), ..System::default() }
     }
 
     /// What the run has written.

@@ -112,6 +112,17 @@ impl ToolData {
         true
     }
 
+    /// All edges that were written, named.
+    pub(super) fn tools(&self) -> impl Iterator<Item = Tool> + '_ {
+        self.edges.iter().map(|edge| {
+            let mut tool = edge.tool.clone();
+            if let Some((_, name)) = self.names.iter().find(|(number, _)| *number == tool.number) {
+                tool.name = Some(name.clone());
+            }
+            tool
+        })
+    }
+
     /// Sets `$TC_TP2[t]`.
     pub(super) fn set_name(&mut self, tool: u32, name: String) {
         self.names.retain(|(known, _)| *known != tool);

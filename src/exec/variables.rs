@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, HashMap};
 use super::cells::{Cells, wrong_type};
 use super::fault::{Fault, fault};
 use super::functions::is_function;
-use super::system::value_of;
+use super::system;
 use super::value::Value;
 use crate::diagnostic::Code;
-use crate::machine::Setting;
+use crate::machine::{Machine, Setting};
 use crate::source::Span;
 use crate::syntax::{DefinitionType, NameId};
 
@@ -58,23 +58,34 @@ pub(super) struct Variables {
 }
 
 impl Variables {
-    /// `presets` are the global variables whose values only the machine knows.
-    pub(super) fn new(presets: &BTreeMap<String, Setting>) -> Self {
+    /// Global variables and R parameters have the values that the machine gives.
+    pub(super) fn new(machine: &Machine) -> Self {
+        let presets = &machine.gud;
+        let mut parameters = vec![0.0; PARAMETERS];
+        for (&index, &value) in &machine.parameters {
+            if let Some(place) = slot(index).and_then(|slot| parameters.get_mut(slot)) {
+                *place = value;
+            }
+        }
         let mut variables = Variables {
-            parameters: vec![0.0; PARAMETERS],
+            parameters,
             locals: Locals::default(),
             globals: HashMap::new(),
             global_elements: 0,
             presets: presets.clone(),
         };
         for (name, setting) in presets {
-            let (kind, length) = kind_of(setting);
-            let dimensions: Vec<i64> = length.into_iter().collect();
+            let (kind, dimensions) = kind_of(setting);
             let shape = Shape { kind, string: None, dimensions: &dimensions };
             // Its type is made to fit its value; one that is too large for the store stays undefined.
             let _ = variables.define_global(name, shape, None, Span::default());
         }
         variables
+    }
+
+    /// R parameters that are not 0.
+    pub(super) fn parameters_in_use(&self) -> impl Iterator<Item = (i64, f64)> + '_ {
+        (0..).zip(self.parameters.iter().copied()).filter(|(_, value)| *value != 0.0)
     }
 
     /// Puts the variables of another level in place and gives back those that were there.
@@ -199,8 +210,16 @@ impl Variables {
         let mut cells = Cells::new(shape.kind, shape.string, shape.dimensions, left, (text, span))?;
         initialise(&mut cells, value, (text, span))?;
         match self.presets.get(text) {
-            Some(Setting::List(values)) => cells.fill(&[], values.iter().map(value_of), (text, span))?,
-            Some(setting) => initialise(&mut cells, value_of(setting).map(List::One), (text, span))?,
+            Some(setting @ Setting::List(_)) => {
+                let mut values = Vec::new();
+                flatten(setting, &mut values);
+                let kind = cells.kind();
+                cells.fill(&[], values.into_iter().map(|value| value_of(value, kind)), (text, span))?;
+            }
+            Some(setting) => {
+                let value = value_of(setting, cells.kind()).map(List::One);
+                initialise(&mut cells, value, (text, span))?;
+            }
             None => {}
         }
         self.global_elements += cells.count();
@@ -241,19 +260,43 @@ fn put(cells: &mut Cells, indices: &[i64], list: List, at: (&str, Span)) -> Resu
     }
 }
 
-/// Type and length of a variable that can hold a setting.
-fn kind_of(setting: &Setting) -> (DefinitionType, Option<i64>) {
-    match setting {
-        Setting::Whole(_) => (DefinitionType::Int, None),
-        Setting::Number(_) => (DefinitionType::Real, None),
-        Setting::Truth(_) => (DefinitionType::Bool, None),
-        Setting::Text(_) => (DefinitionType::String, None),
-        Setting::List(values) => {
-            let is_real = values.iter().any(|value| matches!(value, Setting::Number(_)));
-            let first = values.first().map_or(DefinitionType::Real, |value| kind_of(value).0);
-            let kind = if is_real { DefinitionType::Real } else { first };
-            (kind, Some(i64::try_from(values.len()).unwrap_or(i64::MAX)))
+/// Type and lengths of a variable that can hold a setting.
+fn kind_of(setting: &Setting) -> (DefinitionType, Vec<i64>) {
+    let Setting::List(values) = setting else {
+        let kind = match setting {
+            Setting::Whole(_) => DefinitionType::Int,
+            Setting::Truth(_) => DefinitionType::Bool,
+            Setting::Text(_) => DefinitionType::String,
+            Setting::Number(_) | Setting::List(_) => DefinitionType::Real,
+        };
+        return (kind, Vec::new());
+    };
+    let mut kind = None;
+    let mut lengths = vec![i64::try_from(values.len()).unwrap_or(i64::MAX)];
+    for (index, value) in values.iter().enumerate() {
+        let (own, inner) = kind_of(value);
+        if index == 0 {
+            lengths.extend(inner);
         }
+        // One fraction among whole numbers makes all of them reals.
+        kind = if kind == Some(DefinitionType::Real) { kind } else { Some(own) };
+    }
+    (kind.unwrap_or(DefinitionType::Real), lengths)
+}
+
+/// The values of nested lists, one behind the other.
+fn flatten<'s>(setting: &'s Setting, out: &mut Vec<&'s Setting>) {
+    match setting {
+        Setting::List(values) => values.iter().for_each(|value| flatten(value, out)),
+        value => out.push(value),
+    }
+}
+
+/// A setting as a variable of this type takes it.
+fn value_of(setting: &Setting, kind: DefinitionType) -> Option<Value> {
+    match (setting, kind) {
+        (Setting::Text(name), DefinitionType::Axis) => Some(Value::Axis(name.to_ascii_uppercase())),
+        _ => system::value_of(setting),
     }
 }
 

@@ -3,6 +3,8 @@
 //! Units are in the keys: mm, degrees, mm/min. A file is read as a whole and everything that is wrong with it is reported in
 //! one run. A set-up file holds zero offsets and tools only and is laid over a machine by [`apply_setup`].
 
+use std::collections::BTreeMap;
+
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AXES, AXIS_COUNT, Axis, Plane, Vector};
 use crate::source::Source;
@@ -62,6 +64,8 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         control,
         zero_offsets,
         tools,
+        base_frames: BTreeMap::new(),
+        parameters: BTreeMap::new(),
         system,
         gud,
     };

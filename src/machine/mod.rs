@@ -45,6 +45,10 @@ pub struct Machine {
     pub zero_offsets: BTreeMap<String, FrameParts>,
     /// Tools by number and edge.
     pub tools: Vec<Tool>,
+    /// Base frames that are active when a program starts: those of the control from number 0 on, those of the channel from 16 on.
+    pub base_frames: BTreeMap<i64, FrameParts>,
+    /// R parameters that are not 0 when a program starts.
+    pub parameters: BTreeMap<i64, f64>,
     /// System variables that only the machine knows, by name and indices: `$MN_INT_INCR_PER_MM`, `$TC_DP6[1,1]`.
     pub system: BTreeMap<String, Setting>,
     /// Global variables that only the machine knows, by name.
