@@ -13,7 +13,7 @@ use super::variables::Locals;
 use super::{Execution, Loaded, library, names, scope_of};
 use crate::diagnostic::Code;
 use crate::snc::Kind;
-use crate::source::Span;
+use crate::source::{FileId, Span};
 use crate::syntax::{ArgumentRange, Block, CallKind, CallStatement, Callee, Search};
 
 /// A program that is called.
@@ -27,6 +27,8 @@ pub(super) struct Entry {
     /// Only these blocks, first and last.
     part: Option<(usize, usize)>,
     span: Span,
+    /// The file of the call.
+    file: FileId,
 }
 
 impl Execution<'_> {
@@ -83,7 +85,8 @@ impl Execution<'_> {
             Some(name) => self.entry(name, arguments, repeats, span)?,
             None => {
                 let section = self.levels.last().map_or(0, |level| level.section);
-                Entry { program: caller, section, arguments: Vec::new(), repeats, is_modal: false, part: None, span }
+                let file = self.programs[caller].program.source.id();
+                Entry { program: caller, section, arguments: Vec::new(), repeats, is_modal: false, part: None, span, file }
             }
         };
         // Variables may name the labels, so they are the caller's; the blocks are the callee's.
@@ -146,7 +149,8 @@ impl Execution<'_> {
 
     /// Program levels in use; a repetition counts as one.
     fn depth(&self) -> usize {
-        self.levels.iter().map(|level| 1 + level.parts.len()).sum()
+        let counted = |level: &&Level| level.counts(&self.programs);
+        self.levels.iter().filter(counted).map(|level| 1 + level.parts.len()).sum()
     }
 
     /// Refuses one program level too many.
@@ -187,13 +191,14 @@ impl Execution<'_> {
         let called = &self.programs[program];
         let wanted = (called, called.parameters(section));
         let arguments = parameters::evaluate(&self.programs[caller], &self.channel, wanted, arguments, span)?;
-        Ok(Entry { program, section, arguments, repeats, is_modal: false, part: None, span })
+        let file = self.programs[caller].program.source.id();
+        Ok(Entry { program, section, arguments, repeats, is_modal: false, part: None, span, file })
     }
 
     /// Begins the level of a call in a line of the running program.
     fn begin(&mut self, entry: Entry, line: u32) {
         let Some(level) = self.levels.last() else { return };
-        let caller = (level.calls, line);
+        let caller = level.cycle.map_or((level.calls, line), |cycle| (cycle.origin.calls, cycle.origin.line));
         let next_id = u32::try_from(self.chains.len() + 1).unwrap_or(u32::MAX);
         let calls = *self.chain_ids.entry(caller).or_insert(next_id);
         if calls == next_id {
@@ -203,7 +208,8 @@ impl Execution<'_> {
     }
 
     fn enter(&mut self, entry: Entry, calls: u32) {
-        let Entry { program, section, arguments, repeats, is_modal, part, span } = entry;
+        let Entry { program, section, arguments, repeats, is_modal, part, span, file } = entry;
+        let cycle = self.cycle_of(program, is_modal, (file, span));
         let loaded = &self.programs[program];
         let blocks = loaded.program.sections.get(section).map_or(0..0, |section| section.blocks.clone());
         let mut level = Level::new(program, section, blocks.start, calls);
@@ -213,6 +219,7 @@ impl Execution<'_> {
         }
         level.part = part;
         level.span = span;
+        level.cycle = cycle;
         level.repeats = repeats;
         level.is_modal = is_modal;
         level.saved = loaded.has_save(section).then(|| Box::new(self.channel.modal.clone()));
@@ -227,7 +234,7 @@ impl Execution<'_> {
     }
 
     /// Takes the last level away and gives the caller back what is its own.
-    fn leave(&mut self) -> Option<Level> {
+    pub(super) fn leave(&mut self) -> Option<Level> {
         let mut level = self.levels.pop()?;
         let called = &self.programs[level.program];
         parameters::results(called, &self.channel, called.parameters(level.section), &mut level.arguments);
@@ -256,7 +263,8 @@ impl Execution<'_> {
         if level.repeats > 1 {
             let Level { program, section, calls, arguments, is_modal, part, span, .. } = level;
             let repeats = level.repeats - 1;
-            self.enter(Entry { program, section, arguments, repeats, is_modal, part, span }, calls);
+            let file = self.channel.file();
+            self.enter(Entry { program, section, arguments, repeats, is_modal, part, span, file }, calls);
         }
     }
 

@@ -300,6 +300,7 @@ impl Gatherer<'_> {
                 };
                 once(&mut out.message, text, word.span)
             }
+            (Meaning::Alarm, Value::Arguments(range)) => Err(self.alarm(range, word.span)?),
             (Meaning::Return, Value::None | Value::Arguments(_)) => {
                 out.is_return = true;
                 if let Value::Arguments(range) = word.value {
@@ -309,7 +310,7 @@ impl Gatherer<'_> {
             }
             // Written before the words are gathered.
             (Meaning::System, Value::Expr(_) | Value::Arguments(_)) => Ok(()),
-            (Meaning::Unsupported | Meaning::Return | Meaning::System, _) => Err(self.unsupported(word)),
+            (Meaning::Unsupported | Meaning::Return | Meaning::Alarm | Meaning::System, _) => Err(self.unsupported(word)),
             // Assignments were carried out before the words are gathered.
             (Meaning::Free, Value::Expr(_)) if self.scope.variables.has(name, text) => Ok(()),
             (Meaning::Free, Value::Expr(_)) => Err(fault(

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::cycles::Cycle;
 use super::flow::Action;
 use super::modal::Modal;
 use super::parameters::Argument;
@@ -30,6 +31,8 @@ pub(super) struct Level {
     pub(super) is_modal: bool,
     /// The call, in the file of the caller.
     pub(super) span: Span,
+    /// The call of the built-in cycle to which the program belongs.
+    pub(super) cycle: Option<Cycle>,
     /// First and last block, where only a part of the program was called.
     pub(super) part: Option<(usize, usize)>,
     /// Program parts that are being repeated, the innermost last.
@@ -53,6 +56,7 @@ impl Level {
             saved: None,
             is_modal: false,
             span: Span::default(),
+            cycle: None,
             part: None,
             parts: Vec::new(),
             pending: None,

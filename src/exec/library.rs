@@ -55,6 +55,8 @@ pub(super) struct Loaded {
     procs: Vec<(u32, u16, bool)>,
     /// Blocks whose comments were passed on already.
     commented: Vec<bool>,
+    /// The name of a built-in cycle.
+    pub(super) built_in: Option<&'static str>,
 }
 
 impl Loaded {
@@ -64,7 +66,17 @@ impl Loaded {
         let commented = vec![false; program.blocks.len()];
         let parts = vec![None; program.repetitions.len()];
         let procs = program.sections.iter().map(|section| proc_of(&program.blocks[section.blocks.clone()])).collect();
-        Loaded { program, meanings, targets, computed: HashMap::new(), parts, procs, commented }
+        Loaded { program, meanings, targets, computed: HashMap::new(), parts, procs, commented, built_in: None }
+    }
+
+    /// Makes it a cycle of the control: its comments are nobody's, and SETAL in it is a finding.
+    fn become_built_in(&mut self, name: &str) {
+        self.built_in = cycles::source(name).map(|(name, _)| name);
+        self.commented.fill(true);
+        let names = self.program.names.iter();
+        for (meaning, _) in self.meanings.iter_mut().zip(names).filter(|(_, name)| *name == "SETAL") {
+            *meaning = Meaning::Alarm;
+        }
     }
 
     /// The parameters of a section's program.
@@ -108,7 +120,8 @@ impl Execution<'_> {
     pub(super) fn load(&mut self, path: &str, name: &str, is_path: bool) -> Option<(usize, usize)> {
         let found = if is_path { self.library.load_path(path, name) } else { self.library.load(name) };
         let built_in =
-            || cycles::source(name).filter(|_| !is_path).map(|text| (format!("{name} (built in)"), text.to_vec()));
+            || cycles::source(name).filter(|_| !is_path).map(|(_, text)| (format!("{name} (built in)"), text.to_vec()));
+        let is_user = found.is_some();
         let (shown, bytes) = found.or_else(built_in)?;
         let id = FileId(u16::try_from(self.sources.len()).ok()?);
         let source = Source::new(id, &shown, bytes).ok()?;
@@ -120,7 +133,11 @@ impl Execution<'_> {
         }
         let section = section_of(&program, name)
             .or_else(|| program.sections.iter().position(|section| !section.blocks.is_empty()))?;
-        self.programs.push(Loaded::new(program, &self.machine.control));
+        let mut loaded = Loaded::new(program, &self.machine.control);
+        if !is_user {
+            loaded.become_built_in(name);
+        }
+        self.programs.push(loaded);
         Some((self.programs.len() - 1, section))
     }
 }

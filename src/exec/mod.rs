@@ -260,7 +260,9 @@ impl<'a> Execution<'a> {
         }
         let loaded = &mut self.programs[program];
         let comment = loaded.take_comment(index, &block);
-        let origin = Origin { file, line: block.line, span: block.span, calls };
+        let cycle = self.levels.last().and_then(|level| level.cycle);
+        let own = Origin { file, line: block.line, span: block.span, calls };
+        let origin = cycle.map_or(own, |cycle| cycle.origin);
         let number = block.number.map(|written| BlockNumber { main: written.main, number: written.number });
         self.channel.begin_block(origin, number);
         let action = match self.levels.last_mut() {
@@ -287,6 +289,7 @@ impl<'a> Execution<'a> {
         };
         if let Err(found) = done {
             self.report(found.in_file(file));
+            self.leave_cycle();
         }
     }
 

@@ -22,6 +22,8 @@ pub(super) enum Meaning {
     },
     /// `MSG(…)`
     Message,
+    /// `SETAL(…)` in a built-in cycle.
+    Alarm,
     /// `RET`
     Return,
     /// Known, not executed yet.

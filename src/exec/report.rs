@@ -7,7 +7,8 @@ use crate::source::FileId;
 use crate::syntax::Block;
 
 impl Execution<'_> {
-    pub(super) fn report(&mut self, mut finding: Diagnostic) {
+    pub(super) fn report(&mut self, finding: Diagnostic) {
+        let mut finding = self.as_seen_by_user(finding);
         // A place in the text of a macro is shown where the macro is used.
         if let Some(place) = &mut finding.place
             && let Some(source) = self.sources.get(usize::from(place.file.0))
