@@ -86,7 +86,16 @@ impl Execution<'_> {
             None => {
                 let section = self.levels.last().map_or(0, |level| level.section);
                 let file = self.programs[caller].program.source.id();
-                Entry { program: caller, section, arguments: Vec::new(), repeats, is_modal: false, part: None, span, file }
+                Entry {
+                    program: caller,
+                    section,
+                    arguments: Vec::new(),
+                    repeats,
+                    is_modal: false,
+                    part: None,
+                    span,
+                    file,
+                }
             }
         };
         // Variables may name the labels, so they are the caller's; the blocks are the callee's.

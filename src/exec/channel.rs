@@ -241,6 +241,7 @@ impl<'a> Channel<'a> {
             self.unit_stated = true;
             self.modal.inch = inch;
             self.modal.inch_feed = inch && with_feed;
+            self.modal.technological = with_feed;
         }
         let has_length =
             gathered.named.iter().any(|axis| !axis.is_rotary()) || gathered.feed.is_some() && gathered.dwell.is_none();
@@ -307,6 +308,7 @@ impl<'a> Channel<'a> {
             self.modal.feed = if is_inch { feed * MM_PER_INCH } else { feed };
         }
         if let Some((speed, _)) = gathered.speed {
+            self.modal.speed = Some(speed);
             let word = Word { letter: b'S', extension: None, value: WordValue::Number(speed) };
             // Behind D, before M.
             let place = gathered.before.iter().take_while(|word| word.letter == b'D').count();

@@ -38,7 +38,11 @@ const ALARMS: &[(i64, &str, &str)] = &[
     (61000, "no tool radius is in force", "activate a cutting edge with a radius before the cycle"),
     (61001, "the lead of the thread is wrong", "give a size M3 to M48 of the table (MPIT), or the lead (PIT)"),
     (61002, "the kind of machining is not one of the cycle", "check VARI, CDIR and the tens of VARI"),
-    (61101, "reference plane, retraction plane and depth do not fit", "the reference plane lies between the two others"),
+    (
+        61101,
+        "reference plane, retraction plane and depth do not fit",
+        "the reference plane lies between the two others",
+    ),
     (61102, "no direction of the spindle is given", "give 3 or 4 (behind tapping also 5)"),
     (61103, "the number of positions is 0", "give at least 1"),
     (61104, "the slots meet, or one is no slot", "check radius, length, width and angles"),

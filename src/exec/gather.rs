@@ -310,7 +310,9 @@ impl Gatherer<'_> {
             }
             // Written before the words are gathered.
             (Meaning::System, Value::Expr(_) | Value::Arguments(_)) => Ok(()),
-            (Meaning::Unsupported | Meaning::Return | Meaning::Alarm | Meaning::System, _) => Err(self.unsupported(word)),
+            (Meaning::Unsupported | Meaning::Return | Meaning::Alarm | Meaning::System, _) => {
+                Err(self.unsupported(word))
+            }
             // Assignments were carried out before the words are gathered.
             (Meaning::Free, Value::Expr(_)) if self.scope.variables.has(name, text) => Ok(()),
             (Meaning::Free, Value::Expr(_)) => Err(fault(

@@ -49,12 +49,7 @@ impl Scope<'_> {
                 Plane::YZ => 3,
             },
             8 => settable_number(modal.stated.offset())? + 1,
-            13 => match (modal.inch, modal.inch_feed) {
-                (true, false) => 1,
-                (true, true) => 3,
-                // Whether G71 or G710 was programmed makes no difference to the execution, only to this number.
-                (false, _) => return None,
-            },
+            13 => 1 + i64::from(!modal.inch) + 2 * i64::from(modal.technological),
             14 => first_if(!modal.incremental),
             _ => {
                 let group = u8::try_from(group).ok()?;

@@ -51,12 +51,16 @@ pub(super) struct Modal {
     pub(super) incremental: bool,
     pub(super) inch: bool,
     pub(super) inch_feed: bool,
+    /// G700 or G710, which also mean feeds and data, and not G70 or G71.
+    pub(super) technological: bool,
     /// mm/min, 0 for none yet.
     pub(super) feed: f64,
     /// G93: F is the reciprocal of the time of a block.
     pub(super) inverse_time: bool,
     /// Where diameter programming was turned on, if it is.
     pub(super) diameter: Option<Span>,
+    /// Last speed of the spindle.
+    pub(super) speed: Option<f64>,
     /// Base frame, below the settable one.
     pub(super) base: Frame,
     /// `G500`, `G54` …
@@ -103,9 +107,11 @@ impl Modal {
             incremental: false,
             inch: false,
             inch_feed: false,
+            technological: false,
             feed: 0.0,
             inverse_time: false,
             diameter: None,
+            speed: None,
             base: Frame::identity(),
             settable: Frame::identity(),
             programmable: Frame::identity(),

@@ -132,6 +132,8 @@ pub(super) fn bind(
         };
         channel.variables.define_cells(parameter.name, text, cells, parameter.span)?;
     }
+    let bits = arguments.iter().take(64).enumerate();
+    channel.variables.set_given(bits.fold(0, |bits, (k, argument)| bits | u64::from(argument.cells.is_some()) << k));
     Ok(())
 }
 

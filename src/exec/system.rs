@@ -135,6 +135,8 @@ impl Scope<'_> {
             "$P_GG" => Ok(number().and_then(|group| self.member(group)).map(Value::Int)),
             "$P_UIFRNUM" => Ok(settable_number(self.modal.stated.offset()).map(Value::Int)),
             "$P_F" => real(if self.modal.inch_feed { self.modal.feed / MM_PER_INCH } else { self.modal.feed }),
+            "$P_S" => Ok(self.modal.speed.map(Value::Real)),
+            "$P_SUBPAR" => Ok(number().and_then(|number| self.variables.is_given(number)).map(Value::Bool)),
             "$P_TOOL" => whole(i64::from(self.modal.edge)),
             "$P_TOOLNO" => Ok(match &self.modal.active {
                 Some(WordValue::Number(number)) => Some(Value::Int(*number as i64)),

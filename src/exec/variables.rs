@@ -45,6 +45,8 @@ pub(super) enum List {
 pub(super) struct Locals {
     variables: Vec<(NameId, Cells)>,
     elements: usize,
+    /// Which of the first parameters the call gave a value, a bit each.
+    given: u64,
 }
 
 /// All variables that a block can see.
@@ -91,6 +93,17 @@ impl Variables {
     /// Puts the variables of another level in place and gives back those that were there.
     pub(super) fn exchange(&mut self, locals: Locals) -> Locals {
         std::mem::replace(&mut self.locals, locals)
+    }
+
+    /// Notes which parameters the call gave a value.
+    pub(super) fn set_given(&mut self, given: u64) {
+        self.locals.given = given;
+    }
+
+    /// Whether the call gave the parameter of a number from 1 a value.
+    pub(super) fn is_given(&self, number: i64) -> Option<bool> {
+        let place = u32::try_from(number - 1).ok().filter(|place| *place < u64::BITS)?;
+        Some(self.locals.given >> place & 1 == 1)
     }
 
     /// An R parameter.
