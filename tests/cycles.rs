@@ -21,7 +21,8 @@ fn at(place: &str, moves: &[&str]) -> Vec<String> {
 fn all(text: &str) -> Vec<String> {
     let (lines, codes) = run(text);
     assert!(codes.is_empty(), "{codes:?}");
-    let is_wanted = |line: &&String| ["G0 ", "G1 ", "G2 ", "G3 ", "G4", "S", "M"].iter().any(|start| line.starts_with(start));
+    let is_wanted =
+        |line: &&String| ["G0 ", "G1 ", "G2 ", "G3 ", "G4", "S", "M"].iter().any(|start| line.starts_with(start));
     lines.iter().filter(is_wanted).filter(|line| *line != "M30").cloned().collect()
 }
 
@@ -30,7 +31,8 @@ fn check_hole(call: &str, moves: &[&str]) {
     let text = format!("G17 G90 G0 X100 Y0 Z10\nF100\n{call}\nM30");
     let mut expected = vec!["G0 X100 Y0 Z10".to_owned()];
     expected.extend(at("X100 Y0", moves));
-    let found: Vec<String> = all(&text).into_iter().filter(|line| line.starts_with("G0") || line.starts_with("G1")).collect();
+    let found: Vec<String> =
+        all(&text).into_iter().filter(|line| line.starts_with("G0") || line.starts_with("G1")).collect();
     assert_eq!(found, expected, "{call}");
 }
 
@@ -65,15 +67,7 @@ fn dwells_stops_and_spindle_words_have_their_places() {
     );
     assert_eq!(
         found("CYCLE86(10,0,2,-15,0,0,3,-1,0.5,0.2,45)"),
-        [
-            "G0 X1 Y0 Z2",
-            "M3",
-            "G1 X1 Y0 Z-15 F100",
-            "G0 X0 Y0.5 Z-14.8",
-            "G0 X0 Y0.5 Z2",
-            "G0 X1 Y0 Z10",
-            "M3"
-        ]
+        ["G0 X1 Y0 Z2", "M3", "G1 X1 Y0 Z-15 F100", "G0 X0 Y0.5 Z-14.8", "G0 X0 Y0.5 Z2", "G0 X1 Y0 Z10", "M3"]
     );
 }
 
@@ -210,11 +204,11 @@ fn rows_and_grids_begin_near_the_tool() {
     let frame = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0], [0.0, 2.0], [1.0, 2.0], [2.0, 2.0]];
     check_positions("X0 Y0", "CYCLE801(0,0,0,1,1,3,3,1)", &frame);
     check_positions("X0 Y0", "CYCLE801(1,2,90,10,10,2,1)", &[[1.0, 2.0], [1.0, 12.0]]);
-    check_positions("X0 Y0", "HOLES2(1,2,10,0,120,3)", &[
-        [11.0, 2.0],
-        [-4.0, 2.0 + 75.0_f64.sqrt()],
-        [-4.0, 2.0 - 75.0_f64.sqrt()],
-    ]);
+    check_positions(
+        "X0 Y0",
+        "HOLES2(1,2,10,0,120,3)",
+        &[[11.0, 2.0], [-4.0, 2.0 + 75.0_f64.sqrt()], [-4.0, 2.0 - 75.0_f64.sqrt()]],
+    );
     check_positions("X0 Y0", "CYCLE802(111111111,111111111,1,2,0,0,,3)", &[[1.0, 2.0], [0.0, 0.0], [0.0, 3.0]]);
 }
 
@@ -249,14 +243,24 @@ fn cycles_work_in_any_plane_and_unit() {
             "G0 X0 Y0 Z25.4",
         ],
     );
-    check("G70 G17 G90 G0 X3 Y0 Z1\nHOLES1(0,0,0,0,1,2)\nM30", &["G0 X76.2 Y0 Z25.4", "G0 X25.4 Y0 Z25.4", "G0 X0 Y0 Z25.4"]);
+    check(
+        "G70 G17 G90 G0 X3 Y0 Z1\nHOLES1(0,0,0,0,1,2)\nM30",
+        &["G0 X76.2 Y0 Z25.4", "G0 X25.4 Y0 Z25.4", "G0 X0 Y0 Z25.4"],
+    );
 }
 
 #[test]
 fn the_modal_state_is_as_before() {
     check(
         "G17 G90 G0 X0 Y0 Z10\nG91 G1 F100 X5\nCYCLE81(10,0,2,-15)\nX5\nM30",
-        &["G0 X0 Y0 Z10", "G1 X5 Y0 Z10 F100", "G0 X5 Y0 Z2", "G1 X5 Y0 Z-15 F100", "G0 X5 Y0 Z10", "G1 X10 Y0 Z10 F100"],
+        &[
+            "G0 X0 Y0 Z10",
+            "G1 X5 Y0 Z10 F100",
+            "G0 X5 Y0 Z2",
+            "G1 X5 Y0 Z-15 F100",
+            "G0 X5 Y0 Z10",
+            "G1 X10 Y0 Z10 F100",
+        ],
     );
     let lines = run("G17 G90 G0 X0 Y0 Z10\nF100\nCYCLE85(10,0,2,-15,0,0,50,70)\nG1 X1\nM30").0;
     assert!(lines.iter().any(|line| line == "G1 X1 Y0 Z10 F100"), "{lines:?}");

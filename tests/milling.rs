@@ -23,7 +23,14 @@ const TOP: f64 = 0.0;
 impl Stock {
     fn new(low: [f64; 2], high: [f64; 2], step: f64) -> Stock {
         let count = |k: usize| ((high[k] - low[k]) / step).round() as usize + 1;
-        Stock { corner: low, step, columns: count(0), heights: vec![TOP; count(0) * count(1)], cut: 0.0, faults: Vec::new() }
+        Stock {
+            corner: low,
+            step,
+            columns: count(0),
+            heights: vec![TOP; count(0) * count(1)],
+            cut: 0.0,
+            faults: Vec::new(),
+        }
     }
 
     fn points(&self) -> impl Iterator<Item = ([f64; 2], f64)> {
@@ -204,7 +211,9 @@ fn rectangular_pockets_are_cleared_to_the_wall() {
 fn circular_pockets_are_cleared_to_the_wall() {
     let (low, high) = ([-10.0, -10.0], [70.0, 70.0]);
     let round = |radius: f64| move |point: [f64; 2]| (point[0] - 30.0).hypot(point[1] - 30.0) - radius;
-    for (vari, rad, dp1, tool) in [(11, 0.0, 0.0, 5.0), (21, 3.0, 1.5, 4.0), (1021, 9.0, 2.0, 6.0), (11, 0.0, 0.0, 12.0)] {
+    for (vari, rad, dp1, tool) in
+        [(11, 0.0, 0.0, 5.0), (21, 3.0, 1.5, 4.0), (1021, 9.0, 2.0, 6.0), (11, 0.0, 0.0, 12.0)]
+    {
         let call = format!("POCKET4(20,0,2,-7,25,30,30,3,0.4,0.1,500,200,0,{vari},0,,,{rad},{dp1})");
         check_figure(&Wanted { call: &call, radius: tool, low, high, depth: -6.9, cut: 2.3 }, round(24.6));
     }
@@ -217,7 +226,11 @@ fn circular_pockets_are_cleared_to_the_wall() {
     let mut stock = Stock::new(low, high, 0.4);
     stock.mill(&moves(call, 5.0), 5.0);
     assert!(stock.faults.is_empty());
-    assert!(stock.points().all(|(point, height)| (round(5.0)(point) < 1e-4) == (height < TOP) || round(5.0)(point).abs() < 1e-4));
+    assert!(
+        stock
+            .points()
+            .all(|(point, height)| (round(5.0)(point) < 1e-4) == (height < TOP) || round(5.0)(point).abs() < 1e-4)
+    );
 }
 
 #[test]
@@ -332,7 +345,10 @@ fn sense(call: &str, radius: f64) -> Vec<String> {
     let lines = moves(call, 5.0);
     let large = lines.iter().filter(|line| {
         let word = |letter: &str| -> f64 {
-            line.split(' ').skip(1).find_map(|word| word.strip_prefix(letter)).map_or(0.0, |value| value.parse().unwrap())
+            line.split(' ')
+                .skip(1)
+                .find_map(|word| word.strip_prefix(letter))
+                .map_or(0.0, |value| value.parse().unwrap())
         };
         (line.starts_with("G2") || line.starts_with("G3")) && (word("I").hypot(word("J")) - radius).abs() < 1e-6
     });
