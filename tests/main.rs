@@ -13,6 +13,7 @@ mod cli_machine;
 mod cli_snc;
 mod cli_verify;
 mod comparison;
+mod compensation;
 mod correction;
 mod cycles;
 mod definitions;

@@ -186,6 +186,20 @@ message shows:
 "The program writes compensation tables or backlash of the control ($AN_CEC, $AA_ENC_COMP, $AA_QEC, $MA_BACKLASH …). The error model in the
 machine file holds for the machine as it was measured, with the values that were active then. Load such tables before, measure, and take
 the assignments out of the program.";
+    CORNER_DOES_NOT_FIT = "E0231" "rounding or chamfer does not fit"
+"RND, RNDM, CHF or CHR ask for a transition that is larger than the contour elements beside it. A control would make it smaller by a
+rule of its own. Program a value that fits, or longer elements.
+
+  N10 G1 X5 Y0 RND=10
+  N20 Y20                 the first element has 5 mm, the rounding needs 10";
+    BAD_COMPENSATION = "E0232" "radius compensation not possible here"
+"G41 and G42 begin and end (G40) in a straight block with motion in the working plane; between them plane, mirroring and machine
+coordinates must not change, and no more than control.compensation_blocks_between blocks without motion in the plane (Sinumerik MD20250)
+stand between two contour elements. The radius may change in a straight block that goes on in the direction of the last one.";
+    CONTOUR_NOT_FOLLOWED = "E0233" "contour too narrow for the tool"
+"With G41 or G42 the tool cannot follow the contour here: an inner arc is narrower than the tool, or an element is so short that the ways
+of the tool center before and behind it do not meet, even if up to control.compensation_look_ahead elements (Sinumerik MD20240) are left
+out. Use a smaller tool, or change the contour.";
     NO_ORIENTATION = "E0240" "tool direction out of reach"
 "Under TRAORI the rotary axes cannot turn the tool to the programmed direction, or not within their travel: a table that tilts to one
 side only, an axis at its limit. Check the direction (A3, B3, C3 run from the tip to the spindle) and axis.….travel_deg.";
@@ -276,6 +290,14 @@ not corrected, unless that program has been corrected too.";
     WATCHED_ONCE = "W0206" "synchronised action of one block"
 "A synchronised action without ID acts while the next block is executed. Where the correction cuts the move of that block into pieces, the
 action is watched during the first piece only.";
+    CORNER_LEFT_OUT = "W0231" "no rounding or chamfer made"
+"RND, CHF or CHR stand in a block behind which no motion in the working plane follows within three blocks, or a motion of other axes comes
+first. A control makes no transition then, and neither does this program.";
+    COMPENSATION_LEFT_ON = "W0232" "radius compensation still on at the end"
+"The program ends with G41 or G42 in force. The tool stops beside the end of the last contour element. End the compensation with G40.";
+    ELEMENT_LEFT_OUT = "W0233" "contour element left out"
+"The tool is too wide for this contour element; its way goes from the element before to the one behind, as the control does it. Some
+material is left. Check that the right tool is meant.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. For check and snc zero is used; a correction is refused.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"

@@ -23,6 +23,8 @@ pub enum Effect {
     Frame,
     /// Sets the pole of polar coordinates.
     Pole,
+    /// Radius compensation and what belongs to it.
+    Contour,
     /// No position changes; passed on.
     Keep,
     /// Selects what F means; passed on.
@@ -117,6 +119,7 @@ impl Effect {
             "suppress" => Effect::Suppress,
             "frame" => Effect::Frame,
             "pole" => Effect::Pole,
+            "contour" => Effect::Contour,
             "keep" => Effect::Keep,
             "feedmode" => Effect::FeedMode,
             "transform" => Effect::Transform,

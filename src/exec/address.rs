@@ -23,6 +23,24 @@ pub(super) enum Named {
     Rpl,
     /// A part of a direction of the tool or surface: `A2=` (angles), `A3=` (tool), by its number and slot.
     Orientation(u8, u8),
+    /// Roundings and chamfers behind the block, and their feed.
+    Rnd,
+    Rndm,
+    Chf,
+    Chr,
+    Frc,
+    Frcm,
+    /// Angle of a straight contour element.
+    Ang,
+    /// Radius compensation: bulge of corners, allowance, change of the radius.
+    Disc,
+    Offn,
+    Toffr,
+    /// Soft approach and retraction: size, clearance, retraction plane, infeed.
+    Disr,
+    Discl,
+    Disrp,
+    Fad,
 }
 
 /// Names and their addresses.
@@ -33,6 +51,20 @@ pub(super) const NAMED: &[(&str, Named)] = &[
     ("AP", Named::Ap),
     ("RP", Named::Rp),
     ("RPL", Named::Rpl),
+    ("RND", Named::Rnd),
+    ("RNDM", Named::Rndm),
+    ("CHF", Named::Chf),
+    ("CHR", Named::Chr),
+    ("FRC", Named::Frc),
+    ("FRCM", Named::Frcm),
+    ("ANG", Named::Ang),
+    ("DISC", Named::Disc),
+    ("OFFN", Named::Offn),
+    ("TOFFR", Named::Toffr),
+    ("DISR", Named::Disr),
+    ("DISCL", Named::Discl),
+    ("DISRP", Named::Disrp),
+    ("FAD", Named::Fad),
 ];
 
 /// The address of a name, upper case.
@@ -53,17 +85,18 @@ pub(super) fn extended(letter: u8, extension: u32) -> Option<Named> {
 impl Named {
     /// Whether a block moves because it has this address.
     pub(super) fn moves(self) -> bool {
-        match self {
+        matches!(
+            self,
             Named::Cr
-            | Named::Turn
-            | Named::Ar
-            | Named::I1
-            | Named::J1
-            | Named::K1
-            | Named::Ap
-            | Named::Rp
-            | Named::Orientation(..) => true,
-            Named::Rpl => false,
-        }
+                | Named::Turn
+                | Named::Ar
+                | Named::I1
+                | Named::J1
+                | Named::K1
+                | Named::Ap
+                | Named::Rp
+                | Named::Ang
+                | Named::Orientation(..)
+        )
     }
 }

@@ -4,14 +4,13 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::Options;
-use super::contour::{Contour, Item};
+use super::contour::{Contour, Corner, Item, OpenAngle, Soft};
 use super::fault::{Fault, fault};
 use super::frames;
 use super::gather::bad_value;
 use super::gathered::Gathered;
 use super::modal::Modal;
 use super::motion::{MotionContext, motion};
-use super::path::Path;
 use super::system::System;
 use super::variables::Variables;
 use crate::diagnostic::Code;
@@ -37,7 +36,12 @@ pub(super) struct Channel<'a> {
     /// Whether the block has moved a geometry axis.
     pub(super) has_moved: bool,
     pub(super) contour: Contour,
-    released: Vec<Item>,
+    pub(super) released: Vec<Item>,
+    /// What the motion to come wants of the contour stage.
+    pub(super) corner: Option<Corner>,
+    pub(super) soft: Option<Soft>,
+    /// A motion whose end the next one tells.
+    pub(super) open_angle: Option<OpenAngle>,
     pub(super) strict: bool,
     pub(super) origin: Origin,
     number: Option<BlockNumber>,
@@ -60,7 +64,10 @@ impl<'a> Channel<'a> {
             kinematics: None,
             queue: VecDeque::with_capacity(16),
             warnings: Vec::new(),
-            contour: Contour::default(),
+            contour: Contour::new(&machine.control),
+            corner: None,
+            soft: None,
+            open_angle: None,
             released: Vec::new(),
             codes,
             has_moved: false,
@@ -105,41 +112,7 @@ impl<'a> Channel<'a> {
             self.queue.push_back(element);
             return;
         }
-        let mut released = std::mem::take(&mut self.released);
-        let found = self.contour.take(Item::Element(element), &mut released);
-        self.release(released);
-        self.warnings.extend(found.err());
-    }
-
-    /// Puts a motion into the stream, through the contour stage where it must.
-    fn push_path(&mut self, path: Path) -> Result<(), Fault> {
-        let element = self.element(Kind::Empty);
-        if !self.contour.wants(&path) {
-            self.resolve(&path, element);
-            return Ok(());
-        }
-        let mut released = std::mem::take(&mut self.released);
-        let found = self.contour.take(Item::Path(Box::new(path), element), &mut released);
-        self.release(released);
-        found
-    }
-
-    /// Ends what is held back.
-    pub(super) fn finish(&mut self) -> Result<(), Fault> {
-        let mut released = std::mem::take(&mut self.released);
-        let found = self.contour.finish(&mut released);
-        self.release(released);
-        found
-    }
-
-    fn release(&mut self, mut released: Vec<Item>) {
-        for item in released.drain(..) {
-            match item {
-                Item::Element(element) => self.queue.push_back(element),
-                Item::Path(path, element) => self.resolve(&path, element),
-            }
-        }
-        self.released = released;
+        self.through_contour(Item::Element(element));
     }
 
     /// The file of the block.
@@ -147,7 +120,7 @@ impl<'a> Channel<'a> {
         self.origin.file
     }
 
-    fn element(&mut self, kind: Kind) -> Element {
+    pub(super) fn element(&mut self, kind: Kind) -> Element {
         let starts_block = std::mem::take(&mut self.starts_block);
         let number = if starts_block { self.number } else { None };
         Element { origin: self.origin, starts_block, number, kind }
@@ -160,6 +133,7 @@ impl<'a> Channel<'a> {
         comment: Option<Vec<u8>>,
         span: Span,
     ) -> Result<(), Fault> {
+        self.contour_words(gathered)?;
         self.modal_codes(gathered)?;
         for &word in &gathered.keep {
             self.keep(word);
@@ -201,6 +175,7 @@ impl<'a> Channel<'a> {
             || gathered.addresses.iter().any(|value| value.address.moves());
         if moves {
             self.comment(comment);
+            self.angle(gathered, span)?;
             self.motion(gathered, span)?;
         } else {
             if gathered.feed.is_some() {
@@ -331,6 +306,7 @@ impl<'a> Channel<'a> {
             }
             Arc::clone(&self.setup)
         };
+        self.corner_words(gathered)?;
         let context = MotionContext {
             control: &self.machine.control,
             setup: &setup,
@@ -359,7 +335,8 @@ impl<'a> Channel<'a> {
             self.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));
         }
         self.orient(gathered, &mut path)?;
-        self.push_path(path)
+        self.push_path(path);
+        Ok(())
     }
 
     /// Puts frame and tool in force. An axis along which the tool length changes is taken as unknown until the program states it

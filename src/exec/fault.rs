@@ -11,18 +11,27 @@ pub(super) type Fault = Box<FaultData>;
 pub(super) struct FaultData {
     pub(super) code: Code,
     pub(super) span: Span,
+    /// Where it is not the file of the block that is being executed.
+    pub(super) file: Option<FileId>,
     pub(super) message: String,
     pub(super) help: String,
 }
 
 /// Makes a finding.
 pub(super) fn fault(code: Code, span: Span, message: impl Into<String>, help: impl Into<String>) -> Fault {
-    Box::new(FaultData { code, span, message: message.into(), help: help.into() })
+    Box::new(FaultData { code, span, file: None, message: message.into(), help: help.into() })
 }
 
 impl FaultData {
+    /// The same finding in a file of its own.
+    pub(super) fn of_file(mut self: Box<Self>, file: FileId) -> Fault {
+        self.file = Some(file);
+        self
+    }
+
     /// The finding with its file.
     pub(super) fn in_file(self, file: FileId) -> Diagnostic {
+        let file = self.file.unwrap_or(file);
         Diagnostic::at(self.code, Place { file, span: self.span }, self.message, self.help)
     }
 }

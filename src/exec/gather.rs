@@ -239,6 +239,7 @@ impl Gatherer<'_> {
                 out.keep.push(entry.name);
                 out.transform.codes.push(entry.name);
             }
+            Effect::Contour => super::contour::gather_word(entry.name, out),
             Effect::Display => {}
             Effect::Limits => out.limits = Some(span),
             // The output is in radii; the transverse axis is not moved while they are diameters.
@@ -255,12 +256,8 @@ impl Gatherer<'_> {
         let Some(axis) = Axis::from_letter(letter) else { return Err(self.unsupported(word)) };
         if !self.machine_axes.contains(axis) {
             let message = format!("the machine has no axis {axis}");
-            return Err(fault(
-                Code::NO_AXIS,
-                word.span,
-                message,
-                "check the topology in the machine file, or the program",
-            ));
+            let help = "check the topology in the machine file, or the program";
+            return Err(fault(Code::NO_AXIS, word.span, message, help));
         }
         if out.named.contains(axis) {
             return Err(twice(word.span));

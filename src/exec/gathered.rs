@@ -41,6 +41,8 @@ pub(super) struct Gathered {
     pub(super) incremental: Option<bool>,
     pub(super) offset: Option<(String, Span)>,
     pub(super) suppress: Option<&'static str>,
+    /// Words of contours: G41, KONT, G247 …
+    pub(super) contour: Vec<&'static str>,
     pub(super) frame: Option<(FrameKind, bool, Span)>,
     pub(super) pole: Option<(PoleBase, Span)>,
     pub(super) keep: Vec<&'static str>,
@@ -97,6 +99,7 @@ impl Gathered {
             incremental: None,
             offset: None,
             suppress: None,
+            contour: Vec::new(),
             frame: None,
             pole: None,
             keep: Vec::new(),

@@ -335,8 +335,8 @@ impl Iterator for Execution<'_> {
                 if std::mem::replace(&mut self.is_finished, true) {
                     return None;
                 }
-                let finished = self.channel.finish();
-                self.report_channel(finished.err());
+                self.channel.finish();
+                self.report_channel();
                 continue;
             }
             self.step();

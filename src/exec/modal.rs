@@ -1,5 +1,6 @@
 //! What stays in force from block to block: modal codes, frames, tool, position.
 
+use super::contour::ContourModal;
 use super::polar::Polar;
 use super::save::Stated;
 use super::transform::Transform;
@@ -85,6 +86,10 @@ pub(super) struct Modal {
     pub(super) edge: u32,
     /// Lengths L1, L2, L3 in force, mm.
     pub(super) length_mm: [f64; 3],
+    /// Radius in force, mm.
+    pub(super) radius_mm: f64,
+    /// Radius compensation and contour transitions.
+    pub(super) contour: ContourModal,
     /// Axis commands, mm and rad; under a transformation positions fixed to the workpiece.
     pub(super) command: AxisVector,
     /// Last programmed values per axis; after a frame change they may belong to the old frame (Sinumerik SD42440).
@@ -125,6 +130,8 @@ impl Modal {
             active: None,
             edge: 0,
             length_mm: [0.0; 3],
+            radius_mm: 0.0,
+            contour: ContourModal::default(),
             command,
             programmed: command,
             stale: AxisSet::EMPTY,
@@ -173,6 +180,7 @@ impl Modal {
         self.active.clone_from(&left.active);
         self.edge = left.edge;
         self.length_mm = left.length_mm;
+        self.radius_mm = left.radius_mm;
         self.tool_assumed = left.tool_assumed;
         self.command = left.command;
         self.programmed = left.programmed;

@@ -36,22 +36,8 @@ pub(super) enum Meaning {
 
 /// Addresses and words that change positions or feeds and are not executed yet.
 const UNSUPPORTED: &[&str] = &[
-    "RND",
-    "RNDM",
-    "CHF",
-    "CHR",
-    "FRC",
-    "FRCM",
-    "ANG",
-    "DISC",
-    "DISR",
-    "DISCL",
-    "DISRP",
-    "FAD",
-    "OFFN",
     "TOFFL",
     "TOFF",
-    "TOFFR",
     "POS",
     "POSA",
     "POSP",

@@ -1,6 +1,5 @@
 //! Findings of a run: each place once, and an end where there are too many.
 
-use super::fault::Fault;
 use super::{BLOCKS_AFTER_ERROR, Execution, MAX_ERRORS};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::source::FileId;
@@ -31,9 +30,9 @@ impl Execution<'_> {
     }
 
     /// Reports what the contour stage found at the end, in the file of its last block.
-    pub(super) fn report_channel(&mut self, found: Option<Fault>) {
-        if let Some(found) = found {
-            let file = self.channel.file();
+    pub(super) fn report_channel(&mut self) {
+        let file = self.channel.file();
+        for found in std::mem::take(&mut self.channel.warnings) {
             self.report(found.in_file(file));
         }
     }

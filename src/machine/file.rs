@@ -291,6 +291,7 @@ fn read_control(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
     opaque::read(&mut section, &mut control);
     super::frame_control::read(&mut section, &mut control);
     orientation::read(&mut section, &mut control);
+    super::contour_control::read(&mut section, &mut control);
     if let Some(value) = section.number_where("chord_tolerance_mm", "a number above 0", |value| value > 0.0) {
         control.chord_tolerance_mm = value;
     }

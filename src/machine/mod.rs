@@ -3,6 +3,7 @@
 //! Says nothing of errors: [`crate::model`] adds them.
 
 mod chain;
+mod contour_control;
 mod document;
 pub mod file;
 mod frame_control;
@@ -134,6 +135,14 @@ pub struct Control {
     pub search_path: Vec<String>,
     /// Program levels, main program included.
     pub max_program_levels: u32,
+    /// Sinumerik MD20210: change of direction beyond which G451 goes around a corner on an arc too, rad.
+    pub compensation_corner_rad: f64,
+    /// Sinumerik MD20230: change of direction below which G450 goes to the intersection too, rad.
+    pub compensation_flat_rad: f64,
+    /// Sinumerik MD20250: blocks without motion in the plane that may stand between two elements of a compensated contour.
+    pub compensation_blocks_between: u32,
+    /// Sinumerik MD20240: elements of a compensated contour that may be left out where the tool is too wide for them.
+    pub compensation_look_ahead: u32,
     /// `G500`, `G54`: the zero offset that is active at the start.
     pub initial_zero_offset: String,
 }
@@ -195,6 +204,10 @@ impl Default for Control {
             transverse_axis: Axis::X,
             search_path: Vec::new(),
             max_program_levels: 16,
+            compensation_corner_rad: 100_f64.to_radians(),
+            compensation_flat_rad: 10_f64.to_radians(),
+            compensation_blocks_between: 3,
+            compensation_look_ahead: 4,
             initial_zero_offset: "G500".into(),
         }
     }

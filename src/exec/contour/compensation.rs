@@ -1,0 +1,350 @@
+//! G41 and G42: the way of the tool center beside the contour.
+//!
+//! Contour elements are moved sideways by the radius of the tool and joined: around outer corners by an arc or to the intersection,
+//! at inner corners by cutting both back. The last pieces are kept until nothing that follows can change them.
+
+use super::chain::Chain;
+use super::check::{no_contour, polynomial, soft_alone, too_narrow};
+use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, distance, left, scaled, unit};
+use super::link::{Link, Role, release_items};
+use super::moving::{Item, Moving, blocks_between, own_of};
+use super::wish::Approach;
+use crate::diagnostic::Code;
+use crate::exec::fault::Fault;
+use crate::exec::path::Shape;
+use crate::geometry::{AxisVector, PlaneBasis};
+use crate::machine::Control;
+
+/// Directions that differ by less are one: no corner, rad.
+const NO_CORNER: f64 = 1e-7;
+/// Below this the misfit of two elements that should be tangential may be rounding of the program, rad.
+const NEARLY_TANGENTIAL: f64 = 1e-2;
+/// Arcs of this radius beside the contour are a point, mm.
+const POINT_MM: f64 = 1e-4;
+/// Items that may wait, whatever they are.
+const MOST_WAITING: usize = 10_000;
+
+/// What the control allows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Beyond this change of direction G451 goes around the corner too, rad.
+    pub(super) corner_rad: f64,
+    /// Below this change of direction G450 goes to the intersection too, rad.
+    pub(super) flat_rad: f64,
+    pub(super) blocks_between: usize,
+    pub(super) look_ahead: usize,
+}
+
+impl Limits {
+    pub(super) fn new(control: &Control) -> Limits {
+        Limits {
+            corner_rad: control.compensation_corner_rad,
+            flat_rad: control.compensation_flat_rad,
+            blocks_between: control.compensation_blocks_between as usize,
+            look_ahead: control.compensation_look_ahead as usize,
+        }
+    }
+}
+
+/// Radius compensation.
+#[derive(Debug)]
+pub(super) struct Compensation {
+    pub(super) limits: Limits,
+    pub(super) active: Option<Box<Active>>,
+}
+
+/// Compensation while it acts.
+#[derive(Debug)]
+pub(super) struct Active {
+    pub(super) basis: PlaneBasis,
+    /// Where the tool center is behind what was released.
+    pub(super) position: AxisVector,
+    /// The motion that begins it, until the first contour element is known.
+    pub(super) approach: Option<Box<Moving>>,
+    pub(super) chain: Chain,
+    /// Of the last contour element: the motion, its end, its last tangent, the distance beside it.
+    pub(super) last: Box<Moving>,
+    pub(super) point: Flat,
+    pub(super) tangent: Flat,
+    pub(super) distance: f64,
+}
+
+impl Compensation {
+    /// Takes an item and gives those that are final.
+    pub(super) fn take(&mut self, item: Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
+        let moving = match item {
+            Item::Path(moving) if moving.is_plane_motion() || moving.wish.soft.is_some() => moving,
+            other => {
+                match &mut self.active {
+                    Some(active) => active.hold(other, findings),
+                    None => out.push(other),
+                }
+                return;
+            }
+        };
+        match self.active.take() {
+            None if !moving.wish.compensates() => {
+                if moving.wish.soft.is_some() {
+                    findings.push(soft_alone(&moving));
+                }
+                out.push(Item::Path(moving));
+            }
+            None => self.begin(moving, out, findings),
+            Some(mut active) => {
+                if let Some(found) = active.objection(&moving) {
+                    findings.push(found);
+                    active.flush(out);
+                    out.push(Item::Path(moving));
+                } else if active.awaits_end() {
+                    active.end_of_approach(&moving);
+                    self.active = Some(active);
+                } else if moving.wish.compensates() {
+                    active.element(moving, &self.limits, findings);
+                    active.release(self.limits.look_ahead + 1, out);
+                    self.active = Some(active);
+                } else {
+                    active.retract(moving, &self.limits, out, findings);
+                }
+            }
+        }
+    }
+
+    fn begin(&mut self, moving: Box<Moving>, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
+        if moving.wish.soft.is_some_and(|soft| soft.retracts) {
+            findings.push(soft_alone(&moving));
+        }
+        let found = if !matches!(moving.path.shape, Shape::Line) {
+            Some("radius compensation begins in a block that is not straight")
+        } else if moving.path.motion.in_machine_frame {
+            Some("radius compensation begins in a block with machine coordinates")
+        } else {
+            None
+        };
+        if let Some(message) = found {
+            findings.push(moving.fault(
+                Code::BAD_COMPENSATION,
+                message,
+                "begin it with G0 or G1 to the start of the contour",
+            ));
+            out.push(Item::Path(moving));
+            return;
+        }
+        if moving.wish.modal.approach == Approach::Polynomial {
+            findings.push(polynomial(&moving));
+        }
+        self.active = Some(Box::new(Active {
+            basis: moving.path.basis,
+            position: moving.path.start,
+            chain: Chain::default(),
+            point: [0.0; 2],
+            tangent: [1.0, 0.0],
+            distance: moving.wish.distance_mm,
+            last: moving.clone(),
+            approach: Some(moving),
+        }));
+    }
+
+    /// Gives everything that is held: the program has ended, or waits here.
+    pub(super) fn finish(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
+        let Some(mut active) = self.active.take() else { return };
+        if active.approach.is_some() {
+            findings.push(no_contour(&active.last));
+        } else {
+            findings.push(active.last.fault(
+                Code::COMPENSATION_LEFT_ON,
+                "radius compensation is still on behind the last contour element",
+                "end it with G40 and a straight motion off the contour",
+            ));
+        }
+        active.chain.give_up(findings);
+        active.flush(out);
+    }
+}
+
+impl Active {
+    fn hold(&mut self, item: Item, findings: &mut Vec<Fault>) {
+        self.chain.tail().push(item);
+        if self.chain.tail().len() == MOST_WAITING {
+            findings.push(self.too_many());
+        } else if self.chain.tail().len() > MOST_WAITING {
+            self.chain.tail().pop();
+        }
+    }
+
+    /// The next contour element.
+    fn element(&mut self, moving: Box<Moving>, limits: &Limits, findings: &mut Vec<Fault>) {
+        let Some(contour) = moving.curve(&self.basis) else { return };
+        let beside = moving.wish.distance_mm;
+        let own = own_of(self.chain.tail(), &moving.element);
+        if blocks_between(&self.last.element, self.chain.tail()) > limits.blocks_between {
+            findings.push(self.too_many());
+        }
+        match contour.offset(beside) {
+            _ if self.is_point(&contour, beside) => {
+                self.chain.tail().extend(own);
+                self.chain.tail().push(Item::Path(moving.clone()));
+            }
+            None => {
+                findings.push(too_narrow(&moving, &contour, beside));
+                self.chain.tail().extend(own);
+                self.chain.tail().push(Item::Path(moving.clone()));
+            }
+            Some(curve) => {
+                let link = Link::new(Role::Contour, moving.clone(), contour, curve, beside);
+                if let Some(approach) = self.approach.take() {
+                    self.approach(approach, &link, limits, findings);
+                    self.chain.tail().extend(own);
+                    self.chain.push(link);
+                } else {
+                    self.join(link, own, limits, findings);
+                }
+            }
+        }
+        self.point = contour.end();
+        self.tangent = contour.last_tangent();
+        self.distance = beside;
+        self.last = moving;
+    }
+
+    /// Whether an arc inside is as wide as the tool and goes on from where the last element ended.
+    fn is_point(&self, contour: &Curve, beside: f64) -> bool {
+        let Curve::Arc { radius, sweep, .. } = *contour else { return false };
+        let is_smooth = angle_between(self.tangent, contour.first_tangent()) < NEARLY_TANGENTIAL;
+        (radius - beside * sweep.signum()).abs() < POINT_MM && self.approach.is_none() && is_smooth
+    }
+
+    /// Joins an element to the one before it.
+    fn join(&mut self, mut link: Link, own: Vec<Item>, limits: &Limits, findings: &mut Vec<Fault>) {
+        let (beside, before) = (link.moving.wish.distance_mm, self.distance);
+        let (d, e) = (self.tangent, link.contour.first_tangent());
+        let bend = angle_between(d, e);
+        let most = limits.look_ahead;
+        if beside * before < 0.0 {
+            self.chain.give_up(findings);
+            self.other_side(&link);
+            self.chain.tail().extend(own);
+            self.chain.push(link);
+            return;
+        }
+        if (beside - before).abs() > SAME_MM {
+            self.taper(&mut link, before, bend, findings);
+        }
+        let is_reversal = std::f64::consts::PI - bend < NO_CORNER;
+        let is_outer = cross(d, e) * beside < 0.0 || is_reversal;
+        if bend < NO_CORNER || beside.abs() < SAME_MM || (beside - before).abs() > SAME_MM {
+            self.chain.tail().extend(own);
+            self.chain.push_touching(link, most, findings);
+            return;
+        }
+        // On the bisector, as far from both elements as the tool center.
+        let middle = unit(add(left(d), left(e)));
+        let tip = add(self.point, scaled(middle, beside / (bend / 2.0).cos().max(1e-9)));
+        if !is_outer {
+            self.chain.tail().extend(own);
+            self.chain.cut_at(link, (bend < NEARLY_TANGENTIAL).then_some(tip), most, findings);
+            return;
+        }
+        let is_sharp = bend < limits.flat_rad || link.moving.wish.modal.sharp && bend <= limits.corner_rad;
+        if is_sharp && self.extend(&mut link, tip) {
+            self.chain.tail().extend(own);
+            self.chain.push(link);
+            return;
+        }
+        let corner = self.corner(scaled(left(d), beside), scaled(left(e), beside), beside);
+        self.chain.push_touching(corner, most, findings);
+        self.chain.tail().extend(own);
+        self.chain.push_touching(link, most, findings);
+    }
+
+    /// The arc around the end of the last element, from one normal to another.
+    pub(super) fn corner(&mut self, from: Flat, to: Flat, beside: f64) -> Link {
+        let (start, end) = (add(self.point, from), add(self.point, to));
+        let mut curve = Curve::arc(start, end, self.point, beside > 0.0, 0);
+        if distance(start, end) < 1e-9 {
+            curve = Curve::Line { start, end };
+        }
+        let mut moving = self.last.further();
+        moving.element.starts_block = !self.chain.tail().is_empty();
+        Link::new(Role::Corner, Box::new(moving), Curve::Line { start: self.point, end: self.point }, curve, beside)
+    }
+
+    /// Extends the last piece and the new one to their intersection beyond an outer corner, if they have one near the tip.
+    fn extend(&mut self, link: &mut Link, tip: Flat) -> bool {
+        if !self.chain.waiting.is_empty() {
+            return false;
+        }
+        let reach = distance(tip, self.point);
+        let Some(old) = self.chain.links.back_mut() else { return false };
+        let mut best: Option<(f64, f64, Flat)> = None;
+        for point in old.curve.crossings(&link.curve).iter() {
+            let (end, start) = (old.curve.along(point, old.to), link.curve.along(point, 0.0));
+            let lies_beyond = end >= old.to - SAME_MM && start <= SAME_MM && distance(point, tip) <= reach;
+            if lies_beyond && best.is_none_or(|(_, _, other)| distance(point, tip) < distance(other, tip)) {
+                best = Some((end, start, point));
+            }
+        }
+        let Some((end, start, _)) = best else { return false };
+        old.to = end;
+        link.from = start;
+        true
+    }
+
+    /// From one side of the contour to the other, straight through the corner.
+    fn other_side(&mut self, link: &Link) {
+        let start = add(self.point, scaled(left(self.tangent), self.distance));
+        let curve = Curve::Line { start, end: link.curve.start() };
+        let mut moving = Box::new(self.last.further());
+        moving.element.starts_block = !self.chain.tail().is_empty();
+        let mut through = Link::new(Role::Corner, moving, curve, curve, 0.0);
+        through.is_sealed = true;
+        self.chain.push(through);
+    }
+
+    /// Another radius from this element on: a straight one goes over to it.
+    fn taper(&mut self, link: &mut Link, before: f64, bend: f64, findings: &mut Vec<Fault>) {
+        let beside = link.moving.wish.distance_mm;
+        let is_smooth = bend < NEARLY_TANGENTIAL && self.chain.waiting.is_empty();
+        match link.contour {
+            Curve::Line { start, end } if is_smooth => {
+                let normal = left(link.contour.first_tangent());
+                let curve = Curve::Line { start: add(start, scaled(normal, before)), end: add(end, scaled(normal, beside)) };
+                link.curve = curve;
+                link.to = curve.length();
+                link.clearance_mm = before.abs().min(beside.abs());
+            }
+            _ => findings.push(link.moving.fault(
+                Code::BAD_COMPENSATION,
+                "the radius of the tool changes at a corner or in an arc of the compensated contour",
+                "change D, OFFN or the tool in a straight block that goes on in the direction of the last, or behind G40",
+            )),
+        }
+    }
+
+    /// Gives all pieces but the last ones, which may still change.
+    pub(super) fn release(&mut self, keep: usize, out: &mut Vec<Item>) {
+        let first = std::mem::take(&mut self.chain.first_items);
+        if self.approach.is_some() {
+            self.chain.first_items = first;
+            return;
+        }
+        release_items(first, self.basis, &mut self.position, out);
+        while self.chain.elements() > keep {
+            let Some(link) = self.chain.links.pop_front() else { break };
+            link.release(self.basis, &mut self.position, out);
+        }
+    }
+
+    /// Gives everything as it is.
+    pub(super) fn flush(&mut self, out: &mut Vec<Item>) {
+        if let Some(approach) = self.approach.take() {
+            self.position = approach.path.motion.target;
+            out.push(Item::Path(approach));
+        }
+        let first = std::mem::take(&mut self.chain.first_items);
+        release_items(first, self.basis, &mut self.position, out);
+        let waiting = std::mem::take(&mut self.chain.waiting);
+        for link in self.chain.links.drain(..).chain(waiting) {
+            link.release(self.basis, &mut self.position, out);
+        }
+    }
+}

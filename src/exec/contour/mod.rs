@@ -1,0 +1,79 @@
+//! The contour stage: holds motions back until what follows them is known.
+//!
+//! First [`transition`] puts roundings and chamfers between contour elements, then [`compensation`] moves them sideways by the radius
+//! of the tool. Motions that nothing changes pass through at once. While one is held, the elements behind it wait with it, so that
+//! the order of the stream stays that of the program.
+
+mod angle;
+mod approach;
+mod chain;
+mod check;
+mod compensation;
+mod curve;
+mod link;
+mod moving;
+mod soft;
+mod transition;
+mod wish;
+mod words;
+
+pub(super) use angle::OpenAngle;
+pub(super) use moving::Item;
+pub(super) use wish::{ContourModal, Corner, Soft};
+pub(super) use words::gather_word;
+
+use super::fault::Fault;
+use crate::geometry::AxisSet;
+use crate::machine::Control;
+use angle::OpenLine;
+use compensation::{Compensation, Limits};
+use transition::Transitions;
+
+/// The stage.
+#[derive(Debug)]
+pub(super) struct Contour {
+    open: Option<OpenLine>,
+    transitions: Transitions,
+    compensation: Compensation,
+    between: Vec<Item>,
+    /// What was found.
+    pub(super) findings: Vec<Fault>,
+}
+
+impl Contour {
+    pub(super) fn new(control: &Control) -> Contour {
+        Contour {
+            open: None,
+            transitions: Transitions::default(),
+            compensation: Compensation { limits: Limits::new(control), active: None },
+            between: Vec::new(),
+            findings: Vec::new(),
+        }
+    }
+
+    /// Whether something is held, so that whatever comes must wait behind it.
+    pub(super) fn is_holding(&self) -> bool {
+        self.open.is_some() || self.transitions.is_holding() || self.compensation.active.is_some()
+    }
+
+    /// Takes an item and gives those that are final now.
+    pub(super) fn take(&mut self, item: Item, out: &mut Vec<Item>) {
+        let Some(item) = self.behind_open(item) else { return };
+        self.transitions.take(item, &mut self.between, &mut self.findings);
+        self.compensate(out);
+    }
+
+    /// Gives everything that is held: the program has ended, or must wait here.
+    pub(super) fn finish(&mut self, out: &mut Vec<Item>) {
+        self.close(None, AxisSet::EMPTY, out);
+        self.transitions.finish(&mut self.between, &mut self.findings);
+        self.compensate(out);
+        self.compensation.finish(out, &mut self.findings);
+    }
+
+    fn compensate(&mut self, out: &mut Vec<Item>) {
+        for item in self.between.drain(..) {
+            self.compensation.take(item, out, &mut self.findings);
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Radius compensation: the way of the tool center worked out by hand.
+
+use ncfix::exec::Options;
+use ncfix::machine::{Machine, Tool, ToolChange};
+
+use crate::flat::{check_from, execute};
+use crate::machines::xyz_machine;
+
+/// A machine whose tool 1 has a radius, without length; edge 2 has another.
+pub(crate) fn with_radius(radius_mm: f64) -> Machine {
+    let mut machine = xyz_machine();
+    machine.control.tool_change = ToolChange::T;
+    let tool = |edge, radius_mm| Tool { number: 1, name: None, edge, length_mm: [0.0; 3], radius_mm };
+    machine.tools = vec![tool(1, radius_mm), tool(2, radius_mm - 1.0)];
+    machine
+}
+
+#[track_caller]
+fn check(text: &str, expected: &str) {
+    check_from([0.0; 3], text, &with_radius(5.0), expected);
+}
+
+#[track_caller]
+fn check_codes(text: &str, expected: &[&str]) {
+    assert_eq!(execute(text, &with_radius(5.0), Options::default()).1, expected);
+}
+
+const STEP: &str = "N20 G41 G1 X20 Y20 F500
+N30 Y60
+N40 X60
+N50 Y40
+N60 X80
+N70 G40 X100 Y40
+N80 M30";
+
+#[test]
+fn outer_corners_by_arcs() {
+    check(
+        &format!("N10 G17 G90 T1 D1 G40 G450 NORM\n{STEP}"),
+        "G1 X15 Y20 F500
+        G1 X15 Y60 F500
+        G2/17 X20 Y65 I5 F500
+        G1 X60 Y65 F500
+        G2/17 X65 Y60 J-5 F500
+        G1 X65 Y45 F500
+        G1 X80 Y45 F500
+        G1 X100 Y40 F500",
+    );
+}
+
+#[test]
+fn outer_corners_by_intersections() {
+    check(
+        &format!("N10 G17 G90 T1 D1 G40 G451 NORM\n{STEP}"),
+        "G1 X15 Y20 F500
+        G1 X15 Y65 F500
+        G1 X65 Y65 F500
+        G1 X65 Y45 F500
+        G1 X80 Y45 F500
+        G1 X100 Y40 F500",
+    );
+}
+
+const CIRCLE: &str = "N10 G17 G90 T1 D1
+N20 G41 G1 X70 Y50 F200
+N30 G3 I-20 J0
+N40 G40 G1 X50 Y50
+N50 M30";
+
+#[test]
+fn a_full_circle_inside() {
+    // On the arc F holds at the contour: 200 · 15/20.
+    let expected = "G1 X65 Y50 F200\nG3/17 X65 Y50 I-15 F150\nG1 X50 Y50 F200";
+    check_from([50.0, 50.0, 0.0], CIRCLE, &with_radius(5.0), expected);
+    let mirrored = format!("N5 TRANS X100\nN6 AMIRROR X0\n{CIRCLE}");
+    let expected = "G1 X35 Y50 F200\nG2/17 X35 Y50 I15 F150\nG1 X50 Y50 F200";
+    check_from([50.0, 50.0, 0.0], &mirrored, &with_radius(5.0), expected);
+}
+
+#[test]
+fn soft_approach_and_retraction() {
+    // Quadrant of radius 10 onto (40, -10) beside X: the tool center arrives at (40, -5) from (30, 5). In space: from 3 mm above.
+    let program = |approach: &str, retract: &str| {
+        format!(
+            "N10 G17 G90 G0 T1 D1 X0 Y0 Z20
+N20 G41 {approach} F500
+N30 G1 X60
+N40 G40 {retract} F900
+N50 M30"
+        )
+    };
+    check(
+        &program("G247 DISR=10 DISCL=3 X40 Y-10 Z0", "G348 DISR=10 DISCL=3 X100 Y50 Z20"),
+        "G0 Z20
+        G0 X30 Y5 Z20
+        G0 X30 Y5 Z3
+        G3/17 X40 Y-5 I10 F500
+        G1 X60 Y-5 F500
+        G3/17 X60 Y15 Z3 J10 F500
+        G1 X60 Y15 Z20 F900
+        G1 X100 Y50 Z20 F900",
+    );
+    // In the plane: down first, with the infeed; the end of the approach by the next block; a line of 7 mm and the radius.
+    check(
+        &program("G341 G147 DISR=7 DISCL=AC(4) FAD=100 Z0\nN25 X40 Y-10", "G148 DISR=1 DISCL=2 X100 Y50 Z20"),
+        "G0 Z20
+        G0 X28 Y-5 Z20
+        G0 X28 Y-5 Z4
+        G1 X28 Y-5 F100
+        G1 X40 Y-5 F500
+        G1 X60 Y-5 F500
+        G1 X66 Y-5 F500
+        G1 X66 Y-5 Z2 F500
+        G1 X66 Y-5 Z20 F900
+        G1 X100 Y50 Z20 F900",
+    );
+    check_codes("G17 G90 G0 X0 Y0 Z0\nG247 DISR=10 X40 Y-10 F500\nG1 X60", &["E0201:2"]);
+}
+
+#[test]
+fn elements_by_their_angle() {
+    // tan 30 degrees · 30; then the intersection of a line under 45 degrees from there with one under 90 degrees through (60, 80).
+    check(
+        "N10 G17 G90 G1 X10 Y0 F500
+N20 X40 ANG=30
+N30 ANG=45 RND=0
+N40 X60 Y80 ANG=90
+N50 G91 ANG=180 X-20
+N60 M30",
+        "G1 X10 F500
+        G1 X40 Y17.3205 F500
+        G1 X60 Y37.3205 F500
+        G1 X60 Y80 F500
+        G1 X40 Y80 F500",
+    );
+    check(
+        "N10 G18 G90 G1 X0 Z0 F500
+N20 ANG=90 CHR=2
+N30 M8
+N40 X10 Z30 ANG=0 RND=5
+N50 X40 Z30",
+        "G1 X8 F500
+        G1 X10 Z2 F500
+        G1 X10 Z25 F500
+        G3/18 X15 Z30 I5 F500
+        G1 X40 Z30 F500",
+    );
+    check_codes("G17 G90 G1 X0 Y0 F500\nANG=45\nZ5\nX5 Y5", &["E0210:2"]);
+    check_codes("G17 G90 G1 X0 Y0 F500\nANG=45\nM30", &["E0210:2"]);
+    check_codes("G17 G90 G1 X0 Y0 F500\nX10 ANG=90", &["E0210:2"]);
+    check_codes("G17 G90 G1 X0 Y0 F500\nANG=30\nX10 Y5 ANG=30", &["E0210:3"]);
+}
+
+#[test]
+fn roundings_and_chamfers() {
+    check(
+        "N10 G17 G90 G1 X0 Y0 F500
+N20 X50 RND=10
+N30 Y40 CHR=5
+N40 X0 CHF=10
+N50 Y0
+N60 M30",
+        "G1 X40 Y0 F500
+        G3/17 X50 Y10 J10 F500
+        G1 X50 Y35 F500
+        G1 X45 Y40 F500
+        G1 X7.0711 Y40 F500
+        G1 X0 Y32.9289 F500
+        G1 X0 Y0 F500",
+    );
+}
