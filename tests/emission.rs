@@ -279,3 +279,17 @@ N5 X=AC(7) Y=AC(0) M17
     let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
     assert!(out.ends_with("G1 X5 F300\nG1 X2\nM30\n"), "{out}");
 }
+
+#[test]
+fn save_brings_back_what_is_active_at_the_start() {
+    let text = "G0 X0 Y0 Z0\nSUB\nX2\nM30\n%_N_SUB_SPF\nPROC SUB SAVE\nG641 SOFT\nM17\n";
+    let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
+    assert!(out.ends_with("G641 SOFT\nG60 BRISK\nG0 X2\nM30\n"), "{out}");
+    let demo = std::fs::read_to_string(crate::support::machine("demo")).unwrap();
+    let own = |codes: &str| demo.replace("[control]", &format!("[control]\ninitial_codes = [{codes}]"));
+    let shop = crate::support::Shop::new().file("a.mpf", text.replace("G0 X0", "G90 G54 G0 X0"));
+    let shop = shop.file("m.toml", own("\"G64\", \"soft\"")).file("bad.toml", own("\"G18\""));
+    shop.run(["fix", "a.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+    assert!(shop.text("out.mpf").contains("G641 SOFT\nG64\n"), "{}", shop.text("out.mpf"));
+    shop.run(["check", "a.mpf", "--machine", "bad.toml"]).exits(4).says("'G18' in control.initial_codes");
+}

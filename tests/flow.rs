@@ -322,6 +322,8 @@ fn calls_by_name_and_of_parts() {
     check(&text("G0 X2\nCALL NAME_1 BLOCK FROM_1 TO BB P2\nX1"), &[all[1], all[1], all[2], all[1], all[2], all[0]]);
     check_codes(&text("CALL NAME_1 BLOCK BB TO AA"), &["E0211:3"]);
     check_codes(&text("CALL \"NOWHERE\""), &["E0212:3"]);
+    // A file without header is no program without name.
+    check_codes("CALL \"\"\nCALL \"_SPF\"", &["E0212:1", "E0212:2"]);
     check("G0 X1\nGOTOF END_1\nAA: X2\nBB: X3\nX9\nEND_1: CALL BLOCK AA TO BB\nX4", &[all[0], all[1], all[2], all[3]]);
 }
 
@@ -333,4 +335,10 @@ fn a_call_finds_programs_of_the_library_by_any_form_of_their_name() {
         assert!(codes.is_empty(), "{call}: {codes:?}");
         assert_eq!(lines.last().map(String::as_str), Some("G0 X0 Y0 Z3"), "{call}");
     }
+}
+
+#[test]
+fn a_loop_without_values_is_found_once() {
+    check_codes("FOR R1=1 TO NOWHERE\nG0 X1\nENDFOR", &["E0206:1"]);
+    check_codes("UNKNOWN_1[3]=5", &["E0206:1"]);
 }

@@ -9,7 +9,7 @@ use super::findings::Findings;
 use super::input::{self, is_standard_stream};
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::dialect;
+use crate::dialect::{self, Dialect, Effect};
 use crate::exec::apply_archive;
 use crate::machine::Machine;
 use crate::machine::file::{DEMO, apply_setup};
@@ -98,6 +98,24 @@ pub(super) fn read(source: &Source, setups: &[PathBuf], findings: &mut Findings)
             ),
             &[],
         );
+    }
+    for word in &machine.control.initial_codes {
+        let table = dialect::find(&machine.controller).map(Dialect::codes);
+        let row = table.and_then(|table| table.word(&word.to_ascii_uppercase()));
+        if row.is_none_or(|row| row.effect != Effect::Keep || row.group == 0) {
+            is_usable = false;
+            findings.add(
+                Diagnostic::nowhere(
+                    Code::BAD_VALUE,
+                    format!(
+                        "'{word}' in control.initial_codes of {} is no modal code that changes no position",
+                        source.name()
+                    ),
+                    "write codes such as \"G64\", \"CFTCP\", \"SOFT\"; the zero offset is control.initial_zero_offset",
+                ),
+                &[],
+            );
+        }
     }
     let mut files = Vec::new();
     let mut parts = vec![source.bytes()];

@@ -319,6 +319,10 @@ impl Execution<'_> {
     /// library, among the built-in cycles. A path goes to the library first.
     fn find(&mut self, name: &str, caller: usize) -> Option<(usize, usize)> {
         let short = library::program_name(name);
+        // A file without header has a section without name.
+        if short.is_empty() {
+            return None;
+        }
         let is_path = name.len() != short.len() && name.contains(['/', '\\', ':']);
         if !is_path {
             let in_caller =

@@ -87,6 +87,7 @@ impl<'a> Channel<'a> {
             channel.modal.settable = offset.frame(order).unwrap_or_else(Frame::identity);
         }
         channel.refresh_setup();
+        channel.note_initial_codes();
         channel.modal.programmed = channel.setup.programmed(&channel.modal.command);
         channel
     }

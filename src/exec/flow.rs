@@ -83,6 +83,8 @@ pub(super) fn block(
         Body::Until(condition) if scope.truth(condition)? => Action::Next,
         Body::Until(_) => Action::Jump(partner + 1),
         Body::For { variable, from, to } => {
+            // Where the values cannot be had, the loop ends with its first pass and says no more.
+            level.for_ends.insert(index, f64::NAN);
             let (from, to) = (scope.value(from)?, scope.number(to)?);
             level.for_ends.insert(index, to);
             let start = from.number();

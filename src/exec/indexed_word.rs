@@ -3,6 +3,7 @@
 use super::fault::Fault;
 use super::gather::Gatherer;
 use super::gathered::Gathered;
+use super::names::Meaning;
 use crate::syntax::{ExprId, Node, Word};
 
 impl Gatherer<'_> {
@@ -19,6 +20,8 @@ impl Gatherer<'_> {
                 let axis = self.scope.axis(*axis)?;
                 self.axis(axis.letter(), word, out)
             }
+            // An array that nobody has defined.
+            _ if matches!(self.meanings[name.index()], Meaning::Free) => Err(self.scope.undefined(text, left)),
             _ => Err(self.unsupported(word)),
         }
     }

@@ -34,7 +34,7 @@ impl Scope<'_> {
         Err(self.undefined(text, id))
     }
 
-    fn undefined(&self, text: &str, id: ExprId) -> Fault {
+    pub(super) fn undefined(&self, text: &str, id: ExprId) -> Fault {
         fault(
             Code::UNDEFINED_VARIABLE,
             self.program.expr(id).span,

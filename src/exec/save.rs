@@ -4,7 +4,7 @@ use super::channel::Channel;
 use super::fault::fault;
 use super::modal::Modal;
 use crate::diagnostic::Code;
-use crate::dialect::CodeTable;
+use crate::dialect::{CodeTable, Effect};
 use crate::geometry::{AxisSet, AxisVector, Plane};
 use crate::snc::{FrameKind, FrameStatement, FrameWords, Kind};
 
@@ -148,6 +148,15 @@ pub(super) fn initial(table: &'static CodeTable, group: u8) -> Option<&'static s
 }
 
 impl Channel<'_> {
+    /// Notes the codes that the machine file says are active at the start.
+    pub(super) fn note_initial_codes(&mut self) {
+        let machine = self.machine;
+        let rows = machine.control.initial_codes.iter().filter_map(|word| self.codes.word(&word.to_ascii_uppercase()));
+        for row in rows.filter(|row| row.effect == Effect::Keep && !NOT_MODAL.contains(&row.group)) {
+            self.modal.stated.set_code(row.group, row.name);
+        }
+    }
+
     /// Passes a code on and notes that it is in force.
     pub(super) fn keep(&mut self, word: &'static str) {
         if let Some(row) = self.codes.word(word).filter(|row| !NOT_MODAL.contains(&row.group)) {

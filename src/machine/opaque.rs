@@ -33,11 +33,12 @@ impl Control {
     }
 }
 
-/// Reads `opaque`, `search_path`, `allow_synchronised` and `transverse_axis` of `[control]`.
+/// Reads `opaque`, `search_path`, `initial_codes`, `allow_synchronised` and `transverse_axis` of `[control]`.
 pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     for name in section.texts("opaque").unwrap_or_default() {
         control.opaque.push(Opaque { name: name.to_ascii_uppercase(), moves: true });
     }
+    control.initial_codes = section.texts("initial_codes").unwrap_or_default();
     control.search_path = section.texts("search_path").unwrap_or_default();
     control.allow_synchronised = section.texts("allow_synchronised").unwrap_or_default();
     if let Some(text) = section.text("transverse_axis") {
