@@ -281,6 +281,13 @@ N5 X=AC(7) Y=AC(0) M17
 }
 
 #[test]
+fn save_brings_back_the_feed_of_the_feed_mode() {
+    let text = "G94 F200\nG0 X0 Y0 Z0\nSUB\nG1 X2\nM30\n%_N_SUB_SPF\nPROC SUB SAVE\nG95 G1 X1 F0.1\nM17\n";
+    let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
+    assert!(out.ends_with("G95 G1 X1 F0.1\nG94\nG1 X2 F200\nM30\n"), "{out}");
+}
+
+#[test]
 fn save_brings_back_what_is_active_at_the_start() {
     let text = "G0 X0 Y0 Z0\nSUB\nX2\nM30\n%_N_SUB_SPF\nPROC SUB SAVE\nG641 SOFT\nM17\n";
     let out = corrected(text, &ErrorModel::default(), &Options::default(), false);

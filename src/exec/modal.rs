@@ -42,6 +42,9 @@ impl MotionKind {
     }
 }
 
+/// G group of the feed modes.
+const FEED_MODES: u8 = 15;
+
 /// Modal state of the channel.
 #[derive(Clone, Debug)]
 pub(super) struct Modal {
@@ -175,7 +178,11 @@ impl Modal {
 
     /// Takes over what SAVE does not bring back: position, tool, feed.
     pub(super) fn keep_position_of(&mut self, left: &Modal) {
-        self.feed = left.feed;
+        // A feed per revolution or of inverse time means nothing in the caller's feed mode.
+        if self.stated.code(FEED_MODES) == left.stated.code(FEED_MODES) {
+            self.feed = left.feed;
+        }
+        self.speed = left.speed;
         self.selected.clone_from(&left.selected);
         self.active.clone_from(&left.active);
         self.edge = left.edge;
