@@ -315,3 +315,62 @@ fn a_file_of_the_user_goes_before_the_cycle() {
     assert!(codes.is_empty(), "{codes:?}");
     assert!(lines.iter().any(|line| line == "G0 X7 Y0 Z0"), "{lines:?}");
 }
+
+#[test]
+fn a_cycle_needs_a_known_position_and_a_tool() {
+    let strict = |text: &str| {
+        let options = Options { strict: true, ..Options::default() };
+        run_with(text, &xyz_machine(), Box::new(NoLibrary), options).1
+    };
+    assert_eq!(strict("G17 G90\nHOLES1(0,0,0,0,5,2)\nM30"), ["E0304:2"]);
+    assert_eq!(strict("G17 G90 G0 X0 Y0\nHOLES1(0,0,0,0,5,2)\nM30"), [""; 0]);
+    check_codes("G17 G0 X0 Y0 Z9 F100\nPOCKET4(9,0,2,-7,25,30,30,3,0,0,500,200,0,11)\nM30", &["E0307:2"]);
+}
+
+#[test]
+fn a_program_can_ask_whether_a_modal_call_is_in_force() {
+    check(
+        "G90 G0 X=$P_MC Y0 Z10\nMCALL CYCLE81(10,0,2,-5)\nR1=$P_MC\nMCALL\nX=$P_MC+5*R1\nM30",
+        &["G0 X0 Y0 Z10", "G0 X5 Y0 Z10"],
+    );
+}
+
+#[test]
+fn no_argument_makes_a_cycle_endless_or_fall_over() {
+    let odd = ["0", "", "-1", "1EX8", "-1EX8", "1EX-9", "1000000000", "11111"];
+    let cycles = [
+        ("CYCLE83", 17),
+        ("CYCLE801", 8),
+        ("CYCLE802", 20),
+        ("HOLES1", 6),
+        ("HOLES2", 6),
+        ("LONGHOLE", 15),
+        ("POCKET3", 23),
+        ("POCKET4", 19),
+        ("SLOT1", 25),
+        ("SLOT2", 23),
+        ("CYCLE71", 16),
+        ("CYCLE61", 16),
+        ("CYCLE76", 20),
+        ("CYCLE77", 16),
+    ];
+    let mut machine = xyz_machine();
+    machine.control.tool_change = ncfix::machine::ToolChange::T;
+    machine.tools.push(ncfix::machine::Tool { number: 1, name: None, edge: 1, length_mm: [0.0; 3], radius_mm: 5.0 });
+    // A fixed pseudo-random walk through the arguments: each run ends by itself or at the limit of blocks.
+    let mut state = 12345_u32;
+    for (name, count) in cycles {
+        for _ in 0..12 {
+            let arguments: Vec<&str> = (0..count)
+                .map(|k| {
+                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    let sane = ["10", "0", "2", "-5", "3"];
+                    if state >> 16 & 3 == 0 || k > 4 { odd[(state >> 24) as usize % odd.len()] } else { sane[k % 5] }
+                })
+                .collect();
+            let text = format!("T1 D1\nG17 G0 X0 Y0 Z9 F100\n{name}({})\nM30", arguments.join(","));
+            let options = Options { max_blocks: Some(20_000), ..Options::default() };
+            run_with(&text, &machine, Box::new(NoLibrary), options);
+        }
+    }
+}

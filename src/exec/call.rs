@@ -65,8 +65,10 @@ impl Execution<'_> {
         };
         if kind == CallKind::Modal {
             self.modal_call = None;
+            self.channel.system.modal_call = false;
             if let Some(name) = name {
                 let entry = self.entry(&name, arguments, repeats, span)?;
+                self.channel.system.modal_call = true;
                 self.modal_call = Some(Entry { is_modal: true, ..entry });
             }
             return Ok(());

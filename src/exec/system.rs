@@ -26,6 +26,8 @@ pub(super) struct System {
     pub(super) tools: ToolData,
     /// Whether nothing may be assumed.
     pub(super) strict: bool,
+    /// Whether MCALL is in force.
+    pub(super) modal_call: bool,
 }
 
 /// Variables that are the same on every control that runs a program for real.
@@ -106,9 +108,29 @@ impl Scope<'_> {
         if ZERO_AT_START.contains(&name) {
             return Ok(Value::Real(0.0));
         }
+        let span = self.program.expr(id).span;
+        // What the program itself should have said, and the machine file cannot.
+        match name {
+            "$P_EP" => {
+                let message = format!("{key} is read, and the program has not stated where this axis is");
+                let help = "begin with an absolute position of this axis, or give --start";
+                return Err(fault(Code::UNKNOWN_START, span, message, help));
+            }
+            "$P_TOOLR" if self.modal.tool_assumed => return Ok(Value::Real(0.0)),
+            "$P_TOOLR" => {
+                let message = "the radius of the tool is read, and no cutting edge is in force";
+                return Err(fault(
+                    Code::NO_TOOL,
+                    span,
+                    message,
+                    "program T, M6 where the machine needs it, and D first",
+                ));
+            }
+            _ => {}
+        }
         let message = format!("{key} is read, and only the machine knows its value");
         let help = format!("add \"{}\" = … to [system] of the machine file", key.replace('"', "\\\""));
-        Err(fault(Code::NO_SYSTEM_VALUE, self.program.expr(id).span, message, help))
+        Err(fault(Code::NO_SYSTEM_VALUE, span, message, help))
     }
 
     /// What the execution itself knows.
@@ -136,6 +158,7 @@ impl Scope<'_> {
             "$P_UIFRNUM" => Ok(settable_number(self.modal.stated.offset()).map(Value::Int)),
             "$P_F" => real(if self.modal.inch_feed { self.modal.feed / MM_PER_INCH } else { self.modal.feed }),
             "$P_S" => Ok(self.modal.speed.map(Value::Real)),
+            "$P_MC" => whole(i64::from(self.system.modal_call)),
             "$P_SUBPAR" => Ok(number().and_then(|number| self.variables.is_given(number)).map(Value::Bool)),
             "$P_TOOL" => whole(i64::from(self.modal.edge)),
             "$P_TOOLNO" => Ok(match &self.modal.active {
