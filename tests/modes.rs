@@ -149,12 +149,12 @@ fn a_block_feed_holds_for_all_pieces_of_its_block() {
 
 #[test]
 fn diameters_are_refused_where_they_matter() {
-    check("G90 DIAMON\nG0 Y1 Z2\nDIAMOF G0 X1\nM30", &["G90", "G0 Y1 Z2", "G0 X1", "M30"]);
+    check("G90 DIAMON\nG0 Y1 Z2\nDIAMOF G0 X1\nM30", &["G90 DIAMOF", "G0 Y1 Z2", "DIAMOF G0 X1", "M30"]);
     assert_eq!(codes("G90 DIAMON\nG0 X1"), ["E0201"]);
     assert_eq!(codes("G90 DIAM90\nG2 Y1 I1 F1"), ["E0201"]);
     let mut machine = xyz_machine();
     machine.control.transverse_axis = ncfix::geometry::Axis::Y;
-    check_on(&machine, "G90 DIAMON\nG0 X1 Z2\nM30", &["G90", "G0 X1 Z2", "M30"]);
+    check_on(&machine, "G90 DIAMON\nG0 X1 Z2\nM30", &["G90 DIAMOF", "G0 X1 Z2", "M30"]);
 }
 
 #[test]
@@ -215,6 +215,15 @@ fn an_opaque_call_is_passed_on_with_its_values() {
     );
     assert_eq!(codes("G90\nWASH\nM30"), ["E0212"]);
     assert_eq!(codes("G90\nL6\nM30"), ["E0212"]);
+}
+
+#[test]
+fn an_opaque_program_may_be_called_by_statement() {
+    check_on(
+        &with_opaque(&[("WASH", false)]),
+        "DEF STRING[20] NAME=\"WASH\"\nG90 G0 X1\nCALL NAME\nEXTCALL(\"WASH\")\nPCALL /_N_SPF_DIR/WASH(R1,2)\nM30",
+        &["G90 G0 X1", "CALL \"WASH\"", "EXTCALL(\"WASH\")", "PCALL /_N_SPF_DIR/WASH(0,2)", "M30"],
+    );
 }
 
 #[test]
@@ -311,4 +320,29 @@ fn the_chords_of_one_block_share_its_time() {
     assert!(feeds.len() > 20, "{lines:?}");
     let minutes: f64 = feeds.iter().map(|feed| 1.0 / feed).sum();
     assert!((minutes - 0.25).abs() < 1e-5, "{minutes}");
+}
+
+#[test]
+fn codes_are_programmed_by_group_and_number() {
+    // G54 of this machine lies at X100 Y50 Z10; group 8: 1 is G500, 2 is G54, 6 is G505.
+    check(
+        "G90 G0 X1\nR1=2\nG[8]=R1\nX2\nG[8]=1 G[1]=2 F100\nX3\nG[14]=2\nX1\nM30",
+        &["G90 G0 X1", "G54", "G0 X2", "G500 F100", "G1 X3", "G90", "G1 X4", "M30"],
+    );
+    assert_eq!(codes("G90\nG[1]=77\nM30"), ["E0201"]);
+    assert_eq!(codes("G90\nG[8]=101\nM30"), ["E0201"]);
+    assert_eq!(codes("G90\nG[6]=2 G17\nM30"), ["E0111"]);
+    assert_eq!(codes("G90\nFIELD[1]=2\nM30"), ["E0206"]);
+}
+
+#[test]
+fn the_first_plane_is_that_of_the_machine() {
+    let mut machine = xyz_machine();
+    machine.control.initial_plane = ncfix::geometry::Plane::ZX;
+    check_on(
+        &machine,
+        "G90 G0 X0 Y0 Z0\nG2 X10 Z10 I10 K0 F100\nM30",
+        &["G90 G0 X0 Y0 Z0", "G2 X10 Z10 I10 K0 F100", "M30"],
+    );
+    assert_eq!(codes("G90 G0 X0 Y0 Z0\nG2 X10 Z10 I10 K0 F100\nM30"), ["E0203"]);
 }

@@ -4,7 +4,8 @@ use crate::source::Source;
 use crate::syntax::{Address, Body, Definition, ExprId, Node, Program, Value, Word};
 
 /// Words of data files that assign nothing.
-const FRAMING: [&str; 7] = ["CHANDATA", "METRIC", "INCH", "NEWCONF", "RET", "COMPLETE_CEC", "COMPLETE_QEC"];
+const FRAMING: [&str; 9] =
+    ["CHANDATA", "METRIC", "INCH", "NEWCONF", "RET", "STOPRE", "MSG", "COMPLETE_CEC", "COMPLETE_QEC"];
 /// Beginnings of the variables of each kind of file.
 const KINDS: [(&[&str], &str); 6] = [
     (&["$TC_"], "tool data"),
@@ -89,7 +90,7 @@ fn meaning(program: &Program, word: &Word) -> Option<Data> {
         KINDS.iter().position(is_of).map(Data::Variable)
     };
     match (word.address, word.value) {
-        (Address::Letter(b'M'), Value::Number(17.0 | 2.0 | 30.0, _)) => Some(Data::Framing),
+        (Address::Letter(b'M'), Value::Number(0.0 | 1.0 | 2.0 | 17.0 | 30.0, _)) => Some(Data::Framing),
         (Address::Extended(b'R', _), _) => Some(Data::Parameter),
         (Address::Name(name), _) => named(program.names.text(name)),
         (Address::Indexed(left), _) => left_name(program, left).map_or(Some(Data::Parameter), named),

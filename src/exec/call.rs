@@ -8,6 +8,7 @@ use super::jump::{Place, place_of, search, variable};
 use super::level::Level;
 use super::parameters::{self, Argument};
 use super::part::{Part, count_of};
+use super::pass::opaque_statement;
 use super::value::Value;
 use super::variables::Locals;
 use super::{Execution, Loaded, library, names, scope_of};
@@ -72,6 +73,11 @@ impl Execution<'_> {
                 self.modal_call = Some(Entry { is_modal: true, ..entry });
             }
             return Ok(());
+        }
+        let short = name.as_deref().and_then(|name| name.rsplit('/').next()).unwrap_or_default();
+        if let Some(moves) = self.machine.control.opaque_moves(&short.to_ascii_uppercase()).filter(|_| part.is_none()) {
+            let written = (span, name.as_deref().unwrap_or_default());
+            return opaque_statement(&self.programs[caller], &mut self.channel, written, arguments, moves);
         }
         let shown = name.as_deref().unwrap_or("BLOCK");
         self.check_depth(shown, span)?;

@@ -7,7 +7,6 @@ use super::gathered::{Call, Gathered, NamedValue};
 use super::modal::MotionKind;
 use super::names::Meaning;
 use super::polar::PoleBase;
-use super::value::Value as ExecValue;
 use crate::diagnostic::Code;
 use crate::dialect::{CodeEntry, CodeTable, Effect};
 use crate::geometry::{Axis, AxisSet};
@@ -193,7 +192,7 @@ impl Gatherer<'_> {
         }
     }
 
-    fn group(&self, group: u8, span: Span, out: &mut Gathered) -> Result<(), Fault> {
+    pub(super) fn group(&self, group: u8, span: Span, out: &mut Gathered) -> Result<(), Fault> {
         let bit = 1_u64 << (group & 63);
         if group > 0 && out.groups & bit != 0 {
             let message = format!("this is the second code of G group {group} in the block");
@@ -243,7 +242,10 @@ impl Gatherer<'_> {
             Effect::Display => {}
             Effect::Limits => out.limits = Some(span),
             // The output is in radii; the transverse axis is not moved while they are diameters.
-            Effect::Diameter => out.diameter = Some((entry.name != "DIAMOF", span)),
+            Effect::Diameter => {
+                out.diameter = Some((entry.name != "DIAMOF", span));
+                out.keep.push("DIAMOF");
+            }
             Effect::Refuse => {
                 let message = format!("{} ({}) is not supported yet", entry.name, entry.meaning);
                 return Err(fault(Code::NOT_SUPPORTED, span, message, "the program cannot be corrected with it"));
@@ -370,14 +372,6 @@ impl Gatherer<'_> {
             return Ok(value as u32);
         }
         Err(bad_value(word.span, format!("{value} is not a whole number from 0 to {max}"), "correct the number"))
-    }
-
-    fn text_value(&self, word: &Word) -> Result<Option<Vec<u8>>, Fault> {
-        let Value::Expr(id) = word.value else { return Ok(None) };
-        Ok(match self.scope.value(id)? {
-            ExecValue::Text(text) => Some(text),
-            _ => None,
-        })
     }
 }
 

@@ -29,6 +29,29 @@ const MEMBERS: &[(u8, &[&str])] = &[
     (59, &["DYNNORM", "DYNPOS", "DYNROUGH", "DYNSEMIFIN", "DYNFINISH"]),
 ];
 
+/// Codes of the groups whose state is kept elsewhere, likewise.
+const MORE_MEMBERS: &[(u8, &[&str])] = &[
+    (1, &["G0", "G1", "G2", "G3", "CIP"]),
+    (6, &["G17", "G18", "G19"]),
+    (13, &["G70", "G71", "G700", "G710"]),
+    (14, &["G90", "G91"]),
+];
+
+/// The code of a number within its group.
+pub(super) fn code_of(group: i64, number: i64) -> Option<String> {
+    if group == 8 {
+        return match number {
+            1 => Some("G500".to_owned()),
+            2..=5 => Some(format!("G{}", 52 + number)),
+            6..=100 => Some(format!("G{}", 499 + number)),
+            _ => None,
+        };
+    }
+    let (_, members) = MEMBERS.iter().chain(MORE_MEMBERS).find(|(known, _)| i64::from(*known) == group)?;
+    let place = usize::try_from(number).ok()?.checked_sub(1)?;
+    members.get(place).map(|name| (*name).to_owned())
+}
+
 impl Scope<'_> {
     /// The number of the code in force; `None` for groups whose numbers are not known here.
     pub(super) fn member(&self, group: i64) -> Option<i64> {

@@ -1,10 +1,12 @@
 //! Words whose address has an index: `AX[…]=`. Assignments to elements of arrays and system variables were carried out before.
 
-use super::fault::Fault;
+use super::fault::{Fault, fault};
 use super::gather::Gatherer;
 use super::gathered::Gathered;
+use super::groups::code_of;
 use super::names::Meaning;
-use crate::syntax::{ExprId, Node, Word};
+use crate::diagnostic::Code;
+use crate::syntax::{ExprId, Node, Value, Word};
 
 impl Gatherer<'_> {
     /// Reads a word with an index.
@@ -20,9 +22,29 @@ impl Gatherer<'_> {
                 let axis = self.scope.axis(*axis)?;
                 self.axis(axis.letter(), word, out)
             }
+            ("G", [Some(group)]) => self.code_by_number(*group, word, out),
             // An array that nobody has defined.
             _ if matches!(self.meanings[name.index()], Meaning::Free) => Err(self.scope.undefined(text, left)),
             _ => Err(self.unsupported(word)),
+        }
+    }
+
+    /// `G[8]=2`: the second code of group 8.
+    fn code_by_number(&self, group: ExprId, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+        let Value::Expr(value) = word.value else { return Err(self.unsupported(word)) };
+        let (group, number) = (self.scope.whole(group)?, self.scope.whole(value)?);
+        let unknown = || {
+            let message = format!("G[{group}]={number}: this code is not known by its number");
+            fault(Code::NOT_SUPPORTED, word.span, message, "program the code by its name")
+        };
+        let name = code_of(group, number).ok_or_else(unknown)?;
+        match self.codes.word(&name) {
+            Some(entry) => self.code(entry, word.span, out),
+            None => {
+                self.group(8, word.span, out)?;
+                out.offset = Some((name, word.span));
+                Ok(())
+            }
         }
     }
 }

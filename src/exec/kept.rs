@@ -125,6 +125,7 @@ pub(super) const ROWS: &[Row] = &[
     plain("COUPRES"),
     plain("WAITC"),
     // Couplings of axes: only what ends them.
+    plain("CTABDEL"),
     plain("TRAILOF"),
     plain("LEADOF"),
     plain("EGOFS"),
@@ -139,6 +140,7 @@ pub(super) const ROWS: &[Row] = &[
     plain("TANGOF"),
     plain("TANGDEL"),
     plain("OSE"),
+    refuse("CTABDEF", "the blocks up to CTABEND fill a table and move nothing"),
     refuse("TRAILON", COUPLED),
     refuse("LEADON", COUPLED),
     refuse("EGON", COUPLED),

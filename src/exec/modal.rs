@@ -110,7 +110,7 @@ impl Modal {
         let command = start.unwrap_or_default();
         Modal {
             motion: MotionKind::Line,
-            plane: Plane::XY,
+            plane: machine.control.initial_plane,
             tool_length_plane: machine.control.tool_length_plane,
             incremental: false,
             inch: false,

@@ -11,9 +11,10 @@ use super::gathered::Gathered;
 use super::kept::{INDEXED_LETTERS, Treatment, Unit};
 use super::names::Meaning;
 use super::value::Value as ExecValue;
-use super::{Loaded, assign::assign_value};
+use super::{Loaded, assign::assign_value, gatherer};
 use crate::diagnostic::Code;
 use crate::geometry::AxisSet;
+use crate::snc::Kind;
 use crate::source::Span;
 use crate::syntax::{Address, ArgumentRange, Block, DimensionFunction, ExprId, Node, Value, Word};
 use crate::units::MM_PER_INCH;
@@ -133,6 +134,15 @@ impl Gatherer<'_> {
         out.is_complete = true;
         out.loses_position |= moves;
         Ok(true)
+    }
+
+    /// The text behind an address, where it is none the number counts.
+    pub(super) fn text_value(&self, word: &Word) -> Result<Option<Vec<u8>>, Fault> {
+        let Value::Expr(id) = word.value else { return Ok(None) };
+        Ok(match self.scope.value(id)? {
+            ExecValue::Text(text) => Some(text),
+            _ => None,
+        })
     }
 
     fn source(&self, span: Span) -> &[u8] {
@@ -295,6 +305,35 @@ pub(super) fn file_result(loaded: &Loaded, channel: &mut Channel<'_>, word: &Wor
         }
         _ => Ok(()),
     }
+}
+
+/// A call by statement that the control carries out: `CALL "NAME"`, `PCALL path(…)`, `EXTCALL("NAME")`.
+pub(super) fn opaque_statement(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    (span, name): (Span, &str),
+    arguments: Option<ArgumentRange>,
+    moves: bool,
+) -> Result<(), Fault> {
+    let source = loaded.program.source.slice(span);
+    let keyword: Vec<u8> = source.iter().take_while(|byte| byte.is_ascii_alphabetic()).copied().collect();
+    let mut text = keyword.to_ascii_uppercase();
+    match text.as_slice() {
+        b"EXTCALL" => text.extend(format!("(\"{name}\")").into_bytes()),
+        b"CALL" => text.extend(format!(" \"{name}\"").into_bytes()),
+        _ => text.extend(format!(" {name}").into_bytes()),
+    }
+    if let Some(range) = arguments {
+        text.push(b'(');
+        gatherer(loaded, channel, channel.machine).arguments(range, Unit::None, &mut text)?;
+        text.push(b')');
+    }
+    channel.push(Kind::Verbatim(text));
+    if moves {
+        channel.modal.forget_position();
+        channel.push(Kind::Lost);
+    }
+    Ok(())
 }
 
 impl Channel<'_> {

@@ -278,6 +278,9 @@ fn read_control(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
             section.report(Code::BAD_VALUE, section.place_of("tool_change"), message, help);
         }
     }
+    if let Some(plane) = section.number_where("initial_plane", "17, 18 or 19", |number| plane_of(number).is_some()) {
+        control.initial_plane = plane_of(plane).unwrap_or(control.initial_plane);
+    }
     if let Some(number) = section.number_where("tool_length_plane", "17, 18 or 19", |number| plane_of(number).is_some())
     {
         control.tool_length_plane = plane_of(number);

@@ -135,6 +135,8 @@ pub struct Control {
     pub search_path: Vec<String>,
     /// Modal codes that are active at the start and differ from those of the control as delivered (Sinumerik MD20150).
     pub initial_codes: Vec<String>,
+    /// The working plane that is active at the start (Sinumerik MD20150).
+    pub initial_plane: Plane,
     /// Program levels, main program included.
     pub max_program_levels: u32,
     /// Sinumerik MD20210: change of direction beyond which G451 goes around a corner on an arc too, rad.
@@ -206,6 +208,7 @@ impl Default for Control {
             transverse_axis: Axis::X,
             search_path: Vec::new(),
             initial_codes: Vec::new(),
+            initial_plane: Plane::XY,
             max_program_levels: 16,
             compensation_corner_rad: 100_f64.to_radians(),
             compensation_flat_rad: 10_f64.to_radians(),
