@@ -33,7 +33,7 @@ fn with_tool(mut machine: Machine) -> Machine {
     machine
 }
 
-fn execute(text: &str, machine: &Machine) -> (Vec<Element>, Vec<Diagnostic>) {
+pub(crate) fn execute(text: &str, machine: &Machine) -> (Vec<Element>, Vec<Diagnostic>) {
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
     let (program, findings) = syntax::parse(&source, dialect::sinumerik());
     assert!(findings.is_empty(), "{findings:?}");
@@ -55,7 +55,7 @@ fn targets(elements: &[Element], line: u32) -> Vec<AxisVector> {
         .collect()
 }
 
-fn elements(text: &str, machine: &Machine) -> Vec<Element> {
+pub(crate) fn elements(text: &str, machine: &Machine) -> Vec<Element> {
     let (elements, found) = execute(text, machine);
     assert!(found.is_empty(), "{found:#?}");
     elements

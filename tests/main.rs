@@ -35,6 +35,7 @@ mod model;
 mod modes;
 mod programs;
 mod saved_data;
+mod splines;
 mod support;
 mod synchronised;
 mod system;

@@ -33,6 +33,8 @@ pub enum Effect {
     Transform,
     /// Says how orientations are meant.
     Orientation,
+    /// Says how splines begin or end.
+    Spline,
     /// Limits of working area or spindle: the whole block is passed on.
     Limits,
     /// Diameter or radius programming of the transverse axis.
@@ -124,6 +126,7 @@ impl Effect {
             "feedmode" => Effect::FeedMode,
             "transform" => Effect::Transform,
             "orientation" => Effect::Orientation,
+            "spline" => Effect::Spline,
             "limits" => Effect::Limits,
             "diameter" => Effect::Diameter,
             "display" => Effect::Display,

@@ -3,6 +3,11 @@
 //! An address with a value is gathered by its row here and found again by [`super::gathered::Gathered::named`]; whoever executes it
 //! takes it from there. To add one, add a variant, a row, and the code that takes it.
 
+use super::fault::Fault;
+use super::gather::{Gatherer, twice};
+use super::gathered::{Gathered, NamedValue};
+use crate::syntax::{Value, Word};
+
 /// An address that is a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Named {
@@ -21,6 +26,12 @@ pub(super) enum Named {
     Rp,
     /// Angle of a rotation in the working plane.
     Rpl,
+    /// Length of the parameter of a spline or polynomial.
+    Pl,
+    /// Weight of a control point.
+    Pw,
+    /// Degree of a B-spline.
+    Sd,
     /// A part of a direction of the tool or surface: `A2=` (angles), `A3=` (tool), by its number and slot.
     Orientation(u8, u8),
     /// Roundings and chamfers behind the block, and their feed.
@@ -65,6 +76,9 @@ pub(super) const NAMED: &[(&str, Named)] = &[
     ("DISCL", Named::Discl),
     ("DISRP", Named::Disrp),
     ("FAD", Named::Fad),
+    ("PL", Named::Pl),
+    ("PW", Named::Pw),
+    ("SD", Named::Sd),
 ];
 
 /// The address of a name, upper case.
@@ -98,5 +112,20 @@ impl Named {
                 | Named::Ang
                 | Named::Orientation(..)
         )
+    }
+}
+
+impl Gatherer<'_> {
+    /// Reads the value of a named address.
+    pub(super) fn address(&self, address: Named, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+        let dimension = match word.value {
+            Value::Dimension(function, _) => Some(function),
+            _ => None,
+        };
+        if out.named(address).is_some() {
+            return Err(twice(word.span));
+        }
+        out.addresses.push(NamedValue { address, value: self.number(word)?, dimension, span: word.span });
+        Ok(())
     }
 }

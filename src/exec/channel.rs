@@ -7,17 +7,17 @@ use super::Options;
 use super::contour::{Contour, Corner, Item, OpenAngle, Soft};
 use super::fault::{Fault, fault};
 use super::frames;
-use super::gather::bad_value;
 use super::gathered::Gathered;
 use super::modal::Modal;
 use super::motion::{MotionContext, motion};
+use super::spline::{self, Splines};
 use super::system::System;
 use super::variables::Variables;
 use crate::diagnostic::Code;
 use crate::dialect::CodeTable;
 use crate::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Plane};
 use crate::machine::{Kinematics, Machine};
-use crate::snc::{BlockNumber, Dwell, Element, Kind, Origin, Setup, Word, WordValue};
+use crate::snc::{BlockNumber, Element, Kind, Origin, Setup, Word, WordValue};
 use crate::source::{FileId, Span};
 use crate::units::MM_PER_INCH;
 
@@ -35,6 +35,7 @@ pub(super) struct Channel<'a> {
     pub(super) codes: &'static CodeTable,
     /// Whether the block has moved a geometry axis.
     pub(super) has_moved: bool,
+    pub(super) splines: Splines,
     pub(super) contour: Contour,
     pub(super) released: Vec<Item>,
     /// What the motion to come wants of the contour stage.
@@ -64,6 +65,7 @@ impl<'a> Channel<'a> {
             kinematics: None,
             queue: VecDeque::with_capacity(16),
             warnings: Vec::new(),
+            splines: Splines::default(),
             contour: Contour::new(&machine.control),
             corner: None,
             soft: None,
@@ -109,6 +111,15 @@ impl<'a> Channel<'a> {
     /// Puts an element into the stream.
     pub(super) fn push(&mut self, kind: Kind) {
         let element = self.element(kind);
+        if self.splines.is_holding() {
+            self.hold(element);
+        } else {
+            self.pass(element);
+        }
+    }
+
+    /// Puts an element behind the splines.
+    pub(super) fn pass(&mut self, element: Element) {
         if !self.contour.is_holding() {
             self.queue.push_back(element);
             return;
@@ -227,6 +238,9 @@ impl<'a> Channel<'a> {
         if let Some((kind, _)) = gathered.motion {
             self.modal.motion = kind;
         }
+        for &(is_end, end) in &gathered.curve.ends {
+            self.modal.spline_ends[usize::from(is_end)] = end;
+        }
         if let Some(inverse_time) = gathered.inverse_time
             && inverse_time != self.modal.inverse_time
         {
@@ -242,38 +256,6 @@ impl<'a> Channel<'a> {
         {
             self.modal.plane = plane;
             self.refresh_setup();
-        }
-        Ok(())
-    }
-
-    fn dwell(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
-        let dwell = match (gathered.feed, gathered.speed) {
-            (Some((seconds, _)), None) => Dwell::Seconds(seconds),
-            (None, Some((turns, _))) if turns >= 0.0 => Dwell::Turns(turns),
-            _ => {
-                return Err(bad_value(
-                    span,
-                    "G4 needs either F with seconds or S with turns",
-                    "write for example G4 F1.5",
-                ));
-            }
-        };
-        if !gathered.named.is_empty() {
-            return Err(fault(
-                Code::MUST_STAND_ALONE,
-                span,
-                "G4 shares its block with a motion",
-                "give the dwell a block of its own",
-            ));
-        }
-        let before = std::mem::take(&mut gathered.before);
-        if !before.is_empty() {
-            self.push(Kind::Before(before));
-        }
-        self.push(Kind::Dwell(dwell));
-        let after = std::mem::take(&mut gathered.after);
-        if !after.is_empty() {
-            self.push(Kind::After(after));
         }
         Ok(())
     }
@@ -336,8 +318,8 @@ impl<'a> Channel<'a> {
             self.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));
         }
         self.orient(gathered, &mut path)?;
-        self.push_path(path);
-        Ok(())
+        let node = spline::node(gathered, &self.modal)?;
+        self.push_path(path, node)
     }
 
     /// Puts frame and tool in force. An axis along which the tool length changes is taken as unknown until the program states it

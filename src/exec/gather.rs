@@ -1,12 +1,12 @@
 //! Gathers the words of one block before anything is executed: gather, check, execute.
 
-use super::address::Named;
 use super::expression::Scope;
 use super::fault::{Fault, fault};
-use super::gathered::{Call, Gathered, NamedValue};
+use super::gathered::{Call, Gathered};
 use super::modal::MotionKind;
 use super::names::Meaning;
 use super::polar::PoleBase;
+use super::spline::End;
 use crate::diagnostic::Code;
 use crate::dialect::{CodeEntry, CodeTable, Effect};
 use crate::geometry::{Axis, AxisSet};
@@ -239,6 +239,7 @@ impl Gatherer<'_> {
                 out.transform.codes.push(entry.name);
             }
             Effect::Contour => super::contour::gather_word(entry.name, out),
+            Effect::Spline => out.curve.ends.extend(End::of(entry.name)),
             Effect::Display => {}
             Effect::Limits => out.limits = Some(span),
             // The output is in radii; the transverse axis is not moved while they are diameters.
@@ -331,18 +332,6 @@ impl Gatherer<'_> {
         }
     }
 
-    fn address(&self, address: Named, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
-        let dimension = match word.value {
-            Value::Dimension(function, _) => Some(function),
-            _ => None,
-        };
-        if out.named(address).is_some() {
-            return Err(twice(word.span));
-        }
-        out.addresses.push(NamedValue { address, value: self.number(word)?, dimension, span: word.span });
-        Ok(())
-    }
-
     pub(super) fn unsupported(&self, word: &Word) -> Fault {
         let text = String::from_utf8_lossy(self.scope.program.source.slice(word.span)).into_owned();
         let shown: String = text.chars().take(40).collect();
@@ -355,7 +344,7 @@ impl Gatherer<'_> {
     }
 
     /// The number behind an address.
-    fn number(&self, word: &Word) -> Result<f64, Fault> {
+    pub(super) fn number(&self, word: &Word) -> Result<f64, Fault> {
         match word.value {
             Value::Number(value, _) => Ok(value),
             Value::Expr(id) | Value::Dimension(_, id) => self.scope.number(id),
@@ -382,7 +371,7 @@ fn once<T>(place: &mut Option<T>, value: T, span: Span) -> Result<(), Fault> {
     }
 }
 
-fn twice(span: Span) -> Fault {
+pub(super) fn twice(span: Span) -> Fault {
     fault(Code::DOUBLE_WORD, span, "this address stands twice in the block", "keep one of them, or split the block")
 }
 

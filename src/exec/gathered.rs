@@ -4,6 +4,7 @@ use super::address::Named;
 use super::fault::Fault;
 use super::modal::MotionKind;
 use super::polar::PoleBase;
+use super::polynomial::CurveWords;
 use super::transform::TransformWords;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
 use crate::snc::{FrameKind, Word as AuxWord, WordValue};
@@ -53,6 +54,8 @@ pub(super) struct Gathered {
     pub(super) as_incremental: AxisSet,
     pub(super) center: [Option<(f64, bool)>; 3],
     pub(super) center_span: Span,
+    /// Splines and polynomials.
+    pub(super) curve: CurveWords,
     /// Five-axis transformation.
     pub(super) transform: TransformWords,
     /// Values of named addresses, see [`Self::named`].
@@ -111,6 +114,7 @@ impl Gathered {
             center: [None; 3],
             center_span: Span::default(),
             addresses: Vec::new(),
+            curve: CurveWords::default(),
             transform: TransformWords::default(),
             feed: None,
             speed: None,

@@ -65,6 +65,10 @@ impl Scope<'_> {
                 MotionKind::CounterClockwise => 4,
                 MotionKind::Through => 5,
                 MotionKind::Tangent => 15,
+                MotionKind::Akima => 6,
+                MotionKind::BSpline => 7,
+                MotionKind::Cubic => 8,
+                MotionKind::Polynomial => 9,
             },
             6 => match modal.plane {
                 Plane::XY => 1,

@@ -23,6 +23,7 @@ impl Gatherer<'_> {
                 self.axis(axis.letter(), word, out)
             }
             ("G", [Some(group)]) => self.code_by_number(*group, word, out),
+            ("PO", axes) => self.polynomial(axes, word, out),
             // An array that nobody has defined.
             _ if matches!(self.meanings[name.index()], Meaning::Free) => Err(self.scope.undefined(text, left)),
             _ => Err(self.unsupported(word)),

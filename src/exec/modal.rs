@@ -3,6 +3,7 @@
 use super::contour::ContourModal;
 use super::polar::Polar;
 use super::save::Stated;
+use super::spline::End;
 use super::transform::Transform;
 use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
 use crate::machine::Machine;
@@ -25,6 +26,14 @@ pub(super) enum MotionKind {
     Through,
     /// CT
     Tangent,
+    /// ASPLINE
+    Akima,
+    /// BSPLINE
+    BSpline,
+    /// CSPLINE
+    Cubic,
+    /// POLY
+    Polynomial,
 }
 
 impl MotionKind {
@@ -37,6 +46,10 @@ impl MotionKind {
             "G3" => MotionKind::CounterClockwise,
             "CIP" => MotionKind::Through,
             "CT" => MotionKind::Tangent,
+            "ASPLINE" => MotionKind::Akima,
+            "BSPLINE" => MotionKind::BSpline,
+            "CSPLINE" => MotionKind::Cubic,
+            "POLY" => MotionKind::Polynomial,
             _ => return None,
         })
     }
@@ -97,6 +110,8 @@ pub(super) struct Modal {
     pub(super) command: AxisVector,
     /// Last programmed values per axis; after a frame change they may belong to the old frame (Sinumerik SD42440).
     pub(super) programmed: AxisVector,
+    /// How splines begin and end.
+    pub(super) spline_ends: [End; 2],
     /// Five-axis transformation.
     pub(super) transform: Transform,
     /// Axes whose position the program has stated, in the frame in force.
@@ -138,6 +153,7 @@ impl Modal {
             command,
             programmed: command,
             stale: AxisSet::EMPTY,
+            spline_ends: [End::Natural; 2],
             transform: Transform::default(),
             known: if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY },
         }

@@ -7,7 +7,7 @@ use super::gather::bad_value;
 use super::gathered::Gathered;
 use super::modal::{Modal, MotionKind};
 use super::path::{Path, Shape};
-use super::{arc, polar, spatial};
+use super::{arc, polar, polynomial, spatial};
 use crate::diagnostic::Code;
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
 use crate::machine::Control;
@@ -46,6 +46,8 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         .ok_or_else(|| bad_value(context.span, "the frame squeezes the working plane flat", "check SCALE"))?;
     let shape = match modal.motion {
         MotionKind::Rapid | MotionKind::Line => Shape::Line,
+        MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic => Shape::Line,
+        MotionKind::Polynomial => polynomial::shape(gathered, modal, context, &start, &target)?,
         MotionKind::Clockwise | MotionKind::CounterClockwise => {
             if let Some(end) = arc::end_by_angle(gathered, modal, context)? {
                 let plane = modal.plane.axes().into_iter().take(2).collect();
@@ -67,6 +69,10 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         }
     };
     spatial::note_tangent(&mut modal.tangent, &start, &target, &shape, &basis);
+    if matches!(modal.motion, MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic) {
+        // Where the spline will lead is not known yet.
+        modal.tangent = None;
+    }
     modal.known = modal.known.union(named);
     modal.command = target;
     let motion = Move {

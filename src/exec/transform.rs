@@ -108,6 +108,7 @@ impl Channel<'_> {
             if is_on {
                 self.check_kinematics(span)?;
             }
+            self.finish();
             self.push(Kind::Keep(name));
             self.switch(is_on);
         }

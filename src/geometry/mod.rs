@@ -3,16 +3,20 @@
 mod arc;
 mod axes;
 mod basis;
+mod bezier;
 mod frame;
 mod frame_parts;
 mod rotation;
+mod spline;
 
 pub use arc::{Arc, CenterFault, Plane};
 pub use axes::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
 pub use basis::PlaneBasis;
+pub use bezier::{Bezier, CurveFault, Weighted, weighted};
 pub use frame::Frame;
 pub use frame_parts::FrameParts;
 pub use rotation::{RotationOrder, about, by_solid_angles};
+pub use spline::{BSpline, SplineEnd, akima_slopes, cubic_slopes};
 
 /// A vector in space, mm or a direction.
 pub type Vector = nalgebra::Vector3<f64>;

@@ -19,7 +19,7 @@ mod words;
 
 pub(super) use angle::OpenAngle;
 pub(super) use moving::Item;
-pub(super) use wish::{ContourModal, Corner, Soft};
+pub(super) use wish::{ContourModal, Corner, Soft, Wish};
 pub(super) use words::gather_word;
 
 use super::fault::Fault;

@@ -14,7 +14,7 @@ use crate::exec::gathered::{Gathered, NamedValue};
 use crate::exec::modal::MotionKind;
 use crate::exec::path::Path;
 use crate::geometry::AxisSet;
-use crate::snc::Kind;
+use crate::snc::Element;
 use crate::syntax::DimensionFunction;
 use crate::units::MM_PER_INCH;
 
@@ -210,7 +210,7 @@ impl Channel<'_> {
     }
 
     /// What the motion of a block asks of the stage; `None` where it is what it is.
-    fn wish(&mut self, path: &Path) -> Option<Wish> {
+    pub(in crate::exec) fn wish(&mut self, path: &Path) -> Option<Wish> {
         let (corner, soft) = (self.corner.take(), self.soft.take());
         let modal = self.modal.contour;
         let is_open = self.open_angle.is_some();
@@ -243,9 +243,7 @@ impl Channel<'_> {
     }
 
     /// Puts a motion into the stream, through the contour stage where it must.
-    pub(in crate::exec) fn push_path(&mut self, path: Path) {
-        let wish = self.wish(&path);
-        let element = self.element(Kind::Empty);
+    pub(in crate::exec) fn pass_path(&mut self, path: Path, element: Element, wish: Option<Wish>) {
         match wish {
             None => self.resolve(&path, element),
             Some(wish) => {
@@ -289,6 +287,8 @@ impl Channel<'_> {
 
     /// Ends what is held back.
     pub(in crate::exec) fn finish(&mut self) {
+        let ended = self.end_spline(None);
+        self.warnings.extend(ended.err());
         self.warnings.extend(self.open_angle.take().map(|open| without_end(open.span())));
         let mut released = std::mem::take(&mut self.released);
         self.contour.finish(&mut released);
