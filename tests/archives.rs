@@ -49,6 +49,18 @@ fn a_program_in_an_archive_is_executed_with_its_subprograms() {
 }
 
 #[test]
+fn tools_and_zero_offsets_of_an_archive_are_a_set_up() {
+    let tools = ("TO1.TOA", "\\_N_TOA_DIR\\", "CHANDATA(1)\n$TC_DP3[5,1]=100\n$TC_DP6[5,1]=7\nM17\n");
+    let offsets = ("CHANNEL1.UFR", "\\", "$P_UIFR[1,X,TR]=11\nM17\n");
+    let shop = Shop::new()
+        .file("SAVE.arc", archive(&[PART, tools, L6, offsets]))
+        .file("m.toml", crate::system::IDEAL)
+        .file("p.mpf", "G90 G54 G0 X1 Y=$TC_DP6[5,1] Z0\nM30\n");
+    let run = shop.run(["snc", "p.mpf", "--machine", "m.toml", "--setup", "SAVE.arc"]).exits(0);
+    assert!(run.stdout.contains("G0 X12 Y7 Z0"), "{}", run.stdout);
+}
+
+#[test]
 fn one_of_several_programs_is_named_behind_the_archive() {
     let other = ("OTHER.MPF", "\\MPF.DIR\\", "G90 G54 G0 X7\nM30\n");
     let shop = Shop::new().file("SAVE.arc", archive(&[PART, EDGE, L6, other]));

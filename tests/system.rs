@@ -230,6 +230,12 @@ X=$P_UIFRNUM+$P_GG[8]";
     let expected = ["G0 X0 Y0 Z0", "G0 X1 Y1 Z1", "G1 X2 Y2 Z2 F100", "G1 X2 Y1 Z1 F100", "G1 X1 Y1 Z1 F100"];
     check(text, &expected);
     check_codes("R1=$P_GG[64]", &["E0219:1"]);
+    check(
+        "G[1]=1 G[14]=1 X=$P_GG[13] Y0 Z0\nR1=3 G710 G[6]=1\nG[1]=R1-2 X=$P_GG[13]\nS500\nX=$P_S/100 Y=$P_MC",
+        &["G0 X2 Y0 Z0", "G0 X4 Y0 Z0", "G0 X5 Y0 Z0"],
+    );
+    check_codes("G[1]=99", &["E0201:1"]);
+    check("G[8]=1 G0 X1 Y0 Z0", &["G0 X1 Y0 Z0"]);
 }
 
 #[test]

@@ -46,6 +46,7 @@ fn an_empty_slot_of_a_list_keeps_the_old_value_and_a_whole_array_is_repeated() {
         "DEF INT A[4]=(1,2,3,4)
 DEF INT B_1[2,2]
 A[0]=SET(5,,7)
+B_1=(1,1,1)
 B_1=REP(9)
 R10=SET(1,2,3)
 R[11]=SET(,30)

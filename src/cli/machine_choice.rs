@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
 
+use super::archive;
 use super::arguments::MachineChoice;
 use super::findings::Findings;
 use super::input::{self, is_standard_stream};
@@ -122,13 +123,16 @@ pub(super) fn read(source: &Source, setups: &[PathBuf], findings: &mut Findings)
     let mut sources = Vec::new();
     for path in setups {
         let setup = input::read(path, FileId(0))?;
-        let found = if is_saved_data(path, setup.bytes()) {
-            apply_archive(&setup, &mut machine)
-        } else {
-            apply_setup(&setup, &mut machine)
-        };
-        is_usable &= !found.iter().any(Diagnostic::is_error);
-        findings.extend(found, std::slice::from_ref(&setup));
+        let members = archive::saved_data(path, setup.bytes())?.unwrap_or_else(|| vec![setup.clone()]);
+        for member in members {
+            let found = if member.name() != setup.name() || is_saved_data(path, member.bytes()) {
+                apply_archive(&member, &mut machine)
+            } else {
+                apply_setup(&member, &mut machine)
+            };
+            is_usable &= !found.iter().any(Diagnostic::is_error);
+            findings.extend(found, std::slice::from_ref(&member));
+        }
         files.push(path.clone());
         sources.push(setup);
     }

@@ -5,6 +5,7 @@ use super::fault::{Fault, fault};
 use super::gathered::{Call, Gathered};
 use super::modal::MotionKind;
 use super::names::Meaning;
+use super::operand::undefined;
 use super::polar::PoleBase;
 use super::spline::End;
 use crate::diagnostic::Code;
@@ -314,13 +315,10 @@ impl Gatherer<'_> {
                 Err(self.unsupported(word))
             }
             // Assignments were carried out before the words are gathered.
-            (Meaning::Free, Value::Expr(_)) if self.scope.variables.has(name, text) => Ok(()),
-            (Meaning::Free, Value::Expr(_)) => Err(fault(
-                Code::UNDEFINED_VARIABLE,
-                word.span,
-                format!("{text} is neither a variable nor a known address"),
-                "define it with DEF at the start of this program",
-            )),
+            (Meaning::Free, Value::Expr(_) | Value::Arguments(_)) if self.scope.variables.has(name, text) => Ok(()),
+            (Meaning::Free, Value::Expr(_)) => {
+                Err(undefined(format!("{text} is neither a variable nor a known address"), text, word.span))
+            }
             (Meaning::Free, Value::None) => self.call(text.to_owned(), None, word.span, out),
             (Meaning::Free, Value::Arguments(range)) => self.call(text.to_owned(), Some(range), word.span, out),
             _ => Err(fault(
@@ -355,7 +353,7 @@ impl Gatherer<'_> {
     }
 
     /// A whole number from 0 to `max`.
-    fn whole(&self, word: &Word, max: u32) -> Result<u32, Fault> {
+    pub(super) fn whole(&self, word: &Word, max: u32) -> Result<u32, Fault> {
         let value = self.number(word)?;
         if value.fract() == 0.0 && (0.0..=f64::from(max)).contains(&value) {
             return Ok(value as u32);

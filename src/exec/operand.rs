@@ -6,6 +6,7 @@ use super::value::{Value, axis_of, is_axis_name};
 use super::variables::List;
 use crate::diagnostic::Code;
 use crate::geometry::Axis;
+use crate::source::Span;
 use crate::syntax::{ArgumentRange, ExprId, NameId, Node};
 
 impl Scope<'_> {
@@ -35,14 +36,7 @@ impl Scope<'_> {
     }
 
     pub(super) fn undefined(&self, text: &str, id: ExprId) -> Fault {
-        fault(
-            Code::UNDEFINED_VARIABLE,
-            self.program.expr(id).span,
-            format!("{text} is not defined"),
-            format!(
-                "define it with DEF at the start of this program, or give its value as {text} = … in [gud] of the machine file"
-            ),
-        )
+        undefined(format!("{text} is not defined"), text, self.program.expr(id).span)
     }
 
     pub(super) fn indexed(&self, name: NameId, range: ArgumentRange, id: ExprId) -> Result<Value, Fault> {
@@ -125,4 +119,12 @@ impl Scope<'_> {
             fault(Code::NO_AXIS, span, message, "name an axis of the machine")
         })
     }
+}
+
+/// A name that nothing defines.
+pub(super) fn undefined(message: String, name: &str, span: Span) -> Fault {
+    let help = format!(
+        "define it with DEF at the start of this program, or give its value as {name} = … in [gud] of the machine file"
+    );
+    fault(Code::UNDEFINED_VARIABLE, span, message, help)
 }

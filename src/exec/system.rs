@@ -156,8 +156,8 @@ impl Scope<'_> {
             },
             "$P_GG" => Ok(number().and_then(|group| self.member(group)).map(Value::Int)),
             "$P_UIFRNUM" => Ok(settable_number(self.modal.stated.offset()).map(Value::Int)),
+            "$P_S" => Ok(self.modal.speed.filter(|_| matches!(number(), None | Some(0 | 1))).map(Value::Real)),
             "$P_F" => real(if self.modal.inch_feed { self.modal.feed / MM_PER_INCH } else { self.modal.feed }),
-            "$P_S" => Ok(self.modal.speed.map(Value::Real)),
             "$P_MC" => whole(i64::from(self.system.modal_call)),
             "$P_SUBPAR" => Ok(number().and_then(|number| self.variables.is_given(number)).map(Value::Bool)),
             "$P_TOOL" => whole(i64::from(self.modal.edge)),
@@ -208,8 +208,9 @@ impl Scope<'_> {
         match (name, arguments) {
             ("ISAXIS", [number]) => {
                 let number = number.whole().ok_or_else(|| self.type_fault(id))?;
-                let axis =
-                    usize::try_from(number - 1).ok().and_then(|slot| [Axis::X, Axis::Y, Axis::Z].get(slot).copied());
+                let axis = usize::try_from(number.saturating_sub(1))
+                    .ok()
+                    .and_then(|slot| [Axis::X, Axis::Y, Axis::Z].get(slot).copied());
                 Ok(Some(Value::Bool(axis.is_some_and(|axis| self.machine.axis(axis).is_some()))))
             }
             ("ISVAR", [Value::Text(text)]) => Ok(Some(Value::Bool(self.is_variable(text)))),

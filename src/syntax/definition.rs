@@ -7,7 +7,7 @@ use crate::diagnostic::Code;
 use crate::source::Span;
 
 /// Modifiers with a number behind them: access rights, physical unit, limits. They change no value.
-const WITH_NUMBER: &[&[u8]] = &[b"APR", b"APW", b"APRP", b"APWP", b"APRB", b"APWB", b"PHU", b"LLI", b"ULI"];
+const WITH_NUMBER: &[&[u8]] = &[b"APR", b"APW", b"APX", b"APRP", b"APWP", b"APRB", b"APWB", b"PHU", b"LLI", b"ULI"];
 /// Modifiers without one: preprocessing stop, initialisation, data class.
 const ALONE: &[&[u8]] =
     &[b"SYNR", b"SYNW", b"SYNRW", b"INIPO", b"INIRE", b"INICF", b"PRLOC", b"DCM", b"DCI", b"DCU", b"DCS", b"DCN"];
