@@ -169,3 +169,99 @@ N60 M30",
         G1 X0 Y0 F500",
     );
 }
+
+#[test]
+fn around_the_corner_where_the_tool_stands_behind_the_contour() {
+    // 13 mm from the corner and a radius of 5: the tangent has 12 mm.
+    let program = "N10 G17 G90 T1 D1 KONT
+N20 G41 G1 X20 Y20 F500
+N30 Y60
+N40 G40 X33
+N50 M30";
+    check_from(
+        [33.0, 20.0, 0.0],
+        program,
+        &with_radius(5.0),
+        "G1 X21.9231 Y15.3846 F500
+        G2/17 X15 Y20 I-1.9231 J4.6154 F500
+        G1 X15 Y60 F500
+        G2/17 X21.9231 Y64.6154 I5 F500
+        G1 X33 Y60 F500",
+    );
+    // In front of the contour as with NORM.
+    check_from(
+        [0.0; 3],
+        &program.replace("X33", "X0"),
+        &with_radius(5.0),
+        "G1 X15 Y20 F500\nG1 X15 Y60 F500\nG1 X0 Y60 F500",
+    );
+}
+
+#[test]
+fn motions_across_the_plane_take_place_before_the_corner() {
+    let expected = "G1 X15 Y20 F500
+        G1 X15 Y20 Z-2 F500
+        G1 X15 Y60 Z-2 F500
+        G2/17 X20 Y65 Z-2 I5 F500
+        G1 X60 Y65 Z-2 F500
+        G1 X60 Y65 Z-3 F500
+        G2/17 X65 Y60 Z-3 J-5 F500
+        G1 X65 Y45 Z-3 F500
+        G1 X65 Y45 Z-4 F500
+        G1 X80 Y45 Z-4 F500
+        G1 X100 Y40 Z-4 F500";
+    let text = STEP.replace("N30", "N25 Z-2\nN30").replace("N50", "N45 Z-3\nN50").replace("N60", "N55 Z-4\nN60");
+    check(&format!("N10 G17 G90 T1 D1\n{text}"), expected);
+    let many = STEP.replace("N50", "M8\nM9\nM8\nM9\nN50");
+    check_codes(&format!("N10 G17 G90 T1 D1\n{many}"), &["E0232:4"]);
+}
+
+#[test]
+fn side_and_radius_change_on_the_way() {
+    check(
+        "N10 G17 G90 T1 D1
+N20 G41 G1 X20 Y20 F500
+N30 Y60
+N40 G42 X60
+N50 G40 X80
+N60 M30",
+        "G1 X15 Y20 F500\nG1 X15 Y60 F500\nG1 X20 Y55 F500\nG1 X60 Y55 F500\nG1 X80 Y60 F500",
+    );
+    check(
+        "N10 G17 G90 T1 D1
+N20 G41 G1 X20 Y20 F500
+N30 Y40
+N40 D2 Y60
+N50 Y80
+N60 OFFN=2 Y90
+N70 G40 X0
+N80 M30",
+        "G1 X15 Y20 F500\nG1 X15 Y40 F500\nG1 X16 Y60 F500\nG1 X16 Y80 F500\nG1 X14 Y90 F500\nG1 X0 Y90 F500",
+    );
+    check_codes("G17 G90 T1 D1\nG41 G1 X20 Y20 F500\nY40\nD2 X40\nG40 X50", &["E0232:4"]);
+}
+
+#[test]
+fn what_the_tool_cannot_reach_is_left_out_or_refused() {
+    // A step of 1 mm, and a line under 45 degrees behind it: offsets y = 25 and x − y = 39 − 5 √2 meet at x = 56.9289.
+    let program = "N10 G17 G90 T1 D1
+N20 G41 G1 X20 Y20 F500
+N30 X60
+N40 Y21
+N50 X80 Y41
+N60 G40 Y80
+N70 M30";
+    let (elements, codes) = execute(program, &with_radius(5.0), Options::default());
+    assert_eq!(codes, ["W0233:4"]);
+    let ends: Vec<_> = crate::flat::moves(&elements, ncfix::geometry::AxisVector::ZERO)
+        .iter()
+        .map(|(_, motion)| format!("{:.4} {:.4}", motion.target.0[0], motion.target.0[1]))
+        .collect();
+    assert_eq!(ends, ["20.0000 25.0000", "56.9289 25.0000", "76.4645 44.5355", "80.0000 80.0000"]);
+    // A slot of 8 mm and a tool of 10 mm; an inner arc that is too narrow.
+    check_codes(
+        "G17 G90 T1 D1\nG41 G1 X20 Y20 F500\nX60\nY10\nX68\nY20\nX90\nG40 Y50",
+        &["W0233:4", "W0233:5", "W0233:6"],
+    );
+    check_codes("G17 G90 T1 D1\nG41 G1 X20 Y20 F500\nX60\nG3 X64 Y24 CR=4\nG1 Y60\nG40 X0", &["E0233:4"]);
+}

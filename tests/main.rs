@@ -14,6 +14,7 @@ mod cli_snc;
 mod cli_verify;
 mod comparison;
 mod compensation;
+mod compensation_laws;
 mod correction;
 mod cycles;
 mod definitions;

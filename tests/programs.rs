@@ -9,7 +9,8 @@ use crate::support::{Shop, machine, repository};
 const FOLDER: &str = "samples/programs/sinumerik";
 
 /// Programs whose corrected text is a snapshot: lines, arcs, helices, five axes, an archive with foreign bytes.
-const SHOWN: &[&str] = &["seal_groove.mpf", "helix_bore.mpf", "inch_plate.mpf", "five_axis_index.mpf", "flange.arc"];
+const SHOWN: &[&str] =
+    &["seal_groove.mpf", "helix_bore.mpf", "inch_plate.mpf", "five_axis_index.mpf", "flange.arc", "cover.mpf"];
 
 /// The rows of the table in the README: program and machine.
 fn table() -> Vec<(String, String)> {

@@ -37,6 +37,8 @@ pub(super) struct Link {
     pub(super) is_sealed: bool,
 }
 
+/// Steps of a computed feed in one mm/min or mm per turn.
+const FEED_STEPS: f64 = 1e5;
 /// Gaps between pieces smaller than this are rounding of what the program says, mm.
 const GAP_MM: f64 = 1e-3;
 
@@ -67,7 +69,10 @@ impl Link {
             out.push(Item::Path(Box::new(between)));
         }
         if self.role == Role::Contour && !moving.path.motion.rapid {
-            moving.path.motion.feed *= feed_share(moving.wish.modal.feed_at, &self.contour, &self.curve);
+            let share = feed_share(moving.wish.modal.feed_at, &self.contour, &self.curve);
+            if share != 1.0 {
+                moving.path.motion.feed = (moving.path.motion.feed * share * FEED_STEPS).round() / FEED_STEPS;
+            }
         }
         let moved = moving.ending(&part, basis, *position, other_axes);
         push_unless_still(moved, part.length(), position, out);
