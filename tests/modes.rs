@@ -346,3 +346,10 @@ fn the_first_plane_is_that_of_the_machine() {
     );
     assert_eq!(codes("G90 G0 X0 Y0 Z0\nG2 X10 Z10 I10 K0 F100\nM30"), ["E0203"]);
 }
+
+#[test]
+fn cutting_speeds_in_feet_are_refused() {
+    assert_eq!(codes("G90 G70\nG96 S300 M4\nM30"), ["E0201"]);
+    assert_eq!(codes("G90 G71\nG96 S300 M4\nG97 S500\nG70 S600\nM30"), [""; 0]);
+    assert_eq!(codes("G90 G70\nG97 S300 M4\nM30"), [""; 0]);
+}

@@ -337,8 +337,20 @@ pub(super) fn opaque_statement(
 }
 
 impl Channel<'_> {
-    /// Refuses positions of the transverse axis while they are diameters.
+    /// Refuses positions of the transverse axis while they are diameters, and cutting speeds in feet.
     pub(super) fn check_diameter(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        if let (Some((_, span)), true) = (gathered.speed, self.modal.inch)
+            && matches!(self.modal.stated.code(15), Some("G96" | "G961" | "G962"))
+        {
+            // The output is metric, where the same number would be m/min.
+            let message = "a cutting speed in feet per minute, which is not supported yet";
+            return Err(fault(
+                Code::NOT_SUPPORTED,
+                span,
+                message,
+                "program G71 or G710 and the cutting speed in m/min",
+            ));
+        }
         if let Some((diameter, span)) = gathered.diameter {
             self.modal.diameter = diameter.then_some(span);
         }
