@@ -37,6 +37,7 @@ mod modes;
 mod programs;
 mod saved_data;
 mod splines;
+mod stock;
 mod support;
 mod synchronised;
 mod system;

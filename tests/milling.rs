@@ -5,116 +5,7 @@ use ncfix::machine::{Machine, Tool, ToolChange};
 
 use crate::exec::run_with;
 use crate::machines::xyz_machine;
-
-/// Heights of a block of material on a grid; its top is at 0.
-struct Stock {
-    corner: [f64; 2],
-    step: f64,
-    columns: usize,
-    heights: Vec<f64>,
-    /// Deepest cut of a move across, mm.
-    cut: f64,
-    faults: Vec<String>,
-}
-
-/// Top of a grid point where nothing was cut.
-const TOP: f64 = 0.0;
-
-impl Stock {
-    fn new(low: [f64; 2], high: [f64; 2], step: f64) -> Stock {
-        let count = |k: usize| ((high[k] - low[k]) / step).round() as usize + 1;
-        Stock {
-            corner: low,
-            step,
-            columns: count(0),
-            heights: vec![TOP; count(0) * count(1)],
-            cut: 0.0,
-            faults: Vec::new(),
-        }
-    }
-
-    fn points(&self) -> impl Iterator<Item = ([f64; 2], f64)> {
-        self.heights.iter().enumerate().map(|(index, &height)| {
-            let (row, column) = (index / self.columns, index % self.columns);
-            ([self.corner[0] + column as f64 * self.step, self.corner[1] + row as f64 * self.step], height)
-        })
-    }
-
-    /// The tool, a flat disc, at one place.
-    fn touch(&mut self, at: [f64; 3], radius: f64, line: &str, is_rapid: bool, is_across: bool) {
-        let rows = self.heights.len() / self.columns;
-        let range = |k: usize, count: usize| {
-            let low = ((at[k] - radius - self.corner[k]) / self.step).ceil().max(0.0) as usize;
-            let high = ((at[k] + radius - self.corner[k]) / self.step).floor();
-            low..if high < 0.0 { 0 } else { (high as usize + 1).min(count) }
-        };
-        for row in range(1, rows) {
-            for column in range(0, self.columns) {
-                let (x, y) = (self.corner[0] + column as f64 * self.step, self.corner[1] + row as f64 * self.step);
-                // A hair inside, so that a wall is not cut by rounding.
-                if (x - at[0]).hypot(y - at[1]) > radius - 1e-6 {
-                    continue;
-                }
-                let height = &mut self.heights[row * self.columns + column];
-                if at[2] >= *height - 1e-9 {
-                    continue;
-                }
-                if is_rapid {
-                    self.faults.push(format!("rapid through material at {x} {y}: {line}"));
-                }
-                if is_across {
-                    self.cut = self.cut.max(*height - at[2]);
-                }
-                *height = at[2];
-            }
-        }
-    }
-
-    /// Cuts along the moves of a program.
-    fn mill(&mut self, lines: &[String], radius: f64) {
-        let mut here = [0.0, 0.0, 100.0];
-        for line in lines {
-            let word = |letter: &str| -> Option<f64> {
-                line.split(' ').skip(1).find_map(|word| word.strip_prefix(letter)).map(|value| value.parse().unwrap())
-            };
-            let code = line.split(' ').next().unwrap();
-            if !["G0", "G1", "G2", "G3"].contains(&code) {
-                continue;
-            }
-            let there = [word("X").unwrap(), word("Y").unwrap(), word("Z").unwrap()];
-            let is_across = (there[0] - here[0]).hypot(there[1] - here[1]) > 1e-9 && (there[2] - here[2]).abs() < 1e-9;
-            let center = [here[0] + word("I").unwrap_or(0.0), here[1] + word("J").unwrap_or(0.0)];
-            let angle = |p: [f64; 3]| (p[1] - center[1]).atan2(p[0] - center[0]);
-            let r = (here[0] - center[0]).hypot(here[1] - center[1]);
-            let mut sweep = angle(there) - angle(here);
-            if code == "G3" && sweep <= 1e-9 {
-                sweep += std::f64::consts::TAU;
-            } else if code == "G2" && sweep >= -1e-9 {
-                sweep -= std::f64::consts::TAU;
-            }
-            let is_arc = code == "G2" || code == "G3";
-            if is_arc {
-                let end = (there[0] - center[0]).hypot(there[1] - center[1]);
-                assert!((end - r).abs() < 1e-5, "{line}");
-            }
-            let flat = if is_arc { r * sweep.abs() } else { (there[0] - here[0]).hypot(there[1] - here[1]) };
-            let length = flat.hypot(there[2] - here[2]);
-            let count = (length / (self.step * 0.5)).ceil().max(1.0) as usize;
-            for k in 1..=count {
-                let share = k as f64 / count as f64;
-                let z = here[2] + share * (there[2] - here[2]);
-                let at = if is_arc {
-                    let a = angle(here) + share * sweep;
-                    [center[0] + r * a.cos(), center[1] + r * a.sin(), z]
-                } else {
-                    [here[0] + share * (there[0] - here[0]), here[1] + share * (there[1] - here[1]), z]
-                };
-                self.touch(at, radius, line, code == "G0", is_across);
-            }
-            here = there;
-        }
-    }
-}
+use crate::stock::{Stock, TOP};
 
 fn machine(radius_mm: f64) -> Machine {
     let mut machine = xyz_machine();
@@ -340,6 +231,50 @@ fn spigots_stand_where_they_shall() {
     check_spigot("CYCLE77(20,0,2,-9,,36,45,40,3,0.5,0.3,800,200,0,2,50)", [18.0, 18.0], 18.0, 0.0, -9.0, 3.0);
 }
 
+#[test]
+fn a_contour_is_followed_at_the_distance_of_the_tool() {
+    let (low, high) = ([0.0, 0.0], [90.0, 80.0]);
+    // Once round a plate 50 by 30 with corners of 8, clockwise, so that the tool outside is on the left.
+    let contour = "%_N_RIM_SPF\nN10 G0 X20 Y40\nN20 G1 Y47\nN30 G2 X28 Y55 CR=8\nN40 G1 X62\nN50 G2 X70 Y47 CR=8\nN60 G1 Y33\n\
+                   N70 G2 X62 Y25 CR=8\nN80 G1 X28\nN90 G2 X20 Y33 CR=8\nN100 G1 Y40\nN110 M17";
+    let check_rim = |cycles: &str, fal: f64, depth: f64, cut: f64| {
+        let text = format!("%_N_MAIN_MPF\nN10 G17 G90 G71 T1 D1\nN20 G0 X0 Y0 Z50 F500\n{cycles}\nN90 M30\n{contour}");
+        let (lines, codes) = run_with(&text, &machine(5.0), Box::new(NoLibrary), Options::default());
+        assert!(codes.is_empty(), "{cycles}: {codes:?}");
+        let mut stock = Stock::new(low, high, 0.4);
+        stock.mill(&lines, 5.0);
+        assert!(stock.faults.is_empty(), "{cycles}: {:?}", stock.faults.first());
+        for (point, height) in stock.points() {
+            let d = from_rectangle(point, [45.0, 40.0], [25.0, 15.0], 8.0, 0.0) - fal;
+            if d < -1e-4 {
+                assert!(height == TOP, "{cycles}: gouge at {point:?}");
+            } else if d > 0.02 && d < 9.9 {
+                assert!((height - depth).abs() < 1e-9, "{cycles}: {height} left at {point:?}");
+            }
+        }
+        assert!(stock.cut <= cut + 1e-5, "{cycles}: {}", stock.cut);
+    };
+    for way in [1, 2, 3] {
+        let call = format!("CYCLE72(\"RIM\",20,0,2,-6,2.5,0.4,0.3,800,200,1,41,{way},6,900,{way},6)");
+        check_rim(&call, 0.4, -5.7, 5.7 / 3.0);
+    }
+    let call = "CYCLE72(\"RIM\",20,0,2,-6,0,0.4,0.3,800,200,2,41,2,6,900,3,4)";
+    check_rim(call, 0.0, -6.0, 6.0);
+    // Without compensation the tool centre follows the contour; a relative depth.
+    let call = "CYCLE72(\"RIM\",20,0,2,6,3,0,0,800,200,111,40,1,6,900,1,6,0,0,0,0,1,1)";
+    let text = format!("%_N_MAIN_MPF\nN10 G17 G90 G71 T1 D1\nN20 G0 X0 Y0 Z50 F500\n{call}\nN90 M30\n{contour}");
+    let (lines, codes) = run_with(&text, &machine(5.0), Box::new(NoLibrary), Options::default());
+    assert!(codes.is_empty(), "{codes:?}");
+    let mut stock = Stock::new(low, high, 0.4);
+    stock.mill(&lines, 5.0);
+    assert!(stock.faults.is_empty());
+    for (point, height) in stock.points() {
+        let d = from_rectangle(point, [45.0, 40.0], [25.0, 15.0], 8.0, 0.0).abs() - 5.0;
+        assert!(d.abs() < 0.02 || (d < 0.0) == (height < TOP), "{height} at {point:?}");
+        assert!(height == TOP || (height + 6.0).abs() < 1e-9);
+    }
+}
+
 /// Whether the wall lies on the left of the last arc that is as large as this.
 fn sense(call: &str, radius: f64) -> Vec<String> {
     let lines = moves(call, 5.0);
@@ -378,6 +313,12 @@ fn a_tool_that_does_not_fit_is_refused() {
     assert_eq!(codes("SLOT1(20,0,2,-6,,3,30,12,0,0,15,30,0,100,500,2.5,2,0.3,0)", 7.0), ["E0218:3"]);
     assert_eq!(codes("LONGHOLE(20,0,2,-6,,3,7,0,0,15,30,0,100,500,2.5)", 4.0), ["E0218:3"]);
     assert_eq!(codes("POCKET3(20,0,2,-10,60,40,8,60,40,20,4,0.5,0.2,500,200,0,15)", 5.0), ["E0201:3"]);
+    assert_eq!(codes("CYCLE72(\"A:B\",20,0,2,-6,0,0,0,800,200,1,41,2,6,900,3,4)", 5.0), ["E0201:3"]);
+    assert_eq!(codes("CYCLE72(\"NOWHERE\",20,0,2,-6,0,0,0,800,200,1,41,2,6,900,3,4)", 5.0), ["E0212:3"]);
+    assert_eq!(
+        codes("CYCLE72(\"RIM\",20,0,2,-6,0,0,0,800,200,1,41,2,6,900,3,4)\nM30\n%_N_RIM_SPF\nG1\nM17", 5.0),
+        ["E0218:3"]
+    );
     assert_eq!(codes("POCKET3(20,0,2,-10,-60,40,8,60,40,20,4,0.5,0.2,500,200,0,11)", 5.0), ["E0201:3"]);
     assert_eq!(codes("POCKET3(20,0,2,-10,60,40,8,60,40,20,4,0.5,0.2,500,200,0,21)", 5.0), ["E0201:3"]);
 }

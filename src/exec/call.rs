@@ -20,14 +20,14 @@ use crate::syntax::{ArgumentRange, Block, CallKind, CallStatement, Callee, Searc
 /// A program that is called.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    program: usize,
-    section: usize,
+    pub(super) program: usize,
+    pub(super) section: usize,
     arguments: Vec<Argument>,
     repeats: u32,
     is_modal: bool,
     /// Only these blocks, first and last.
-    part: Option<(usize, usize)>,
-    span: Span,
+    pub(super) part: Option<(usize, usize)>,
+    pub(super) span: Span,
     /// The file of the call.
     file: FileId,
 }
@@ -39,7 +39,13 @@ impl Execution<'_> {
         if call.repeats == 0 {
             return Ok(());
         }
-        let entry = self.entry(&call.name, call.arguments, call.repeats, call.span)?;
+        let entry = match self.contour_of(call)? {
+            Some(name) => {
+                let entry = self.entry(&name, None, 1, call.span)?;
+                self.to_first_point(entry)?
+            }
+            None => self.entry(&call.name, call.arguments, call.repeats, call.span)?,
+        };
         self.begin(entry, block.line);
         Ok(())
     }

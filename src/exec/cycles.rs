@@ -3,14 +3,16 @@
 //! A program of the same name among the user's files goes before. What a cycle does, and what is found in it, has the place of the block
 //! that calls it: nobody has the text of the cycle at hand.
 
-use super::Execution;
+use super::call::Entry;
 use super::fault::{Fault, fault};
 use super::gather::Gatherer;
+use super::gathered::Call;
 use super::level::Level;
+use super::{Execution, scope_of};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::snc::Origin;
 use crate::source::{FileId, Span};
-use crate::syntax::ArgumentRange;
+use crate::syntax::{Address, ArgumentRange, Block, Body, Word};
 
 macro_rules! cycles {
     ($($name:literal)*) => {
@@ -22,7 +24,7 @@ macro_rules! cycles {
 }
 
 cycles! {
-    "CYCLE61" "CYCLE71" "CYCLE76" "CYCLE77" "CYCLE81" "CYCLE82" "CYCLE83" "CYCLE84" "CYCLE840" "CYCLE85" "CYCLE86" "CYCLE87" "CYCLE88"
+    "CYCLE61" "CYCLE71" "CYCLE72" "CYCLE76" "CYCLE77" "CYCLE81" "CYCLE82" "CYCLE83" "CYCLE84" "CYCLE840" "CYCLE85" "CYCLE86" "CYCLE87" "CYCLE88"
     "CYCLE89" "CYCLE801" "CYCLE802" "HOLES1" "HOLES2" "LONGHOLE" "POCKET1" "POCKET2" "POCKET3" "POCKET4" "SLOT1" "SLOT2"
     "_CYC_ARC" "_CYC_AREA" "_CYC_BOW" "_CYC_DEPTH" "_CYC_DWELL" "_CYC_FACE" "_CYC_LINE" "_CYC_MILL" "_CYC_OLD" "_CYC_PITCH"
     "_CYC_PLUNGE" "_CYC_POCKET" "_CYC_RING" "_CYC_SPIGOT" "_CYC_STROKE" "_CYC_TAP" "_CYC_TOOL" "_CYC_WALL"
@@ -32,6 +34,9 @@ cycles! {
 pub(super) fn source(name: &str) -> Option<(&'static str, &'static [u8])> {
     CYCLES.iter().find(|(known, _)| *known == name).copied()
 }
+
+/// A word of the cycles only: runs a program as far as its first point.
+const FIRST: &str = "_CYC_FIRST";
 
 /// The alarms that cycles raise with SETAL: number, what is wrong, what to do.
 const ALARMS: &[(i64, &str, &str)] = &[
@@ -82,6 +87,34 @@ impl Execution<'_> {
             Some(outer) => Some(outer),
             None => Some(Cycle { name, place, origin: self.channel.origin }),
         }
+    }
+
+    /// The name that a cycle gives `_CYC_FIRST`, which runs a contour as far as its start point.
+    pub(super) fn contour_of(&self, call: &Call) -> Result<Option<String>, Fault> {
+        let Some(level) = self.levels.last().filter(|level| level.cycle.is_some() && call.name == FIRST) else {
+            return Ok(None);
+        };
+        let loaded = &self.programs[level.program];
+        let arguments = call.arguments.map_or(&[][..], |range| loaded.program.arguments_of(range));
+        let Some(&Some(id)) = arguments.first() else { return Ok(None) };
+        let name = scope_of(loaded, &self.channel).value(id)?.text();
+        Ok(Some(String::from_utf8_lossy(&name).trim().to_ascii_uppercase()))
+    }
+
+    /// Only the blocks of a program up to the first that names an axis of the plane.
+    pub(super) fn to_first_point(&self, mut entry: Entry) -> Result<Entry, Fault> {
+        let program = &self.programs[entry.program].program;
+        let blocks = program.sections.get(entry.section).map_or(0..0, |section| section.blocks.clone());
+        let is_axis = |word: &Word| matches!(word.address, Address::Letter(b'X' | b'Y' | b'Z'));
+        let start = blocks.start;
+        let moves = |block: &Block| matches!(block.body, Body::Words) && program.words_of(block).iter().any(is_axis);
+        let Some(last) = blocks.into_iter().find(|&at| program.blocks.get(at).is_some_and(moves)) else {
+            let help =
+                "begin the contour with a block that moves to its start point, G0 or G1 with both axes of the plane";
+            return Err(fault(Code::CYCLE_ALARM, entry.span, "the contour has no start point", help));
+        };
+        entry.part = Some((start, last));
+        Ok(entry)
     }
 
     /// A finding with the place that means something to the user.
