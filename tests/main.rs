@@ -35,6 +35,7 @@ mod milling;
 mod model;
 mod modes;
 mod programs;
+mod rotary;
 mod saved_data;
 mod splines;
 mod stock;

@@ -291,6 +291,7 @@ impl<'a> Channel<'a> {
         };
         self.corner_words(gathered)?;
         let context = MotionContext {
+            machine: self.machine,
             control: &self.machine.control,
             setup: &setup,
             is_suppressed: gathered.suppress.is_some(),

@@ -269,7 +269,9 @@ impl Gatherer<'_> {
         match word.value {
             Value::Dimension(DimensionFunction::Absolute, _) => out.as_absolute.insert(axis),
             Value::Dimension(DimensionFunction::Incremental, _) => out.as_incremental.insert(axis),
-            Value::Dimension(..) => return Err(self.unsupported(word)),
+            Value::Dimension(function, _) => {
+                super::rotary::set_way(axis, function, word.span, out).unwrap_or_else(|| Err(self.unsupported(word)))?
+            }
             _ => {}
         }
         out.axes[axis] = self.number(word)?;

@@ -7,7 +7,7 @@ use super::polar::PoleBase;
 use super::polynomial::CurveWords;
 use super::transform::TransformWords;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
-use crate::snc::{FrameKind, Word as AuxWord, WordValue};
+use crate::snc::{FrameKind, Way, Word as AuxWord, WordValue};
 use crate::source::Span;
 use crate::syntax::{ArgumentRange, DimensionFunction};
 
@@ -52,6 +52,8 @@ pub(super) struct Gathered {
     pub(super) named: AxisSet,
     pub(super) as_absolute: AxisSet,
     pub(super) as_incremental: AxisSet,
+    /// `DC`, `ACP`, `ACN` of rotary axes.
+    pub(super) ways: [Way; 3],
     pub(super) center: [Option<(f64, bool)>; 3],
     pub(super) center_span: Span,
     /// Splines and polynomials.
@@ -111,6 +113,7 @@ impl Gathered {
             named: AxisSet::EMPTY,
             as_absolute: AxisSet::EMPTY,
             as_incremental: AxisSet::EMPTY,
+            ways: [Way::Plain; 3],
             center: [None; 3],
             center_span: Span::default(),
             addresses: Vec::new(),

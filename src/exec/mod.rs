@@ -44,6 +44,7 @@ mod polar;
 mod polynomial;
 mod report;
 mod resolve;
+mod rotary;
 mod save;
 mod spatial;
 mod spline;

@@ -7,16 +7,17 @@ use super::gather::bad_value;
 use super::gathered::Gathered;
 use super::modal::{Modal, MotionKind};
 use super::path::{Path, Shape};
-use super::{arc, polar, polynomial, spatial};
+use super::{arc, polar, polynomial, rotary, spatial};
 use crate::diagnostic::Code;
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
-use crate::machine::Control;
+use crate::machine::{Control, Machine};
 use crate::snc::{Move, Setup};
 use crate::source::Span;
 
 /// What a motion needs beside the modal state.
 #[derive(Clone, Copy)]
 pub(super) struct MotionContext<'a> {
+    pub(super) machine: &'a Machine,
     pub(super) control: &'a Control,
     /// The frame and tool that hold in this block (G53 suppresses the modal frame).
     pub(super) setup: &'a Shared<Setup>,
@@ -84,6 +85,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         feed: modal.feed,
         feed_named: gathered.feed.is_some(),
         inverse_time: modal.inverse_time,
+        ways: gathered.ways,
         in_machine_frame: gathered.suppress.is_some(),
     };
     Ok(Path { motion, start, start_known, basis, shape, setup: Shared::clone(context.setup), span: context.span })
@@ -112,7 +114,7 @@ fn target(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) ->
             return Err(stale_start(span, axis));
         }
         programmed[axis] = if !incremental {
-            value
+            rotary::position(axis, value, here[axis], gathered, context)?
         } else if suppressed || is_stale || !traverses {
             here[axis] + value
         } else {

@@ -164,7 +164,13 @@ fn read_axis(axis: Axis, mut section: Section<'_>, findings: &mut Vec<Diagnostic
             None
         }
     });
-    if !section.has(travel_key) {
+    let modulo = axis.is_rotary() && section.boolean("modulo").unwrap_or(false);
+    if modulo && section.has(travel_key) {
+        let message = format!("axis {axis} turns without end and has {travel_key}");
+        let help = "take one of them out: modulo = true is for axes that may turn any number of times";
+        section.report(Code::BAD_VALUE, section.place_of(travel_key), message, help);
+    }
+    if !section.has(travel_key) && !modulo {
         let message = format!("axis {axis} has no {travel_key}");
         let help = format!("add `{travel_key} = [lowest, highest]`, so that positions outside the travel are found");
         section.report(Code::NO_TRAVEL, section.place(), message, help);
@@ -181,7 +187,7 @@ fn read_axis(axis: Axis, mut section: Section<'_>, findings: &mut Vec<Diagnostic
         }
     };
     section.finish(findings);
-    Some(AxisData { axis, direction: direction?, point_mm, travel, max_feed, lever })
+    Some(AxisData { axis, direction: direction?, point_mm, travel, modulo, max_feed, lever })
 }
 
 /// The unit vector of a direction; a linear axis must run along its own direction of F, a deviation is an error, not a direction.

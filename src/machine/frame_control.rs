@@ -20,6 +20,9 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     if let Some(value) = section.boolean("mirror_toggles") {
         control.mirror_toggles = value;
     }
+    if let Some(value) = section.boolean("modulo_shortest") {
+        control.modulo_shortest = value;
+    }
     if let Some(value) = section.boolean("fine_shift") {
         control.fine_shift = value;
     }

@@ -67,6 +67,8 @@ pub struct AxisData {
     pub point_mm: Vector,
     /// Lowest and highest command, mm or rad; `None` without limits.
     pub travel: Option<[f64; 2]>,
+    /// Whether it turns without end and its positions are those within a turn; then it has no travel.
+    pub modulo: bool,
     /// Highest feed, mm/min or deg/min as in the file; `None` where not given.
     pub max_feed: Option<f64>,
     /// How location and motion errors act.
@@ -115,6 +117,8 @@ pub struct Control {
     pub rotation_order: RotationOrder,
     /// Whether naming an axis with `MIRROR` mirrors it whatever value follows; else 0 means no (Sinumerik MD10612).
     pub mirror_toggles: bool,
+    /// Whether a plain absolute word of a modulo axis goes the shortest way; else it stays within the turn (Sinumerik MD30455 bit 2).
+    pub modulo_shortest: bool,
     /// Whether shifts have a fine part, which `G59` programs (Sinumerik MD24000).
     pub fine_shift: bool,
     /// How far the straight pieces that stand for a curve – a spline, an arc in a tilted plane or under unequal scale, a straight line
@@ -199,6 +203,7 @@ impl Default for Control {
             incremental_traverses_frame_change: true,
             rotation_order: RotationOrder::Rpy,
             mirror_toggles: true,
+            modulo_shortest: false,
             fine_shift: false,
             chord_tolerance_mm: 2.5e-4,
             orientation_angles: OrientationAngles::Rpy,

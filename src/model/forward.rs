@@ -4,6 +4,8 @@
 //! spindle, through the axes of the tool side to F, and back through the axes of the workpiece side ([`super::link`]). The spindle
 //! is D(e0) at its gauge point.
 
+use std::f64::consts::TAU;
+
 use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, ROTARY_AXES, Vector};
 use crate::machine::{AxisData, Machine, State};
 
@@ -30,6 +32,8 @@ pub struct Model {
     /// The axes that correct the orientation.
     pub(super) rotary: AxisSet,
     features: [Features; AXIS_COUNT],
+    /// Axes whose errors repeat with every turn.
+    modulo: AxisSet,
     is_empty: bool,
 }
 
@@ -66,6 +70,7 @@ impl Model {
             linear: LinearAxes::of(axes),
             rotary: axes.intersection(ROTARY_AXES.into_iter().collect()),
             features: features::of(machine, errors),
+            modulo: machine.axes.iter().flatten().filter(|data| data.modulo).map(|data| data.axis).collect(),
             is_empty,
         }
     }
@@ -152,6 +157,15 @@ impl Model {
 
     /// Carries a body from the spindle to the workpiece; with errors where there is a state.
     fn carry<B: Body>(&self, mut body: B, command: &AxisVector, errors: Option<&State>) -> B {
+        let mut within_turn;
+        let mut command = command;
+        if !self.modulo.is_empty() {
+            within_turn = *command;
+            for axis in self.modulo.iter() {
+                within_turn[axis] = command[axis].rem_euclid(TAU);
+            }
+            command = &within_turn;
+        }
         body.visit(Carrier::Spindle, Place::Location);
         if let (Some(error), Some(_)) = (&self.spindle_error, errors) {
             error.apply(&mut body);

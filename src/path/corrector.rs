@@ -15,6 +15,7 @@ use super::extend::{Reach, longest};
 use super::findings::{Findings, placing_axes};
 use super::place::{Placed, Placer};
 use super::prediction::{sample_count, sample_place};
+use super::rotary_word;
 use super::route::Route;
 use super::trial::{Bench, Standing, Trial};
 use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, loses_position};
@@ -165,16 +166,10 @@ where
     }
 
     fn begin(&mut self, element: &Element, motion: &Move) {
-        let frame = &self.placer.setup.frame;
-        let motion = &if self.placer.is_machine_frame() && !frame.is_translation() {
-            let (named, known) = (frame.mixed_with(motion.named), frame.known_across(motion.known, false));
-            if let Some(axis) = named.difference(known).iter().next() {
-                self.findings.unknown_in_machine_frame(&element.origin, axis);
-            }
-            Move { named: named.intersection(known), known, ..*motion }
-        } else {
-            *motion
-        };
+        let (motion, unknown) = &self.placer.in_output_axes(motion);
+        if let Some(axis) = *unknown {
+            self.findings.unknown_in_machine_frame(&element.origin, axis);
+        }
         let standing = &mut self.standing;
         let starts_at_known = motion.named.difference(standing.known).is_empty();
         let is_placed = self.placing.difference(motion.known).is_empty();
@@ -329,6 +324,7 @@ where
             }
         }
         let arc = trial.and_then(|trial| trial.circle);
+        let rotary_words = rotary_word::words(&self.placer, self.machine, standing, motion, placed);
         standing.counts = placed.counts;
         standing.command = placed.command;
         standing.written = motion.known;
@@ -350,6 +346,7 @@ where
             words,
             feed: if motion.inverse_time { of_share(motion.feed, share) } else { motion.feed },
             feed_named: first && motion.feed_named,
+            rotary_words,
             in_machine_frame: motion.in_machine_frame,
             command: placed.command,
         };

@@ -18,6 +18,7 @@ mod findings;
 mod increment;
 mod place;
 mod prediction;
+mod rotary_word;
 mod route;
 mod trial;
 
@@ -28,7 +29,7 @@ pub use prediction::{Prediction, Spread};
 
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector, Plane};
 use crate::machine::{Machine, ToolChange};
-use crate::snc::{BlockNumber, Element, Kind, Origin, Word, WordValue};
+use crate::snc::{BlockNumber, Element, Kind, Origin, Way, Word, WordValue};
 
 /// What is to be done with a program.
 #[derive(Clone, Debug, PartialEq)]
@@ -171,10 +172,24 @@ pub struct Piece {
     pub feed: f64,
     /// Whether the source names the feed in the block and this is the first piece of it.
     pub feed_named: bool,
+    /// How the words of A, B and C are written.
+    pub rotary_words: [RotaryWord; 3],
     /// Whether the source writes machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
     /// Axis commands at the end, without tool: mm, rad.
     pub command: AxisVector,
+}
+
+/// How the position of a rotary axis is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RotaryWord {
+    /// The position with all its turns: `C370`.
+    #[default]
+    Plain,
+    /// The position within the turn, `C10`, or as `DC(10)`, `ACP(10)`, `ACN(10)`.
+    Within(Way),
+    /// `IC(…)`: a full turn and more, in increments.
+    Step(i64),
 }
 
 /// The circle of a piece, in the emitted frame.

@@ -188,6 +188,17 @@ impl<'a> Placer<'a> {
         self.frame == OutputFrame::Machine
     }
 
+    /// A move whose axes are those of the output, and the first of them that has to be written and is not known.
+    pub(super) fn in_output_axes(&self, motion: &Move) -> (Move, Option<Axis>) {
+        let frame = &self.setup.frame;
+        if !self.is_machine_frame() || frame.is_translation() {
+            return (*motion, None);
+        }
+        let (named, known) = (frame.mixed_with(motion.named), frame.known_across(motion.known, false));
+        let unknown = named.difference(known).iter().next();
+        (Move { named: named.intersection(known), known, ..*motion }, unknown)
+    }
+
     fn keep_unknown(&self, mut command: AxisVector, nominal: &AxisVector, known: AxisSet) -> AxisVector {
         if !self.is_parallel() {
             // What is not known is an axis of the program here.

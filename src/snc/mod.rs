@@ -108,8 +108,24 @@ pub struct Move {
     pub feed_named: bool,
     /// Feed mode G93: [`Self::feed`] is the reciprocal of the time of this move, 1/min.
     pub inverse_time: bool,
+    /// How the program names the positions of A, B and C.
+    pub ways: [Way; 3],
     /// Whether the positions are written as machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
+}
+
+/// How a rotary axis gets to its position.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Way {
+    /// As the position says.
+    #[default]
+    Plain,
+    /// `DC`: the shortest way.
+    Shortest,
+    /// `ACP`: in the positive sense.
+    Positive,
+    /// `ACN`: in the negative sense.
+    Negative,
 }
 
 /// A dwell.

@@ -120,6 +120,7 @@ impl<'a> TextReader<'a> {
             feed: feed.unwrap_or(0.0),
             feed_named: feed.is_some(),
             inverse_time: false,
+            ways: Default::default(),
             in_machine_frame: false,
         })
     }

@@ -27,6 +27,8 @@ pub(in crate::emit) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>
     Some(Box::new(Sinumerik {
         linear: Decimals::of_increment(options.increments.linear_mm)?,
         rotary: Decimals::of_increment(options.increments.rotary_deg)?,
+        // The increment is above 0 where it has decimals.
+        turn_counts: ((360.0 / options.increments.rotary_deg).round() as i64).max(1),
         in_machine_frame: options.frame == OutputFrame::Machine,
         line_end: if options.crlf { b"\r\n" } else { b"\n" },
         stamp: options.stamp.text(),
@@ -52,6 +54,8 @@ pub(in crate::emit) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>
 struct Sinumerik {
     linear: Decimals,
     rotary: Decimals,
+    /// Increments of a full turn.
+    turn_counts: i64,
     in_machine_frame: bool,
     line_end: &'static [u8],
     stamp: String,

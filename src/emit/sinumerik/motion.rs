@@ -2,7 +2,8 @@
 
 use super::{ALWAYS_STOP, NEVER_STOP, Sinumerik};
 use crate::geometry::Axis;
-use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Piece};
+use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Piece, RotaryWord};
+use crate::snc::Way;
 use crate::units::push_integer;
 
 /// Stands in each block with machine coordinates.
@@ -43,8 +44,11 @@ impl Sinumerik {
         }
         for axis in piece.words.iter() {
             self.word(&[axis.letter()]);
-            let decimals = if axis.is_rotary() { self.rotary } else { self.linear };
-            decimals.push(&mut self.line, piece.counts[axis.slot()]);
+            if axis.is_rotary() {
+                self.rotary_position(piece.rotary_words[axis.dimension()], piece.counts[axis.slot()]);
+            } else {
+                self.linear.push(&mut self.line, piece.counts[axis.slot()]);
+            }
         }
         if let Some(arc) = &piece.arc {
             let across = arc.plane.axes()[2];
@@ -71,6 +75,24 @@ impl Sinumerik {
                 (false, false) => "",
             };
             self.comment.extend_from_slice(mark.as_bytes());
+        }
+    }
+
+    /// The position of a rotary axis behind its letter.
+    fn rotary_position(&mut self, word: RotaryWord, count: i64) {
+        let within = count.rem_euclid(self.turn_counts);
+        let (function, count): (&[u8], i64) = match word {
+            RotaryWord::Plain => (b"", count),
+            RotaryWord::Within(Way::Plain) => (b"", within),
+            RotaryWord::Within(Way::Shortest) => (b"=DC(", within),
+            RotaryWord::Within(Way::Positive) => (b"=ACP(", within),
+            RotaryWord::Within(Way::Negative) => (b"=ACN(", within),
+            RotaryWord::Step(step) => (b"=IC(", step),
+        };
+        self.line.extend_from_slice(function);
+        self.rotary.push(&mut self.line, count);
+        if !function.is_empty() {
+            self.line.push(b')');
         }
     }
 }

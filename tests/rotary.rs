@@ -1,0 +1,89 @@
+//! Axes that turn without end: DC, ACP, ACN, and that the output goes the way that was programmed.
+
+use ncfix::exec::Options as ExecOptions;
+use ncfix::geometry::{Axis, AxisVector};
+use ncfix::machine::Machine;
+use ncfix::model::ErrorModel;
+use ncfix::path::Options;
+
+use crate::bench_machine::{motion, polynomial};
+use crate::flat::{check, execute};
+use crate::frame_correction::{check as check_correction, corrected};
+use crate::machines::xyz_machine;
+
+/// A table C under three linear axes, turning without end.
+fn table() -> Machine {
+    let mut machine = xyz_machine();
+    let mut c = machine.axis(Axis::Z).unwrap().clone();
+    c.axis = Axis::C;
+    c.direction = -c.direction;
+    c.travel = None;
+    c.modulo = true;
+    machine.axes[Axis::C.slot()] = Some(c);
+    machine.topology = "wCFXYZSt".parse().unwrap();
+    machine
+}
+
+#[test]
+fn ways_of_a_modulo_axis_are_counted_on() {
+    let machine = table();
+    check(
+        "G0 C350\nC=DC(10)\nC=ACN(10)\nC=ACN(20)\nC=ACP(10)\nC=IC(400)\nC0",
+        &machine,
+        "G0 C350\nG0 C370\nG0 C20\nG0 C370\nG0 C770\nG0 C720",
+    );
+    // A plain word stays within the turn, or goes the shortest way.
+    check("G0 C350\nC10", &machine, "G0 C350\nG0 C10");
+    let mut shortest = table();
+    shortest.control.modulo_shortest = true;
+    check("G0 C350\nC10\nC=DC(300)", &shortest, "G0 C-10\nG0 C10\nG0 C-60");
+    let (_, codes) = execute("G0 C360\nC-1\nX=DC(5)", &machine, ExecOptions::default());
+    assert_eq!(codes, ["E0210:1", "E0210:2", "E0210:3"]);
+}
+
+#[test]
+fn an_axis_with_travel_takes_no_ways() {
+    let mut machine = table();
+    machine.axes[Axis::C.slot()].as_mut().unwrap().modulo = false;
+    check("G0 C370\nC-5", &machine, "G0 C370\nG0 C-5");
+    assert_eq!(execute("G0 C=ACP(10)", &machine, ExecOptions::default()).1, ["E0210:1"]);
+}
+
+/// Errors that need corrections of C, so that every word is written anew.
+fn errors() -> ErrorModel {
+    let turning = motion("ECC", polynomial(&[2e-5]));
+    ErrorModel { motion: vec![turning, motion("EXX", polynomial(&[0.02, 1e-4]))], ..ErrorModel::default() }
+}
+
+#[test]
+fn the_output_goes_the_way_of_the_program() {
+    let machine = table();
+    let program = "G17 G90 G71 G54\nG0 X0 Y0 Z0 C350\nG1 C=DC(10) X20 F500\nC=ACP(5) X30\nC=ACN(6)\nC=IC(800) X0\nC=IC(-20)\nC100\nM30\n";
+    let options = Options { max_correction_mm: 1.0, ..Options::default() };
+    let done = check_correction(program, &machine, &errors(), &options);
+    let turned: f64 = done.pieces.last().unwrap().command[Axis::C].to_degrees();
+    // 350, 370, 725, 726 - 360 = 366, 1166, 1146; 1146 is 66 within the turn, so 100 is 1180.
+    assert!((turned - 1180.0).abs() < 0.1, "{turned}\n{}", done.text);
+    assert!(done.text.contains("C=DC(") && !done.text.contains("C370"), "{}", done.text);
+}
+
+#[test]
+fn without_errors_the_words_say_the_same_way() {
+    let program =
+        "G17 G90 G71 G54\nG0 X0 Y0 Z0 C=ACP(350)\nG1 C=DC(10) F500\nC=ACP(5)\nC=ACN(6)\nC=IC(800)\nC100\nM30\n";
+    let text = corrected(program, &table(), &ErrorModel::default(), &Options::default()).text;
+    let words: Vec<&str> = text.split_whitespace().filter(|word| word.starts_with('C')).collect();
+    assert_eq!(words, ["C=ACP(350)", "C=DC(10)", "C=ACP(5)", "C=ACN(6)", "C=IC(800)", "C100"]);
+}
+
+/// An error of the angle repeats with every turn.
+#[test]
+fn errors_repeat_with_every_turn() {
+    let machine = table();
+    let model = ncfix::model::Model::new(&machine, &errors());
+    let mut command = AxisVector([100.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5]);
+    let once = model.actual(&command, &Default::default(), &Default::default());
+    command[Axis::C] += 4.0 * std::f64::consts::PI;
+    let again = model.actual(&command, &Default::default(), &Default::default());
+    assert!((once.translation - again.translation).norm() < 1e-9);
+}
