@@ -40,6 +40,7 @@ mod saved_data;
 mod splines;
 mod stock;
 mod support;
+mod swivel;
 mod synchronised;
 mod system;
 mod tolerance;

@@ -164,6 +164,9 @@ number. The message says what is wrong. The cycles and what is known of each are
 the called program changes.
 
   PROC HOLE(REAL DEPTH, VAR INT COUNT)      called as HOLE(-5, N_1) with DEF INT N_1";
+    BAD_SWIVEL = "E0235" "plane that cannot be swivelled"
+"CYCLE800 tilts the plane in a way that is not followed here, the rotary axes cannot put the tool on it, or it is not known where the
+axes retract to. The message says which. The rotary axes and the frame that a swivel results in can always be programmed directly.";
     BAD_POLAR = "E0230" "polar position that is not clear"
 "A polar position (AP=, RP=) shares its block with an axis of the plane, angle or radius was never given since the pole was set, the
 plane was changed behind the pole, or G91 leaves open how the value is meant.

@@ -275,6 +275,7 @@ impl<'a> Channel<'a> {
     }
 
     fn motion(&mut self, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+        self.check_swivelled(span)?;
         let geometry = || LINEAR_AXES.into_iter().take(3).any(|axis| gathered.named.contains(axis));
         self.has_moved = gathered.named.is_empty() || geometry();
         let setup = if let Some(word) = gathered.suppress {

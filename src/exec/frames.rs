@@ -15,6 +15,10 @@ use crate::source::Span;
 impl Channel<'_> {
     pub(super) fn offset(&mut self, gathered: &Gathered) -> Result<(), Fault> {
         let Some((name, span)) = &gathered.offset else { return Ok(()) };
+        if self.modal.swivelled.is_some() && *name != self.modal.stated.offset() {
+            let message = format!("{name} in a plane that CYCLE800 has swivelled");
+            return Err(fault(Code::BAD_SWIVEL, *span, message, "end the swivel with CYCLE800() first"));
+        }
         let order = self.rotation_order();
         let parts = settable_number(name).and_then(|number| self.system.frames.settable(self.machine, number));
         let missing = parts.is_none();
@@ -86,8 +90,28 @@ impl Channel<'_> {
         }
         let in_plane_rad = in_plane.map(|angle| angle.value.to_radians());
         let statement = FrameStatement { kind, additive, values, named: gathered.named, in_plane_rad };
+        if self.modal.swivelled.is_some() && !additive {
+            return self.replace_swivelled(&statement, span);
+        }
         self.apply_statement(&statement, span)?;
         self.push_frame(FrameWords::Statement(statement));
+        Ok(())
+    }
+
+    /// A statement that replaces the programmable frame above a swivelled plane, which the output has in the same place.
+    fn replace_swivelled(&mut self, statement: &FrameStatement, span: Span) -> Result<(), Fault> {
+        if matches!(statement.kind, FrameKind::Coarse | FrameKind::Fine) {
+            let message = "G58 and G59 in a swivelled plane are not supported";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, "program the shift with TRANS or ATRANS"));
+        }
+        self.restate(span)?;
+        if statement.named.is_empty() && statement.in_plane_rad.is_none() {
+            return Ok(());
+        }
+        let added = FrameStatement { additive: true, ..*statement };
+        self.apply_statement(&added, span)?;
+        self.begin_line();
+        self.push_frame(FrameWords::Statement(added));
         Ok(())
     }
 

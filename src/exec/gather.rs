@@ -266,13 +266,10 @@ impl Gatherer<'_> {
         if out.named.contains(axis) {
             return Err(twice(word.span));
         }
-        match word.value {
-            Value::Dimension(DimensionFunction::Absolute, _) => out.as_absolute.insert(axis),
-            Value::Dimension(DimensionFunction::Incremental, _) => out.as_incremental.insert(axis),
-            Value::Dimension(function, _) => {
-                super::rotary::set_way(axis, function, word.span, out).unwrap_or_else(|| Err(self.unsupported(word)))?
-            }
-            _ => {}
+        if let Value::Dimension(function, _) = word.value
+            && !super::rotary::set_way(axis, function, word.span, out)?
+        {
+            return Err(self.unsupported(word));
         }
         out.axes[axis] = self.number(word)?;
         out.axis_spans[axis.slot()] = word.span;

@@ -48,6 +48,7 @@ mod rotary;
 mod save;
 mod spatial;
 mod spline;
+mod swivel;
 mod sync_action;
 mod system;
 mod system_write;

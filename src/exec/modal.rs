@@ -4,6 +4,7 @@ use super::contour::ContourModal;
 use super::polar::Polar;
 use super::save::Stated;
 use super::spline::End;
+use super::swivel::Swivelled;
 use super::transform::Transform;
 use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
 use crate::machine::Machine;
@@ -84,6 +85,8 @@ pub(super) struct Modal {
     pub(super) settable: Frame,
     /// TRANS, ROT, SCALE, MIRROR and their additive kin.
     pub(super) programmable: Frame,
+    /// Plane of CYCLE800, below the programmable frame.
+    pub(super) swivelled: Option<Box<Swivelled>>,
     /// The part of its shift that `G59` replaces.
     pub(super) fine: AxisVector,
     /// Pole and polar position.
@@ -138,6 +141,7 @@ impl Modal {
             base: Frame::identity(),
             settable: Frame::identity(),
             programmable: Frame::identity(),
+            swivelled: None,
             fine: AxisVector::ZERO,
             polar: Polar::default(),
             tangent: None,
@@ -166,7 +170,9 @@ impl Modal {
 
     /// Total frame: base, settable, then programmable nearest to the programmed value.
     pub(super) fn frame(&self) -> Frame {
-        self.base.compose(&self.settable).compose(&self.programmable)
+        let below = self.base.compose(&self.settable);
+        let below = self.swivelled.as_ref().map_or(below, |swivelled| below.compose(&swivelled.frame));
+        below.compose(&self.programmable)
     }
 
     /// Gauge point to tip as the control sees it: L1, L2, L3 lie along the plane's axes (G17: Z, Y, X).

@@ -16,28 +16,27 @@ use crate::syntax::DimensionFunction;
 /// A position this near to the present one is the same, rad: a turn in full is not meant.
 const SAME_RAD: f64 = 1e-9;
 
-/// Notes how an axis word is meant; `None` where the function is no way.
-pub(super) fn set_way(
-    axis: Axis,
-    function: DimensionFunction,
-    span: Span,
-    out: &mut Gathered,
-) -> Option<Result<(), Fault>> {
+/// Notes how an axis word is meant, and whether that is known.
+pub(super) fn set_way(axis: Axis, function: DimensionFunction, span: Span, out: &mut Gathered) -> Result<bool, Fault> {
     let way = match function {
+        DimensionFunction::Absolute => Way::Plain,
+        DimensionFunction::Incremental => {
+            out.as_incremental.insert(axis);
+            return Ok(true);
+        }
         DimensionFunction::Shortest => Way::Shortest,
         DimensionFunction::Positive => Way::Positive,
         DimensionFunction::Negative => Way::Negative,
-        _ => return None,
+        DimensionFunction::Other => return Ok(false),
     };
-    if !axis.is_rotary() {
-        let message = format!("{axis} is no rotary axis");
-        return Some(Err(bad_value(span, message, "DC, ACP and ACN are for rotary axes")));
+    if way != Way::Plain && !axis.is_rotary() {
+        return Err(bad_value(span, format!("{axis} is no rotary axis"), "DC, ACP and ACN are for rotary axes"));
     }
     out.as_absolute.insert(axis);
-    if let Some(place) = out.ways.get_mut(axis.dimension()) {
+    if let Some(place) = out.ways.get_mut(axis.dimension()).filter(|_| axis.is_rotary()) {
         *place = way;
     }
-    Some(Ok(()))
+    Ok(true)
 }
 
 /// The position of an absolute word.
@@ -74,7 +73,7 @@ pub(super) fn position(
     }
     let within = here.rem_euclid(TAU);
     let forward = (value - within).rem_euclid(TAU);
-    let is_same = forward < SAME_RAD || forward > TAU - SAME_RAD;
+    let is_same = !(SAME_RAD..=TAU - SAME_RAD).contains(&forward);
     let step = match way {
         Way::Plain if !context.control.modulo_shortest => value - within,
         Way::Positive | Way::Negative if is_same => 0.0,

@@ -119,6 +119,10 @@ pub struct Control {
     pub mirror_toggles: bool,
     /// Whether a plain absolute word of a modulo axis goes the shortest way; else it stays within the turn (Sinumerik MD30455 bit 2).
     pub modulo_shortest: bool,
+    /// Where Z retracts to before CYCLE800 swivels, machine position of the axis, mm; `None` where it is not known.
+    pub swivel_retract_z_mm: Option<f64>,
+    /// The rotary axis to which the preferred direction of CYCLE800 relates; `None` for the one that tilts the tool.
+    pub swivel_direction_axis: Option<Axis>,
     /// Whether shifts have a fine part, which `G59` programs (Sinumerik MD24000).
     pub fine_shift: bool,
     /// How far the straight pieces that stand for a curve – a spline, an arc in a tilted plane or under unequal scale, a straight line
@@ -204,6 +208,8 @@ impl Default for Control {
             rotation_order: RotationOrder::Rpy,
             mirror_toggles: true,
             modulo_shortest: false,
+            swivel_retract_z_mm: None,
+            swivel_direction_axis: None,
             fine_shift: false,
             chord_tolerance_mm: 2.5e-4,
             orientation_angles: OrientationAngles::Rpy,
