@@ -182,7 +182,7 @@ where
             _ => Treatment::End,
         };
         let route = Route::new(standing.nominal, motion.target, motion.arc);
-        let feed = motion.feed * self.placer.feed_ratio(&standing.nominal, motion);
+        let feed = self.placer.feed(&standing.nominal, motion);
         self.prediction.moves += 1;
         self.active = Some(Active {
             origin: element.origin,

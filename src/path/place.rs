@@ -12,6 +12,8 @@ use crate::snc::{Move, Setup};
 
 use super::{FiveAxis, Increments, Options, OutputFrame, Rotary};
 
+/// Feeds of axes are written to this many parts of a mm/min.
+const FEED_PARTS: f64 = 1e3;
 /// Ways shorter than this have no direction, mm.
 const SHORT_MM: f64 = 1e-6;
 
@@ -93,9 +95,9 @@ impl<'a> Placer<'a> {
 
     /// Feed of the axes for one of the tip, where the output has no transformation any more: the path feed of a control is that of X, Y, Z,
     /// or of the rotary axes, in degrees, where only these move.
-    pub(super) fn feed_ratio(&self, start: &AxisVector, motion: &Move) -> f64 {
+    pub(super) fn feed(&self, start: &AxisVector, motion: &Move) -> f64 {
         if self.keeps_transform || self.setup.transform.is_none() || motion.inverse_time {
-            return 1.0;
+            return motion.feed;
         }
         let end = &motion.target;
         let tip = |command: &AxisVector| self.kinematics.tip_mm(command, &self.setup.tool_mm);
@@ -104,7 +106,8 @@ impl<'a> Placer<'a> {
         let rotary = ROTARY_AXES.map(|axis| (end[axis] - start[axis]).to_degrees());
         let way =
             if linear_mm > SHORT_MM { linear_mm } else { rotary.iter().map(|turn| turn * turn).sum::<f64>().sqrt() };
-        if tip_mm > SHORT_MM && way > 0.0 { way / tip_mm } else { 1.0 }
+        let ratio = if tip_mm > SHORT_MM && way > 0.0 { way / tip_mm } else { 1.0 };
+        (motion.feed * ratio * FEED_PARTS).round() / FEED_PARTS
     }
 
     /// Whether a word is about the transformation, and not for an output without one.
