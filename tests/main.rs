@@ -37,6 +37,7 @@ mod modes;
 mod programs;
 mod rotary;
 mod saved_data;
+mod snc_text;
 mod splines;
 mod stock;
 mod support;
