@@ -35,6 +35,7 @@ mod milling;
 mod model;
 mod modes;
 mod programs;
+mod reference_points;
 mod rotary;
 mod saved_data;
 mod snc_text;

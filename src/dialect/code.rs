@@ -35,6 +35,8 @@ pub enum Effect {
     Orientation,
     /// Says how splines begin or end.
     Spline,
+    /// Moves axes to a place that only the machine knows: they and it are passed on.
+    Reference,
     /// Limits of working area or spindle: the whole block is passed on.
     Limits,
     /// Diameter or radius programming of the transverse axis.
@@ -127,6 +129,7 @@ impl Effect {
             "transform" => Effect::Transform,
             "orientation" => Effect::Orientation,
             "spline" => Effect::Spline,
+            "reference" => Effect::Reference,
             "limits" => Effect::Limits,
             "diameter" => Effect::Diameter,
             "display" => Effect::Display,

@@ -199,9 +199,9 @@ impl<'a> Channel<'a> {
         if !after.is_empty() {
             self.push(Kind::After(after));
         }
-        if gathered.loses_position {
-            self.modal.forget_position();
-            self.push(Kind::Lost);
+        if !gathered.lost.is_empty() {
+            let lost = self.modal.forget(gathered.lost);
+            self.push(Kind::Lost(lost));
         }
         Ok(())
     }

@@ -30,7 +30,11 @@ impl Gatherer<'_> {
         let mut out = Gathered::new();
         let words = self.scope.program.words_of(block);
         for word in words {
-            self.word(word, block, &mut out)?;
+            let found = self.word(word, block, &mut out);
+            if out.is_reference || found.is_err() && self.is_reference(words) {
+                return self.reference(block);
+            }
+            found?;
             if out.is_complete {
                 break;
             }
@@ -59,7 +63,7 @@ impl Gatherer<'_> {
         Ok(out)
     }
 
-    fn word(&self, word: &Word, block: &Block, out: &mut Gathered) -> Result<(), Fault> {
+    pub(super) fn word(&self, word: &Word, block: &Block, out: &mut Gathered) -> Result<(), Fault> {
         match word.address {
             Address::Name(_) | Address::Indexed(_) | Address::Letter(b'L' | b'M')
                 if self.passes(word, block, out)? =>
@@ -243,6 +247,7 @@ impl Gatherer<'_> {
             Effect::Spline => out.curve.ends.extend(End::of(entry.name)),
             Effect::Display => {}
             Effect::Limits => out.limits = Some(span),
+            Effect::Reference => out.is_reference = true,
             // The output is in radii; the transverse axis is not moved while they are diameters.
             Effect::Diameter => {
                 out.diameter = Some((entry.name != "DIAMOF", span));

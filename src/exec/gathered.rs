@@ -78,8 +78,10 @@ pub(super) struct Gathered {
     pub(super) verbatim: Vec<Vec<u8>>,
     /// Whether they say all that the block says.
     pub(super) is_complete: bool,
-    /// Whether the axes are anywhere behind the block.
-    pub(super) loses_position: bool,
+    /// Axes that are anywhere behind the block.
+    pub(super) lost: AxisSet,
+    /// G74, G75: the block is passed on.
+    pub(super) is_reference: bool,
     /// G25, G26.
     pub(super) limits: Option<Span>,
     /// Diameter programming on or off.
@@ -132,7 +134,8 @@ impl Gathered {
             message: None,
             verbatim: Vec::new(),
             is_complete: false,
-            loses_position: false,
+            lost: AxisSet::EMPTY,
+            is_reference: false,
             limits: None,
             diameter: None,
             inverse_time: None,

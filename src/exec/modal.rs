@@ -221,7 +221,20 @@ impl Modal {
 
     /// The position is unknown from here on: a tool change has moved the machine.
     pub(super) fn forget_position(&mut self) {
-        self.known = AxisSet::EMPTY;
+        self.forget(AxisSet::ALL);
+    }
+
+    /// Where some axes are is unknown from here on. Those that a frame or a transformation mixes are unknown together; gives all that
+    /// are.
+    pub(super) fn forget(&mut self, axes: AxisSet) -> AxisSet {
+        let mut lost = axes;
+        if self.transform.turning().is_some() {
+            lost = AxisSet::ALL;
+        } else if !self.frame().is_translation() && !axes.intersection(AxisSet::XYZ).is_empty() {
+            lost = axes.union(AxisSet::XYZ);
+        }
+        self.known = self.known.difference(lost);
         self.tangent = None;
+        lost
     }
 }

@@ -87,7 +87,7 @@ impl Gatherer<'_> {
             }
             Treatment::Lost => {
                 out.verbatim.push(self.text(word, Unit::None)?);
-                out.loses_position = true;
+                out.lost = AxisSet::ALL;
             }
             Treatment::Refuse(why) => {
                 let shown = String::from_utf8_lossy(self.source(word.span)).into_owned();
@@ -132,7 +132,9 @@ impl Gatherer<'_> {
         }
         out.verbatim.push(text);
         out.is_complete = true;
-        out.loses_position |= moves;
+        if moves {
+            out.lost = AxisSet::ALL;
+        }
         Ok(true)
     }
 
@@ -160,7 +162,7 @@ impl Gatherer<'_> {
     }
 
     /// A word with its values.
-    fn text(&self, word: &Word, unit: Unit) -> Result<Vec<u8>, Fault> {
+    pub(super) fn text(&self, word: &Word, unit: Unit) -> Result<Vec<u8>, Fault> {
         let mut text = match word.address {
             Address::Letter(letter) => vec![letter],
             Address::Extended(letter, extension) => format!("{}{extension}", char::from(letter)).into_bytes(),
@@ -331,7 +333,7 @@ pub(super) fn opaque_statement(
     channel.push(Kind::Verbatim(text));
     if moves {
         channel.modal.forget_position();
-        channel.push(Kind::Lost);
+        channel.push(Kind::Lost(AxisSet::ALL));
     }
     Ok(())
 }

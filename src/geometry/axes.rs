@@ -77,6 +77,8 @@ impl AxisSet {
     pub const EMPTY: AxisSet = AxisSet(0);
     /// X, Y and Z.
     pub const XYZ: AxisSet = AxisSet(0b111);
+    /// All axes.
+    pub const ALL: AxisSet = AxisSet((1 << AXIS_COUNT) - 1);
 
     /// Adds an axis.
     pub fn insert(&mut self, axis: Axis) {

@@ -16,7 +16,7 @@ use crate::snc::{Element, Kind, Origin};
 
 use super::prediction::{Pair, sample_count, sample_place};
 use super::route::Route;
-use super::{Prediction, Spread, loses_position};
+use super::{Prediction, Spread, lost_axes};
 
 /// Distance of the samples along the path, mm.
 const SAMPLE_MM: f64 = 1.0;
@@ -179,9 +179,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 // A mark belongs to its own line, which may move nothing.
                 self.continues = false;
             }
-            if loses_position(&element, self.machine) {
-                self.known = AxisSet::EMPTY;
-            }
+            self.known = self.known.difference(lost_axes(&element, self.machine));
             let motion = match element.kind {
                 Kind::Comment(text) => {
                     self.continues = [CONTINUES, CONTINUES_ON_THE_SPOT].iter().any(|mark| mark.as_bytes() == text);

@@ -18,7 +18,7 @@ use super::prediction::{sample_count, sample_place};
 use super::rotary_word;
 use super::route::Route;
 use super::trial::{Bench, Standing, Trial};
-use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, loses_position};
+use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, lost_axes};
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -132,16 +132,15 @@ where
                 self.pending.push_back(Ok(Output::Element(Element { kind: Kind::Empty, ..element })));
                 return;
             }
-            _ if loses_position(&element, self.machine) => self.forget(),
-            _ => {}
+            _ => self.forget(lost_axes(&element, self.machine)),
         }
         self.pending.push_back(Ok(Output::Element(element)));
     }
 
-    /// A tool change, or something that is not in the stream, moves the machine: where it stands is unknown behind it.
-    fn forget(&mut self) {
-        self.standing.known = AxisSet::EMPTY;
-        self.standing.written = AxisSet::EMPTY;
+    /// A tool change, or something that is not in the stream, moves axes: where they stand is unknown behind it.
+    fn forget(&mut self, axes: AxisSet) {
+        self.standing.known = self.standing.known.difference(axes);
+        self.standing.written = self.standing.written.difference(axes);
     }
 
     /// From here on coordinates mean something else; the machine stands where it stood.

@@ -205,14 +205,15 @@ pub struct PieceArc {
     pub extra_turns: u32,
 }
 
-/// Whether where the machine stands is unknown behind an element: it changes the tool, or something else has moved the machine.
-fn loses_position(element: &Element, machine: &Machine) -> bool {
+/// Axes whose place is unknown behind an element: it changes the tool, or something else has moved the machine.
+fn lost_axes(element: &Element, machine: &Machine) -> AxisSet {
     let is_change =
         |word: &Word| word.letter == b'M' && word.extension.is_none() && word.value == WordValue::Number(6.0);
-    match &element.kind {
+    let is_lost = match &element.kind {
         Kind::Tool(_) => machine.control.tool_change == ToolChange::T,
-        Kind::Lost => true,
+        Kind::Lost(axes) => return *axes,
         Kind::Before(words) | Kind::After(words) => words.iter().any(is_change),
         _ => false,
-    }
+    };
+    if is_lost { AxisSet::ALL } else { AxisSet::EMPTY }
 }

@@ -71,8 +71,8 @@ pub enum Kind {
     /// Words of the program's language that change no position, values evaluated: `ADIS=0.5`, `SETMS(2)`. They stand before the words
     /// of the motion of their block.
     Verbatim(Vec<u8>),
-    /// Where the axes are is unknown from here on: something that is not in the stream has moved them.
-    Lost,
+    /// Where these axes are is unknown from here on: something that is not in the stream has moved them.
+    Lost(AxisSet),
     /// From here on positions relate to axis commands like this. Does not show in the text form.
     Setup(sync::Arc<Setup>),
     /// A zero-offset or frame statement to be written in its place, values evaluated.

@@ -22,7 +22,7 @@ impl Sinumerik {
         }
         self.stamp(out);
         match &element.kind {
-            Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost | Kind::Empty => {}
+            Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
             Kind::Comment(bytes) => {
                 if !self.comment.is_empty() {
                     self.comment.push(b' ');
@@ -89,7 +89,7 @@ impl Sinumerik {
                 self.line.extend_from_slice(b"\")");
             }
             Kind::Verbatim(text) => self.word(text),
-            Kind::Header(_) | Kind::Comment(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost | Kind::Empty => {}
+            Kind::Header(_) | Kind::Comment(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
         }
     }
 
