@@ -45,5 +45,6 @@ mod support;
 mod swivel;
 mod synchronised;
 mod system;
+mod threads;
 mod tolerance;
 mod variables;

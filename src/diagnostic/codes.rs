@@ -314,6 +314,9 @@ tolerance is below what the increment can express, or the error model has a step
     OTHER_STAMP = "W0306" "corrected for another machine or model"
 "The stamp of the corrected program names another model than the one it is compared on. Each correction is good for one machine in one
 state: the numbers say what this program would do on the machine that was given.";
+    ONE_PIECE = "W0307" "move in one piece bends"
+"Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not cut into pieces: the spindle and the axis would lose step, or the
+axes would stop in between. The end of the move is corrected, and on the way the tool is off by more than --tolerance.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be found.";
 }

@@ -35,6 +35,8 @@ pub enum Effect {
     Orientation,
     /// Says how splines begin or end.
     Spline,
+    /// Tapping with a compensating chuck, for one block.
+    Tap,
     /// Moves axes to a place that only the machine knows: they and it are passed on.
     Reference,
     /// Limits of working area or spindle: the whole block is passed on.
@@ -129,6 +131,7 @@ impl Effect {
             "transform" => Effect::Transform,
             "orientation" => Effect::Orientation,
             "spline" => Effect::Spline,
+            "tap" => Effect::Tap,
             "reference" => Effect::Reference,
             "limits" => Effect::Limits,
             "diameter" => Effect::Diameter,

@@ -17,7 +17,7 @@ use crate::diagnostic::Code;
 use crate::dialect::CodeTable;
 use crate::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Plane};
 use crate::machine::{Kinematics, Machine};
-use crate::snc::{BlockNumber, Element, Kind, Origin, Setup, Word, WordValue};
+use crate::snc::{BlockNumber, Element, Kind, Manner, Origin, Setup, Word, WordValue};
 use crate::source::{FileId, Span};
 use crate::units::MM_PER_INCH;
 
@@ -261,6 +261,7 @@ impl<'a> Channel<'a> {
     }
 
     fn feed_and_speed(&mut self, gathered: &mut Gathered) {
+        self.lead_change(gathered);
         if let Some((feed, _)) = gathered.feed {
             let is_inch = self.modal.inch_feed && !self.modal.inverse_time;
             self.modal.feed = if is_inch { feed * MM_PER_INCH } else { feed };
@@ -314,8 +315,10 @@ impl<'a> Channel<'a> {
         } else {
             path.motion.feed_named |= gathered.block_feed.is_some();
         }
+        self.check_manner(&mut path)?;
         let step = &path.motion;
-        if !step.rapid && step.feed <= 0.0 && !std::mem::replace(&mut self.feed_warned, true) {
+        let is_driven = matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven());
+        if !step.rapid && !is_driven && step.feed <= 0.0 && !std::mem::replace(&mut self.feed_warned, true) {
             let message = "a feed motion, and no F was programmed yet";
             self.warnings.push(fault(Code::FEED_ASSUMED, span, message, "program F before it or in it"));
         }

@@ -247,6 +247,7 @@ impl Gatherer<'_> {
             Effect::Spline => out.curve.ends.extend(End::of(entry.name)),
             Effect::Display => {}
             Effect::Limits => out.limits = Some(span),
+            Effect::Tap => out.taps = true,
             Effect::Reference => out.is_reference = true,
             // The output is in radii; the transverse axis is not moved while they are diameters.
             Effect::Diameter => {

@@ -80,6 +80,12 @@ pub(super) struct Gathered {
     pub(super) is_complete: bool,
     /// Axes that are anywhere behind the block.
     pub(super) lost: AxisSet,
+    /// G63.
+    pub(super) taps: bool,
+    /// Change of the lead of G34 and G35, as written.
+    pub(super) lead_change: Option<f64>,
+    /// Axes of `POS[…]=`.
+    pub(super) positioned: AxisSet,
     /// G74, G75: the block is passed on.
     pub(super) is_reference: bool,
     /// G25, G26.
@@ -135,6 +141,9 @@ impl Gathered {
             verbatim: Vec::new(),
             is_complete: false,
             lost: AxisSet::EMPTY,
+            taps: false,
+            lead_change: None,
+            positioned: AxisSet::EMPTY,
             is_reference: false,
             limits: None,
             diameter: None,

@@ -5,6 +5,7 @@ use super::frame_store::settable_number;
 use super::modal::MotionKind;
 use super::save::initial;
 use crate::geometry::Plane;
+use crate::snc::ThreadCode;
 
 /// Codes of a group in the order of their numbers, from 1.
 const MEMBERS: &[(u8, &[&str])] = &[
@@ -69,6 +70,13 @@ impl Scope<'_> {
                 MotionKind::BSpline => 7,
                 MotionKind::Cubic => 8,
                 MotionKind::Polynomial => 9,
+                MotionKind::Thread(ThreadCode::G33) => 10,
+                MotionKind::Thread(ThreadCode::G331) => 11,
+                MotionKind::Thread(ThreadCode::G332) => 12,
+                MotionKind::Thread(ThreadCode::G34) => 16,
+                MotionKind::Thread(ThreadCode::G35) => 17,
+                // Never in force behind its block.
+                MotionKind::Thread(ThreadCode::G63) => return None,
             },
             6 => match modal.plane {
                 Plane::XY => 1,

@@ -95,6 +95,10 @@ pub(super) const ROWS: &[Row] = &[
     plain("JERKA"),
     length("CYCLE832"),
     plain("CYCLE_HSC"),
+    // Threads.
+    plain("SF"),
+    length("DITS"),
+    length("DITE"),
     // Feed.
     Row { name: "FB", treatment: Treatment::BlockFeed },
     feed("FA"),

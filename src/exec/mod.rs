@@ -53,6 +53,7 @@ mod swivel;
 mod sync_action;
 mod system;
 mod system_write;
+mod thread;
 mod tool;
 mod tool_data;
 mod transform;

@@ -8,7 +8,7 @@ use super::swivel::Swivelled;
 use super::transform::Transform;
 use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
 use crate::machine::Machine;
-use crate::snc::{Setup, WordValue};
+use crate::snc::{Setup, ThreadCode, WordValue};
 use crate::source::Span;
 use crate::units::MM_PER_INCH;
 
@@ -35,6 +35,8 @@ pub(super) enum MotionKind {
     Cubic,
     /// POLY
     Polynomial,
+    /// G33 and its kin
+    Thread(ThreadCode),
 }
 
 impl MotionKind {
@@ -51,7 +53,7 @@ impl MotionKind {
             "BSPLINE" => MotionKind::BSpline,
             "CSPLINE" => MotionKind::Cubic,
             "POLY" => MotionKind::Polynomial,
-            _ => return None,
+            _ => return ThreadCode::of(code).map(MotionKind::Thread),
         })
     }
 }

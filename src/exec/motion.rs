@@ -7,11 +7,11 @@ use super::gather::bad_value;
 use super::gathered::Gathered;
 use super::modal::{Modal, MotionKind};
 use super::path::{Path, Shape};
-use super::{arc, polar, polynomial, rotary, spatial};
+use super::{arc, polar, polynomial, rotary, spatial, thread};
 use crate::diagnostic::Code;
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
 use crate::machine::{Control, Machine};
-use crate::snc::{Move, Setup};
+use crate::snc::{Manner, Move, Setup};
 use crate::source::Span;
 
 /// What a motion needs beside the modal state.
@@ -33,8 +33,16 @@ pub(super) struct MotionContext<'a> {
 pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<Path, Fault> {
     let (start, start_known) = (modal.command, modal.known);
     let (mut target, mut named) = target(gathered, modal, context)?;
-    let rapid = modal.motion == MotionKind::Rapid;
-    if !rapid && modal.feed <= 0.0 && context.strict {
+    let thread = thread::thread(gathered, modal, context.span)?;
+    let is_positioning = !gathered.positioned.is_empty();
+    let kind = match modal.motion {
+        _ if is_positioning => MotionKind::Rapid,
+        _ if thread.is_some() => MotionKind::Line,
+        kind => kind,
+    };
+    let rapid = kind == MotionKind::Rapid;
+    let is_driven = thread.is_some_and(|thread| thread.code.is_spindle_driven());
+    if !rapid && !is_driven && modal.feed <= 0.0 && context.strict {
         return Err(fault(
             Code::MISSING_FEED,
             context.span,
@@ -42,11 +50,13 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
             "program F before it or in it",
         ));
     }
-    arc::check_words(gathered, modal.motion)?;
+    if thread.is_none() {
+        arc::check_words(gathered, kind)?;
+    }
     let mut basis = PlaneBasis::behind(&context.setup.frame, modal.plane)
         .ok_or_else(|| bad_value(context.span, "the frame squeezes the working plane flat", "check SCALE"))?;
-    let shape = match modal.motion {
-        MotionKind::Rapid | MotionKind::Line => Shape::Line,
+    let shape = match kind {
+        MotionKind::Rapid | MotionKind::Line | MotionKind::Thread(_) => Shape::Line,
         MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic => Shape::Line,
         MotionKind::Polynomial => polynomial::shape(gathered, modal, context, &start, &target)?,
         MotionKind::Clockwise | MotionKind::CounterClockwise => {
@@ -87,6 +97,11 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         inverse_time: modal.inverse_time,
         ways: gathered.ways,
         in_machine_frame: gathered.suppress.is_some(),
+        manner: match thread {
+            _ if is_positioning => Manner::Positioning,
+            Some(thread) => Manner::Thread(thread),
+            None => Manner::Path,
+        },
     };
     Ok(Path { motion, start, start_known, basis, shape, setup: Shared::clone(context.setup), span: context.span })
 }

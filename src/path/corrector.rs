@@ -7,7 +7,7 @@ use crate::diagnostic::Diagnostic;
 use crate::geometry::AxisSet;
 use crate::machine::Machine;
 use crate::model::Model;
-use crate::snc::{BlockNumber, Element, Kind, Move, Origin, Setup};
+use crate::snc::{BlockNumber, Element, Kind, Manner, Move, Origin, Setup};
 
 use super::check::Sampler;
 use super::cut::{fit_arc, next_step, of_share};
@@ -166,9 +166,8 @@ where
 
     fn begin(&mut self, element: &Element, motion: &Move) {
         let (motion, unknown) = &self.placer.in_output_axes(motion);
-        if let Some(axis) = *unknown {
-            self.findings.unknown_in_machine_frame(&element.origin, axis);
-        }
+        let is_turned_thread = matches!(motion.manner, Manner::Thread(_)) && self.placer.turns_output();
+        self.findings.in_machine_frame(&element.origin, *unknown, is_turned_thread);
         let standing = &mut self.standing;
         let starts_at_known = motion.named.difference(standing.known).is_empty();
         let is_placed = self.placing.difference(motion.known).is_empty();
@@ -221,12 +220,15 @@ where
             samples: active.samples,
             known: active.motion.known,
             tolerance_mm: self.options.tolerance_mm,
-            takes_up: active.treatment == Treatment::Way,
+            takes_up: active.treatment == Treatment::Way && active.motion.manner == Manner::Path,
         };
         let (standing, scratch) = (&self.standing, &mut self.scratch);
         let from = active.parameter;
         if active.treatment == Treatment::Round {
             return bench.rounded(standing);
+        }
+        if active.motion.manner != Manner::Path && active.treatment == Treatment::Way {
+            return bench.straight(standing, [from, 1.0], scratch);
         }
         if active.treatment == Treatment::End || self.placer.model.is_empty() {
             if route.arc().is_none() {
@@ -291,7 +293,8 @@ where
         }
         let is_measured = trial.deviation_mm > 0.0 && !self.placer.model.is_empty();
         if is_measured && trial.deviation_mm > self.options.tolerance_mm {
-            self.findings.tolerance_missed(&active.origin, self.options.tolerance_mm);
+            let is_cut = active.motion.manner == Manner::Path;
+            self.findings.tolerance_missed(&active.origin, is_cut, trial.deviation_mm, self.options.tolerance_mm);
         }
         self.write(active, &trial.end, Some(trial), to - from, is_last);
         if !self.sampler.backlash.is_empty() {
@@ -347,6 +350,7 @@ where
             feed_named: first && motion.feed_named,
             rotary_words,
             in_machine_frame: motion.in_machine_frame,
+            manner: motion.manner,
             command: placed.command,
         };
         self.pending.push_back(Ok(Output::Piece(piece)));

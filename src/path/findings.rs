@@ -102,10 +102,18 @@ impl<'a> Findings<'a> {
         reach.cross(&data.direction).norm()
     }
 
-    pub(super) fn unknown_in_machine_frame(&mut self, origin: &Origin, axis: Axis) {
-        let message = format!("the frame moves {axis}, and the program has not stated where {axis} is");
-        let help = "begin with a block that names X, Y and Z, or leave out --frame machine";
-        self.report(origin, Code::UNKNOWN_START, message, help.into());
+    /// What output in machine coordinates cannot say: the place of an axis, a thread whose lead belongs to an axis of the frame.
+    pub(super) fn in_machine_frame(&mut self, origin: &Origin, unknown: Option<Axis>, is_turned_thread: bool) {
+        if let Some(axis) = unknown {
+            let message = format!("the frame moves {axis}, and the program has not stated where {axis} is");
+            let help = "begin with a block that names X, Y and Z, or leave out --frame machine";
+            self.report(origin, Code::UNKNOWN_START, message, help.into());
+        }
+        if is_turned_thread {
+            let message = "a thread in a frame that turns, scales or mirrors, and --frame machine";
+            let help = "leave out --frame machine: the lead belongs to an axis of the frame";
+            self.report(origin, Code::NOT_SUPPORTED, message.into(), help.into());
+        }
     }
 
     pub(super) fn not_converged(&mut self, origin: &Origin, failure: NotConverged) {
@@ -114,9 +122,17 @@ impl<'a> Findings<'a> {
         self.report(origin, Code::NOT_CONVERGED, message, help.into());
     }
 
-    /// Says once that a piece deviates by more than asked for.
-    pub(super) fn tolerance_missed(&mut self, origin: &Origin, tolerance_mm: f64) {
-        if !std::mem::replace(&mut self.tolerance_was_missed, true) {
+    /// Says once that a piece deviates by more than asked for; of moves that are not cut, each time.
+    pub(super) fn tolerance_missed(&mut self, origin: &Origin, is_cut: bool, deviation_mm: f64, tolerance_mm: f64) {
+        if !is_cut {
+            let message = format!(
+                "this move must stay in one piece and is up to {} off the path, more than {}",
+                micrometers(deviation_mm),
+                micrometers(tolerance_mm)
+            );
+            let help = "program it in several blocks where the control allows it, or allow a larger --tolerance";
+            self.report(origin, Code::ONE_PIECE, message, help.into());
+        } else if !std::mem::replace(&mut self.tolerance_was_missed, true) {
             let message = format!("here the emitted path cannot stay within {}", micrometers(tolerance_mm));
             let help = "allow a larger --tolerance, or a finer control.increment_mm";
             self.report(origin, Code::TOLERANCE_NOT_REACHED, message, help.into());

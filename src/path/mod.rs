@@ -29,7 +29,7 @@ pub use prediction::{Prediction, Spread};
 
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector, Plane};
 use crate::machine::{Machine, ToolChange};
-use crate::snc::{BlockNumber, Element, Kind, Origin, Way, Word, WordValue};
+use crate::snc::{BlockNumber, Element, Kind, Manner, Origin, Way, Word, WordValue};
 
 /// What is to be done with a program.
 #[derive(Clone, Debug, PartialEq)]
@@ -176,6 +176,8 @@ pub struct Piece {
     pub rotary_words: [RotaryWord; 3],
     /// Whether the source writes machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
+    /// How the control carries it out.
+    pub manner: Manner,
     /// Axis commands at the end, without tool: mm, rad.
     pub command: AxisVector,
 }
@@ -190,6 +192,14 @@ pub enum RotaryWord {
     Within(Way),
     /// `IC(…)`: a full turn and more, in increments.
     Step(i64),
+}
+
+impl RotaryWord {
+    /// Whether it is written with a function: `=DC(10)`.
+    #[must_use]
+    pub fn is_function(self) -> bool {
+        !matches!(self, RotaryWord::Plain | RotaryWord::Within(Way::Plain))
+    }
 }
 
 /// The circle of a piece, in the emitted frame.

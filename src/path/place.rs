@@ -191,6 +191,11 @@ impl<'a> Placer<'a> {
         self.frame == OutputFrame::Machine
     }
 
+    /// Whether the axes of the output are others than those of the program.
+    pub(super) fn turns_output(&self) -> bool {
+        self.is_machine_frame() && !self.setup.frame.is_translation()
+    }
+
     /// A move whose axes are those of the output, and the first of them that has to be written and is not known.
     pub(super) fn in_output_axes(&self, motion: &Move) -> (Move, Option<Axis>) {
         let frame = &self.setup.frame;

@@ -4,9 +4,11 @@
 //! in their places. Targets are **axis commands** (mm, rad); the text form adds the tool vector, so that it shows positions
 //! at the tool center point. Elements of one executed block follow each other; the first has [`Element::starts_block`].
 
+mod manner;
 mod text;
 mod text_reader;
 
+pub use manner::{Manner, Thread, ThreadCode};
 pub use text::TextWriter;
 pub use text_reader::{TextError, TextReader};
 
@@ -112,6 +114,8 @@ pub struct Move {
     pub ways: [Way; 3],
     /// Whether the positions are written as machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
+    /// How the control carries it out.
+    pub manner: Manner,
 }
 
 /// How a rotary axis gets to its position.

@@ -7,7 +7,8 @@
 //! ```
 //!
 //! Positions are at the tool center point, mm and degrees, up to 6 decimals. `;@14<3` is line 14 called from line 3.
-//! `I J K` is the center minus the start, `P` the plane, `L` the number of extra full turns.
+//! `I J K` is the center minus the start, `P` the plane, `L` the number of extra full turns. Threads and positioning axes are shown by
+//! their moves alone: G1 without a feed for what the spindle drives, G0 for positioning axes.
 
 use std::io::{self, Write};
 

@@ -122,6 +122,7 @@ impl<'a> TextReader<'a> {
             inverse_time: false,
             ways: Default::default(),
             in_machine_frame: false,
+            manner: Default::default(),
         })
     }
 }

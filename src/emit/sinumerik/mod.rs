@@ -45,7 +45,7 @@ pub(in crate::emit) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>
         stops_exactly: false,
         always_stops: false,
         stop_word_at: None,
-        motion: 0,
+        motion: "",
         feed: 0.0,
         blocks: 0,
     }))
@@ -80,8 +80,8 @@ struct Sinumerik {
     always_stops: bool,
     /// Where in the line it says so.
     stop_word_at: Option<usize>,
-    /// The G word of motion in force: `b'0'` to `b'3'`, 0 for none yet.
-    motion: u8,
+    /// The G word of motion in force, empty for none yet.
+    motion: &'static str,
     feed: f64,
     blocks: u64,
 }

@@ -3,8 +3,10 @@
 use super::{ALWAYS_STOP, NEVER_STOP, Sinumerik};
 use crate::geometry::Axis;
 use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Piece, RotaryWord};
-use crate::snc::Way;
+use crate::snc::{Manner, ThreadCode, Way};
 use crate::units::push_integer;
+
+use super::super::number::push_value;
 
 /// Stands in each block with machine coordinates.
 const IN_MACHINE_FRAME: &str = "G153";
@@ -32,18 +34,32 @@ impl Sinumerik {
         } else if let Some(word) = self.suppressing.filter(|_| self.is_again && piece.in_machine_frame) {
             self.word(word.as_bytes());
         }
-        let motion = match (piece.rapid, &piece.arc) {
-            (true, _) => b'0',
-            (false, None) => b'1',
-            (false, Some(arc)) if arc.clockwise => b'2',
-            (false, Some(_)) => b'3',
+        let motion = match (piece.rapid, &piece.arc, &piece.manner) {
+            (_, _, Manner::Thread(thread)) => thread.code.word(),
+            (true, ..) => "G0",
+            (false, None, _) => "G1",
+            (false, Some(arc), _) if arc.clockwise => "G2",
+            (false, Some(_), _) => "G3",
         };
-        if piece.starts_block || piece.first || motion != self.motion {
-            self.word(&[b'G', motion]);
-            self.motion = motion;
+        let is_positioning = piece.manner == Manner::Positioning;
+        if !is_positioning && (piece.starts_block || piece.first || motion != self.motion) {
+            self.word(motion.as_bytes());
+            // G63 is for its block only.
+            if motion != ThreadCode::G63.word() {
+                self.motion = motion;
+            }
         }
         for axis in piece.words.iter() {
-            self.word(&[axis.letter()]);
+            if is_positioning {
+                self.word(b"POS[");
+                self.line.extend_from_slice(&[axis.letter(), b']']);
+                let is_function = axis.is_rotary() && piece.rotary_words[axis.dimension()].is_function();
+                if !is_function {
+                    self.line.push(b'=');
+                }
+            } else {
+                self.word(&[axis.letter()]);
+            }
             if axis.is_rotary() {
                 self.rotary_position(piece.rotary_words[axis.dimension()], piece.counts[axis.slot()]);
             } else {
@@ -61,6 +77,18 @@ impl Sinumerik {
             if arc.extra_turns > 0 {
                 self.word(b"TURN=");
                 push_integer(&mut self.line, u64::from(arc.extra_turns));
+            }
+        }
+        if let Manner::Thread(thread) = &piece.manner {
+            if let Some((letter, lead)) = thread.lead {
+                self.word(&[letter]);
+                push_value(&mut self.line, lead);
+            }
+            if let Some(change) = thread.change {
+                self.word(b"F");
+                push_value(&mut self.line, change);
+                // The feed of the path is another value.
+                self.feed = f64::NAN;
             }
         }
         if piece.feed_named || !piece.rapid && piece.feed > 0.0 && piece.feed != self.feed {

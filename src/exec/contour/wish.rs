@@ -71,9 +71,14 @@ pub(in crate::exec) struct ContourModal {
 }
 
 impl ContourModal {
+    /// Whether radius compensation is on.
+    pub(in crate::exec) fn compensates(&self) -> bool {
+        self.side != Side::Off
+    }
+
     /// Whether motions are what they are.
     pub(in crate::exec) fn is_plain(&self) -> bool {
-        self.side == Side::Off && self.round_mm == 0.0
+        !self.compensates() && self.round_mm == 0.0
     }
 }
 
