@@ -10,14 +10,14 @@ use crate::bench_machine::Random;
 use crate::compensation::with_radius;
 use crate::flat::{execute, moves};
 
-type Point = [f64; 2];
+pub(crate) type Point = [f64; 2];
 
 /// A contour element for the eyes of this test: its end, and the center and sense of an arc.
 #[derive(Clone, Copy, Debug)]
-struct Element {
-    start: Point,
-    end: Point,
-    arc: Option<(Point, bool)>,
+pub(crate) struct Element {
+    pub(crate) start: Point,
+    pub(crate) end: Point,
+    pub(crate) arc: Option<(Point, bool)>,
 }
 
 fn apart(a: Point, b: Point) -> f64 {
@@ -35,7 +35,7 @@ fn sweep(element: &Element, center: Point, clockwise: bool) -> f64 {
 }
 
 impl Element {
-    fn at(&self, share: f64) -> Point {
+    pub(crate) fn at(&self, share: f64) -> Point {
         match self.arc {
             None => [
                 self.start[0] + (self.end[0] - self.start[0]) * share,
@@ -70,7 +70,7 @@ impl Element {
     }
 
     /// Distance of a point, by its foot or the ends.
-    fn distance(&self, point: Point) -> f64 {
+    pub(crate) fn distance(&self, point: Point) -> f64 {
         let ends = apart(point, self.start).min(apart(point, self.end));
         match self.arc {
             None => {
@@ -104,7 +104,7 @@ impl Element {
 }
 
 /// The way of the tool center beside a contour without its first and last motion, and the codes that were found.
-fn beside(contour: &[Element], words: &str, radius_mm: f64) -> (Vec<Element>, Vec<String>) {
+pub(crate) fn beside(contour: &[Element], words: &str, radius_mm: f64) -> (Vec<Element>, Vec<String>) {
     let start = contour[0].start;
     let mut text = format!("N1 G17 G90 G0 T1 D1 X0 Y0 Z0\nN2 {words} G1 X{:.9} Y{:.9} F500\n", start[0], start[1]);
     for element in contour {

@@ -6,6 +6,7 @@ mod archives;
 mod arcs;
 mod bad;
 mod bench_machine;
+mod bottleneck;
 mod cli_check;
 mod cli_explain;
 mod cli_fix;

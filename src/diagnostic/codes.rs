@@ -202,7 +202,7 @@ stand between two contour elements. The radius may change in a straight block th
     CONTOUR_NOT_FOLLOWED = "E0233" "contour too narrow for the tool"
 "With G41 or G42 the tool cannot follow the contour here: an inner arc is narrower than the tool, or an element is so short that the ways
 of the tool center before and behind it do not meet, even if up to control.compensation_look_ahead elements (Sinumerik MD20240) are left
-out. Use a smaller tool, or change the contour.";
+out. With CDON also: the tool would cut into another element than the one it follows. Use a smaller tool, or change the contour.";
     NO_ORIENTATION = "E0240" "tool direction out of reach"
 "Under TRAORI the rotary axes cannot turn the tool to the programmed direction, or not within their travel: a table that tilts to one
 side only, an axis at its limit. Check the direction (A3, B3, C3 run from the tip to the spindle) and axis.….travel_deg.";
@@ -301,6 +301,11 @@ first. A control makes no transition then, and neither does this program.";
     ELEMENT_LEFT_OUT = "W0233" "contour element left out"
 "The tool is too wide for this contour element; its way goes from the element before to the one behind, as the control does it. Some
 material is left. Check that the right tool is meant.";
+    CONTOUR_DAMAGED = "W0234" "tool cuts into the contour"
+"With G41 or G42 the tool comes nearer to a contour element than its radius while it follows another one: a slot or notch is narrower
+than the tool, a spiral too tight. The control does the same where collision monitoring is off (CDOF); with CDON it leaves out what the
+tool cannot reach, up to control.compensation_look_ahead elements (Sinumerik MD20240). Elements within three times this number before
+and behind are looked at. Check that a smaller tool is not meant.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. For check and snc zero is used; a correction is refused.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"

@@ -85,7 +85,8 @@ impl Active {
                 "end it with G0 or G1 off the contour",
             ));
         }
-        self.chain.give_up(findings);
+        self.give_up(findings);
+        self.end_pieces(limits, findings);
         let own = own_of(self.chain.tail(), &moving.element);
         let target = self.basis.flat(&moving.path.motion.target);
         let normal = scaled(left(self.tangent), self.distance);

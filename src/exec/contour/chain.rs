@@ -11,6 +11,11 @@ use crate::exec::fault::Fault;
 /// How much nearer than the radius the tool may come to an element that is left out, mm.
 const GOUGE_MM: f64 = 1e-6;
 
+/// A crossing of pieces that are no neighbors lies this far from their ends, mm.
+const INSIDE_MM: f64 = 1e-4;
+/// How much nearer than the radius the tool may come to an element because of the decimals of the program, mm.
+const CLEAR_MM: f64 = 1e-3;
+
 /// Pieces, oldest first.
 #[derive(Debug, Default)]
 pub(super) struct Chain {
@@ -65,9 +70,17 @@ impl Chain {
             self.wait(link, most, findings);
             return;
         };
-        let mut items = Vec::new();
         let later = self.links.split_off(found.index + 1);
-        for dropped in later.into_iter().chain(self.waiting.drain(..)) {
+        let dropped: Vec<Link> = later.into_iter().chain(self.waiting.drain(..)).collect();
+        self.leave_out(dropped, found.end, findings);
+        link.from = found.start;
+        self.links.push_back(link);
+    }
+
+    /// Cuts the last piece back and leaves out what stood behind it.
+    fn leave_out(&mut self, dropped: Vec<Link>, end: f64, findings: &mut Vec<Fault>) {
+        let mut items = Vec::new();
+        for dropped in dropped {
             if dropped.role == Role::Contour {
                 findings.push(dropped.moving.fault(
                     Code::ELEMENT_LEFT_OUT,
@@ -81,11 +94,81 @@ impl Chain {
             dropped.into_items(&mut items);
         }
         if let Some(old) = self.links.back_mut() {
-            old.to = found.end;
+            old.to = end;
             old.items.append(&mut items);
         }
-        link.from = found.start;
-        self.links.push_back(link);
+    }
+
+    /// CDON: where a piece crosses an earlier one that is no neighbor, what is between them and would be damaged is left out.
+    /// The last piece can still be cut back and is looked at only where nothing follows it.
+    pub(super) fn skip_bottlenecks(&mut self, is_end: bool, most: usize, findings: &mut Vec<Fault>) {
+        let mut index = 0;
+        while index + usize::from(!is_end) < self.links.len() {
+            let Some(link) = self.links.get_mut(index) else { return };
+            if !std::mem::replace(&mut link.is_checked, true)
+                && link.moving.wish.modal.collision
+                && let Some(found) = self.bottleneck(index, most)
+            {
+                let mut later = self.links.split_off(found.index + 1);
+                let behind = later.split_off(index - found.index - 1);
+                self.leave_out(later.into(), found.end, findings);
+                index = found.index + 1;
+                self.links.extend(behind);
+                if let Some(link) = self.links.get_mut(index) {
+                    link.from = found.start;
+                }
+            }
+            index += 1;
+        }
+    }
+
+    /// Where a piece crosses one before its neighbor so that the way between them damages the contour.
+    fn bottleneck(&self, later: usize, most: usize) -> Option<Meeting> {
+        let link = self.links.get(later)?;
+        let mut left_out = 0;
+        for index in (0..later).rev() {
+            let old = self.links.get(index)?;
+            if old.is_sealed || left_out > most {
+                return None;
+            }
+            // What touches is a neighbor, or meant.
+            if old.contour.gap(&link.contour, CLEAR_MM) < CLEAR_MM {
+                left_out += usize::from(old.role == Role::Contour);
+                continue;
+            }
+            let mut best: Option<Meeting> = None;
+            for point in old.curve.crossings(&link.curve).iter() {
+                let end = old.curve.along(point, old.to);
+                let start = link.curve.along(point, link.from);
+                let is_inside = |at: f64, link: &Link| at > link.from + INSIDE_MM && at < link.to - INSIDE_MM;
+                let found = Meeting { index, end, start };
+                let is_better = best.as_ref().is_none_or(|best| end < best.end);
+                if is_inside(end, old) && is_inside(start, link) && is_better && self.is_damaged(&found, later, point) {
+                    best = Some(found);
+                }
+            }
+            if best.is_some() {
+                return best;
+            }
+            left_out += usize::from(old.role == Role::Contour);
+        }
+        None
+    }
+
+    /// Whether the way from one crossing piece to the other damages the contour, and does not any more without it.
+    fn is_damaged(&self, found: &Meeting, later: usize, point: Flat) -> bool {
+        let loops: Vec<&Link> = self.links.range(found.index..=later).collect();
+        let part = |at: usize, link: &Link| match at {
+            0 => link.curve.part(found.end, link.to),
+            _ if at == later - found.index => link.curve.part(link.from, found.start),
+            _ => link.curve.part(link.from, link.to),
+        };
+        let keeps = |link: &Link| link.clearance_mm - CLEAR_MM;
+        loops.iter().all(|link| link.contour.distance(point) >= keeps(link))
+            && loops.iter().enumerate().any(|(at, link)| {
+                let way = part(at, link);
+                loops.iter().any(|wall| way.gap(&wall.contour, keeps(wall)) < keeps(wall))
+            })
     }
 
     /// Where a new piece crosses one of the last `depth` pieces.
@@ -138,9 +221,9 @@ impl Chain {
         }
     }
 
-    /// Elements wait that nothing meets any more.
-    pub(super) fn give_up(&mut self, findings: &mut Vec<Fault>) {
-        let Some(first) = self.waiting.first() else { return };
+    /// Elements wait that nothing meets any more; whether there were some.
+    pub(super) fn give_up(&mut self, findings: &mut Vec<Fault>) -> bool {
+        let Some(first) = self.waiting.first() else { return false };
         let message = match first.contour {
             Curve::Arc { radius, .. } => format!(
                 "this arc of radius {radius:.4} mm cannot be followed {:.4} mm beside it: the ways of the tool center do not meet",
@@ -159,6 +242,7 @@ impl Chain {
         for link in std::mem::take(&mut self.waiting) {
             self.links.push_back(link);
         }
+        true
     }
 
     /// The contour elements of the chain.

@@ -38,7 +38,13 @@ impl Active {
 
     /// Why a motion in the plane cannot be part of the contour.
     pub(super) fn objection(&self, moving: &Moving) -> Option<Fault> {
-        let (code, message, help) = if !same_plane(&self.basis, &moving.path.basis) {
+        let (code, message, help) = if moving.path.setup.transform.is_some() {
+            return Some(transformed(moving));
+        } else if !moving.wish.compensates() && !same_plane(&self.basis, &moving.path.basis) {
+            let help = "program a motion in the plane in the block of G40 or behind it, before the plane changes";
+            let message = "radius compensation ends with the next motion behind G40, and the plane has changed or been mirrored before it";
+            (Code::BAD_COMPENSATION, message, help)
+        } else if !same_plane(&self.basis, &moving.path.basis) {
             let help = "end the compensation with G40 before plane, mirror or tilt change";
             (Code::BAD_COMPENSATION, "the working plane changes while radius compensation is on", help)
         } else if moving.path.motion.inverse_time {
@@ -63,6 +69,14 @@ impl Active {
         };
         Some(moving.fault(code, message, help))
     }
+}
+
+pub(super) fn transformed(moving: &Moving) -> Fault {
+    moving.fault(
+        Code::NOT_SUPPORTED,
+        "radius compensation under TRAORI is not supported: it is known for tools that stand upright on their plane",
+        "program G41 and G42 behind TRAFOOF, or the way of the tool center",
+    )
 }
 
 pub(super) fn no_contour(moving: &Moving) -> Fault {

@@ -4,8 +4,9 @@
 //! at inner corners by cutting both back. The last pieces are kept until nothing that follows can change them.
 
 use super::chain::Chain;
-use super::check::{no_contour, polynomial, soft_alone, too_narrow};
+use super::check::{no_contour, polynomial, soft_alone, too_narrow, transformed};
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, distance, left, scaled, unit};
+use super::guard::Guard;
 use super::link::{Link, Role, release_items};
 use super::moving::{Item, Moving, blocks_between, own_of};
 use super::wish::Approach;
@@ -62,6 +63,8 @@ pub(super) struct Active {
     /// The motion that begins it, until the first contour element is known.
     pub(super) approach: Option<Box<Moving>>,
     pub(super) chain: Chain,
+    /// Of bottlenecks.
+    pub(super) guard: Guard,
     /// Of the last contour element: the motion, its end, its last tangent, the distance beside it.
     pub(super) last: Box<Moving>,
     pub(super) point: Flat,
@@ -100,7 +103,7 @@ impl Compensation {
                     self.active = Some(active);
                 } else if moving.wish.compensates() {
                     active.element(moving, &self.limits, findings);
-                    active.release(self.limits.look_ahead + 1, out);
+                    active.release(self.limits.look_ahead, out);
                     self.active = Some(active);
                 } else {
                     active.retract(moving, &self.limits, out, findings);
@@ -112,6 +115,11 @@ impl Compensation {
     fn begin(&mut self, moving: Box<Moving>, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         if moving.wish.soft.is_some_and(|soft| soft.retracts) {
             findings.push(soft_alone(&moving));
+        }
+        if moving.path.setup.transform.is_some() {
+            findings.push(transformed(&moving));
+            out.push(Item::Path(moving));
+            return;
         }
         let found = if !matches!(moving.path.shape, Shape::Line) {
             Some("radius compensation begins in a block that is not straight")
@@ -136,6 +144,7 @@ impl Compensation {
             basis: moving.path.basis,
             position: moving.path.start,
             chain: Chain::default(),
+            guard: Guard::default(),
             point: [0.0; 2],
             tangent: [1.0, 0.0],
             distance: moving.wish.distance_mm,
@@ -156,7 +165,8 @@ impl Compensation {
                 "end it with G40 and a straight motion off the contour",
             ));
         }
-        active.chain.give_up(findings);
+        active.give_up(findings);
+        active.end_pieces(&self.limits, findings);
         active.flush(out);
     }
 }
@@ -179,6 +189,11 @@ impl Active {
         if blocks_between(&self.last.element, self.chain.tail()) > limits.blocks_between {
             findings.push(self.too_many());
         }
+        let changes_side = self.distance * beside < 0.0;
+        if !changes_side {
+            self.guard.element(&self.basis, &moving, contour, limits.look_ahead, findings);
+        }
+        let count = findings.len();
         match contour.offset(beside) {
             _ if self.is_point(&contour, beside) => {
                 self.chain.tail().extend(own);
@@ -200,6 +215,13 @@ impl Active {
                 }
             }
         }
+        if findings.iter().skip(count).any(|found| found.code == Code::CONTOUR_NOT_FOLLOWED) {
+            self.guard.switch_off();
+        }
+        if changes_side {
+            self.guard.element(&self.basis, &moving, contour, limits.look_ahead, findings);
+        }
+        self.chain.skip_bottlenecks(false, limits.look_ahead, findings);
         self.point = contour.end();
         self.tangent = contour.last_tangent();
         self.distance = beside;
@@ -220,7 +242,8 @@ impl Active {
         let bend = angle_between(d, e);
         let most = limits.look_ahead;
         if beside * before < 0.0 {
-            self.chain.give_up(findings);
+            self.give_up(findings);
+            self.end_pieces(limits, findings);
             self.other_side(&link);
             self.chain.tail().extend(own);
             self.chain.push(link);
@@ -321,17 +344,38 @@ impl Active {
     }
 
     /// Gives all pieces but the last ones, which may still change.
-    pub(super) fn release(&mut self, keep: usize, out: &mut Vec<Item>) {
+    pub(super) fn release(&mut self, look_ahead: usize, out: &mut Vec<Item>) {
         let first = std::mem::take(&mut self.chain.first_items);
         if self.approach.is_some() {
             self.chain.first_items = first;
             return;
         }
         release_items(first, self.basis, &mut self.position, out);
-        while self.chain.elements() > keep {
+        while self.chain.elements() > look_ahead + 1 {
             let Some(link) = self.chain.links.pop_front() else { break };
+            if !link.is_watched {
+                self.guard.piece(&self.basis, &link, look_ahead);
+            }
             link.release(self.basis, &mut self.position, out);
         }
+    }
+
+    /// Elements wait that nothing meets any more.
+    pub(super) fn give_up(&mut self, findings: &mut Vec<Fault>) {
+        if self.chain.give_up(findings) {
+            self.guard.switch_off();
+        }
+    }
+
+    /// Nothing follows the pieces: watches over those that are held too.
+    pub(super) fn end_pieces(&mut self, limits: &Limits, findings: &mut Vec<Fault>) {
+        self.chain.skip_bottlenecks(true, limits.look_ahead, findings);
+        for link in &mut self.chain.links {
+            if !std::mem::replace(&mut link.is_watched, true) {
+                self.guard.piece(&self.basis, link, limits.look_ahead);
+            }
+        }
+        self.guard.end(findings);
     }
 
     /// Gives everything as it is.

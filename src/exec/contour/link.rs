@@ -35,6 +35,10 @@ pub(super) struct Link {
     pub(super) items: Vec<Item>,
     /// Nothing is cut back here or before it.
     pub(super) is_sealed: bool,
+    /// Bottlenecks before it have been looked for.
+    pub(super) is_checked: bool,
+    /// The guard has seen it.
+    pub(super) is_watched: bool,
 }
 
 /// Steps of a computed feed in one mm/min or mm per turn.
@@ -46,7 +50,19 @@ impl Link {
     pub(super) fn new(role: Role, moving: Box<Moving>, contour: Curve, curve: Curve, distance_mm: f64) -> Link {
         let clearance_mm = distance_mm.abs();
         let is_sealed = role == Role::Approach;
-        Link { role, moving, contour, curve, from: 0.0, to: curve.length(), clearance_mm, items: Vec::new(), is_sealed }
+        Link {
+            role,
+            moving,
+            contour,
+            curve,
+            from: 0.0,
+            to: curve.length(),
+            clearance_mm,
+            items: Vec::new(),
+            is_sealed,
+            is_checked: false,
+            is_watched: false,
+        }
     }
 
     /// A piece to the contour or off it, with the heights and other axes at its end.

@@ -10,6 +10,8 @@ mod chain;
 mod check;
 mod compensation;
 mod curve;
+mod gap;
+mod guard;
 mod link;
 mod moving;
 mod soft;
