@@ -120,6 +120,11 @@ fn support_files_are_called_what_they_are() {
         ("RPA.INI", "CHANDATA(1)\nR1=5\nR2=7\nM17\n", "R parameters"),
         ("GUD.DEF", "DEF NCK INT COUNT\nDEF CHAN REAL A_B=5\nM17\n", "definitions"),
         ("CUST.COM", "//S(START)\nHS1=(\"A\")\n//END\n", "screens"),
+        (
+            "MEASURED.MPF",
+            "Point 1 pass 1 size -1.6427 error  0.0127\n\n***** Phase 2 *****\n   - Pass number 1 of 2\n",
+            "log",
+        ),
         ("RUN.LOG", "12:00 started (\n", "log"),
     ] {
         let shop = Shop::new().file(name, text);
@@ -127,6 +132,18 @@ fn support_files_are_called_what_they_are() {
         shop.run(["check", name, "--machine", &demo]).exits(0).says(&says);
         let json = shop.run(["check", name, "--json", "--machine", &demo]).exits(0).json();
         assert_eq!(json["support_file"], kind);
+    }
+    for program in [
+        "trans x10 y5\nrot z30\nmirror x0\nM30\n",
+        "stopre trans\ndiamon stopre\natrans z5 y1\ng0 x1\n",
+        "go to work\nthen home\n",
+        "",
+    ] {
+        let shop = Shop::new().file("P.MPF", program);
+        assert!(
+            shop.run(["check", "P.MPF", "--json", "--machine", &demo]).json()["support_file"].is_null(),
+            "{program}"
+        );
     }
     let shop = Shop::new().file("P.MPF", "R1=5\nDEF INT A\n$A_OUT[1]=1\nG0 X1\nM30\n");
     assert!(shop.run(["check", "P.MPF", "--json", "--machine", &demo]).json()["support_file"].is_null());

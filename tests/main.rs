@@ -46,6 +46,7 @@ mod support;
 mod swivel;
 mod synchronised;
 mod system;
+mod texts;
 mod threads;
 mod tolerance;
 mod variables;

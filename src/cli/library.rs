@@ -16,8 +16,8 @@ const USUAL: [&str; 4] = ["SPF", "CUS", "CMA", "CST"];
 /// The folder of definition files.
 const DEFINITIONS: &str = "DEF";
 /// Definition files of a control in the order in which it reads them, macros first.
-pub(super) const DEFINITION_FILES: [&str; 12] =
-    ["SMAC", "MMAC", "UMAC", "SGUD", "MGUD", "UGUD", "GUD4", "GUD5", "GUD6", "GUD7", "GUD8", "GUD9"];
+pub(super) const DEFINITION_FILES: [&str; 14] =
+    ["SMAC", "MMAC", "PMAC", "UMAC", "SGUD", "PGUD", "MGUD", "UGUD", "GUD4", "GUD5", "GUD6", "GUD7", "GUD8", "GUD9"];
 /// So many folders above that of the program may be the root of the control's file system.
 const LEVELS_UP: usize = 2;
 /// Folders that one program may add with CALLPATH.

@@ -6,6 +6,8 @@ use crate::syntax::{Address, Body, Definition, ExprId, Node, Program, Value, Wor
 /// Words of data files that assign nothing.
 const FRAMING: [&str; 9] =
     ["CHANDATA", "METRIC", "INCH", "NEWCONF", "RET", "STOPRE", "MSG", "COMPLETE_CEC", "COMPLETE_QEC"];
+/// A log has so many lines.
+const FEWEST_LINES: usize = 3;
 /// Beginnings of the variables of each kind of file.
 const KINDS: [(&[&str], &str); 6] = [
     (&["$TC_"], "tool data"),
@@ -27,10 +29,41 @@ pub(super) fn kind_of_text(source: &Source) -> Option<&'static str> {
     if name.ends_with(".com") || begins(b"//S(") || begins(b"//M(") || begins(b"//M{") || begins(b"//S{") {
         return Some("screens");
     }
-    if name.ends_with(".log") || name.ends_with(".trc") {
+    if name.ends_with(".log") || name.ends_with(".trc") || is_prose(source) {
         return Some("log");
     }
     begins(b"[SINUMERIK_HEADER]").then_some("drive data")
+}
+
+/// Whether a file is what a program wrote with WRITE, whatever its name: lines of words and numbers, none of them a block.
+fn is_prose(source: &Source) -> bool {
+    let lines = source.bytes().split(|&byte| byte == source.line_end()).map(<[u8]>::trim_ascii);
+    let (mut prose, mut other) = (0_usize, 0_usize);
+    for line in lines.filter(|line| !line.is_empty()) {
+        if is_block(line) {
+            return false;
+        }
+        if is_sentence(line) { prose += 1 } else { other += 1 }
+    }
+    prose >= FEWEST_LINES && prose >= 9 * other
+}
+
+/// Whether a line has a sign that only blocks have, or begins with a block number, a G code or the end of a program.
+fn is_block(line: &[u8]) -> bool {
+    let word: Vec<u8> =
+        line.iter().take_while(|byte| byte.is_ascii_alphanumeric()).map(u8::to_ascii_uppercase).collect();
+    let numbered = matches!(word.as_slice(), [b'N' | b'G' | b'M' | b'T' | b'S' | b'F' | b'D' | b'R', rest @ ..] if rest.first().is_some_and(u8::is_ascii_digit));
+    numbered || word == b"RET" || line.iter().any(|byte| b"=;(\"$%".contains(byte))
+}
+
+/// Whether a line is several words, one of them in small letters.
+fn is_sentence(line: &[u8]) -> bool {
+    let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    let is_small = |word: &[u8]| {
+        let letters = word.strip_suffix(b":").or(word.strip_suffix(b",")).unwrap_or(word);
+        letters.len() >= 3 && letters[1..].iter().all(|byte| byte.is_ascii_lowercase() || !byte.is_ascii())
+    };
+    words.clone().count() >= 2 && words.any(is_small)
 }
 
 /// What a file that was parsed is, where it is no program: nothing in it but definitions, or assignments of data.

@@ -22,14 +22,14 @@ use crate::syntax::{ArgumentRange, Block, CallKind, CallStatement, Callee, Searc
 pub(super) struct Entry {
     pub(super) program: usize,
     pub(super) section: usize,
-    arguments: Vec<Argument>,
-    repeats: u32,
-    is_modal: bool,
+    pub(super) arguments: Vec<Argument>,
+    pub(super) repeats: u32,
+    pub(super) is_modal: bool,
     /// Only these blocks, first and last.
     pub(super) part: Option<(usize, usize)>,
     pub(super) span: Span,
     /// The file of the call.
-    file: FileId,
+    pub(super) file: FileId,
 }
 
 impl Execution<'_> {
@@ -38,6 +38,9 @@ impl Execution<'_> {
         let caller = self.levels.last().map_or(0, |level| level.program);
         if call.name == "CYCLE800" && self.find("CYCLE800", caller).is_none() {
             return self.swivel(call);
+        }
+        if call.name == "EXECSTRING" {
+            return self.execute_text(call, block);
         }
         self.check_depth(&call.name, call.span)?;
         if call.repeats == 0 {
@@ -223,7 +226,7 @@ impl Execution<'_> {
     }
 
     /// Begins the level of a call in a line of the running program.
-    fn begin(&mut self, entry: Entry, line: u32) {
+    pub(super) fn begin(&mut self, entry: Entry, line: u32) {
         let Some(level) = self.levels.last() else { return };
         let caller = level.cycle.map_or((level.calls, line), |cycle| (cycle.origin.calls, cycle.origin.line));
         let next_id = u32::try_from(self.chains.len() + 1).unwrap_or(u32::MAX);
@@ -265,7 +268,10 @@ impl Execution<'_> {
         let mut level = self.levels.pop()?;
         let called = &self.programs[level.program];
         parameters::results(called, &self.channel, called.parameters(level.section), &mut level.arguments);
-        self.channel.variables.exchange(std::mem::take(&mut level.callers_variables));
+        let own = self.channel.variables.exchange(std::mem::take(&mut level.callers_variables));
+        if let Some(lent) = level.lent.take() {
+            self.channel.variables.take_back(own, &lent);
+        }
         if let Some(saved) = level.saved.take() {
             self.channel.restore(*saved);
         }
@@ -279,6 +285,9 @@ impl Execution<'_> {
 
     /// The end of a program: back to the caller, or the end of the run. `word` is M2, M17 or M30 or none.
     pub(super) fn end_of_program(&mut self, word: Option<u32>) {
+        if word.is_some() {
+            self.leave_texts();
+        }
         if self.levels.len() <= 1 {
             if let Some(number) = word {
                 self.channel.push_end(number);
@@ -297,6 +306,7 @@ impl Execution<'_> {
 
     /// RET, also to a place in a caller.
     pub(super) fn return_to(&mut self, target: &ReturnTarget, span: Span) -> Result<(), Fault> {
+        self.leave_texts();
         if self.levels.len() == 1 {
             self.channel.push(Kind::Keep("RET"));
         }

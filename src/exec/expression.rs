@@ -153,12 +153,15 @@ impl Scope<'_> {
             return Ok(value);
         }
         evaluate(name, arguments).map_err(|found| match found {
-            NoValue::Unknown => fault(
-                Code::NOT_SUPPORTED,
-                span,
-                format!("function {name}( ) is not supported yet"),
-                "replace it by arithmetic or a value",
-            ),
+            NoValue::Unknown => {
+                let shown: Vec<String> =
+                    arguments.iter().map(|value| String::from_utf8_lossy(&value.text()).into_owned()).collect();
+                let help = format!(
+                    "replace it by a value, or give its value as \"{name}({})\" = … in [system] of the machine file",
+                    shown.join(",")
+                );
+                fault(Code::NOT_SUPPORTED, span, format!("function {name}( ) is not supported yet"), help)
+            }
             NoValue::Count(count) => self.argument_count(name, count, arguments.len(), id),
             NoValue::Type => self.type_fault(id),
             NoValue::Undefined(help) => fault(Code::NOT_COMPUTABLE, span, format!("{name} has no value here"), help),

@@ -62,6 +62,7 @@ const fn refuse(name: &'static str, why: &'static str) -> Row {
     Row { name, treatment: Treatment::Refuse(why) }
 }
 
+const PREPARED: &str = "a contour is prepared as a table, and its blocks move nothing";
 const COUPLED: &str = "a coupled axis moves without being programmed";
 const PROBED: &str = "a probe ends the motion at a place that only the machine finds";
 const FILE_READ: &str = "what the file says is known on the control only";
@@ -145,6 +146,11 @@ pub(super) const ROWS: &[Row] = &[
     plain("TANGDEL"),
     plain("OSE"),
     refuse("CTABDEF", "the blocks up to CTABEND fill a table and move nothing"),
+    refuse("CTABEND", "the blocks before it fill a table and move nothing"),
+    refuse("CONTPRON", PREPARED),
+    refuse("CONTDCON", PREPARED),
+    refuse("EXECTAB", PREPARED),
+    refuse("EXECUTE", PREPARED),
     refuse("TRAILON", COUPLED),
     refuse("LEADON", COUPLED),
     refuse("EGON", COUPLED),
@@ -173,6 +179,7 @@ pub(super) const ROWS: &[Row] = &[
     refuse("MEAWA", PROBED),
     refuse("MEAC", PROBED),
     // Coordination of channels, messages, preprocessing.
+    plain("MMC"),
     plain("WAITM"),
     plain("WAITMC"),
     plain("WAITE"),

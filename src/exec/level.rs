@@ -9,7 +9,7 @@ use super::parameters::Argument;
 use super::part::Part;
 use super::variables::Locals;
 use crate::source::Span;
-use crate::syntax::Block;
+use crate::syntax::{Block, NameId};
 
 /// A program level: a program that runs, and where it is.
 pub(super) struct Level {
@@ -35,6 +35,8 @@ pub(super) struct Level {
     pub(super) cycle: Option<Cycle>,
     /// First and last block, where only a part of the program was called.
     pub(super) part: Option<(usize, usize)>,
+    /// For a text of EXECSTRING: variables that it has from its caller, their names there and here.
+    pub(super) lent: Option<Vec<(NameId, NameId)>>,
     /// Program parts that are being repeated, the innermost last.
     pub(super) parts: Vec<Part>,
     /// What a block still does behind the modal call that it triggered.
@@ -58,6 +60,7 @@ impl Level {
             span: Span::default(),
             cycle: None,
             part: None,
+            lent: None,
             parts: Vec::new(),
             pending: None,
             for_ends: HashMap::new(),

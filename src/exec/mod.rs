@@ -53,6 +53,7 @@ mod swivel;
 mod sync_action;
 mod system;
 mod system_write;
+mod text_block;
 mod thread;
 mod tool;
 mod tool_data;
@@ -121,6 +122,8 @@ pub struct Execution<'a> {
     chains: Vec<(u32, u32)>,
     chain_ids: HashMap<(u32, u32), u32>,
     found: HashMap<String, Option<(usize, usize)>>,
+    /// Programs of the texts that EXECSTRING executed.
+    texts: HashMap<Vec<u8>, usize>,
     /// The program of MCALL.
     modal_call: Option<call::Entry>,
     is_over: bool,
@@ -182,6 +185,7 @@ impl<'a> Execution<'a> {
             chains: Vec::new(),
             chain_ids: HashMap::new(),
             found: HashMap::new(),
+            texts: HashMap::new(),
             modal_call: None,
             is_over: false,
             is_finished: false,

@@ -92,7 +92,11 @@ fn one(
         Node::Indexed(name, range) if channel.variables.has(name, caller.program.names.text(name)) => {
             Some(Reference::Element(name, scope.indices(range, id)?))
         }
-        _ => return refuse(format!("{text} is a VAR parameter"), "give a variable or an R parameter"),
+        _ => {
+            // What is defined nowhere is the fault of its name.
+            scope.value(id)?;
+            return refuse(format!("{text} is a VAR parameter"), "give a variable or an R parameter");
+        }
     };
     let mut cells = cells_of(called, channel, parameter)?;
     cells.set(&[], scope.value(id)?, (text, expr.span))?;

@@ -49,6 +49,20 @@ pub(super) struct Locals {
     given: u64,
 }
 
+impl Locals {
+    /// Takes variables out, under other names.
+    pub(super) fn lend(&mut self, names: &[(NameId, NameId)]) -> Locals {
+        let mut lent = Locals { given: self.given, ..Locals::default() };
+        for &(own, other) in names {
+            if let Some(place) = self.variables.iter().position(|(name, _)| *name == own) {
+                let (_, cells) = self.variables.swap_remove(place);
+                lent.variables.push((other, cells));
+            }
+        }
+        lent
+    }
+}
+
 /// All variables that a block can see.
 pub(super) struct Variables {
     parameters: Vec<f64>,
@@ -93,6 +107,14 @@ impl Variables {
     /// Puts the variables of another level in place and gives back those that were there.
     pub(super) fn exchange(&mut self, locals: Locals) -> Locals {
         std::mem::replace(&mut self.locals, locals)
+    }
+
+    /// Puts back what was lent.
+    pub(super) fn take_back(&mut self, lent: Locals, names: &[(NameId, NameId)]) {
+        for (other, cells) in lent.variables {
+            let own = names.iter().find(|(_, name)| *name == other).map(|(own, _)| *own);
+            self.locals.variables.extend(own.map(|own| (own, cells)));
+        }
     }
 
     /// Notes which parameters the call gave a value.
