@@ -94,5 +94,5 @@ fn a_function_that_only_the_control_can_answer_has_its_value_from_the_machine() 
     let lines = |machine: &Machine| run_with(text, machine, Box::new(NoLibrary), Options::default());
     assert_eq!(lines(&machine).1, ["E0201:1"]);
     machine.system.insert("ISFILE(/_N_SPF_DIR/_N_WARM_SPF)".to_owned(), Setting::Truth(true));
-    assert_eq!(lines(&machine), (vec!["G0 X1 Y0 Z0".to_owned()], vec![]));
+    assert_eq!(lines(&machine), (vec!["G0 X1 Y0 Z0".to_owned(), "M30".to_owned()], vec![]));
 }
