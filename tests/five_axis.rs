@@ -17,7 +17,7 @@ use crate::model::machines;
 
 const TOOL_MM: f64 = 150.0;
 
-fn with_tool(mut machine: Machine) -> Machine {
+pub(crate) fn with_tool(mut machine: Machine) -> Machine {
     let tool = Tool { number: 1, name: None, edge: 1, length_mm: [TOOL_MM, 0.0, 0.0], radius_mm: 5.0 };
     machine.tools = vec![tool];
     machine.zero_offsets.clear();
@@ -48,7 +48,7 @@ pub(crate) fn execute(text: &str, machine: &Machine) -> (Vec<Element>, Vec<Diagn
     (elements, found)
 }
 
-fn targets(elements: &[Element], line: u32) -> Vec<AxisVector> {
+pub(crate) fn targets(elements: &[Element], line: u32) -> Vec<AxisVector> {
     let of_line = elements.iter().filter(|element| element.origin.line == line);
     of_line
         .filter_map(|element| if let Kind::Move(motion) = &element.kind { Some(motion.target) } else { None })
@@ -62,7 +62,7 @@ pub(crate) fn elements(text: &str, machine: &Machine) -> Vec<Element> {
 }
 
 /// Corrects and writes.
-fn corrected(
+pub(crate) fn corrected(
     text: &str,
     machine: &Machine,
     errors: &ErrorModel,
@@ -90,17 +90,17 @@ fn corrected(
     (String::from_utf8(out).unwrap(), *corrector.prediction(), commands)
 }
 
-fn machine(topology: &str) -> Machine {
+pub(crate) fn machine(topology: &str) -> Machine {
     with_tool(machines().into_iter().find(|machine| machine.topology.to_string() == topology).unwrap())
 }
 
 /// The tip as the program means it: in G54, fixed to the workpiece.
-fn tip_in_program(model: &Model, machine: &Machine, command: &AxisVector) -> Vector {
+pub(crate) fn tip_in_program(model: &Model, machine: &Machine, command: &AxisVector) -> Vector {
     let tool = Vector::new(0.0, 0.0, -TOOL_MM);
     model.nominal(command, &tool).translation - machine.spindle.origin_mm - Vector::new(4.0, -3.0, 2.0)
 }
 
-fn topologies() -> Vec<(Machine, [Axis; 2])> {
+pub(crate) fn topologies() -> Vec<(Machine, [Axis; 2])> {
     let mut all = Vec::new();
     for topology in ["wCBXFZYSt", "wFXYZCBSt", "wFXYZBASt", "wCXFYZASt", "wUXYFVZCBSt"] {
         let machine = machine(topology);
@@ -267,7 +267,7 @@ fn poles_and_directions_out_of_reach_are_found_with_their_place() {
         ("N4 G0 X0 Y0 Z0 A3=0 B3=0 C3=0\n", "E0210"),
         ("N4 TRAFOOF\nN5 G0 X0 Y0 Z0 A3=0 B3=0 C3=1\n", "E0210"),
         ("N4 G0 X0 Y0 Z0 B0 C0 A3=0 B3=0 C3=1\n", "E0111"),
-        ("N4 G0 X0 Y0 Z0 A5=0 B5=0 C5=1 LEAD=5\n", "E0201"),
+        ("N4 G0 X0 Y0 Z0 A6=0 B6=0 C6=1\n", "E0201"),
     ];
     for (text, code) in cases {
         let (_, found) = execute(&format!("{head}{text}"), &machine);

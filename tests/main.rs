@@ -43,6 +43,7 @@ mod snc_text;
 mod splines;
 mod stock;
 mod support;
+mod surface;
 mod swivel;
 mod synchronised;
 mod system;

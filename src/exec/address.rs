@@ -34,6 +34,9 @@ pub(super) enum Named {
     Sd,
     /// A part of a direction of the tool or surface: `A2=` (angles), `A3=` (tool), by its number and slot.
     Orientation(u8, u8),
+    /// Angles of the tool to the path and the surface.
+    Lead,
+    Tilt,
     /// Roundings and chamfers behind the block, and their feed.
     Rnd,
     Rndm,
@@ -76,6 +79,8 @@ pub(super) const NAMED: &[(&str, Named)] = &[
     ("DISCL", Named::Discl),
     ("DISRP", Named::Disrp),
     ("FAD", Named::Fad),
+    ("LEAD", Named::Lead),
+    ("TILT", Named::Tilt),
     ("PL", Named::Pl),
     ("PW", Named::Pw),
     ("SD", Named::Sd),
@@ -110,7 +115,7 @@ impl Named {
                 | Named::Ap
                 | Named::Rp
                 | Named::Ang
-                | Named::Orientation(..)
+                | Named::Orientation(2 | 3, _)
         )
     }
 }

@@ -156,6 +156,7 @@ impl<'a> Channel<'a> {
         self.warnings.extend(gathered.warning.take());
         self.check_diameter(gathered)?;
         self.transform(gathered)?;
+        self.surface(gathered)?;
         self.offset(gathered)?;
         if let Some(statement) = gathered.frame {
             self.frame_statement(gathered, statement)?;

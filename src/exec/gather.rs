@@ -240,7 +240,8 @@ impl Gatherer<'_> {
             }
             Effect::Transform => out.transform.switch = Some((entry.name, span)),
             Effect::Orientation => {
-                out.keep.push(entry.name);
+                // The output states the directions that it leads to.
+                out.keep.push(if entry.name == "ORIPATH" { "ORIVECT" } else { entry.name });
                 out.transform.codes.push(entry.name);
             }
             Effect::Contour => super::contour::gather_word(entry.name, out),

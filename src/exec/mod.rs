@@ -49,6 +49,7 @@ mod rotary;
 mod save;
 mod spatial;
 mod spline;
+mod surface;
 mod swivel;
 mod sync_action;
 mod system;

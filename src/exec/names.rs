@@ -36,8 +36,8 @@ pub(super) enum Meaning {
 
 /// Addresses and words that change positions or feeds and are not executed yet.
 const UNSUPPORTED: &[&str] = &[
-    "TOFFL", "TOFF", "POS", "POSA", "POSP", "AX", "LEAD", "TILT", "THETA", "TCARR", "DL", "ISD", "STRLEN", "SET",
-    "REP", "ORIRESET", "SPI", "MIRRORAX",
+    "TOFFL", "TOFF", "POS", "POSA", "POSP", "AX", "THETA", "TCARR", "DL", "ISD", "STRLEN", "SET", "REP", "ORIRESET",
+    "SPI", "MIRRORAX",
 ];
 
 /// Cycles of the control.

@@ -22,9 +22,13 @@ pub(super) fn address(letter: u8, extension: u32) -> Option<Named> {
 impl Channel<'_> {
     /// Adds the orientation of a block to its motion.
     pub(super) fn orient(&mut self, gathered: &Gathered, path: &mut Path) -> Result<(), Fault> {
-        let Some((number, values, span)) = words(gathered) else { return Ok(()) };
+        let on_path = self.direction_on_path(gathered, path)?;
+        let Some((number, values, span)) = on_path.map(|(values, span)| (3, values, span)).or_else(|| words(gathered))
+        else {
+            return Ok(());
+        };
         if !matches!(number, 2 | 3) {
-            let message = "surface normals, cones and second curves for orientations are not supported yet";
+            let message = "cones and second curves for orientations are not supported yet";
             return Err(fault(Code::NOT_SUPPORTED, span, message, "give the direction of the tool with A3, B3, C3"));
         }
         let (Some(turning), Some(kinematics)) = (path.setup.transform, &self.kinematics) else {
@@ -76,7 +80,7 @@ impl Channel<'_> {
 fn words(gathered: &Gathered) -> Option<(u8, Vector, Span)> {
     let mut found: Option<(u8, Vector, Span)> = None;
     for value in &gathered.addresses {
-        if let Named::Orientation(number, slot) = value.address {
+        if let Named::Orientation(number @ (2 | 3 | 6 | 7), slot) = value.address {
             let (first, values, _) = found.get_or_insert((number, Vector::zeros(), value.span));
             if *first != number {
                 *first = 0;

@@ -7,6 +7,7 @@ use super::channel::Channel;
 use super::fault::{Fault, fault};
 use super::gather::{Gatherer, bad_value};
 use super::gathered::Gathered;
+use super::surface::Surface;
 use crate::diagnostic::Code;
 use crate::dialect::CodeEntry;
 use crate::geometry::{AxisSet, LINEAR_AXES, ROTARY_AXES};
@@ -34,12 +35,20 @@ pub(super) struct Transform {
     turning: Option<Turning>,
     /// ORIRPY, ORIEULER; `None` before the program says it.
     pub(super) angles: Option<OrientationAngles>,
+    /// LEAD, TILT, ORIPATH.
+    pub(super) surface: Surface,
 }
 
 impl Transform {
     /// Takes over whether a transformation is in force, which SAVE does not bring back.
     pub(super) fn keep_switch_of(&mut self, left: &Transform) {
         self.is_on = left.is_on;
+    }
+
+    /// A code of the group of ORIAXES.
+    fn turn(&mut self, turning: Turning) {
+        self.turning = Some(turning);
+        self.surface.follows_path = false;
     }
 
     /// How the tool turns; `None` without a transformation. Where no code of the group of ORIAXES was programmed, ORIMKS moves the
@@ -93,10 +102,13 @@ impl Channel<'_> {
             match code {
                 "ORIMKS" => modal.in_machine = true,
                 "ORIWKS" => modal.in_machine = false,
-                "ORIAXES" => modal.turning = Some(Turning::Axes),
+                "ORIAXES" => modal.turn(Turning::Axes),
                 "ORIEULER" => modal.angles = Some(OrientationAngles::Euler),
                 "ORIRPY" => modal.angles = Some(OrientationAngles::Rpy),
-                _ => modal.turning = Some(Turning::Vector),
+                _ => modal.turn(Turning::Vector),
+            }
+            if code == "ORIPATH" {
+                self.follow_path()?;
             }
         }
         if let Some((name, span)) = words.switch {

@@ -136,6 +136,10 @@ pub struct Control {
     pub transverse_axis: Axis,
     /// How A2, B2, C2 turn the tool (Sinumerik MD21100).
     pub orientation_angles: OrientationAngles,
+    /// About what TILT turns the tool (Sinumerik MD21094, tens digit).
+    pub tilt_about: TiltAbout,
+    /// How far ORIPATH binds the tool to the path (Sinumerik MD21094, last digit).
+    pub ori_path: OriPath,
     /// Nearer to its pole than this, a five-axis transformation moves the rotary axes linearly instead of along a great circle
     /// (Sinumerik MD24530, MD24540), rad.
     pub pole_limit_rad: f64,
@@ -167,6 +171,28 @@ pub enum OrientationAngles {
     Rpy,
     /// A about Z, B about the new X, C about the new Z.
     Euler,
+}
+
+/// The axis of TILT.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TiltAbout {
+    /// The normal of the surface, behind LEAD.
+    #[default]
+    Normal,
+    /// The tangent of the path, behind LEAD.
+    Tangent,
+    /// The tangent of the path as LEAD has turned it.
+    TurnedTangent,
+}
+
+/// Where ORIPATH keeps the tool relative to path and surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OriPath {
+    /// At the ends of blocks.
+    #[default]
+    End,
+    /// All along the path.
+    Path,
 }
 
 /// When a tool takes effect.
@@ -213,6 +239,8 @@ impl Default for Control {
             fine_shift: false,
             chord_tolerance_mm: 2.5e-4,
             orientation_angles: OrientationAngles::Rpy,
+            tilt_about: TiltAbout::Normal,
+            ori_path: OriPath::End,
             pole_limit_rad: 2_f64.to_radians(),
             opaque: Vec::new(),
             allow_synchronised: Vec::new(),
