@@ -35,6 +35,7 @@ mod machines;
 mod milling;
 mod model;
 mod modes;
+mod positioning;
 mod programs;
 mod reference_points;
 mod rotary;

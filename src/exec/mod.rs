@@ -42,6 +42,7 @@ mod pass;
 mod path;
 mod polar;
 mod polynomial;
+mod positioning;
 mod reference;
 mod report;
 mod resolve;

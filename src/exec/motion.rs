@@ -7,7 +7,7 @@ use super::gather::bad_value;
 use super::gathered::Gathered;
 use super::modal::{Modal, MotionKind};
 use super::path::{Path, Shape};
-use super::{arc, polar, polynomial, rotary, spatial, thread};
+use super::{arc, polar, polynomial, positioning, rotary, spatial, thread};
 use crate::diagnostic::Code;
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
 use crate::machine::{Control, Machine};
@@ -34,7 +34,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
     let (start, start_known) = (modal.command, modal.known);
     let (mut target, mut named) = target(gathered, modal, context)?;
     let thread = thread::thread(gathered, modal, context.span)?;
-    let is_positioning = !gathered.positioned.is_empty();
+    let is_positioning = positioning::is_positioning(gathered, context.span)?;
     let kind = match modal.motion {
         _ if is_positioning => MotionKind::Rapid,
         _ if thread.is_some() => MotionKind::Line,

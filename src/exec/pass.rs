@@ -50,6 +50,7 @@ impl Gatherer<'_> {
             Address::Indexed(left) => match self.scope.program.expr(left).node {
                 Node::Indexed(name, _) => match self.meanings[name.index()] {
                     Meaning::Kept(row) => row.treatment,
+                    Meaning::Unsupported => return self.positioning(left, word, block, out),
                     _ if INDEXED_LETTERS.contains(&self.scope.program.names.text(name)) => Treatment::Keep(Unit::None),
                     _ => return Ok(false),
                 },
