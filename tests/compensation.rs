@@ -49,6 +49,41 @@ fn outer_corners_by_arcs() {
 }
 
 #[test]
+fn the_arc_of_a_corner_belongs_to_the_block_behind_it() {
+    check(
+        "N10 G17 G90 T1 D1 G450 NORM
+        N20 G41 G1 X20 Y20 F500
+        N30 Y60 F400
+        N40 X60 F100
+        N50 G40 X100 Y65",
+        "G1 X15 Y20 F500
+        G1 X15 Y60 F400
+        G2/17 X20 Y65 I5 F100
+        G1 X60 Y65 F100
+        G1 X100 Y65 F100",
+    );
+}
+
+#[test]
+fn a_corner_behind_a_rapid_is_cut_with_feed() {
+    let text = "N10 G17 G90 F500 T1 D1 G450 NORM
+        N20 G41 G0 X20 Y20
+        N30 Y60
+        N35 G1 Z-3 F100
+        N40 X60 F400
+        N50 G40 X100 Y65";
+    check(
+        text,
+        "G0 X15 Y20
+        G0 X15 Y60
+        G1 X15 Y60 Z-3 F100
+        G2/17 X20 Y65 Z-3 I5 F400
+        G1 X60 Y65 Z-3 F400
+        G1 X100 Y65 Z-3 F400",
+    );
+}
+
+#[test]
 fn outer_corners_by_intersections() {
     check(
         &format!("N10 G17 G90 T1 D1 G40 G451 NORM\n{STEP}"),

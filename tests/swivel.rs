@@ -12,6 +12,7 @@ use crate::bench_machine::load_machine;
 use crate::flat::{check, execute};
 use crate::frame_correction::check as check_correction;
 use crate::machines::xyz_machine;
+use crate::support::Shop;
 
 /// A machine of a topology with its axes along F's directions; what carries the workpiece moves the other way.
 fn machine(topology: &str) -> Machine {
@@ -203,4 +204,22 @@ fn a_swivelled_program_is_corrected() {
         "{}",
         done.text
     );
+}
+
+#[test]
+fn a_plane_without_shift_is_turned_in_the_output_too() {
+    // Zero offset and pivot are one point: the frame is a rotation only.
+    let program = "N10 G17 G90 G71 G94\nN20 G0 X0 Y0 Z200 A0 C0\nN30 CYCLE800(0,\"\",0,57,0,0,0,45,0,0,0,0,0,-1)\n\
+        N40 G0 X0 Y0 Z100\nN50 G1 X20 Y0 F500\nN60 Y20\nN70 G0 Z200\nN80 CYCLE800()\nN90 M30\n";
+    let machine = crate::support::machine("esmaeili_huron");
+    let shop = Shop::new().file("part.mpf", program);
+    shop.run(["part.mpf", "-o", "out.mpf", "--machine", &machine]).exits(0);
+    assert!(shop.text("out.mpf").contains("AROT Z"), "{}", shop.text("out.mpf"));
+    shop.run(["verify", "part.mpf", "out.mpf", "--machine", &machine]).exits(0);
+}
+
+#[test]
+fn a_transformation_in_a_swivelled_plane_is_refused() {
+    let text = "G0 X0 Y0 Z200 A0 C0\nCYCLE800(0,\"\",0,57,0,0,0,20,0,0,0,0,0,-1)\nTRAORI\nM30\n";
+    assert_eq!(execute(text, &machine("wCAYXFZSt"), ExecOptions::default()).1, ["E0235:3"]);
 }

@@ -301,7 +301,8 @@ impl Channel<'_> {
             named: AxisSet::EMPTY,
             in_plane_rad: None,
         };
-        let statements = self.modal.swivelled.as_ref().map_or([none, none], |swivelled| swivelled.statements);
+        let nothing_on_top = FrameStatement { additive: true, ..none };
+        let statements = self.modal.swivelled.as_ref().map_or([none, nothing_on_top], |swivelled| swivelled.statements);
         self.modal.programmable = Frame::identity();
         self.modal.fine = AxisVector::ZERO;
         self.refresh_setup();
@@ -312,9 +313,6 @@ impl Channel<'_> {
         {
             self.begin_line();
             self.push_frame(FrameWords::Statement(statement));
-            if statement == none {
-                break;
-            }
         }
         Ok(())
     }

@@ -117,6 +117,10 @@ impl Channel<'_> {
                 return Err(fault(Code::MUST_STAND_ALONE, span, message, "give it a block of its own"));
             }
             let is_on = name != "TRAFOOF";
+            if is_on && self.modal.swivelled.is_some() {
+                let message = format!("{name} in a plane that CYCLE800 has swivelled");
+                return Err(fault(Code::BAD_SWIVEL, span, message, "end the swivel with CYCLE800() first"));
+            }
             if is_on {
                 self.check_kinematics(span)?;
             }

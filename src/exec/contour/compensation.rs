@@ -13,7 +13,7 @@ use super::wish::Approach;
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
 use crate::exec::path::Shape;
-use crate::geometry::{AxisVector, PlaneBasis};
+use crate::geometry::{AxisSet, AxisVector, PlaneBasis};
 use crate::machine::Control;
 
 /// Directions that differ by less are one: no corner, rad.
@@ -273,9 +273,15 @@ impl Active {
             self.chain.push(link);
             return;
         }
-        let corner = self.corner(scaled(left(d), beside), scaled(left(e), beside), beside);
-        self.chain.push_touching(corner, most, findings);
+        // The control traverses the corner with the block behind it: with its feed, or at rapid.
         self.chain.tail().extend(own);
+        let mut corner = self.corner(scaled(left(d), beside), scaled(left(e), beside), beside);
+        let behind = Box::new(link.moving.further());
+        let mut moving = std::mem::replace(&mut link.moving, behind);
+        moving.path.motion.named = AxisSet::EMPTY;
+        moving.path.motion.known = corner.moving.path.motion.known;
+        corner.moving = moving;
+        self.chain.push_touching(corner, most, findings);
         self.chain.push_touching(link, most, findings);
     }
 
