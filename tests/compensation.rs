@@ -300,3 +300,22 @@ N70 M30";
     );
     check_codes("G17 G90 T1 D1\nG41 G1 X20 Y20 F500\nX60\nG3 X64 Y24 CR=4\nG1 Y60\nG40 X0", &["E0233:4"]);
 }
+
+#[test]
+fn the_feed_of_one_corner_goes_before_the_modal_one() {
+    check(
+        "N10 G17 G90 F300 G0 X0 Y0
+        N20 RNDM=2 FRCM=77
+        N30 G1 X20
+        N40 Y20 FRC=99
+        N50 X0
+        N60 Y0",
+        "G1 X18 F300
+        G3/17 X20 Y2 J2 F77
+        G1 X20 Y18 F300
+        G3/17 X18 Y20 I-2 F99
+        G1 X2 Y20 F300
+        G3/17 X0 Y18 J-2 F77
+        G1 X0 Y0 F300",
+    );
+}

@@ -179,6 +179,13 @@ fn lines_end_as_in_the_source_and_inches_become_millimeters() {
 }
 
 #[test]
+fn feeds_are_written_without_the_noise_of_their_conversion() {
+    let text = "N10 G700 G0 X0 Y0 Z0\nN20 G1 X1 F0.3\nN30 F12\nN40 X2\nM30\n";
+    let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
+    assert!(out.contains("X25.4 F7.62\n") && out.contains("N30 F304.8\n"), "{out}");
+}
+
+#[test]
 fn nothing_is_written_behind_an_error_and_the_sink_is_heard() {
     struct Broken;
     impl io::Write for Broken {

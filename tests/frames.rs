@@ -95,6 +95,18 @@ fn incremental_words_behind_a_rotation_are_refused_where_the_control_adds_the_ch
 }
 
 #[test]
+fn machine_coordinates_of_other_axes_decide_nothing() {
+    let start = "G90 G71 F100\nG0 X0 Y0 Z0\nROT Z30\nG1 X10 Y5\nROT\n";
+    let strict = || Options { strict: true, ..Options::default() };
+    let codes = |between: &str| execute(&format!("{start}{between}G91 G1 Y1\nM30"), &xyz_machine(), strict()).1;
+    assert_eq!(codes(""), ["E0304:6"]);
+    for word in ["G53", "G153", "SUPA"] {
+        assert_eq!(codes(&format!("{word} G0 X30\n")), ["E0304:7"], "{word}");
+        assert!(codes(&format!("{word} G0 Y30\n")).is_empty(), "{word}");
+    }
+}
+
+#[test]
 fn replacing_statements_replace_everything() {
     let machine = xyz_machine();
     check("TRANS X10\nROT Z90\nG0 X1 Y0", &machine, "G0 X0 Y1");

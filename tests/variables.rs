@@ -202,3 +202,17 @@ fn operators_have_the_values_of_the_language() {
         ],
     );
 }
+
+#[test]
+fn a_jump_to_the_start_defines_nothing_anew() {
+    let text = "DEF INT COUNT_1=1\nG0 X=COUNT_1 Y0 Z0\nCOUNT_1=COUNT_1+1\nIF COUNT_1<4 GOTOS\nM30";
+    check(text, &["G0 X1 Y0 Z0", "G0 X2 Y0 Z0", "G0 X3 Y0 Z0"]);
+}
+
+#[test]
+fn names_that_read_as_addresses_are_refused_where_they_are_defined() {
+    for name in ["A1", "S1", "G54"] {
+        check_codes(&format!("DEF INT {name}\nG0 X1"), &["E0216:1"]);
+    }
+    check_codes("DEF INT R_, K\nG0 X=K", &[]);
+}

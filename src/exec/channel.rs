@@ -40,6 +40,8 @@ pub(super) struct Channel<'a> {
     pub(super) released: Vec<Item>,
     /// What the motion to come wants of the contour stage.
     pub(super) corner: Option<Corner>,
+    /// FRC of a block without a transition of its own.
+    pub(super) corner_feed: Option<f64>,
     pub(super) soft: Option<Soft>,
     /// A motion whose end the next one tells.
     pub(super) open_angle: Option<OpenAngle>,
@@ -68,6 +70,7 @@ impl<'a> Channel<'a> {
             splines: Splines::default(),
             contour: Contour::new(&machine.control),
             corner: None,
+            corner_feed: None,
             soft: None,
             open_angle: None,
             released: Vec::new(),

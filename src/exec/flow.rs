@@ -93,6 +93,7 @@ pub(super) fn block(
         }
         Body::EndFor => return end_for(loaded, level, channel, block, partner),
         Body::Jumps { start, count } => return jumps(loaded, channel, index, section, start, count),
+        Body::Define { .. } if !level.defined.insert(index) => Action::Next,
         Body::Define { start, count } => {
             for place in start as usize..start as usize + usize::from(count) {
                 let definition = loaded.program.definitions[place];

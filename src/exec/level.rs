@@ -1,6 +1,6 @@
 //! Program levels: which program runs, where it is, and what its caller gets back.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::cycles::Cycle;
 use super::flow::Action;
@@ -43,6 +43,8 @@ pub(super) struct Level {
     pub(super) pending: Option<Box<(Action, Block)>>,
     /// End values of FOR loops by the block of the FOR.
     pub(super) for_ends: HashMap<usize, f64>,
+    /// DEF blocks that were executed: a jump back over them defines nothing anew.
+    pub(super) defined: HashSet<usize>,
 }
 
 impl Level {
@@ -64,6 +66,7 @@ impl Level {
             parts: Vec::new(),
             pending: None,
             for_ends: HashMap::new(),
+            defined: HashSet::new(),
         }
     }
 }

@@ -169,7 +169,8 @@ fn reach(modal: &mut Modal, context: MotionContext<'_>, named: AxisSet, programm
         for axis in moved.iter() {
             modal.programmed[axis] = behind[axis];
         }
-        modal.stale = modal.stale.difference(moved);
+        // What the block does not name is as undecided as before.
+        modal.stale = modal.stale.difference(named);
     } else {
         for axis in named.iter() {
             modal.programmed[axis] = programmed[axis];

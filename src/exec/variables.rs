@@ -198,9 +198,7 @@ impl Variables {
         value: Option<List>,
         span: Span,
     ) -> Result<(), Fault> {
-        if self.locals.variables.iter().any(|(known, _)| *known == name) || is_function(text) {
-            return Err(fault(Code::DUPLICATE_NAME, span, format!("{text} is taken already"), "choose another name"));
-        }
+        self.check_new(name, text, span)?;
         let left = MAX_LOCAL - self.locals.elements;
         let mut cells = Cells::new(shape.kind, shape.string, shape.dimensions, left, (text, span))?;
         initialise(&mut cells, value, (text, span))?;
@@ -209,11 +207,22 @@ impl Variables {
         Ok(())
     }
 
-    /// Defines a variable of this level that holds something already: a parameter.
-    pub(super) fn define_cells(&mut self, name: NameId, text: &str, cells: Cells, span: Span) -> Result<(), Fault> {
+    /// Whether a name is free, and can be told from an address.
+    fn check_new(&self, name: NameId, text: &str, span: Span) -> Result<(), Fault> {
+        // One letter alone is read as a variable in expressions; a letter and a digit are an address and its extension.
+        if matches!(text.as_bytes(), [first, second, ..] if first.is_ascii_alphabetic() && second.is_ascii_digit()) {
+            let message = format!("{text} cannot be told from an address");
+            return Err(fault(Code::DUPLICATE_NAME, span, message, "begin the name with two letters or underscores"));
+        }
         if self.locals.variables.iter().any(|(known, _)| *known == name) || is_function(text) {
             return Err(fault(Code::DUPLICATE_NAME, span, format!("{text} is taken already"), "choose another name"));
         }
+        Ok(())
+    }
+
+    /// Defines a variable of this level that holds something already: a parameter.
+    pub(super) fn define_cells(&mut self, name: NameId, text: &str, cells: Cells, span: Span) -> Result<(), Fault> {
+        self.check_new(name, text, span)?;
         if cells.count() > MAX_LOCAL - self.locals.elements {
             let message = format!("{text} has more elements than the {MAX_LOCAL} of a program");
             return Err(fault(Code::BAD_INDEX, span, message, "make the array smaller"));

@@ -214,7 +214,18 @@ impl Sinumerik {
 
     fn feed_word(&mut self, feed: f64) {
         self.word(b"F");
-        push_value(&mut self.line, feed);
+        push_value(&mut self.line, without_noise(feed));
         self.feed = feed;
     }
+}
+
+/// A value to twelve significant digits: what conversions and cycles compute has noise in the last ones.
+fn without_noise(value: f64) -> f64 {
+    // Powers of ten up to the 22nd are exact doubles.
+    let places = 11 - value.abs().log10().floor() as i32;
+    if !(0..=22).contains(&places) {
+        return value;
+    }
+    let power = 10_f64.powi(places);
+    (value * power).round() / power
 }

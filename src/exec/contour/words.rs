@@ -164,6 +164,7 @@ impl Channel<'_> {
     /// The transition that a block wants behind itself.
     pub(in crate::exec) fn corner_words(&mut self, gathered: &Gathered) -> Result<(), Fault> {
         self.corner = None;
+        self.corner_feed = None;
         if gathered.addresses.is_empty() {
             return Ok(());
         }
@@ -187,6 +188,7 @@ impl Channel<'_> {
         }
         let feed = gathered.named(Named::Frc).map(|value| value.value.max(0.0) * self.feed_scale());
         let feed = feed.unwrap_or(self.modal.contour.corner_feed);
+        self.corner_feed = found.is_none().then_some(feed);
         self.corner = found.map(|transition| Corner { transition, feed, is_modal: false });
         Ok(())
     }
@@ -221,7 +223,9 @@ impl Channel<'_> {
             let frame = &self.setup.frame;
             let [abscissa, ..] = self.modal.plane.axes();
             let scale = frame.linear().column(abscissa.slot()).norm();
-            Corner { transition: Transition::Round(modal.round_mm * scale), feed: modal.corner_feed, is_modal: true }
+            // FRC goes before FRCM, behind RNDM too.
+            let feed = self.corner_feed.unwrap_or(modal.corner_feed);
+            Corner { transition: Transition::Round(modal.round_mm * scale), feed, is_modal: true }
         });
         let beside = self.modal.radius_mm + modal.allowance_mm + modal.radius_change_mm;
         let distance_mm = match modal.side {
