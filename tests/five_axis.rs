@@ -339,3 +339,13 @@ fn angles_of_both_kinds_name_the_direction() {
         assert!((direction - wanted).norm() < 1e-9, "{code}");
     }
 }
+
+#[test]
+fn radius_compensation_under_the_transformation_is_refused() {
+    let (machine, _) = topologies().swap_remove(0);
+    let machine = with_tool(machine);
+    let text = "N1 G17 G90 G54 T1 M6\nN2 TRAORI\nN3 G0 X0 Y0 Z50\nN4 G41 G1 F500 X10 Y10\nN5 Y40\nN6 G40 X0\nN7 M30\n";
+    let (_, findings) = execute(text, &machine);
+    assert!(findings.iter().any(|found| found.code.to_string() == "E0201"), "{findings:?}");
+    assert!(execute(&text.replace("G41 ", ""), &machine).1.iter().all(|found| found.code.to_string() != "E0201"));
+}

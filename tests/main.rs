@@ -15,6 +15,7 @@ mod cli_snc;
 mod cli_verify;
 mod comparison;
 mod compensation;
+mod compensation_cases;
 mod compensation_laws;
 mod correction;
 mod cycles;

@@ -240,6 +240,7 @@ impl Execution<'_> {
     fn enter(&mut self, entry: Entry, calls: u32) {
         let Entry { program, section, arguments, repeats, is_modal, part, span, file } = entry;
         let cycle = self.cycle_of(program, is_modal, (file, span));
+        let refused = self.under_compensation(cycle, span);
         let loaded = &self.programs[program];
         let blocks = loaded.program.sections.get(section).map_or(0..0, |section| section.blocks.clone());
         let mut level = Level::new(program, section, blocks.start, calls);
@@ -256,7 +257,11 @@ impl Execution<'_> {
         level.callers_variables = self.channel.variables.exchange(Locals::default());
         let bound = parameters::bind(loaded, &mut self.channel, loaded.parameters(section), &arguments);
         level.arguments = arguments;
-        let file = loaded.program.source.id();
+        let called = loaded.program.source.id();
+        if let Some(found) = refused {
+            self.report(found.in_file(file));
+        }
+        let file = called;
         self.levels.push(level);
         if let Err(found) = bound {
             self.report(found.in_file(file));

@@ -89,6 +89,17 @@ impl Execution<'_> {
         }
     }
 
+    /// What is wrong with a cycle that begins while the program has radius compensation on.
+    pub(super) fn under_compensation(&self, cycle: Option<Cycle>, span: Span) -> Option<Fault> {
+        let name = cycle?.name;
+        let is_inside = self.levels.last().is_some_and(|level| level.cycle.is_some());
+        if is_inside || !self.channel.modal.contour.compensates() {
+            return None;
+        }
+        let message = format!("{name} while radius compensation is on would drill or mill beside its place");
+        Some(fault(Code::BAD_COMPENSATION, span, message, "end it with G40 and a motion in the plane before the cycle"))
+    }
+
     /// The name that a cycle gives `_CYC_FIRST`, which runs a contour as far as its start point.
     pub(super) fn contour_of(&self, call: &Call) -> Result<Option<String>, Fault> {
         let Some(level) = self.levels.last().filter(|level| level.cycle.is_some() && call.name == FIRST) else {

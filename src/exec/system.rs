@@ -191,6 +191,11 @@ impl Scope<'_> {
     /// Where an axis is: in the program's coordinates, or in those of the machine; `None` where the program has not stated it.
     fn position(&self, name: &str, axis: Axis) -> Option<Value> {
         let of_machine = matches!(name, "$AA_IM" | "$AA_IB");
+        let in_plane = self.modal.plane.axes().into_iter().take(2).any(|known| known == axis);
+        if in_plane && self.modal.contour.compensates() && name != "$P_EP" {
+            // Where the tool center is depends on what follows.
+            return None;
+        }
         let known = self.modal.known;
         let known = if of_machine { self.modal.frame().known_across(known, false) } else { known };
         if self.system.strict && !known.contains(axis) {
