@@ -50,8 +50,13 @@ impl Shop {
         let loaded: (Machine, ErrorModel) = ncfix::model::file::load(&read("demo.toml", DEMO)).0.unwrap();
         let (machine, errors) = loaded;
         let increments = Increments::new(&machine.control);
-        let writer_options =
-            WriterOptions { increments, frame: OutputFrame::Work, crlf: false, stamp: Stamp::default() };
+        let writer_options = WriterOptions {
+            names: machine.written_names(),
+            increments,
+            frame: OutputFrame::Work,
+            crlf: false,
+            stamp: Stamp::default(),
+        };
         Shop { source: read("surface.mpf", &program()), model: Model::new(&machine, &errors), machine, writer_options }
     }
 

@@ -40,7 +40,8 @@ pub(crate) fn corrected(text: &str, machine: &Machine, errors: &ErrorModel, opti
     let mut corrector = Corrector::new(stream, machine, &model, options.clone());
     let stamp = Stamp { machine: "shop".into(), model: "0a".into(), source: "0b".into(), is_demo: false };
     let increments = Increments::new(&machine.control);
-    let writer_options = WriterOptions { increments, frame: options.frame, crlf: false, stamp };
+    let writer_options =
+        WriterOptions { names: machine.written_names(), increments, frame: options.frame, crlf: false, stamp };
     let mut writer = emit::writer("sinumerik", &writer_options).unwrap();
     let (mut out, mut pieces, mut findings) = (Vec::new(), Vec::new(), Vec::new());
     for output in corrector.by_ref() {

@@ -4,6 +4,7 @@
 mod architecture;
 mod archives;
 mod arcs;
+mod axis_names;
 mod bad;
 mod bench_machine;
 mod bottleneck;

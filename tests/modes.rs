@@ -26,7 +26,8 @@ pub(crate) fn written(
     let execution = Execution::new(program, machine, Box::new(NoLibrary), ExecOptions::default());
     let stamp = Stamp { machine: "m".into(), model: "0".into(), source: "0".into(), is_demo: false };
     let increments = Increments::new(&machine.control);
-    let writer = WriterOptions { increments, frame: OutputFrame::Work, crlf: false, stamp };
+    let writer =
+        WriterOptions { names: machine.written_names(), increments, frame: OutputFrame::Work, crlf: false, stamp };
     let mut corrector = Corrector::new(execution, machine, &model, options);
     let mut writer = emit::writer("sinumerik", &writer).unwrap();
     let mut out = Vec::new();

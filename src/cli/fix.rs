@@ -120,6 +120,7 @@ impl<'a> Job<'a> {
         let model = Model::new(machine, &chosen.errors);
         let options = options(arguments);
         let writer_options = emit::WriterOptions {
+            names: machine.written_names(),
             increments: Increments::new(&machine.control),
             frame: options.frame,
             crlf: has_crlf(self.source.bytes()),

@@ -13,6 +13,7 @@ pub use stamp::{Stamp, is_stamped, stamped_model};
 use std::io::{self, Write};
 
 use crate::diagnostic::Diagnostic;
+use crate::geometry::AXIS_COUNT;
 use crate::path::{Increments, Output, OutputFrame};
 
 /// What a writer must know beside the stream.
@@ -24,6 +25,8 @@ pub struct WriterOptions {
     pub frame: OutputFrame,
     /// Line end of the source: CR LF rather than LF.
     pub crlf: bool,
+    /// Names of axes that are not written by their letters, by slot.
+    pub names: [Option<String>; AXIS_COUNT],
     /// The first comment.
     pub stamp: Stamp,
 }

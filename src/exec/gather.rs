@@ -79,10 +79,13 @@ impl Gatherer<'_> {
                 out.before.push(word);
                 Ok(())
             }
-            Address::Extended(letter, extension) => match super::address::extended(letter, extension) {
-                Some(address) => self.address(address, word, out),
-                None => Err(self.unsupported(word)),
-            },
+            Address::Extended(letter, extension) => {
+                match (self.numbered_axis(letter, extension), super::address::extended(letter, extension)) {
+                    (Some(axis), _) => self.axis(axis.letter(), word, out),
+                    (None, Some(address)) => self.address(address, word, out),
+                    (None, None) => Err(self.unnamed_axis(letter, extension, word)),
+                }
+            }
             Address::Name(name) => self.name(name, word, out),
         }
     }
@@ -322,7 +325,10 @@ impl Gatherer<'_> {
             }
             // Assignments were carried out before the words are gathered.
             (Meaning::Free, Value::Expr(_) | Value::Arguments(_)) if self.scope.variables.has(name, text) => Ok(()),
-            (Meaning::Free, Value::Expr(_)) => {
+            (Meaning::Free, Value::Expr(_) | Value::Dimension(..)) => {
+                if let Some(axis) = self.scope.machine.axis_named(text) {
+                    return self.axis(axis.letter(), word, out);
+                }
                 Err(undefined(format!("{text} is neither a variable nor a known address"), text, word.span))
             }
             (Meaning::Free, Value::None) => self.call(text.to_owned(), None, word.span, out),

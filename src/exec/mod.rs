@@ -9,6 +9,7 @@ mod address;
 mod arc;
 mod archive;
 mod assign;
+mod axis_name;
 mod call;
 mod cells;
 mod channel;

@@ -29,7 +29,7 @@ impl Scope<'_> {
         if text.starts_with('$') {
             return self.read_system(text, None, id);
         }
-        if is_axis_name(text) {
+        if is_axis_name(text) || self.machine.axis_named(text).is_some() {
             return Ok(Value::Axis(text.to_owned()));
         }
         Err(self.undefined(text, id))
@@ -109,7 +109,7 @@ impl Scope<'_> {
     pub(super) fn axis_in(&self, value: &Value, id: ExprId) -> Result<Axis, Fault> {
         let span = self.program.expr(id).span;
         let Value::Axis(name) = value else { return Err(self.type_fault(id)) };
-        let known = axis_of(name, self.machine.axis_set().iter());
+        let known = self.machine.axis_named(name).or_else(|| axis_of(name, self.machine.axis_set().iter()));
         known.filter(|&axis| self.machine.axis(axis).is_some()).ok_or_else(|| {
             let message = if name.is_empty() {
                 "this AXIS variable was never assigned".to_owned()

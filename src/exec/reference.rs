@@ -69,7 +69,8 @@ impl Gatherer<'_> {
                 let is_axis =
                     matches!(self.meanings[name.index()], Meaning::Free) && !self.scope.variables.has(name, text);
                 // Which axis this is only the control knows.
-                is_axis.then_some(AxisSet::ALL)
+                let named = self.scope.machine.axis_named(text).map(|axis| [axis].into_iter().collect());
+                is_axis.then(|| named.unwrap_or(AxisSet::ALL))
             }
             _ => None,
         }

@@ -141,6 +141,7 @@ fn read_axes(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> Ax
             axes[axis.slot()] = read_axis(axis, own, findings);
         }
     }
+    super::axis_name::check(&axes, &mut section);
     section.finish(findings);
     (axes, headers)
 }
@@ -186,8 +187,9 @@ fn read_axis(axis: Axis, mut section: Section<'_>, findings: &mut Vec<Diagnostic
             Lever::Carried
         }
     };
+    let name = super::axis_name::read(axis, &mut section);
     section.finish(findings);
-    Some(AxisData { axis, direction: direction?, point_mm, travel, modulo, max_feed, lever })
+    Some(AxisData { axis, name, direction: direction?, point_mm, travel, modulo, max_feed, lever })
 }
 
 /// The unit vector of a direction; a linear axis must run along its own direction of F, a deviation is an error, not a direction.

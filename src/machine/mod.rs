@@ -2,6 +2,7 @@
 //!
 //! Says nothing of errors: [`crate::model`] adds them.
 
+mod axis_name;
 mod chain;
 mod contour_control;
 mod document;
@@ -61,6 +62,8 @@ pub struct Machine {
 pub struct AxisData {
     /// Which.
     pub axis: Axis,
+    /// How programs name it beside its letter, upper case (Sinumerik MD20080): `X1`.
+    pub name: Option<String>,
     /// Motion of the moving body (the side away from F) in F for a positive command: unit vector, turning axis for rotary axes.
     pub direction: Vector,
     /// A point of the axis line in F at the zero pose, mm.

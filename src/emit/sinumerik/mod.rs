@@ -7,6 +7,7 @@
 mod motion;
 mod words;
 
+use crate::geometry::{AXIS_COUNT, Axis};
 use crate::path::{Output, OutputFrame};
 use crate::snc::BlockNumber;
 use crate::units::push_integer;
@@ -29,6 +30,7 @@ pub(in crate::emit) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>
         rotary: Decimals::of_increment(options.increments.rotary_deg)?,
         // The increment is above 0 where it has decimals.
         turn_counts: ((360.0 / options.increments.rotary_deg).round() as i64).max(1),
+        names: options.names.clone(),
         in_machine_frame: options.frame == OutputFrame::Machine,
         line_end: if options.crlf { b"\r\n" } else { b"\n" },
         stamp: options.stamp.text(),
@@ -54,6 +56,7 @@ pub(in crate::emit) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>
 struct Sinumerik {
     linear: Decimals,
     rotary: Decimals,
+    names: [Option<String>; AXIS_COUNT],
     /// Increments of a full turn.
     turn_counts: i64,
     in_machine_frame: bool,
@@ -204,6 +207,16 @@ impl Sinumerik {
         }
         self.line.extend_from_slice(held);
         self.held.clear();
+    }
+
+    /// Appends the name of an axis, and whether a value behind it needs an equals sign.
+    fn axis_name(&mut self, axis: Axis) -> bool {
+        let name = self.names.get(axis.slot()).and_then(Option::as_ref);
+        match name {
+            Some(name) => self.line.extend_from_slice(name.as_bytes()),
+            None => self.line.push(axis.letter()),
+        }
+        name.is_some()
     }
 
     fn exact_stop(&mut self) {

@@ -50,15 +50,15 @@ impl Sinumerik {
             }
         }
         for axis in piece.words.iter() {
+            self.word(if is_positioning { b"POS[" } else { b"" });
+            let mut needs_equals = self.axis_name(axis);
             if is_positioning {
-                self.word(b"POS[");
-                self.line.extend_from_slice(&[axis.letter(), b']']);
-                let is_function = axis.is_rotary() && piece.rotary_words[axis.dimension()].is_function();
-                if !is_function {
-                    self.line.push(b'=');
-                }
-            } else {
-                self.word(&[axis.letter()]);
+                self.line.push(b']');
+                needs_equals = true;
+            }
+            // A function brings its own.
+            if needs_equals && !(axis.is_rotary() && piece.rotary_words[axis.dimension()].is_function()) {
+                self.line.push(b'=');
             }
             if axis.is_rotary() {
                 self.rotary_position(piece.rotary_words[axis.dimension()], piece.counts[axis.slot()]);

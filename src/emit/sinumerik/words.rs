@@ -135,7 +135,10 @@ impl Sinumerik {
         let is_angle = matches!(statement.kind, FrameKind::Rotate | FrameKind::SolidAngles);
         let is_shift = matches!(statement.kind, FrameKind::Translate | FrameKind::Coarse | FrameKind::Fine);
         for axis in statement.named.iter() {
-            self.word(&[axis.letter()]);
+            self.word(b"");
+            if self.axis_name(axis) {
+                self.line.push(b'=');
+            }
             let value = statement.values[axis];
             let in_degrees = is_angle || is_shift && axis.is_rotary();
             push_value(&mut self.line, without_noise(if in_degrees { value.to_degrees() } else { value }));
