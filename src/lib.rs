@@ -30,7 +30,7 @@
 //! | [`syntax`] | nom parsers and the tree: what was written | what a code means |
 //! | [`machine`] | chain of bodies, axes, travel, tools, zero offsets, control; the TOML file | errors |
 //! | [`snc`] | elements of the flat stream, their text form, provenance | dialects, the model |
-//! | [`exec`] | modal state, variables, flow, frames → SNC | the error model |
+//! | [`exec`] | modal state, variables, flow, frames, contours, splines, transformation, cycles → SNC | the error model |
 //! | [`model`] | error functions, forward kinematics with errors, the inverse | programs, instruments |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
@@ -43,6 +43,9 @@
 //! | --- | --- | --- |
 //! | a dialect | `dialect/x.rs`, `grammars/x-codes.tsv`, `grammars/x.ebnf`, a writer in `emit/`, samples | [`dialect::DIALECTS`] |
 //! | a G code or word | one row; an arm in `exec/` if it moves the machine | `grammars/x-codes.tsv` |
+//! | a cycle | `cycles/sinumerik/X.spf`, a row in `cycles/README.md` | `exec/cycles.rs` |
+//! | an address with a value | an arm in `exec/` | `exec/address.rs` |
+//! | a word that is passed on | – | `exec/kept.rs` |
 //! | a kind of motion error | `model/motion/x.rs` with formula and source | the register of kinds there |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |
 //! | a command | `cli/x.rs` | `cli/mod.rs` |
