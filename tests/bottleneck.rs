@@ -196,3 +196,15 @@ M30",
         }
     }
 }
+
+#[test]
+fn a_full_circle_in_one_block_closes_by_itself() {
+    // A bore of 40 mm, onto it and off it by quarters of 10 mm; and the same by half circles.
+    for circle in ["G3 X20 Y0 I-20 J0", "G3 X-20 Y0 CR=20\nX20 Y0 CR=20"] {
+        let program = format!(
+            "G17 G90 T1 D1 G0 X0 Y0 Z0\nG1 G41 X10 Y-10 F500\nG3 X20 Y0 CR=10\n{circle}\nG3 X10 Y10 CR=10\nG40 G1 X0 Y0\nM30"
+        );
+        let (_, codes) = execute(&program, &with_radius(5.0), Options::default());
+        assert!(codes.is_empty(), "{circle}: {codes:?}");
+    }
+}

@@ -34,15 +34,18 @@ fn writer_options(machine: &Machine, frame: OutputFrame, crlf: bool) -> WriterOp
 
 /// The corrected text of a Sinumerik program, its stamp line cut short.
 fn corrected(text: &str, errors: &ErrorModel, options: &Options, crlf: bool) -> String {
-    let machine = shop_machine();
-    let model = Model::new(&machine, errors);
+    corrected_on(&shop_machine(), text, errors, options, crlf)
+}
+
+fn corrected_on(machine: &Machine, text: &str, errors: &ErrorModel, options: &Options, crlf: bool) -> String {
+    let model = Model::new(machine, errors);
     let source = Source::new(FileId(0), "test.mpf", text.as_bytes().to_vec()).unwrap();
     let (program, findings) = syntax::parse(&source, dialect::sinumerik());
     assert!(findings.is_empty(), "{findings:?}");
     let strict = ExecOptions { strict: true, ..ExecOptions::default() };
-    let execution = Execution::new(program, &machine, Box::new(NoLibrary), strict);
-    let mut corrector = Corrector::new(execution, &machine, &model, options.clone());
-    let mut writer = emit::writer("Sinumerik", &writer_options(&machine, options.frame, crlf)).unwrap();
+    let execution = Execution::new(program, machine, Box::new(NoLibrary), strict);
+    let mut corrector = Corrector::new(execution, machine, &model, options.clone());
+    let mut writer = emit::writer("Sinumerik", &writer_options(machine, options.frame, crlf)).unwrap();
     let mut out = Vec::new();
     let blocks = emit::emit(&mut corrector, writer.as_mut(), &mut out, |finding| panic!("{finding:?}")).unwrap();
     assert!(emit::is_stamped(&out));
@@ -50,7 +53,7 @@ fn corrected(text: &str, errors: &ErrorModel, options: &Options, crlf: bool) -> 
     let has_words = |line: &&str| line.contains(' ') || !line.starts_with('N');
     let is_block = |line: &&str| has_words(line) && !line.starts_with([';', '%']);
     assert_eq!(out.lines().filter(is_block).count() as u64, blocks);
-    let stamp = writer_options(&machine, options.frame, crlf).stamp.text();
+    let stamp = writer_options(machine, options.frame, crlf).stamp.text();
     out.replace(&stamp, "ncfix …")
 }
 
@@ -306,4 +309,22 @@ fn save_brings_back_what_is_active_at_the_start() {
     shop.run(["fix", "a.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
     assert!(shop.text("out.mpf").contains("G641 SOFT\nG64\n"), "{}", shop.text("out.mpf"));
     shop.run(["check", "a.mpf", "--machine", "bad.toml"]).exits(4).says("'G18' in control.initial_codes");
+}
+
+#[test]
+fn an_exact_stop_belongs_to_the_end_of_its_block() {
+    // The arc around the corner belongs to the block behind it, which is then two lines.
+    let mut machine = xyz_machine();
+    machine.control.tool_change = ncfix::machine::ToolChange::T;
+    machine.tools = vec![ncfix::machine::Tool { number: 1, name: None, edge: 1, length_mm: [0.0; 3], radius_mm: 5.0 }];
+    let text = |stop: &str, word: &str| {
+        format!(
+            "N10 G17 G90 G71 {stop} G0 X0 Y0 Z0 F100 T1 D1\nN15 G0 X-20 Y-20 Z0\nN20 G41 G1 X0 Y0\nN30 Y40\nN40 {word} X50\nN50 G40 Y60\nN60 M30\n"
+        )
+    };
+    let run = |text: String| corrected_on(&machine, &text, &ErrorModel::default(), &Options::default(), false);
+    let once = run(text("G64", "G9"));
+    assert!(once.contains("N40 G2 X0 Y45 I5 J0\nG9 G1 X50 Y45\n"), "{once}");
+    let always = run(text("G60", ""));
+    assert!(always.contains("N40 G64 G2 X0 Y45 I5 J0\nG60 G1 X50 Y45\nN50"), "{always}");
 }

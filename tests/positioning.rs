@@ -66,6 +66,12 @@ fn axes_that_are_not_modelled_are_passed_on() {
 }
 
 #[test]
+fn a_thread_in_force_is_no_matter_of_a_positioning_axis() {
+    assert!(codes("G90 G0 X0 Y0 Z50\nG331 Z30 K1 S100\nG332 Z50 K1\nPOS[X]=5\nM30").is_empty());
+    assert!(codes("G90 G0 X0 Y0 Z50 S100\nG33 Z30 K1\nPOS[X]=5\nM30").is_empty());
+}
+
+#[test]
 fn what_runs_beside_the_path_is_refused() {
     let found = |block: &str| codes(&format!("G90 G1 X1 Y2 Z3 F100\n{block}\nM30"));
     assert_eq!(found("POS[X]=10 Y5"), ["E0201"]);

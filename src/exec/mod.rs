@@ -195,7 +195,7 @@ impl<'a> Execution<'a> {
         }
     }
 
-    /// All files of the run so far, by [`FileId`].
+    /// All files of the run so far, by [`crate::source::FileId`].
     #[must_use]
     pub fn sources(&self) -> &[Source] {
         &self.sources

@@ -33,8 +33,9 @@ pub(super) struct MotionContext<'a> {
 pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<Path, Fault> {
     let (start, start_known) = (modal.command, modal.known);
     let (mut target, mut named) = target(gathered, modal, context)?;
-    let thread = thread::thread(gathered, modal, context.span)?;
     let is_positioning = positioning::is_positioning(gathered, context.span)?;
+    // A positioning axis is no motion of the path, whatever is in force there.
+    let thread = if is_positioning { None } else { thread::thread(gathered, modal, context.span)? };
     let kind = match modal.motion {
         _ if is_positioning => MotionKind::Rapid,
         _ if thread.is_some() => MotionKind::Line,

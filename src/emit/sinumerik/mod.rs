@@ -47,6 +47,8 @@ pub(in crate::emit) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>
         stops_exactly: false,
         always_stops: false,
         stop_word_at: None,
+        is_running: false,
+        motion_at: None,
         motion: "",
         feed: 0.0,
         blocks: 0,
@@ -83,6 +85,10 @@ struct Sinumerik {
     always_stops: bool,
     /// Where in the line it says so.
     stop_word_at: Option<usize>,
+    /// Whether the lines of the block run through where the program stops at its end.
+    is_running: bool,
+    /// Where in the line its motion begins.
+    motion_at: Option<usize>,
     /// The G word of motion in force, empty for none yet.
     motion: &'static str,
     feed: f64,
@@ -125,6 +131,7 @@ impl Sinumerik {
         if is_block {
             self.end_block(out);
         } else {
+            self.run_through();
             self.end_line(out);
         }
         self.is_open = true;
@@ -141,10 +148,39 @@ impl Sinumerik {
     /// Ends the last line of a block.
     fn end_block(&mut self, out: &mut Vec<u8>) {
         if self.is_open {
-            // Still to be written in a block without motion.
-            self.exact_stop();
+            if std::mem::take(&mut self.stops_exactly) {
+                self.insert(EXACT_STOP);
+            }
+            if std::mem::take(&mut self.is_running) {
+                self.insert(ALWAYS_STOP);
+            }
         }
         self.end_line(out);
+    }
+
+    /// The program stops at the end of its block, not at the end of each line that the block becomes.
+    fn run_through(&mut self) {
+        if !self.always_stops || !self.has_motion || std::mem::replace(&mut self.is_running, true) {
+            return;
+        }
+        match self.stop_word_at {
+            // One word of a group in a block: the one that is there changes.
+            Some(at) => self.line[at..at + NEVER_STOP.len()].copy_from_slice(NEVER_STOP.as_bytes()),
+            None => self.insert(NEVER_STOP),
+        }
+    }
+
+    /// Puts a word before those of the motion of the line.
+    fn insert(&mut self, word: &str) {
+        match self.motion_at {
+            None => self.word(word.as_bytes()),
+            Some(0) => {
+                self.line.splice(0..0, word.bytes().chain([b' ']));
+            }
+            Some(at) => {
+                self.line.splice(at..at, [b' '].into_iter().chain(word.bytes()));
+            }
+        }
     }
 
     fn end_line(&mut self, out: &mut Vec<u8>) {
@@ -163,6 +199,7 @@ impl Sinumerik {
         }
         self.line.clear();
         self.stop_word_at = None;
+        self.motion_at = None;
         self.comment.clear();
         self.has_words = false;
         self.has_motion = false;
@@ -217,12 +254,6 @@ impl Sinumerik {
             None => self.line.push(axis.letter()),
         }
         name.is_some()
-    }
-
-    fn exact_stop(&mut self) {
-        if std::mem::take(&mut self.stops_exactly) {
-            self.word(EXACT_STOP.as_bytes());
-        }
     }
 
     fn feed_word(&mut self, feed: f64) {

@@ -1,6 +1,6 @@
 //! Pieces of moves.
 
-use super::{ALWAYS_STOP, NEVER_STOP, Sinumerik};
+use super::Sinumerik;
 use crate::geometry::Axis;
 use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Piece, RotaryWord};
 use crate::snc::{Manner, ThreadCode, Way};
@@ -15,20 +15,9 @@ const ON_THE_SPOT: &str = ";~";
 
 impl Sinumerik {
     pub(super) fn piece(&mut self, piece: &Piece) {
-        if piece.last {
-            self.exact_stop();
-        }
         let is_continued = !piece.first;
         self.has_motion = true;
-        // The program stops at the end of its move, not at the end of each piece.
-        if self.always_stops && piece.first != piece.last {
-            let word = if piece.first { NEVER_STOP } else { ALWAYS_STOP }.as_bytes();
-            match self.stop_word_at {
-                // One word of a group in a block: the one that is there changes.
-                Some(at) => self.line[at..at + word.len()].copy_from_slice(word),
-                None => self.word(word),
-            }
-        }
+        self.motion_at = Some(self.line.len());
         if self.in_machine_frame {
             self.word(IN_MACHINE_FRAME.as_bytes());
         } else if let Some(word) = self.suppressing.filter(|_| self.is_again && piece.in_machine_frame) {

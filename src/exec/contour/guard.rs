@@ -4,6 +4,7 @@
 //! it is known whether the element is a wall at all: the first and last elements of a closed contour may lead onto it through the air.
 
 use std::collections::VecDeque;
+use std::f64::consts::TAU;
 
 use super::curve::{Curve, distance};
 use super::link::{Link, Role};
@@ -15,6 +16,8 @@ use crate::source::{FileId, Span};
 
 /// How much too near the tool may come, mm: what the decimals of a program leave open.
 const TOLERANCE_MM: f64 = 2e-3;
+/// An arc that lacks less than this angle is a full circle, rad.
+const FULL_CIRCLE: f64 = 1e-6;
 /// Elements that may lead onto a closed contour, and off it.
 const LEADING: usize = 3;
 /// Windows as many times as long as the look-ahead.
@@ -92,6 +95,11 @@ impl Guard {
 
     /// Whether an element closes the contour; what stands before the place where it does, and behind it, is not part of it.
     fn close(&mut self, contour: &mut Curve) -> bool {
+        if matches!(*contour, Curve::Arc { sweep, .. } if sweep.abs() > TAU - FULL_CIRCLE) {
+            // A circle closes by itself.
+            self.walls.iter_mut().rev().take(LEADING).for_each(|wall| wall.is_open = true);
+            return true;
+        }
         let others = LEADING.min(self.walls.len().saturating_sub(1));
         for index in (0..others).rev() {
             let Some(wall) = self.walls.get_mut(index) else { break };
