@@ -202,3 +202,12 @@ fn polar_positions_that_are_not_clear_are_refused() {
         assert_eq!(execute(program, &machine, Options::default()).1, codes, "{program}");
     }
 }
+
+#[test]
+fn a_faulty_arc_is_one_finding() {
+    // The second arc has its center 5 mm off; those behind it are quarters of circles from where it ends.
+    let text =
+        "G17 G90 G0 X10 Y0 Z0\nG3 X0 Y10 I-10 J0 F100\nG3 X-10 Y0 I5 J-10\nG3 X0 Y-10 I10 J0\nG3 X10 Y0 I0 J10\nM30";
+    let (_, codes) = execute(text, &xyz_machine(), Options::default());
+    assert_eq!(codes, ["E0203:3"]);
+}

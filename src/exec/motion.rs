@@ -66,7 +66,11 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
                 named = named.union(plane);
                 target = reach(modal, context, named, &end);
             }
-            arc::arc(gathered, modal, context, &start, &target)?
+            // What follows begins where the block leads, so that one fault is not found again in every arc behind it.
+            arc::arc(gathered, modal, context, &start, &target).inspect_err(|_| {
+                modal.command = target;
+                modal.known = modal.known.union(named);
+            })?
         }
         MotionKind::Through | MotionKind::Tangent => {
             let circle = spatial::circle(gathered, modal, context, &start, &target)?;
