@@ -43,9 +43,9 @@
 //! | --- | --- | --- |
 //! | a dialect | `dialect/x.rs`, `grammars/x-codes.tsv`, `grammars/x.ebnf`, a writer in `emit/`, samples | [`dialect::DIALECTS`] |
 //! | a G code or word | one row; an arm in `exec/` if it moves the machine | `grammars/x-codes.tsv` |
-//! | a cycle | `cycles/sinumerik/X.spf`, a row in `cycles/README.md` | `exec/cycles.rs` |
-//! | an address with a value | an arm in `exec/` | `exec/address.rs` |
-//! | a word that is passed on | – | `exec/kept.rs` |
+//! | a cycle | `cycles/sinumerik/X.spf`, a row in `cycles/README.md` | `exec/sinumerik/cycles.rs` |
+//! | an address with a value | an arm in `exec/` | `exec/sinumerik/address.rs` |
+//! | a word that is passed on | – | `exec/sinumerik/kept.rs` |
 //! | a kind of motion error | `model/motion/x.rs` with formula and source | the register of kinds there |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |
 //! | a command | `cli/x.rs` | `cli/mod.rs` |

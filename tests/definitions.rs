@@ -4,7 +4,8 @@ use ncfix::dialect;
 use ncfix::exec::{Execution, Library, Options};
 use ncfix::snc::{Kind, TextWriter};
 use ncfix::source::{FileId, Source};
-use ncfix::syntax::{self, Macros};
+use ncfix::syntax;
+use ncfix::syntax::sinumerik::Macros;
 
 use crate::exec::{check, check_codes, run};
 use crate::machines::xyz_machine;

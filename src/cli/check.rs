@@ -10,6 +10,7 @@ use super::support_file;
 use super::{print, tell};
 use crate::report::json;
 use crate::report::number::grouped;
+use crate::syntax::Program;
 
 /// Checks a program.
 pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> {
@@ -53,7 +54,9 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings, check: &mut json
     };
     let Some(opened) = program::open(&source, &arguments.program, chosen.as_ref(), findings)? else { return Ok(()) };
     check.parsed = true;
-    check.support_file = support_file::kind(&opened.program);
+    check.support_file = match &opened.program {
+        Program::Sinumerik(program) => support_file::kind(program),
+    };
     if check.support_file.is_some() {
         return Ok(());
     }

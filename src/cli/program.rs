@@ -19,7 +19,8 @@ use crate::exec::{Execution, Library, NoLibrary, Options};
 use crate::machine::Machine;
 use crate::snc::Element;
 use crate::source::{FileId, Source};
-use crate::syntax::{self, Macros, Program};
+use crate::syntax::sinumerik::Macros;
+use crate::syntax::{self, Program};
 
 /// Blocks executed in search of further findings in a program that was not understood.
 const BLOCKS_IN_SEARCH: u64 = 100_000;

@@ -40,3 +40,8 @@ impl FaultData {
 pub(super) fn at(span: Span, code: Code, message: impl Into<String>, help: &str) -> Fault {
     fault(code, span, message, help)
 }
+
+/// A finding about a value.
+pub(super) fn bad_value(span: Span, message: impl Into<String>, help: &str) -> Fault {
+    fault(Code::BAD_WORD_VALUE, span, message, help)
+}

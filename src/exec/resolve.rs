@@ -1,7 +1,7 @@
 //! From paths in base coordinates to moves of the axes.
 
-use super::channel::Channel;
 use super::five_axis;
+use super::outlet::Outlet;
 use super::path::{Path, Shape};
 use crate::geometry::{Arc, AxisVector};
 use crate::snc::{Element, Kind, Move};
@@ -9,7 +9,7 @@ use crate::snc::{Element, Kind, Move};
 /// Chords of one arc at most; a tolerance that asks for more is not met.
 const MOST_CHORDS: f64 = 100_000.0;
 
-impl Channel<'_> {
+impl Outlet<'_> {
     /// Puts the moves of a path into the stream.
     pub(super) fn resolve(&mut self, path: &Path, mut element: Element) {
         let queue = &mut self.queue;

@@ -17,12 +17,12 @@ mod moving;
 mod soft;
 mod transition;
 mod wish;
-mod words;
 
-pub(super) use angle::OpenAngle;
-pub(super) use moving::Item;
-pub(super) use wish::{ContourModal, Corner, Soft, Wish};
-pub(super) use words::gather_word;
+pub(super) use angle::crossing;
+pub(super) use moving::{Item, Moving};
+pub(super) use wish::{
+    Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish,
+};
 
 use super::fault::Fault;
 use crate::geometry::AxisSet;

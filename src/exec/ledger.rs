@@ -1,0 +1,136 @@
+//! What every run keeps whatever its language: the files, the findings, how far it is, who called whom.
+
+use std::collections::{HashMap, HashSet, VecDeque};
+
+use super::Options;
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::snc::Origin;
+use crate::source::{FileId, Source, Span};
+
+/// Default of [`Options::max_blocks`].
+const MAX_BLOCKS: u64 = 10_000_000;
+/// After the first error so many blocks more are executed in search of others.
+const BLOCKS_AFTER_ERROR: u64 = 1_000_000;
+/// After so many different errors the run ends.
+const MAX_ERRORS: usize = 100;
+
+/// The books of a run.
+pub(super) struct Ledger {
+    /// All files of the run so far, by [`FileId`].
+    pub(super) sources: Vec<Source>,
+    /// What is still to be handed out.
+    pub(super) findings: VecDeque<Diagnostic>,
+    /// Whether nothing more is executed.
+    pub(super) is_over: bool,
+    skip_levels: [bool; 10],
+    reported: HashSet<(Code, Option<Place>)>,
+    errors: usize,
+    executed: u64,
+    limit: u64,
+    /// Call chains: the chain of the caller and its line.
+    chains: Vec<(u32, u32)>,
+    chain_ids: HashMap<(u32, u32), u32>,
+}
+
+impl Ledger {
+    /// Of a main program of so many blocks.
+    pub(super) fn new(main: Source, blocks: usize, options: &Options) -> Ledger {
+        Ledger {
+            sources: vec![main],
+            findings: VecDeque::new(),
+            is_over: false,
+            skip_levels: options.skip_levels,
+            reported: HashSet::new(),
+            errors: 0,
+            executed: 0,
+            limit: options.max_blocks.unwrap_or_else(|| MAX_BLOCKS.max(blocks as u64 * 20)),
+            chains: Vec::new(),
+            chain_ids: HashMap::new(),
+        }
+    }
+
+    /// Blocks executed so far.
+    pub(super) fn executed(&self) -> u64 {
+        self.executed
+    }
+
+    /// Counts a block that is about to be executed.
+    ///
+    /// # Errors
+    /// Where there were too many; the run is over then. Behind errors that is no finding.
+    pub(super) fn count(&mut self, file: FileId, span: Span) -> Result<(), Option<Diagnostic>> {
+        if self.executed < self.limit {
+            self.executed += 1;
+            return Ok(());
+        }
+        self.is_over = true;
+        if self.errors > 0 {
+            return Err(None);
+        }
+        let message = format!("{} blocks were executed and the program goes on here", self.executed);
+        let help = "raise --max-blocks if the program does end";
+        Err(Some(Diagnostic::at(Code::TOO_MANY_BLOCKS, Place { file, span }, message, help)))
+    }
+
+    /// Whether a block with this skip level is left out.
+    pub(super) fn skips(&mut self, level: u8, file: FileId, span: Span) -> bool {
+        let is_skipped = self.skip_levels.get(usize::from(level)).copied().unwrap_or(false);
+        // One finding a run: every further block would say the same.
+        if !self.reported.iter().any(|(code, _)| *code == Code::SKIP_EXECUTED) {
+            let done = if is_skipped { "skipped" } else { "executed" };
+            let message = format!("blocks with / are decided now; this one is {done}");
+            let help = "choose with --skip which levels are left out";
+            self.report(Diagnostic::at(Code::SKIP_EXECUTED, Place { file, span }, message, help));
+        }
+        is_skipped
+    }
+
+    /// Takes a finding, unless it is known. After the first error the run ends soon, after many at once.
+    pub(super) fn report(&mut self, mut finding: Diagnostic) {
+        // A place in the text of a macro is shown where the macro is used.
+        if let Some(place) = &mut finding.place
+            && let Some(source) = self.sources.get(usize::from(place.file.0))
+        {
+            place.span = source.in_file(place.span);
+        }
+        if !self.reported.insert((finding.code, finding.place)) {
+            return;
+        }
+        if finding.is_error() {
+            self.errors += 1;
+            if self.errors == 1 {
+                self.limit = self.limit.min(self.executed + BLOCKS_AFTER_ERROR);
+            }
+            if self.errors >= MAX_ERRORS {
+                self.is_over = true;
+            }
+        }
+        self.findings.push_back(finding);
+    }
+
+    /// The number of the next file; `None` where there are too many.
+    pub(super) fn next_file(&self) -> Option<FileId> {
+        u16::try_from(self.sources.len()).ok().map(FileId)
+    }
+
+    /// The call chain of a program that is called in a line of another; 0 is the chain of the main program.
+    pub(super) fn chain(&mut self, caller: u32, line: u32) -> u32 {
+        let next_id = u32::try_from(self.chains.len() + 1).unwrap_or(u32::MAX);
+        let id = *self.chain_ids.entry((caller, line)).or_insert(next_id);
+        if id == next_id {
+            self.chains.push((caller, line));
+        }
+        id
+    }
+
+    /// Lines of the calls that led to an element, innermost first; empty in the main program.
+    pub(super) fn call_lines(&self, origin: &Origin) -> Vec<u32> {
+        let mut lines = Vec::new();
+        let mut chain = origin.calls;
+        while let Some(&(caller, line)) = (chain as usize).checked_sub(1).and_then(|index| self.chains.get(index)) {
+            lines.push(line);
+            chain = caller;
+        }
+        lines
+    }
+}

@@ -1,0 +1,138 @@
+//! The lower half of every executor: takes elements and paths of blocks and puts the flat stream together.
+//!
+//! A path goes through the contour stage where something may still change it, is resolved to moves of the axes, and queues up with the
+//! elements around it in the order of the program.
+
+use std::collections::VecDeque;
+
+use super::contour::{Contour, Item, Moving, Wish};
+use super::fault::Fault;
+use super::path::Path;
+use crate::geometry::{AxisSet, AxisVector};
+use crate::machine::{Kinematics, Machine};
+use crate::snc::{BlockNumber, Element, Kind, Origin};
+use crate::source::FileId;
+
+/// Where an executor puts what its blocks do.
+pub(super) struct Outlet<'a> {
+    pub(super) machine: &'a Machine,
+    /// Of the machine, once a transformation was in force.
+    pub(super) kinematics: Option<Box<Kinematics>>,
+    /// What is final.
+    pub(super) queue: VecDeque<Element>,
+    /// Findings of the block that do not stop it.
+    pub(super) warnings: Vec<Fault>,
+    /// The block that is being executed.
+    pub(super) origin: Origin,
+    contour: Contour,
+    released: Vec<Item>,
+    number: Option<BlockNumber>,
+    starts_block: bool,
+}
+
+impl<'a> Outlet<'a> {
+    pub(super) fn new(machine: &'a Machine) -> Outlet<'a> {
+        Outlet {
+            machine,
+            kinematics: None,
+            queue: VecDeque::with_capacity(16),
+            warnings: Vec::new(),
+            origin: Origin::default(),
+            contour: Contour::new(&machine.control),
+            released: Vec::new(),
+            number: None,
+            starts_block: false,
+        }
+    }
+
+    /// A new block: its elements carry this origin and number.
+    pub(super) fn begin_block(&mut self, origin: Origin, number: Option<BlockNumber>) {
+        self.origin = origin;
+        self.number = number;
+        self.starts_block = true;
+    }
+
+    /// A new line of the output for the same block.
+    pub(super) fn begin_line(&mut self) {
+        self.number = None;
+        self.starts_block = true;
+    }
+
+    /// The file of the block.
+    pub(super) fn file(&self) -> FileId {
+        self.origin.file
+    }
+
+    /// An element of the block, the first of them with its number.
+    pub(super) fn element(&mut self, kind: Kind) -> Element {
+        let starts_block = std::mem::take(&mut self.starts_block);
+        let number = if starts_block { self.number } else { None };
+        Element { origin: self.origin, starts_block, number, kind }
+    }
+
+    /// Puts something without motion into the stream.
+    #[allow(dead_code)]
+    pub(super) fn push(&mut self, kind: Kind) {
+        let element = self.element(kind);
+        self.pass(element);
+    }
+
+    /// Puts an element without motion into the stream.
+    pub(super) fn pass(&mut self, element: Element) {
+        if !self.contour.is_holding() {
+            self.queue.push_back(element);
+            return;
+        }
+        self.through_contour(Item::Element(element));
+    }
+
+    /// Whether motions are held back, so that whatever comes must wait behind them.
+    pub(super) fn is_holding(&self) -> bool {
+        self.contour.is_holding()
+    }
+
+    /// Puts a motion into the stream, through the contour stage where it wants something of it. The kind of the element is a placeholder.
+    pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Option<Wish>) {
+        match wish {
+            None => self.resolve(&path, element),
+            Some(wish) => self.through_contour(Item::Path(Box::new(Moving { path, element, wish }))),
+        }
+    }
+
+    /// Holds a motion back until [`Self::close`] says where it ends.
+    pub(super) fn open(&mut self, path: Path, element: Element, wish: Wish) {
+        self.contour.open(Box::new(Moving { path, element, wish }));
+    }
+
+    /// The end of the motion of [`Self::open`], or that it has none.
+    pub(super) fn close(&mut self, end: Option<AxisVector>, axes: AxisSet) {
+        let mut released = std::mem::take(&mut self.released);
+        self.contour.close(end, axes, &mut released);
+        self.release(released);
+    }
+
+    /// Ends what is held back.
+    pub(super) fn finish(&mut self) {
+        let mut released = std::mem::take(&mut self.released);
+        self.contour.finish(&mut released);
+        self.release(released);
+    }
+
+    /// Puts an item into the stage and takes out what is final.
+    fn through_contour(&mut self, item: Item) {
+        let mut released = std::mem::take(&mut self.released);
+        self.contour.take(item, &mut released);
+        self.release(released);
+    }
+
+    fn release(&mut self, mut released: Vec<Item>) {
+        for item in released.drain(..) {
+            match item {
+                Item::Element(element) => self.queue.push_back(element),
+                Item::Path(moving) => self.resolve(&moving.path, moving.element),
+            }
+        }
+        self.released = released;
+        self.warnings.append(&mut self.contour.findings);
+    }
+}

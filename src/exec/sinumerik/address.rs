@@ -1,0 +1,136 @@
+//! The register of addresses that are names: `CR=`, `TURN=`, `RND=`, `AX[…]=` and their kin.
+//!
+//! An address with a value is gathered by its row here and found again by [`super::gathered::Gathered::named`]; whoever executes it
+//! takes it from there. To add one, add a variant, a row, and the code that takes it.
+
+use super::gather::{Gatherer, twice};
+use super::gathered::{Gathered, NamedValue};
+use crate::exec::fault::Fault;
+use crate::syntax::sinumerik::{Value, Word};
+
+/// An address that is a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Named {
+    /// Radius of an arc.
+    Cr,
+    /// Extra turns of a helix.
+    Turn,
+    /// Opening angle of an arc.
+    Ar,
+    /// Intermediate point of an arc.
+    I1,
+    J1,
+    K1,
+    /// Polar angle and radius.
+    Ap,
+    Rp,
+    /// Angle of a rotation in the working plane.
+    Rpl,
+    /// Length of the parameter of a spline or polynomial.
+    Pl,
+    /// Weight of a control point.
+    Pw,
+    /// Degree of a B-spline.
+    Sd,
+    /// A part of a direction of the tool or surface: `A2=` (angles), `A3=` (tool), by its number and slot.
+    Orientation(u8, u8),
+    /// Angles of the tool to the path and the surface.
+    Lead,
+    Tilt,
+    /// Roundings and chamfers behind the block, and their feed.
+    Rnd,
+    Rndm,
+    Chf,
+    Chr,
+    Frc,
+    Frcm,
+    /// Angle of a straight contour element.
+    Ang,
+    /// Radius compensation: bulge of corners, allowance, change of the radius.
+    Disc,
+    Offn,
+    Toffr,
+    /// Soft approach and retraction: size, clearance, retraction plane, infeed.
+    Disr,
+    Discl,
+    Disrp,
+    Fad,
+}
+
+/// Names and their addresses.
+pub(super) const NAMED: &[(&str, Named)] = &[
+    ("CR", Named::Cr),
+    ("TURN", Named::Turn),
+    ("AR", Named::Ar),
+    ("AP", Named::Ap),
+    ("RP", Named::Rp),
+    ("RPL", Named::Rpl),
+    ("RND", Named::Rnd),
+    ("RNDM", Named::Rndm),
+    ("CHF", Named::Chf),
+    ("CHR", Named::Chr),
+    ("FRC", Named::Frc),
+    ("FRCM", Named::Frcm),
+    ("ANG", Named::Ang),
+    ("DISC", Named::Disc),
+    ("OFFN", Named::Offn),
+    ("TOFFR", Named::Toffr),
+    ("DISR", Named::Disr),
+    ("DISCL", Named::Discl),
+    ("DISRP", Named::Disrp),
+    ("FAD", Named::Fad),
+    ("LEAD", Named::Lead),
+    ("TILT", Named::Tilt),
+    ("PL", Named::Pl),
+    ("PW", Named::Pw),
+    ("SD", Named::Sd),
+];
+
+/// The address of a name, upper case.
+pub(super) fn named(name: &str) -> Option<Named> {
+    NAMED.iter().find(|(known, _)| *known == name).map(|&(_, address)| address)
+}
+
+/// The address of a letter with an extension: `I1=`, `A3=`.
+pub(super) fn extended(letter: u8, extension: u32) -> Option<Named> {
+    Some(match (letter, extension) {
+        (b'I', 1) => Named::I1,
+        (b'J', 1) => Named::J1,
+        (b'K', 1) => Named::K1,
+        _ => return super::orientation::address(letter, extension),
+    })
+}
+
+impl Named {
+    /// Whether a block moves because it has this address.
+    pub(super) fn moves(self) -> bool {
+        matches!(
+            self,
+            Named::Cr
+                | Named::Turn
+                | Named::Ar
+                | Named::I1
+                | Named::J1
+                | Named::K1
+                | Named::Ap
+                | Named::Rp
+                | Named::Ang
+                | Named::Orientation(2 | 3, _)
+        )
+    }
+}
+
+impl Gatherer<'_> {
+    /// Reads the value of a named address.
+    pub(super) fn address(&self, address: Named, word: &Word, out: &mut Gathered) -> Result<(), Fault> {
+        let dimension = match word.value {
+            Value::Dimension(function, _) => Some(function),
+            _ => None,
+        };
+        if out.named(address).is_some() {
+            return Err(twice(word.span));
+        }
+        out.addresses.push(NamedValue { address, value: self.number(word)?, dimension, span: word.span });
+        Ok(())
+    }
+}

@@ -1,0 +1,175 @@
+//! Evaluation of expressions.
+
+use super::functions::{FRAME_FUNCTIONS, NoValue, evaluate};
+use super::modal::Modal;
+use super::system::System;
+use super::value::Value;
+use super::variables::Variables;
+use crate::diagnostic::Code;
+use crate::exec::fault::{Fault, fault};
+use crate::machine::Machine;
+use crate::syntax::sinumerik::{ExprId, Node, Operator, Program, UnaryOperator};
+
+/// What an expression may look at.
+#[derive(Clone, Copy)]
+pub(super) struct Scope<'a> {
+    pub(super) program: &'a Program,
+    pub(super) variables: &'a Variables,
+    /// State of the channel, for system variables.
+    pub(super) modal: &'a Modal,
+    pub(super) machine: &'a Machine,
+    pub(super) system: &'a System,
+}
+
+impl Scope<'_> {
+    /// The value of an expression.
+    pub(super) fn value(&self, id: ExprId) -> Result<Value, Fault> {
+        let expr = self.program.expr(id);
+        let wrong = |message: &str| fault(Code::NOT_COMPUTABLE, expr.span, message, "check the operands");
+        let value = match expr.node {
+            Node::Real(value) => Value::Real(value),
+            Node::Integer(value) => Value::Int(value),
+            Node::Boolean(value) => Value::Bool(value),
+            Node::Text(span) => Value::Text(self.program.source.slice(span).to_vec()),
+            Node::Parameter(index) => Value::Real(self.variables.parameter(i64::from(index), expr.span)?),
+            Node::ParameterAt(index) => Value::Real(self.variables.parameter(self.whole(index)?, expr.span)?),
+            Node::Name(name) => self.named(name, id)?,
+            Node::Indexed(name, range) => self.indexed(name, range, id)?,
+            Node::Call(name, range) => {
+                let mut arguments = Vec::new();
+                for argument in self.program.arguments_of(range) {
+                    match argument {
+                        Some(argument) => arguments.push(self.value(*argument)?),
+                        None => return Err(wrong("an argument is missing")),
+                    }
+                }
+                self.function(self.program.names.text(name), &arguments, id)?
+            }
+            Node::Unary(operator, inner) => {
+                let inner = self.value(inner)?;
+                let value = match (operator, &inner) {
+                    (UnaryOperator::Plus, _) => inner.number().is_some().then_some(inner),
+                    (UnaryOperator::Minus, Value::Int(value)) => value.checked_neg().map(Value::Int),
+                    (UnaryOperator::Minus, _) => inner.number().map(|value| Value::Real(-value)),
+                    (UnaryOperator::Not, _) => inner.truth().map(|value| Value::Bool(!value)),
+                    (UnaryOperator::ToText, Value::Frame(_)) => None,
+                    (UnaryOperator::ToText, _) => Some(Value::Text(inner.text())),
+                    (UnaryOperator::BitNot, _) => inner.whole().map(|value| Value::Int(!value)),
+                };
+                value.ok_or_else(|| self.type_fault(id))?
+            }
+            Node::Binary(operator, left, right) => self.binary(operator, left, right, id)?,
+        };
+        match value {
+            Value::Real(number) if !number.is_finite() => Err(wrong("the result is no finite number")),
+            other => Ok(other),
+        }
+    }
+
+    /// The value as a number.
+    pub(super) fn number(&self, id: ExprId) -> Result<f64, Fault> {
+        self.value(id)?.number().ok_or_else(|| self.type_fault(id))
+    }
+
+    /// The value as a truth.
+    pub(super) fn truth(&self, id: ExprId) -> Result<bool, Fault> {
+        self.value(id)?.truth().ok_or_else(|| self.type_fault(id))
+    }
+
+    /// The value as a whole number.
+    pub(super) fn whole(&self, id: ExprId) -> Result<i64, Fault> {
+        self.value(id)?.whole().ok_or_else(|| self.type_fault(id))
+    }
+
+    pub(super) fn type_fault(&self, id: ExprId) -> Fault {
+        let span = self.program.expr(id).span;
+        fault(
+            Code::TYPE_MISMATCH,
+            span,
+            "this value has the wrong type here",
+            "use a number where a number is needed, a string where a string is",
+        )
+    }
+
+    fn binary(&self, operator: Operator, left: ExprId, right: ExprId, id: ExprId) -> Result<Value, Fault> {
+        let (a, b) = (self.value(left)?, self.value(right)?);
+        let span = self.program.expr(id).span;
+        let numbers = || Some((a.number()?, b.number()?));
+        let wholes = || Some((a.whole()?, b.whole()?));
+        let truths = || Some((a.truth()?, b.truth()?));
+        let arithmetic = |on_int: fn(i64, i64) -> Option<i64>, on_real: fn(f64, f64) -> f64| match (&a, &b) {
+            (Value::Int(a), Value::Int(b)) => on_int(*a, *b).map(Value::Int).or(Some(Value::Real(f64::INFINITY))),
+            _ => numbers().map(|(a, b)| Value::Real(on_real(a, b))),
+        };
+        let compare = |holds: fn(f64, f64) -> bool| numbers().map(|(a, b)| Value::Bool(holds(a, b)));
+        let value = match operator {
+            Operator::Multiply => arithmetic(i64::checked_mul, |a, b| a * b),
+            Operator::Add => arithmetic(i64::checked_add, |a, b| a + b),
+            Operator::Subtract => arithmetic(i64::checked_sub, |a, b| a - b),
+            Operator::Divide => match numbers() {
+                Some((_, 0.0)) => {
+                    return Err(fault(Code::NOT_COMPUTABLE, span, "division by zero", "check the divisor"));
+                }
+                Some((a, b)) => Some(Value::Real(a / b)),
+                None => None,
+            },
+            Operator::Div | Operator::Mod => match wholes() {
+                Some((_, 0)) => {
+                    return Err(fault(Code::NOT_COMPUTABLE, span, "division by zero", "check the divisor"));
+                }
+                Some((a, b)) if operator == Operator::Div => a.checked_div(b).map(Value::Int),
+                // The sign of the remainder follows the dividend.
+                Some((a, b)) => a.checked_rem(b).map(Value::Int),
+                None => None,
+            },
+            Operator::BitAnd => wholes().map(|(a, b)| Value::Int(a & b)),
+            Operator::BitXor => wholes().map(|(a, b)| Value::Int(a ^ b)),
+            Operator::BitOr => wholes().map(|(a, b)| Value::Int(a | b)),
+            Operator::And => truths().map(|(a, b)| Value::Bool(a && b)),
+            Operator::Xor => truths().map(|(a, b)| Value::Bool(a != b)),
+            Operator::Or => truths().map(|(a, b)| Value::Bool(a || b)),
+            Operator::Concatenate if matches!(a, Value::Frame(_)) || matches!(b, Value::Frame(_)) => None,
+            Operator::Concatenate => Some(Value::Text([a.text(), b.text()].concat())),
+            Operator::Equal => a.equals(&b).map(Value::Bool),
+            Operator::NotEqual => a.equals(&b).map(|equal| Value::Bool(!equal)),
+            Operator::Greater => compare(|a, b| a > b),
+            Operator::Less => compare(|a, b| a < b),
+            Operator::GreaterEqual => a.equals(&b).and_then(|same| numbers().map(|(a, b)| Value::Bool(same || a > b))),
+            Operator::LessEqual => a.equals(&b).and_then(|same| numbers().map(|(a, b)| Value::Bool(same || a < b))),
+            Operator::Chain => match (&a, &b) {
+                (Value::Frame(a), Value::Frame(b)) => return self.chain(a, b, span),
+                _ => None,
+            },
+        };
+        value.ok_or_else(|| self.type_fault(id))
+    }
+
+    fn function(&self, name: &str, arguments: &[Value], id: ExprId) -> Result<Value, Fault> {
+        let span = self.program.expr(id).span;
+        if FRAME_FUNCTIONS.contains(&name) {
+            return self.frame_function(name, arguments, id);
+        }
+        if let Some(value) = self.channel_function(name, arguments, id)? {
+            return Ok(value);
+        }
+        evaluate(name, arguments).map_err(|found| match found {
+            NoValue::Unknown => {
+                let shown: Vec<String> =
+                    arguments.iter().map(|value| String::from_utf8_lossy(&value.text()).into_owned()).collect();
+                let help = format!(
+                    "replace it by a value, or give its value as \"{name}({})\" = … in [system] of the machine file",
+                    shown.join(",")
+                );
+                fault(Code::NOT_SUPPORTED, span, format!("function {name}( ) is not supported yet"), help)
+            }
+            NoValue::Count(count) => self.argument_count(name, count, arguments.len(), id),
+            NoValue::Type => self.type_fault(id),
+            NoValue::Undefined(help) => fault(Code::NOT_COMPUTABLE, span, format!("{name} has no value here"), help),
+        })
+    }
+
+    pub(super) fn argument_count(&self, name: &str, count: &str, given: usize, id: ExprId) -> Fault {
+        let message = format!("{name} takes {count}, not {given}");
+        fault(Code::BAD_EXPRESSION, self.program.expr(id).span, message, "give it the arguments it takes")
+    }
+}

@@ -1,0 +1,48 @@
+//! Programs of the Sinumerik: named variables, expressions, statements, sections of an archive.
+
+mod block;
+mod call;
+mod definition;
+mod expression;
+mod jump;
+mod macros;
+mod names;
+mod statement;
+mod structure;
+mod sync_action;
+mod token;
+mod tree;
+
+pub use call::{CallKind, CallStatement, Callee, Parameter};
+pub use jump::{Jump, JumpTarget, Repetition, Search};
+pub use macros::Macros;
+pub use names::{NameId, Names};
+pub use tree::{
+    Address, ArgumentRange, Block, BlockNumber, Body, Definition, DefinitionType, DimensionFunction, Expr, ExprId,
+    Node, Operator, Program, Section, UnaryOperator, Value, Word,
+};
+
+use super::{checked, nothing_done};
+use crate::diagnostic::Diagnostic;
+use crate::dialect::Dialect;
+use crate::source::Source;
+
+/// Parses a program. Never fails: what cannot be read is reported and left out, and parsing goes on in the next block.
+#[must_use]
+pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
+    parse_with(source, dialect, &Macros::default())
+}
+
+/// Parses a program in which these macros hold, beside its own.
+#[must_use]
+pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
+    let mut parser = block::Parser::new(source.clone(), dialect, macros.clone());
+    parser.run();
+    let (mut program, mut findings) = parser.finish();
+    structure::connect(&mut program, &mut findings);
+    let is_empty = program.blocks.iter().all(|block| matches!(block.body, Body::Empty | Body::Faulty));
+    if is_empty && findings.is_empty() {
+        findings.push(nothing_done(source));
+    }
+    (program, checked(findings, source, dialect))
+}
