@@ -1,10 +1,11 @@
 //! Executes a program as the control would and yields the flat stream, lazily and in bounded memory.
 //!
-//! Every family of languages has an executor of its own, in a folder of its name. What they share is here: the [`outlet`] that turns
-//! paths into moves (radius compensation and roundings in [`contour`], five-axis transformations in [`five_axis`]), and the [`ledger`]
+//! Every family of languages has an executor of its own, in a folder of its name. What they share is here: the outlet that turns
+//! paths into moves (radius compensation and roundings in `contour`, five-axis transformations in `five_axis`), and the ledger
 //! of files, findings and calls. Findings are items of the stream too; after an error the execution goes on, so that one run shows
 //! them all, but what it yields is then no longer good for anything but more findings.
 
+mod arc;
 mod contour;
 mod fault;
 mod five_axis;

@@ -71,7 +71,6 @@ impl<'a> Outlet<'a> {
     }
 
     /// Puts something without motion into the stream.
-    #[allow(dead_code)]
     pub(super) fn push(&mut self, kind: Kind) {
         let element = self.element(kind);
         self.pass(element);

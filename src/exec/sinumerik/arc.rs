@@ -8,9 +8,9 @@ use super::modal::{Modal, MotionKind};
 use super::motion::{MotionContext, unknown_start};
 use super::polar;
 use crate::diagnostic::Code;
+use crate::exec::arc::{RadiusFault, behind_frame, center_of_radius};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::Shape;
-use crate::exec::resolve::chord_count;
 use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault, PlaneBasis};
 use crate::source::Span;
 
@@ -172,7 +172,8 @@ pub(super) fn arc(
                 return Err(fault(Code::NO_CENTER, context.span, "an arc without center and radius", help));
             }
         },
-        (Some((radius, span)), false) => center_of_radius(radius * modal.scale(), span, s, e, clockwise, &tolerance)?,
+        (Some((radius, span)), false) => center_of_radius(radius * modal.scale(), s, e, clockwise, &tolerance)
+            .map_err(|found| radius_fault(&found, span))?,
         (None, true) => {
             let base =
                 |axis: Axis| if is_shifted { frame.shift(axis) - context.setup.tool_mm[axis.slot()] } else { 0.0 };
@@ -194,65 +195,11 @@ pub(super) fn arc(
         }
         CenterFault::NotFinite => bad_value(context.span, "the arc is not finite", "check the values"),
     })?;
-    Ok(shape_behind_frame(&arc, [&from, &to], target, context))
+    Ok(behind_frame(&arc, [&from, &to], target, context.setup, context.control.chord_tolerance_mm))
 }
 
-/// A programmed arc behind the frame: an arc where circles stay circles, else chords of the ellipse.
-fn shape_behind_frame(
-    arc: &Arc,
-    programmed: [&AxisVector; 2],
-    target: &AxisVector,
-    context: MotionContext<'_>,
-) -> Shape {
-    let (clockwise, extra_turns) = (arc.clockwise, arc.extra_turns);
-    let frame = &context.setup.frame;
-    if frame.is_translation() {
-        return Shape::Arc { clockwise, center: arc.center_mm, extra_turns };
-    }
-    let [abscissa, ordinate, _] = arc.plane.axes();
-    if let Some(basis) = PlaneBasis::behind(frame, arc.plane).filter(|_| frame.keeps_circles(arc.plane)) {
-        let mut center = *programmed[0];
-        center[abscissa] = arc.center_mm[0];
-        center[ordinate] = arc.center_mm[1];
-        return Shape::Arc { clockwise, center: basis.flat(&context.setup.command(&center)), extra_turns };
-    }
-    // No direction grows by more than the norm of the matrix.
-    let radius_mm = arc.radius_mm(programmed[0]) * frame.linear().norm();
-    let sweep_rad = arc.sweep_rad(programmed[0], programmed[1]);
-    let count = chord_count(radius_mm, sweep_rad, context.control.chord_tolerance_mm);
-    let mut ends: Vec<AxisVector> = (1..count)
-        .map(|k| arc.at(programmed[0], programmed[1], f64::from(k) / f64::from(count)))
-        .map(|position| context.setup.command(&position))
-        .collect();
-    ends.push(*target);
-    Shape::Chords(ends)
-}
-
-/// Center of an arc of a signed radius: above 0 at most half a turn, below 0 more than that.
-fn center_of_radius(
-    radius: f64,
-    span: Span,
-    s: [f64; 2],
-    e: [f64; 2],
-    clockwise: bool,
-    tolerance: &impl Fn(f64) -> f64,
-) -> Result<[f64; 2], Fault> {
-    let chord = [e[0] - s[0], e[1] - s[1]];
-    let length = chord[0].hypot(chord[1]);
-    let help = "correct CR or the end point; a full circle needs I, J, K";
-    if length == 0.0 || radius == 0.0 {
-        return Err(fault(Code::RADIUS_TOO_SMALL, span, "start and end of an arc with CR coincide, or CR is 0", help));
-    }
-    let half = length / 2.0;
-    if half - radius.abs() > tolerance(radius.abs()) {
-        let message = format!("the radius is {:.4} mm, half the chord {half:.4} mm", radius.abs());
-        return Err(fault(Code::RADIUS_TOO_SMALL, span, message, help));
-    }
-    let height = (radius * radius - half * half).max(0.0).sqrt();
-    // The center of the short clockwise arc lies to the right of the chord.
-    let side = if clockwise == (radius > 0.0) { 1.0 } else { -1.0 };
-    let right = [chord[1] / length, -chord[0] / length];
-    Ok([s[0].midpoint(e[0]) + side * height * right[0], s[1].midpoint(e[1]) + side * height * right[1]])
+fn radius_fault(found: &RadiusFault, span: Span) -> Fault {
+    fault(Code::RADIUS_TOO_SMALL, span, found.message("CR"), "correct CR or the end point; a full circle needs I, J, K")
 }
 
 /// Center of an arc of an opening angle.

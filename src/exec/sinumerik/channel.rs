@@ -90,11 +90,11 @@ impl<'a> Channel<'a> {
 
     /// Puts an element into the stream.
     pub(super) fn push(&mut self, kind: Kind) {
-        let element = self.outlet.element(kind);
         if self.splines.is_holding() {
+            let element = self.outlet.element(kind);
             self.hold(element);
         } else {
-            self.outlet.pass(element);
+            self.outlet.push(kind);
         }
     }
 
