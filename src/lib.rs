@@ -27,10 +27,10 @@
 //! | [`source`], [`diagnostic`], [`units`] | bytes and spans; findings as plain data; the edge of units | NC, machines |
 //! | [`geometry`] | axis vectors, frames, arcs: values that evaluate themselves | machines, programs |
 //! | [`dialect`] | one value per control language: code table from `grammars/`, switches | syntax, execution |
-//! | [`syntax`] | nom parsers and the tree: what was written | what a code means |
+//! | [`syntax`] | nom parsers and trees, one family per family of languages: what was written | what a code means |
 //! | [`machine`] | chain of bodies, axes, travel, tools, zero offsets, control; the TOML file | errors |
 //! | [`snc`] | elements of the flat stream, their text form, provenance | dialects, the model |
-//! | [`exec`] | modal state, variables, flow, frames, contours, splines, transformation, cycles → SNC | the error model |
+//! | [`exec`] | one executor per family of languages (modal state, variables, flow, frames, cycles) over one outlet (contours, transformation) → SNC | the error model |
 //! | [`model`] | error functions, forward kinematics with errors, the inverse | programs, instruments |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |

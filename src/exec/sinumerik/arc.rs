@@ -11,7 +11,7 @@ use crate::diagnostic::Code;
 use crate::exec::arc::{RadiusFault, behind_frame, center_of_radius};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::Shape;
-use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault, PlaneBasis};
+use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault};
 use crate::source::Span;
 
 /// Largest number of extra turns of a helix.
