@@ -3,7 +3,7 @@
 use ncfix::diagnostic::Diagnostic;
 use ncfix::geometry::{Axis, Vector};
 use ncfix::machine::file::{DEMO, apply_setup};
-use ncfix::machine::{Lever, Machine, ToolChange};
+use ncfix::machine::{CompensationCorner, CompensationStart, Lever, Machine, ToolChange};
 use ncfix::model::motion::Function;
 use ncfix::model::{ErrorModel, file};
 use ncfix::source::{FileId, Source};
@@ -241,4 +241,19 @@ fn no_bytes_make_it_panic() {
     assert_eq!(seen("")[0].0, "E0403");
     assert!(file::load(&source(&[0xff, 0xfe, 0])).0.is_none());
     assert_eq!(seen("axis = 3\nmotion = 1\nlocation = []\nmachine = \"x\"\n").len(), 4);
+}
+
+#[test]
+fn settings_of_radius_compensation() {
+    let control = |lines: &str| load(&format!("{SMALL}[control]\n{lines}")).0.unwrap().0.control;
+    assert_eq!(control("").compensation_start, CompensationStart::A);
+    assert_eq!(control("").compensation_corner, None);
+    let set = control("compensation_start = \"B\"\ncompensation_corner = \"circular\"\n");
+    assert_eq!(set.compensation_start, CompensationStart::B);
+    assert_eq!(set.compensation_corner, Some(CompensationCorner::Circular));
+    let set = control("compensation_corner = \"linear\"\n");
+    assert_eq!(set.compensation_corner, Some(CompensationCorner::Linear));
+    let bad = seen(&format!("{SMALL}[control]\ncompensation_start = \"C\"\ncompensation_corner = \"round\"\n"));
+    let code = "E0404".to_owned();
+    assert_eq!(bad, [(code.clone(), "\"C\"".to_owned()), (code, "\"round\"".to_owned())]);
 }

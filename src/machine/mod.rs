@@ -17,6 +17,7 @@ mod state;
 mod zero_offset;
 
 pub use chain::{Branch, Topology, TopologyFault};
+pub use contour_control::{CompensationCorner, CompensationStart};
 pub use kinematics::Kinematics;
 pub use opaque::Opaque;
 pub use setting::Setting;
@@ -162,6 +163,10 @@ pub struct Control {
     pub compensation_blocks_between: u32,
     /// Sinumerik MD20240: elements of a compensated contour that may be left out where the tool is too wide for them.
     pub compensation_look_ahead: u32,
+    /// How radius compensation begins and ends (Fanuc parameter 5003).
+    pub compensation_start: CompensationStart,
+    /// What lies around outer corners of a compensated contour (Fanuc parameter 19607); `None` for what the dialect says.
+    pub compensation_corner: Option<CompensationCorner>,
     /// `G500`, `G54`: the zero offset that is active at the start.
     pub initial_zero_offset: String,
 }
@@ -256,6 +261,8 @@ impl Default for Control {
             compensation_flat_rad: 10_f64.to_radians(),
             compensation_blocks_between: 3,
             compensation_look_ahead: 4,
+            compensation_start: CompensationStart::A,
+            compensation_corner: None,
             initial_zero_offset: "G500".into(),
         }
     }

@@ -14,12 +14,15 @@ mod gap;
 mod guard;
 mod link;
 mod moving;
+mod rules;
 mod soft;
 mod transition;
 mod wish;
 
 pub(super) use angle::crossing;
 pub(super) use moving::{Item, Moving};
+#[allow(unused_imports, reason = "for the executors of Fanuc, RS274/NGC and Grundig")]
+pub(super) use rules::{Reach, Rules};
 pub(super) use wish::{
     Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish,
 };

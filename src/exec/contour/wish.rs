@@ -1,5 +1,6 @@
 //! What the program wants of the contour: modal codes, and what one motion asks of the stage.
 
+use super::rules::{Reach, Rules};
 use crate::source::{FileId, Span};
 
 /// G40, G41, G42.
@@ -19,6 +20,8 @@ pub(in crate::exec) enum Approach {
     Norm,
     /// Around the first corner where the start lies behind the contour.
     Kont,
+    /// Square to its own end, then around the first corner where that is an outer one.
+    Own,
     /// KONTT, KONTC.
     Polynomial,
 }
@@ -52,7 +55,7 @@ pub(in crate::exec) enum SoftSide {
 pub(in crate::exec) struct ContourModal {
     pub(in crate::exec) side: Side,
     pub(in crate::exec) approach: Approach,
-    /// G451 instead of G450.
+    /// G451 instead of G450: straight around outer corners.
     pub(in crate::exec) sharp: bool,
     /// CDON: intersections of motions that are no neighbors count too.
     pub(in crate::exec) collision: bool,
@@ -68,6 +71,14 @@ pub(in crate::exec) struct ContourModal {
     pub(in crate::exec) soft_side: SoftSide,
     /// G341 instead of G340.
     pub(in crate::exec) soft_in_plane: bool,
+    /// Whose rules of radius compensation hold.
+    pub(in crate::exec) rules: Rules,
+    /// G43, G44 of Grundig.
+    pub(in crate::exec) reach: Reach,
+    /// How often compensation has been switched on.
+    pub(in crate::exec) activation: u32,
+    /// G40 I J: the direction in the plane in which the contour seems to go on behind its end.
+    pub(in crate::exec) leaves_along: Option<[f64; 2]>,
 }
 
 impl ContourModal {
@@ -78,7 +89,7 @@ impl ContourModal {
 
     /// Whether motions are what they are.
     pub(in crate::exec) fn is_plain(&self) -> bool {
-        !self.compensates() && self.round_mm == 0.0
+        !self.compensates() && self.round_mm == 0.0 && self.reach == Reach::End
     }
 }
 

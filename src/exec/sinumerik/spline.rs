@@ -64,7 +64,7 @@ pub(super) struct Node {
 #[derive(Debug)]
 enum Held {
     Element(Element),
-    Path(Box<Path>, Element, Node, Option<Wish>),
+    Path(Box<Path>, Element, Node, Option<Box<Wish>>),
 }
 
 /// The blocks of the spline that is not complete yet.
@@ -166,7 +166,7 @@ impl Channel<'_> {
         }
         // What the contour wants of the block holds for it whatever comes before the spline is complete.
         let wish = self.wish(&path);
-        self.splines.held.push(Held::Path(Box::new(path), element, node, wish));
+        self.splines.held.push(Held::Path(Box::new(path), element, node, wish.map(Box::new)));
         found
     }
 
@@ -200,6 +200,7 @@ impl Channel<'_> {
                 Held::Element(element) => self.outlet.pass(element),
                 Held::Path(path, element, _, wish) => {
                     self.note_direction(&path);
+                    let wish = wish.map(|wish| *wish);
                     let wish = if wish.is_none() && self.outlet.is_holding() { self.wish(&path) } else { wish };
                     self.pass_path(*path, element, wish);
                 }
