@@ -27,6 +27,22 @@ pub fn urad_from_rad(rad: f64) -> f64 {
     rad * 1e6
 }
 
+/// Sine of degrees, exact at multiples of 90 and 30: a bolt circle's zero must be zero.
+#[must_use]
+pub fn sin_deg(degrees: f64) -> f64 {
+    let turn = degrees.rem_euclid(360.0);
+    let (sign, half) = if turn >= 180.0 { (-1.0, turn - 180.0) } else { (1.0, turn) };
+    let quarter = if half > 90.0 { 180.0 - half } else { half };
+    let value = match quarter {
+        0.0 => 0.0,
+        30.0 => 0.5,
+        90.0 => 1.0,
+        _ if quarter > 45.0 => (90.0 - quarter).to_radians().cos(),
+        _ => quarter.to_radians().sin(),
+    };
+    sign * value
+}
+
 /// Reads a length with its unit, `1um`, `0.02mm`, `1e-3 mm`, `0.001in`, as mm; a bare number has no unit and is refused.
 ///
 /// # Errors

@@ -1,6 +1,7 @@
 //! Functions of the language: arithmetic, texts, axes.
 
 use super::value::{Value, is_axis_name};
+use crate::units::sin_deg;
 
 /// Why a function has no value.
 #[derive(Clone, Debug, PartialEq)]
@@ -224,19 +225,4 @@ fn exponential(value: f64, decimals: usize) -> String {
     let Some((mantissa, exponent)) = text.split_once('e') else { return text };
     let (sign, digits) = exponent.strip_prefix('-').map_or(('+', exponent), |digits| ('-', digits));
     format!("{mantissa}EX{sign}{digits:0>2}")
-}
-
-/// Sine of degrees, exact at multiples of 90 and 30: a bolt circle's zero must be zero.
-fn sin_deg(degrees: f64) -> f64 {
-    let turn = degrees.rem_euclid(360.0);
-    let (sign, half) = if turn >= 180.0 { (-1.0, turn - 180.0) } else { (1.0, turn) };
-    let quarter = if half > 90.0 { 180.0 - half } else { half };
-    let value = match quarter {
-        0.0 => 0.0,
-        30.0 => 0.5,
-        90.0 => 1.0,
-        _ if quarter > 45.0 => (90.0 - quarter).to_radians().cos(),
-        _ => quarter.to_radians().sin(),
-    };
-    sign * value
 }
