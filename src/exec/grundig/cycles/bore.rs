@@ -1,0 +1,16 @@
+//! G86: down with feed, dwell, spindle stop, out at rapid, and the spindle turns again.
+
+use super::step::Feed;
+use super::{At, CycleFault, CycleWords, Heights, Step, dwell};
+
+pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
+    let heights = Heights::of(words, at)?;
+    let mut steps = Vec::new();
+    heights.approach(at, &mut steps);
+    steps.push(Step::to_height(heights.bottom, Feed::Cut));
+    dwell(words, &mut steps);
+    steps.push(Step::Stop);
+    steps.push(Step::rapid_height(heights.retract));
+    steps.push(Step::Resume);
+    Ok(steps)
+}

@@ -1,0 +1,14 @@
+//! G81: down with feed, dwell, out at rapid.
+
+use super::step::Feed;
+use super::{At, CycleFault, CycleWords, Heights, Step, dwell};
+
+pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
+    let heights = Heights::of(words, at)?;
+    let mut steps = Vec::new();
+    heights.approach(at, &mut steps);
+    steps.push(Step::to_height(heights.bottom, Feed::Cut));
+    dwell(words, &mut steps);
+    steps.push(Step::rapid_height(heights.retract));
+    Ok(steps)
+}

@@ -1,0 +1,17 @@
+//! G85: down with feed, dwell, out to the first clearance with the feed of F2=, then at rapid.
+
+use super::step::Feed;
+use super::{At, CycleFault, CycleWords, Heights, Step, dwell};
+
+pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
+    let heights = Heights::of(words, at)?;
+    let mut steps = Vec::new();
+    heights.approach(at, &mut steps);
+    steps.push(Step::to_height(heights.bottom, Feed::Cut));
+    dwell(words, &mut steps);
+    steps.push(Step::to_height(heights.clearance, Feed::Plunge));
+    if heights.retract > heights.clearance {
+        steps.push(Step::rapid_height(heights.retract));
+    }
+    Ok(steps)
+}
