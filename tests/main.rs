@@ -54,3 +54,4 @@ mod texts;
 mod threads;
 mod tolerance;
 mod variables;
+mod words;

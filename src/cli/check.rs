@@ -56,6 +56,7 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings, check: &mut json
     check.parsed = true;
     check.support_file = match &opened.program {
         Program::Sinumerik(program) => support_file::kind(program),
+        Program::Words(_) => None,
     };
     if check.support_file.is_some() {
         return Ok(());

@@ -7,8 +7,23 @@ pub use code::{CodeEntry, CodeTable, Effect};
 
 use std::sync::LazyLock;
 
+/// The language of a dialect: what its parser and its execution ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Language {
+    /// Sinumerik.
+    Sinumerik,
+    /// Grundig, Philips, MillPlus.
+    Grundig,
+    /// Fanuc with custom macros.
+    Fanuc,
+    /// RS274/NGC.
+    Rs274,
+}
+
 /// A control's language.
 pub struct Dialect {
+    /// Which language it is.
+    pub language: Language,
     /// The name used on the command line and in machine files.
     pub name: &'static str,
     /// What people call it.
@@ -42,6 +57,7 @@ static NO_CODES: LazyLock<CodeTable> = LazyLock::new(CodeTable::default);
 pub static DIALECTS: &[Dialect] = &[
     sinumerik::SINUMERIK,
     Dialect {
+        language: Language::Grundig,
         name: "grundig",
         title: "Grundig / Philips / Heidenhain MillPlus",
         extensions: &["pm", "mm"],
@@ -50,6 +66,7 @@ pub static DIALECTS: &[Dialect] = &[
         codes: &NO_CODES,
     },
     Dialect {
+        language: Language::Fanuc,
         name: "fanuc",
         title: "Fanuc and its kin",
         extensions: &["eia", "fan"],
@@ -58,6 +75,7 @@ pub static DIALECTS: &[Dialect] = &[
         codes: &NO_CODES,
     },
     Dialect {
+        language: Language::Rs274,
         name: "rs274",
         title: "RS274/NGC (LinuxCNC)",
         extensions: &["ngc"],

@@ -2,12 +2,13 @@
 
 use std::sync::LazyLock;
 
-use super::{CodeTable, Dialect};
+use super::{CodeTable, Dialect, Language};
 
 static CODES: LazyLock<CodeTable> =
     LazyLock::new(|| CodeTable::from_tsv(include_str!("../../grammars/sinumerik-codes.tsv")));
 
 pub(super) const SINUMERIK: Dialect = Dialect {
+    language: Language::Sinumerik,
     name: "sinumerik",
     title: "Siemens Sinumerik 840D / 828D",
     extensions: &["mpf", "spf", "arc"],

@@ -11,6 +11,7 @@ mod fault;
 mod five_axis;
 mod ledger;
 mod library;
+mod not_executed;
 mod outlet;
 mod path;
 mod resolve;
@@ -58,6 +59,7 @@ impl<'a> Execution<'a> {
     pub fn new(program: Program, machine: &'a Machine, library: Box<dyn Library + 'a>, options: Options) -> Self {
         let executor: Box<dyn Executor + 'a> = match program {
             Program::Sinumerik(program) => Box::new(sinumerik::Interpreter::new(program, machine, library, options)),
+            Program::Words(program) => Box::new(not_executed::NotExecuted::new(program, &options)),
         };
         Execution { executor }
     }

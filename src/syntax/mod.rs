@@ -1,12 +1,16 @@
 //! What was written: syntax trees whose nodes carry spans, and parsers that never fail.
 //!
 //! The trees say nothing of what a code means. Nodes live in flat arenas and refer to each other by number, so that a block of
-//! plain words costs no allocation of its own. There is one family of trees for each family of languages: [`sinumerik`].
+//! plain words costs no allocation of its own. There is one family of trees for each family of languages: [`sinumerik`]
+//! and the word languages, [`words`].
 
+mod names;
 pub mod sinumerik;
+mod token;
+pub mod words;
 
 use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::dialect::Dialect;
+use crate::dialect::{Dialect, Language};
 use crate::source::{Source, Span};
 use sinumerik::Macros;
 
@@ -18,6 +22,8 @@ const MAX_FINDINGS: usize = 1000;
 pub enum Program {
     /// Of the Sinumerik.
     Sinumerik(sinumerik::Program),
+    /// Of Grundig, Fanuc or RS274/NGC.
+    Words(words::Program),
 }
 
 impl Program {
@@ -26,6 +32,7 @@ impl Program {
     pub fn source(&self) -> &Source {
         match self {
             Program::Sinumerik(program) => &program.source,
+            Program::Words(program) => &program.source,
         }
     }
 
@@ -34,6 +41,7 @@ impl Program {
     pub fn block_count(&self) -> usize {
         match self {
             Program::Sinumerik(program) => program.blocks.len(),
+            Program::Words(program) => program.blocks.len(),
         }
     }
 }
@@ -47,8 +55,12 @@ pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagno
 /// Parses a program in which these macros of definition files hold, beside its own.
 #[must_use]
 pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
-    let (program, findings) = sinumerik::parse_with(source, dialect, macros);
-    (Program::Sinumerik(program), findings)
+    if dialect.language == Language::Sinumerik {
+        let (program, findings) = sinumerik::parse_with(source, dialect, macros);
+        return (Program::Sinumerik(program), findings);
+    }
+    let (program, findings) = words::parse(source, dialect);
+    (Program::Words(program), findings)
 }
 
 /// The finding for a file without blocks.

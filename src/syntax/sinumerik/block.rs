@@ -1,12 +1,12 @@
 //! Blocks: splits the file into lines, sections and words, and goes on behind whatever cannot be read.
 
 use super::macros::{Macros, definition};
-use super::names::{NameId, Names};
 use super::token::{Fault, Input, Parsed, blanks, fault, identifier, is_blank, number, small_number};
 use super::tree::{Address, Block, BlockNumber, Body, Program, Section, Value, Word};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
+use crate::syntax::names::{NameId, Names};
 
 /// A block longer than this is refused; controls take 512 characters.
 const MAX_BLOCK_BYTES: usize = 4096;

@@ -3,11 +3,11 @@
 use super::block::{Draft, Parser};
 use super::expression::keyword;
 use super::jump::JumpTarget;
-use super::names::NameId;
 use super::token::{Input, Parsed, blanks, fault, identifier, is_blank};
 use super::tree::{ArgumentRange, Body, DefinitionType, ExprId};
 use crate::diagnostic::Code;
 use crate::source::Span;
+use crate::syntax::names::NameId;
 
 /// A parameter of `PROC`.
 #[derive(Clone, Copy, Debug, PartialEq)]

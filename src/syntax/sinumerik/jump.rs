@@ -1,8 +1,8 @@
 //! Jumps, their targets, and the repetition of program parts.
 
-use super::names::NameId;
 use super::tree::{BlockNumber, ExprId};
 use crate::source::Span;
+use crate::syntax::names::NameId;
 
 /// A jump of a block.
 #[derive(Clone, Copy, Debug, PartialEq)]

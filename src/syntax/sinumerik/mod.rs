@@ -6,17 +6,17 @@ mod definition;
 mod expression;
 mod jump;
 mod macros;
-mod names;
+
 mod statement;
 mod structure;
 mod sync_action;
 mod token;
 mod tree;
 
+pub use super::names::{NameId, Names};
 pub use call::{CallKind, CallStatement, Callee, Parameter};
 pub use jump::{Jump, JumpTarget, Repetition, Search};
 pub use macros::Macros;
-pub use names::{NameId, Names};
 pub use tree::{
     Address, ArgumentRange, Block, BlockNumber, Body, Definition, DefinitionType, DimensionFunction, Expr, ExprId,
     Node, Operator, Program, Section, UnaryOperator, Value, Word,

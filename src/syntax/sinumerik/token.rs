@@ -2,59 +2,12 @@
 //!
 //! Inputs are the rest of one line; a place is told by how much of the line is left.
 
-use nom::IResult;
-use nom::bytes::complete::{take_till, take_while, take_while1};
+use nom::bytes::complete::{take_till, take_while1};
 use nom::error::{ErrorKind, ParseError};
 
 use crate::diagnostic::Code;
 
-/// The rest of a line.
-pub(super) type Input<'a> = &'a [u8];
-/// What a parser gives.
-pub(super) type Parsed<'a, T> = IResult<Input<'a>, T, Fault>;
-
-/// Why a parser could not go on.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Fault {
-    pub(super) code: Code,
-    /// Bytes of the line that were left at the faulty place.
-    pub(super) left: usize,
-    /// How many bytes are in question, at least 1 is shown.
-    pub(super) length: usize,
-    pub(super) message: &'static str,
-}
-
-impl ParseError<Input<'_>> for Fault {
-    fn from_error_kind(input: Input<'_>, _kind: ErrorKind) -> Self {
-        Fault { code: Code::UNEXPECTED, left: input.len(), length: 1, message: "this cannot be read" }
-    }
-
-    fn append(_input: Input<'_>, _kind: ErrorKind, other: Self) -> Self {
-        other
-    }
-}
-
-/// A fault that no alternative mends.
-pub(super) fn fault<'a, T>(code: Code, at: Input<'a>, length: usize, message: &'static str) -> Parsed<'a, T> {
-    Err(nom::Err::Failure(Fault { code, left: at.len(), length, message }))
-}
-
-/// Blanks, tabs, and the NULs and control bytes of paper tapes.
-pub(super) fn is_blank(byte: u8) -> bool {
-    byte <= b' ' || byte == 0x7f
-}
-
-/// Skips blanks.
-pub(super) fn blanks(input: Input<'_>) -> Input<'_> {
-    match input.first() {
-        Some(&byte) if is_blank(byte) => skip_blanks(input),
-        _ => input,
-    }
-}
-
-fn skip_blanks(input: Input<'_>) -> Input<'_> {
-    take_while::<_, _, Fault>(is_blank)(input).map_or(input, |(rest, _)| rest)
-}
+pub(super) use crate::syntax::token::{EXACT_POWERS, Fault, Input, Parsed, blanks, fault, is_blank};
 
 /// A letter, digit or underscore.
 pub(super) fn is_name_byte(byte: u8) -> bool {
@@ -101,12 +54,6 @@ pub(super) struct Number {
     /// Written without decimal point and exponent.
     pub(super) is_integer: bool,
 }
-
-/// Powers of ten that a double holds exactly.
-const EXACT_POWERS: [f64; 23] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
-    1e21, 1e22,
-];
 
 /// Below 2⁵³ an integer is a double exactly.
 const EXACT_MANTISSA: u64 = 1 << 53;

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::call::{CallStatement, Parameter};
 use super::jump::{Jump, Repetition};
-use super::names::{NameId, Names};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
+use crate::syntax::names::{NameId, Names};
 
 /// Number of an expression in [`Program::exprs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,0 +1,49 @@
+//! Programs of the word languages: letters with values, as Grundig, Fanuc and RS274/NGC write them.
+//!
+//! One tree and one parser for all of them; what differs is asked of [`crate::dialect::Language`]. A file is a list of parts (programs,
+//! macros, tables), a part a list of blocks, a block a list of words or one statement.
+
+mod comment;
+mod expression;
+mod header;
+mod parser;
+mod statement;
+mod structure;
+mod token;
+mod tree;
+
+pub use crate::syntax::names::{NameId, Names};
+pub use tree::{
+    Address, Block, Body, Comment, CommentKind, Expr, ExprId, Function, InnerSkip, Label, Node, Operator, Part,
+    PartKind, Program, Slice, UnaryOperator, Value, Word,
+};
+
+use super::{checked, nothing_done};
+use crate::diagnostic::Diagnostic;
+use crate::dialect::Dialect;
+use crate::source::Source;
+
+/// Parses a program. Never fails: what cannot be read is reported and left out, and parsing goes on in the next block.
+#[must_use]
+pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
+    let source = without_parity(source);
+    let mut parser = parser::Parser::new(source.clone(), dialect);
+    parser.run();
+    let (mut program, mut findings) = parser.finish();
+    structure::list_targets(&mut program, &mut findings);
+    structure::connect(&mut program, &mut findings);
+    let is_empty = program.blocks.iter().all(|block| matches!(block.body, Body::Empty | Body::Faulty));
+    if is_empty && findings.is_empty() {
+        findings.push(nothing_done(&source));
+    }
+    (program, checked(findings, &source, dialect))
+}
+
+/// The file with seven bits a byte, where a serial line has put its parity into the eighth.
+fn without_parity(source: &Source) -> Source {
+    if !header::has_parity(source.bytes()) {
+        return source.clone();
+    }
+    let bytes = source.bytes().iter().map(|byte| byte & 0x7f).collect();
+    Source::new(source.id(), source.name(), bytes).unwrap_or_else(|_| source.clone())
+}

@@ -1,0 +1,400 @@
+//! Blocks: splits the file into lines, parts and words, and goes on behind whatever cannot be read.
+
+use super::header;
+use super::token::{Fault, Input, Parsed, blanks, fault, is_blank, number, small_number};
+use super::tree::{Address, Block, Body, InnerSkip, Label, Node, PartKind, Program, Slice, Value, Word};
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::dialect::{Dialect, Language};
+use crate::source::{Source, Span};
+use crate::syntax::names::{NameId, Names};
+
+/// A block longer than this is refused; controls take a few hundred characters.
+const MAX_BLOCK_BYTES: usize = 4096;
+
+/// The parser's state: the tree that grows, and where the line ends that is being read.
+pub(super) struct Parser {
+    pub(super) program: Program,
+    pub(super) language: Language,
+    findings: Vec<Diagnostic>,
+    pub(super) line_end: usize,
+    pub(super) depth: u32,
+    /// Whether the part has no block yet, so that a line with nothing but a number is its header.
+    pub(super) is_fresh: bool,
+}
+
+impl Parser {
+    pub(super) fn new(source: Source, dialect: &'static Dialect) -> Parser {
+        let program = Program {
+            source,
+            dialect,
+            parts: Vec::new(),
+            blocks: Vec::new(),
+            words: Vec::new(),
+            exprs: Vec::new(),
+            arguments: Vec::new(),
+            comments: Vec::new(),
+            names: Names::default(),
+            has_tape_marks: false,
+            targets: Vec::new(),
+            subs: Vec::new(),
+        };
+        Parser { program, language: dialect.language, findings: Vec::new(), line_end: 0, depth: 0, is_fresh: true }
+    }
+
+    pub(super) fn finish(self) -> (Program, Vec<Diagnostic>) {
+        (self.program, self.findings)
+    }
+
+    /// Whether blanks mean nothing, not even between the digits of a number.
+    pub(super) fn is_spaced(&self) -> bool {
+        self.language != Language::Grundig
+    }
+
+    /// Reads all lines.
+    pub(super) fn run(&mut self) {
+        let source = self.program.source.clone();
+        let bytes = source.bytes();
+        let line_end = source.line_end();
+        let (mut start, end_of_tape) = header::tape(bytes, line_end, self.language);
+        if bytes.starts_with(b"\xef\xbb\xbf") {
+            start = start.max(3);
+        }
+        let mut line = 0;
+        if start > 3 {
+            let before = bytes[..start].iter().filter(|&&byte| byte == line_end).count();
+            line = u32::try_from(before).unwrap_or(u32::MAX);
+        }
+        self.open_part(PartKind::Program, None);
+        while start < end_of_tape {
+            let length = bytes[start..].iter().position(|&byte| byte == line_end);
+            let next = length.map_or(bytes.len(), |length| start + length + 1);
+            let mut end = length.map_or(bytes.len(), |length| start + length);
+            while end > start && is_blank(bytes[end - 1]) {
+                end -= 1;
+            }
+            line += 1;
+            self.line_end = end;
+            let text = blanks(&bytes[start..end]);
+            if !text.is_empty() {
+                self.read_line(text, line);
+            }
+            start = next;
+        }
+        self.close_part();
+    }
+
+    /// The offset in the file of the first byte of `input`.
+    pub(super) fn offset(&self, input: Input<'_>) -> usize {
+        self.line_end - input.len()
+    }
+
+    /// The id of a name; blanks in it mean nothing.
+    pub(super) fn intern(&mut self, name: &[u8]) -> NameId {
+        if name.iter().any(|&byte| is_blank(byte)) {
+            let dense: Vec<u8> = name.iter().copied().filter(|&byte| !is_blank(byte)).collect();
+            return self.program.names.intern(&dense);
+        }
+        self.program.names.intern(name)
+    }
+
+    pub(super) fn report(&mut self, fault: &Fault) {
+        let start = self.line_end - fault.left.min(self.line_end);
+        let end = (start + fault.length.max(1)).min(self.line_end.max(start + 1));
+        let place = Place { file: self.program.source.id(), span: Span::new(start, end) };
+        self.findings.push(Diagnostic::at(fault.code, place, fault.message, help_for(fault.code)));
+    }
+
+    fn read_line(&mut self, line_text: &[u8], line: u32) {
+        let mut text = self.header(line_text);
+        if text.len() < line_text.len() {
+            text = self.title(blanks(text));
+        } else if text.first() != Some(&b'(') {
+            self.is_fresh = false;
+        }
+        if text.is_empty() {
+            return;
+        }
+        let start = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+        let mut block = Block {
+            span: Span::new(self.offset(text), self.line_end),
+            line,
+            skip: None,
+            number: None,
+            body: Body::Empty,
+            label: None,
+            inner_skip: None,
+            words: Slice { start: start(self.program.words.len()), count: 0 },
+            comments: Slice { start: start(self.program.comments.len()), count: 0 },
+            partner: u32::MAX,
+        };
+        if let Err(nom::Err::Error(fault) | nom::Err::Failure(fault)) = self.block(text, &mut block) {
+            self.report(&fault);
+            // A control statement with something behind it still opens or closes its structure.
+            if matches!(block.body, Body::Empty | Body::Words) {
+                block.body = Body::Faulty;
+            }
+        }
+        let count = |start: u32, end: usize| u16::try_from(end - start as usize).unwrap_or(u16::MAX);
+        block.words.count = count(block.words.start, self.program.words.len());
+        block.comments.count = count(block.comments.start, self.program.comments.len());
+        self.program.blocks.push(block);
+    }
+
+    /// Skip level and number, then a statement or words.
+    fn block<'a>(&mut self, mut input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
+        if input.len() > MAX_BLOCK_BYTES {
+            return fault(Code::BLOCK_TOO_LONG, input, 40, "this block has more than 4096 bytes");
+        }
+        loop {
+            input = blanks(input);
+            input = match *input {
+                [b'/', ref rest @ ..] if block.skip.is_none() => match *rest {
+                    [digit @ b'0'..=b'9', ref rest @ ..] if self.language != Language::Rs274 => {
+                        block.skip = Some(digit - b'0');
+                        rest
+                    }
+                    _ => {
+                        block.skip = Some(0);
+                        rest
+                    }
+                },
+                [b'N' | b'n', ref rest @ ..] if block.number.is_none() && self.is_block_number(rest) => {
+                    let (rest, number) = number(blanks(rest), self.is_spaced())?;
+                    if !(0.0..1e9).contains(&number.value) || (number.has_point && self.language != Language::Rs274) {
+                        let length = input.len() - rest.len();
+                        return fault(Code::BAD_NUMBER, input, length, "a block number has one to nine digits");
+                    }
+                    block.number = Some(number.value as u32);
+                    rest
+                }
+                _ => break,
+            };
+        }
+        let rest = match input.first() {
+            None => return Ok((input, ())),
+            Some(b'O' | b'o') if self.language == Language::Rs274 => self.o_word(input, block)?.0,
+            Some(first) if first.is_ascii_alphabetic() && self.is_macro_statement(input) => {
+                self.macro_statement(input, block)?.0
+            }
+            _ => return self.words(input, block),
+        };
+        self.end_of_statement(rest, block)
+    }
+
+    /// Whether digits that are no index (`N1=`) follow an N.
+    fn is_block_number(&self, behind: Input<'_>) -> bool {
+        let digits = blanks(behind);
+        let length = digits.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        length > 0 && (self.language != Language::Grundig || blanks(&digits[length..]).first() != Some(&b'='))
+    }
+
+    /// Two letters side by side begin no word of a custom macro.
+    fn is_macro_statement(&self, input: Input<'_>) -> bool {
+        self.language == Language::Fanuc && blanks(&input[1..]).first().is_some_and(u8::is_ascii_alphabetic)
+    }
+
+    /// Nothing but comments may follow a statement.
+    fn end_of_statement<'a>(&mut self, input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
+        let mut rest = blanks(input);
+        while let Some(b'(' | b';') = rest.first() {
+            rest = blanks(self.comment(rest)?.0);
+        }
+        if rest.is_empty() {
+            return Ok((rest, ()));
+        }
+        if matches!(block.label, Some(Label::Computed(_))) && block.body == Body::Empty {
+            return Ok((rest, ()));
+        }
+        fault(Code::MUST_STAND_ALONE, rest, rest.len(), "this stands behind a statement that needs its own block")
+    }
+
+    /// Words and comments up to the end of the line.
+    pub(super) fn words<'a>(&mut self, mut input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
+        let first_word = block.words.start as usize;
+        loop {
+            input = blanks(input);
+            let Some(&first) = input.first() else { break };
+            if first == b'(' || first == b';' {
+                input = self.comment(input)?.0;
+                continue;
+            }
+            if first == b'/' && self.language == Language::Fanuc && block.inner_skip.is_none() {
+                let level = input.get(1).filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0');
+                let words_before = u16::try_from(self.program.words.len() - first_word).unwrap_or(u16::MAX);
+                block.inner_skip = Some(InnerSkip { level: level.unwrap_or(0), words_before });
+                input = &input[if level.is_some() { 2 } else { 1 }..];
+                continue;
+            }
+            if block.body == Body::Empty {
+                block.body = Body::Words;
+            }
+            let (rest, word) = self.word(input, first)?;
+            self.program.words.push(word);
+            input = rest;
+        }
+        Ok((input, ()))
+    }
+
+    /// One word.
+    fn word<'a>(&mut self, input: Input<'a>, first: u8) -> Parsed<'a, Word> {
+        if !first.is_ascii_alphabetic() {
+            return self.special_word(input, first);
+        }
+        let letter = first.to_ascii_uppercase();
+        let behind = blanks(&input[1..]);
+        match behind.first() {
+            Some(b'0'..=b'9' | b'.') => {
+                let (rest, number) = number(behind, self.is_spaced())?;
+                if self.language == Language::Grundig
+                    && !number.has_point
+                    && let [b'=', value @ ..] = blanks(rest)
+                {
+                    return self.indexed_word(input, behind, letter, value);
+                }
+                let value = Value::Number { value: number.value, has_point: number.has_point, digits: number.digits };
+                Ok((rest, self.word_between(input, rest, Address::Letter(letter), value)))
+            }
+            Some(b'=') if self.language == Language::Grundig => {
+                let (rest, value) = self.assigned_value(&behind[1..])?;
+                Ok((rest, self.word_between(input, rest, Address::Letter(letter), value)))
+            }
+            Some(_) => {
+                let (rest, value) = self.value(input, behind)?;
+                Ok((rest, self.word_between(input, rest, Address::Letter(letter), value)))
+            }
+            None => fault(Code::MISSING_VALUE, input, 1, "this address has no value"),
+        }
+    }
+
+    /// `X1=…`: `index` begins with the digits, `value` stands behind the sign.
+    fn indexed_word<'a>(
+        &mut self,
+        input: Input<'a>,
+        index: Input<'a>,
+        letter: u8,
+        value: Input<'a>,
+    ) -> Parsed<'a, Word> {
+        let (_, number) = small_number(index, false)?;
+        let Ok(number) = u16::try_from(number) else {
+            return fault(Code::BAD_NUMBER, index, 1, "the index of an address has at most four digits");
+        };
+        let (rest, value) = self.assigned_value(value)?;
+        Ok((rest, self.word_between(input, rest, Address::Indexed(letter, number), value)))
+    }
+
+    /// The value behind `=`: a plain number, or an expression.
+    fn assigned_value<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Value> {
+        let input = blanks(input);
+        if let Ok((rest, value)) = self.signed_number(input)
+            && self.operator(blanks(rest)).is_none()
+        {
+            return Ok((rest, value));
+        }
+        if input.is_empty() {
+            return fault(Code::MISSING_VALUE, input, 1, "a value is missing behind '='");
+        }
+        let (rest, id) = self.expression(input)?;
+        Ok((rest, Value::Expr(id)))
+    }
+
+    /// A number with a sign or without.
+    fn signed_number<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Value> {
+        let (behind, sign) = match *input {
+            [b'-', ref rest @ ..] => (blanks(rest), -1.0),
+            [b'+', ref rest @ ..] => (blanks(rest), 1.0),
+            _ => (input, 1.0),
+        };
+        let (rest, number) = number(behind, self.is_spaced())?;
+        let value = sign * number.value;
+        Ok((rest, Value::Number { value, has_point: number.has_point, digits: number.digits }))
+    }
+
+    /// The value directly behind a letter, which is the first byte of `input`, where it does not begin with a digit.
+    fn value<'a>(&mut self, input: Input<'a>, behind: Input<'a>) -> Parsed<'a, Value> {
+        let is_iso = self.language != Language::Grundig;
+        match behind.first() {
+            Some(b'+' | b'-') => match blanks(&behind[1..]).first() {
+                Some(b'0'..=b'9' | b'.') => return self.signed_number(behind),
+                Some(b'#' | b'[') if is_iso => {}
+                Some(byte)
+                    if self.language == Language::Rs274 && (byte.is_ascii_alphabetic() || b"+-".contains(byte)) => {}
+                _ => return fault(Code::MISSING_VALUE, input, 2, "behind this sign stands no value"),
+            },
+            Some(b'#' | b'[') if is_iso => {}
+            Some(byte) if self.language == Language::Rs274 && byte.is_ascii_alphabetic() => {}
+            _ => {
+                let message = match self.language {
+                    Language::Grundig => "this address has no value; a value that is no number needs '='",
+                    _ => "this address has no value",
+                };
+                return fault(Code::MISSING_VALUE, input, 1, message);
+            }
+        }
+        let (rest, id) = self.operand(behind)?;
+        Ok((rest, Value::Expr(id)))
+    }
+
+    /// Words that begin with no letter: `#1=…`, `,C5`, `<NAME>`, `@10`, `^45`, `$1`.
+    fn special_word<'a>(&mut self, input: Input<'a>, first: u8) -> Parsed<'a, Word> {
+        match (first, self.language) {
+            (b'#', Language::Fanuc | Language::Rs274) => self.assignment(input),
+            (b',', Language::Fanuc) => {
+                let behind = blanks(&input[1..]);
+                let Some(letter @ (b'A' | b'C' | b'R')) = behind.first().map(u8::to_ascii_uppercase) else {
+                    return fault(Code::UNEXPECTED, input, 2, "behind a comma stands C, R or A with its value");
+                };
+                let (rest, word) = self.word(behind, letter)?;
+                Ok((rest, self.word_between(input, rest, Address::Comma(letter), word.value)))
+            }
+            (b'<', Language::Fanuc) => {
+                let (rest, name) = super::token::angled(input)?;
+                let address = Address::Name(self.intern(name));
+                Ok((rest, self.word_between(input, rest, address, Value::None)))
+            }
+            (b'@' | b'^' | b'$', Language::Rs274) => {
+                let behind = blanks(&input[1..]);
+                let (rest, value) = match behind.first() {
+                    Some(b'0'..=b'9' | b'.') => self.signed_number(behind)?,
+                    _ => self.value(input, behind)?,
+                };
+                Ok((rest, self.word_between(input, rest, Address::Letter(first), value)))
+            }
+            _ => fault(Code::UNEXPECTED, input, 1, "no word of this language begins like this"),
+        }
+    }
+
+    /// `#1=…`, `#[…]=…`, `#<name>=…`
+    fn assignment<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Word> {
+        let (rest, variable) = self.parameter(input)?;
+        let [b'=', behind @ ..] = blanks(rest) else {
+            return fault(
+                Code::MISSING_VALUE,
+                input,
+                input.len() - rest.len(),
+                "a variable alone does nothing; '=' is missing",
+            );
+        };
+        if self.program.expr(variable).node == Node::Parameter(0) && self.language == Language::Fanuc {
+            return fault(Code::UNEXPECTED, input, 2, "#0 is always empty and cannot be given a value");
+        }
+        let (rest, id) = self.expression(behind)?;
+        Ok((rest, self.word_between(input, rest, Address::Variable(variable), Value::Expr(id))))
+    }
+
+    fn word_between(&self, from: Input<'_>, to: Input<'_>, address: Address, value: Value) -> Word {
+        Word { span: Span::new(self.offset(from), self.offset(to)), address, value }
+    }
+}
+
+fn help_for(code: Code) -> &'static str {
+    match code {
+        Code::BAD_NUMBER => "write digits with one decimal point at most",
+        Code::MISSING_VALUE => "give the address a value, for example X10",
+        Code::BAD_EXPRESSION => "complete or correct the expression",
+        Code::UNCLOSED => "close it before the end of the block",
+        Code::TOO_DEEP => "take the expression apart over several blocks",
+        Code::MUST_STAND_ALONE => "move it to a block of its own",
+        Code::BLOCK_TOO_LONG => "check that the file is a part program and still has its line ends",
+        _ => "correct the block, or check --dialect",
+    }
+}
