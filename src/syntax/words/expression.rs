@@ -1,8 +1,8 @@
 //! Expressions of the word languages: one climber of precedences, whose operators and functions the language chooses.
 
+use super::node::{Expr, ExprId, Function, Node, Operator, UnaryOperator};
 use super::parser::Parser;
 use super::token::{Input, Parsed, angled, blanks, fault, number, one_of, small_number};
-use super::tree::{Expr, ExprId, Function, Node, Operator, UnaryOperator};
 use crate::diagnostic::Code;
 use crate::dialect::Language;
 use crate::source::Span;

@@ -6,16 +6,18 @@
 mod comment;
 mod expression;
 mod header;
+mod node;
 mod parser;
 mod statement;
 mod structure;
 mod token;
 mod tree;
+mod word;
 
 pub use crate::syntax::names::{NameId, Names};
+pub use node::{Expr, ExprId, Function, Node, Operator, UnaryOperator};
 pub use tree::{
-    Address, Block, Body, Comment, CommentKind, Expr, ExprId, Function, InnerSkip, Label, Node, Operator, Part,
-    PartKind, Program, Slice, UnaryOperator, Value, Word,
+    Address, Block, Body, Comment, CommentKind, InnerSkip, Label, Part, PartKind, Program, Slice, Value, Word,
 };
 
 use super::{checked, nothing_done};

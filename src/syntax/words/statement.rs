@@ -1,8 +1,9 @@
 //! Statements: the control statements of Fanuc's custom macros and the O-words of RS274/NGC.
 
+use super::node::{ExprId, Node};
 use super::parser::Parser;
 use super::token::{Input, Parsed, angled, blanks, fault, keyword, one_of, small_number};
-use super::tree::{Block, Body, ExprId, Label, Node, Slice};
+use super::tree::{Block, Body, Label, Slice};
 use crate::diagnostic::Code;
 use crate::source::Span;
 
