@@ -24,7 +24,7 @@ pub(crate) fn with_tool(mut machine: Machine) -> Machine {
     let mut g54 = AxisVector::ZERO;
     g54.set_xyz(Vector::new(4.0, -3.0, 2.0));
     machine.zero_offsets.insert("G54".into(), g54.into());
-    machine.control.initial_zero_offset = "G500".into();
+    machine.control.initial_zero_offset = Some("G500".into());
     for axis in machine.axes.iter_mut().flatten() {
         if !axis.axis.is_rotary() {
             axis.travel = Some([-2000.0, 2000.0]);

@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AXES, AXIS_COUNT, Axis, Plane, Vector};
 use crate::source::Source;
 
-use super::zero_offset::{ZERO_OFFSET_NAMES, is_zero_offset_name, read_zero_offsets};
+use super::zero_offset::{check_name, read_zero_offsets};
 use super::{AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
 use super::{opaque, orientation, setting};
 
@@ -38,11 +38,12 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         check_chain(topology, *place, &headers, &mut findings);
     }
     let spindle = read_spindle(root.section("spindle"), &mut findings);
-    let mut control = read_control(root.section("control"), &mut findings);
+    let controller = head.controller.clone();
+    let mut control = read_control(root.section("control"), &controller, &mut findings);
     opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
     let known = head.topology.as_ref().map(|(topology, _)| topology.axis_set());
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
-    let zero_offsets = read_zero_offsets(&mut root, axis_set, &mut findings);
+    let zero_offsets = read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
     let tools = read_tools(&mut root, &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);
@@ -82,7 +83,7 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     };
     let mut findings = Vec::new();
     let mut root = file.root();
-    let zero_offsets = read_zero_offsets(&mut root, machine.topology.axis_set(), &mut findings);
+    let zero_offsets = read_zero_offsets(&mut root, machine.topology.axis_set(), &machine.controller, &mut findings);
     let tools = read_tools(&mut root, &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);
@@ -259,7 +260,7 @@ fn read_spindle(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
     spindle
 }
 
-fn read_control(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> Control {
+fn read_control(section: Option<Section<'_>>, controller: &str, findings: &mut Vec<Diagnostic>) -> Control {
     let mut control = Control::default();
     let Some(mut section) = section else { return control };
     let not_negative = |value: f64| value >= 0.0;
@@ -312,11 +313,12 @@ fn read_control(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
         control.max_program_levels = value as u32;
     }
     if let Some(name) = section.text("initial_zero_offset") {
-        if is_zero_offset_name(name) {
-            control.initial_zero_offset = name.to_owned();
-        } else {
-            let message = format!("\"{name}\" is no settable zero offset");
-            section.report(Code::BAD_VALUE, section.place_of("initial_zero_offset"), message, ZERO_OFFSET_NAMES);
+        match check_name(name, controller) {
+            Ok(()) => control.initial_zero_offset = Some(name.to_owned()),
+            Err(help) => {
+                let message = format!("\"{name}\" is no settable zero offset");
+                section.report(Code::BAD_VALUE, section.place_of("initial_zero_offset"), message, help);
+            }
         }
     }
     section.finish(findings);

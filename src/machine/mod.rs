@@ -167,8 +167,8 @@ pub struct Control {
     pub compensation_start: CompensationStart,
     /// What lies around outer corners of a compensated contour (Fanuc parameter 19607); `None` for what the dialect says.
     pub compensation_corner: Option<CompensationCorner>,
-    /// `G500`, `G54`: the zero offset that is active at the start.
-    pub initial_zero_offset: String,
+    /// `G500`, `G54`: the zero offset that is active at the start; `None` for that of the control as delivered.
+    pub initial_zero_offset: Option<String>,
 }
 
 /// The turns that three orientation angles stand for.
@@ -263,7 +263,7 @@ impl Default for Control {
             compensation_look_ahead: 4,
             compensation_start: CompensationStart::A,
             compensation_corner: None,
-            initial_zero_offset: "G500".into(),
+            initial_zero_offset: None,
         }
     }
 }

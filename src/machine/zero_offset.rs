@@ -7,27 +7,80 @@ use crate::geometry::{Axis, AxisSet, FrameParts};
 
 use super::section::Section;
 
-pub(super) const ZERO_OFFSET_NAMES: &str = "settable zero offsets are G500, G54 to G57 and G505 to G599";
+/// The settable zero offsets of a control.
+struct Names {
+    controller: &'static str,
+    /// In words, for findings.
+    help: &'static str,
+    is_name: fn(&str) -> bool,
+}
 
-pub(super) fn is_zero_offset_name(name: &str) -> bool {
-    let number = name.strip_prefix('G').filter(|digits| digits.bytes().all(|digit| digit.is_ascii_digit()));
-    let number: Option<u32> = number.and_then(|digits| digits.parse().ok());
-    number.is_some_and(|number| matches!(number, 54..=57 | 500 | 505..=599)) && !name.starts_with("G0")
+const NAMES: &[Names] = &[
+    Names {
+        controller: "sinumerik",
+        help: "settable zero offsets are G500, G54 to G57 and G505 to G599",
+        is_name: |name| numbered(name, "G").is_some_and(|number| matches!(number, 54..=57 | 500 | 505..=599)),
+    },
+    Names {
+        controller: "fanuc",
+        help: "settable zero offsets are G54 to G59 and \"G54.1 P1\" to \"G54.1 P300\"",
+        is_name: |name| {
+            numbered(name, "G").is_some_and(|number| (54..=59).contains(&number))
+                || numbered(name, "G54.1 P").is_some_and(|number| (1..=300).contains(&number))
+        },
+    },
+    Names {
+        controller: "rs274",
+        help: "settable zero offsets are G54 to G59 and G59.1 to G59.3",
+        is_name: |name| {
+            numbered(name, "G").is_some_and(|number| (54..=59).contains(&number))
+                || numbered(name, "G59.").is_some_and(|number| (1..=3).contains(&number))
+        },
+    },
+    Names {
+        controller: "grundig",
+        help: "settable zero offsets are G52, G54 to G59 and \"G54 I0\" to \"G54 I99\"",
+        is_name: |name| {
+            numbered(name, "G").is_some_and(|number| number == 52 || (54..=59).contains(&number))
+                || name == "G54 I0"
+                || numbered(name, "G54 I").is_some_and(|number| number <= 99)
+        },
+    },
+];
+
+/// The number behind a prefix, without leading zeros.
+fn numbered(name: &str, prefix: &str) -> Option<u32> {
+    let digits = name.strip_prefix(prefix)?;
+    let is_number = digits.bytes().all(|digit| digit.is_ascii_digit()) && !digits.starts_with('0');
+    digits.parse().ok().filter(|_| is_number)
+}
+
+/// Checks the name of a settable zero offset; gives what the control's are where it is none. A control that nobody knows has
+/// those of all.
+pub(super) fn check_name(name: &str, controller: &str) -> Result<(), String> {
+    let own = |names: &&Names| names.controller.eq_ignore_ascii_case(controller);
+    match NAMES.iter().find(own) {
+        Some(names) if (names.is_name)(name) => Ok(()),
+        Some(names) => Err(names.help.to_owned()),
+        None if NAMES.iter().any(|names| (names.is_name)(name)) => Ok(()),
+        None => Err(NAMES[0].help.to_owned()),
+    }
 }
 
 pub(super) fn read_zero_offsets(
     root: &mut Section<'_>,
     axes: AxisSet,
+    controller: &str,
     findings: &mut Vec<Diagnostic>,
 ) -> BTreeMap<String, FrameParts> {
     let mut offsets = BTreeMap::new();
     let Some(mut section) = root.section("zero_offset") else { return offsets };
     let names: Vec<&str> = section.keys().collect();
     for name in names {
-        if !is_zero_offset_name(name) {
+        if let Err(help) = check_name(name, controller) {
             let message = format!("\"{name}\" is no settable zero offset");
             section.accept(name);
-            section.report(Code::UNKNOWN_KEY, section.place_of_key(name), message, ZERO_OFFSET_NAMES);
+            section.report(Code::UNKNOWN_KEY, section.place_of_key(name), message, help);
             continue;
         }
         let Some(mut own) = section.section(name) else { continue };
@@ -70,4 +123,23 @@ fn read_parts(section: &mut Section<'_>, axes: AxisSet) -> FrameParts {
         }
     }
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::check_name;
+
+    #[test]
+    fn each_control_has_names_of_its_own() {
+        for (controller, good, bad) in [
+            ("sinumerik", &["G500", "G54", "G505"][..], &["G58", "G054", "G59.1"][..]),
+            ("fanuc", &["G54", "G59", "G54.1 P1", "G54.1 P300"], &["G500", "G54.1 P0", "G54.1P1", "G59.1"]),
+            ("rs274", &["G54", "G59", "G59.3"], &["G59.4", "G54.1 P1"]),
+            ("grundig", &["G52", "G59", "G54 I0", "G54 I99"], &["G53", "G54 I100", "G500"]),
+            ("another", &["G500", "G59.3"], &["X"]),
+        ] {
+            good.iter().for_each(|name| assert!(check_name(name, controller).is_ok(), "{controller} {name}"));
+            bad.iter().for_each(|name| assert!(check_name(name, controller).is_err(), "{controller} {name}"));
+        }
+    }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::angle::OpenAngle;
 use super::frames;
 use super::gathered::Gathered;
-use super::modal::Modal;
+use super::modal::{Modal, initial_zero_offset};
 use super::motion::{MotionContext, motion};
 use super::spline::{self, Splines};
 use super::system::System;
@@ -73,7 +73,7 @@ impl<'a> Channel<'a> {
         };
         let order = machine.control.rotation_order;
         channel.modal.base = channel.system.frames.base(order).unwrap_or_else(Frame::identity);
-        if let Some(offset) = machine.zero_offsets.get(&machine.control.initial_zero_offset) {
+        if let Some(offset) = machine.zero_offsets.get(initial_zero_offset(machine)) {
             channel.modal.settable = offset.frame(order).unwrap_or_else(Frame::identity);
         }
         channel.refresh_setup();

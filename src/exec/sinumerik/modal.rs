@@ -61,6 +61,11 @@ impl MotionKind {
 /// G group of the feed modes.
 const FEED_MODES: u8 = 15;
 
+/// The zero offset that is active at the start.
+pub(super) fn initial_zero_offset(machine: &Machine) -> &str {
+    machine.control.initial_zero_offset.as_deref().unwrap_or("G500")
+}
+
 /// Modal state of the channel.
 #[derive(Clone, Debug)]
 pub(super) struct Modal {
@@ -147,7 +152,7 @@ impl Modal {
             fine: AxisVector::ZERO,
             polar: Polar::default(),
             tangent: None,
-            stated: Stated::new(&machine.control.initial_zero_offset),
+            stated: Stated::new(initial_zero_offset(machine)),
             offset_assumed: false,
             tool_assumed: false,
             selected: None,
