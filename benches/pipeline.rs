@@ -53,6 +53,7 @@ impl Shop {
         let writer_options = WriterOptions {
             names: machine.written_names(),
             increments,
+            last_block_number: None,
             frame: OutputFrame::Work,
             crlf: false,
             stamp: Stamp::default(),

@@ -29,7 +29,14 @@ fn shop_machine() -> Machine {
 
 fn writer_options(machine: &Machine, frame: OutputFrame, crlf: bool) -> WriterOptions {
     let stamp = Stamp { machine: "shop".into(), model: "0a".into(), source: "0b".into(), is_demo: false };
-    WriterOptions { names: machine.written_names(), increments: Increments::new(&machine.control), frame, crlf, stamp }
+    WriterOptions {
+        names: machine.written_names(),
+        increments: Increments::new(&machine.control),
+        frame,
+        crlf,
+        stamp,
+        last_block_number: None,
+    }
 }
 
 /// The corrected text of a Sinumerik program, its stamp line cut short.

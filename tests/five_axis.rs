@@ -77,8 +77,14 @@ pub(crate) fn corrected(
     let mut corrector = Corrector::new(execution, machine, &model, options.clone());
     let stamp = Stamp { machine: "shop".into(), model: "0a".into(), source: "0b".into(), is_demo: false };
     let increments = Increments::new(&machine.control);
-    let writer_options =
-        WriterOptions { names: machine.written_names(), increments, frame: options.frame, crlf: false, stamp };
+    let writer_options = WriterOptions {
+        names: machine.written_names(),
+        increments,
+        frame: options.frame,
+        crlf: false,
+        stamp,
+        last_block_number: None,
+    };
     let mut writer = emit::writer("Sinumerik", &writer_options).unwrap();
     let mut commands = Vec::new();
     let mut out = Vec::new();

@@ -40,14 +40,20 @@ pub(crate) fn corrected(text: &str, machine: &Machine, errors: &ErrorModel, opti
     let mut corrector = Corrector::new(stream, machine, &model, options.clone());
     let stamp = Stamp { machine: "shop".into(), model: "0a".into(), source: "0b".into(), is_demo: false };
     let increments = Increments::new(&machine.control);
-    let writer_options =
-        WriterOptions { names: machine.written_names(), increments, frame: options.frame, crlf: false, stamp };
+    let writer_options = WriterOptions {
+        names: machine.written_names(),
+        increments,
+        frame: options.frame,
+        crlf: false,
+        stamp,
+        last_block_number: None,
+    };
     let mut writer = emit::writer("sinumerik", &writer_options).unwrap();
     let (mut out, mut pieces, mut findings) = (Vec::new(), Vec::new(), Vec::new());
     for output in corrector.by_ref() {
         match output {
             Ok(output) => {
-                writer.write(&output, &mut out);
+                writer.write(&output, &mut out).unwrap();
                 if let Output::Piece(piece) = output {
                     pieces.push(piece);
                 }

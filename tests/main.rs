@@ -55,3 +55,4 @@ mod threads;
 mod tolerance;
 mod variables;
 mod words;
+mod written_turns;

@@ -26,8 +26,14 @@ pub(crate) fn written(
     let execution = Execution::new(program, machine, Box::new(NoLibrary), ExecOptions::default());
     let stamp = Stamp { machine: "m".into(), model: "0".into(), source: "0".into(), is_demo: false };
     let increments = Increments::new(&machine.control);
-    let writer =
-        WriterOptions { names: machine.written_names(), increments, frame: OutputFrame::Work, crlf: false, stamp };
+    let writer = WriterOptions {
+        names: machine.written_names(),
+        increments,
+        frame: OutputFrame::Work,
+        crlf: false,
+        stamp,
+        last_block_number: None,
+    };
     let mut corrector = Corrector::new(execution, machine, &model, options);
     let mut writer = emit::writer("sinumerik", &writer).unwrap();
     let mut out = Vec::new();

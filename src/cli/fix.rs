@@ -118,12 +118,22 @@ impl<'a> Job<'a> {
         let arguments = self.arguments;
         let machine = &chosen.machine;
         let model = Model::new(machine, &chosen.errors);
-        let options = options(arguments);
+        let dialect = opened.dialect.name;
+        let entry = emit::entry(dialect)
+            .ok_or_else(|| Stop::Usage(format!("programs in the dialect '{dialect}' cannot be written")))?;
+        let options = path::Options { turns: entry.turns, ..options(arguments) };
+        if options.frame == path::OutputFrame::Machine && !entry.has_machine_frame {
+            return Err(Stop::Usage(format!(
+                "in the dialect '{dialect}' not every motion can be written in machine coordinates; leave out --frame machine \
+                 and --five-axis axes"
+            )));
+        }
         let writer_options = emit::WriterOptions {
             names: machine.written_names(),
             increments: Increments::new(&machine.control),
             frame: options.frame,
             crlf: has_crlf(self.source.bytes()),
+            last_block_number: machine.control.last_block_number,
             stamp: emit::Stamp {
                 machine: machine.name.clone(),
                 model: chosen.hash.clone(),
@@ -131,9 +141,8 @@ impl<'a> Job<'a> {
                 is_demo: chosen.is_demo,
             },
         };
-        let mut writer = emit::writer(opened.dialect.name, &writer_options).ok_or_else(|| {
-            Stop::Usage(format!("programs in the dialect '{}' cannot be written", opened.dialect.name))
-        })?;
+        let mut writer = (entry.create)(&writer_options)
+            .ok_or_else(|| Stop::Usage(format!("programs in the dialect '{dialect}' cannot be written")))?;
         let running = Running::start(opened, &arguments.input, &arguments.program, machine, true);
         let mut corrector = Corrector::new(running, machine, &model, options);
         // Findings are few: the execution and the corrector both stop after a hundred.
@@ -160,7 +169,8 @@ fn has_crlf(bytes: &[u8]) -> bool {
 /// The finding for a program that carries a stamp; it points at the name in the stamp.
 fn corrected_before(source: &Source) -> Diagnostic {
     const NAME: &[u8] = b"ncfix";
-    let at = source.bytes().windows(NAME.len()).position(|window| window == NAME).unwrap_or(0);
+    let is_name = |window: &[u8]| window.eq_ignore_ascii_case(NAME);
+    let at = source.bytes().windows(NAME.len()).position(is_name).unwrap_or(0);
     Diagnostic::at(
         Code::ALREADY_CORRECTED,
         Place { file: source.id(), span: Span::new(at, at + NAME.len()) },
@@ -198,6 +208,7 @@ fn options(arguments: &FixArguments) -> path::Options {
         },
         sample_mm: SAMPLE_MM,
         start: arguments.program.start,
+        ..path::Options::default()
     }
 }
 

@@ -3,9 +3,13 @@
 //! A writer turns one [`Output`] after the other into bytes of a reusable buffer; [`emit`] drives it into a file or link. To add a
 //! dialect, write its file and register it in [`WRITERS`].
 
+mod comment;
+mod line;
 mod number;
 mod sinumerik;
 mod stamp;
+mod stops;
+mod words;
 
 pub use number::Decimals;
 pub use stamp::{Stamp, is_stamped, stamped_model};
@@ -14,7 +18,7 @@ use std::io::{self, Write};
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::AXIS_COUNT;
-use crate::path::{Increments, Output, OutputFrame};
+use crate::path::{Increments, Output, OutputFrame, Turns};
 
 /// What a writer must know beside the stream.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,12 +33,17 @@ pub struct WriterOptions {
     pub names: [Option<String>; AXIS_COUNT],
     /// The first comment.
     pub stamp: Stamp,
+    /// The largest number of a block, where the language wants numbers and the control has a limit.
+    pub last_block_number: Option<u32>,
 }
 
 /// Turns corrected output into lines of a control's language.
 pub trait Writer {
     /// Appends the lines that `output` completes.
-    fn write(&mut self, output: &Output, out: &mut Vec<u8>);
+    ///
+    /// # Errors
+    /// `E0201` where the language has no words for it; nothing may be written then.
+    fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic>;
     /// Appends what is still held back; the end of the program.
     fn finish(&mut self, out: &mut Vec<u8>);
     /// Lines with words written so far, comments and headers not counted.
@@ -48,16 +57,25 @@ pub struct WriterEntry {
     pub dialect: &'static str,
     /// Makes its writer; `None` where it cannot write such increments.
     pub create: fn(&WriterOptions) -> Option<Box<dyn Writer>>,
+    /// How far one of its blocks may lead around a circle.
+    pub turns: Turns,
+    /// Whether every motion can be written in machine coordinates.
+    pub has_machine_frame: bool,
 }
 
 /// All dialects that can be written.
-pub const WRITERS: &[WriterEntry] = &[WriterEntry { dialect: "sinumerik", create: sinumerik::create }];
+pub const WRITERS: &[WriterEntry] = &[sinumerik::ENTRY, words::GRUNDIG, words::FANUC, words::RS274];
 
-/// The writer of a dialect; `None` where it cannot be written, or an increment is no decimal of at most nine places.
+/// What is known about writing a dialect; `None` where it cannot be written.
+#[must_use]
+pub fn entry(dialect: &str) -> Option<&'static WriterEntry> {
+    WRITERS.iter().find(|entry| entry.dialect.eq_ignore_ascii_case(dialect))
+}
+
+/// The writer of a dialect; `None` where it or its coordinates cannot be written, or an increment is no decimal of at most nine places.
 #[must_use]
 pub fn writer(dialect: &str, options: &WriterOptions) -> Option<Box<dyn Writer>> {
-    let entry = WRITERS.iter().find(|entry| entry.dialect.eq_ignore_ascii_case(dialect))?;
-    (entry.create)(options)
+    (entry(dialect)?.create)(options)
 }
 
 /// Bytes after which the buffer is handed on.
@@ -79,8 +97,10 @@ pub fn emit(
     for output in outputs {
         match output {
             Ok(output) if is_good => {
-                writer.write(&output, &mut buffer);
-                if buffer.len() >= CHUNK {
+                if let Err(finding) = writer.write(&output, &mut buffer) {
+                    is_good = false;
+                    report(finding);
+                } else if buffer.len() >= CHUNK {
                     sink.write_all(&buffer)?;
                     buffer.clear();
                 }

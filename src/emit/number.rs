@@ -4,6 +4,8 @@
 
 use std::io::Write as _;
 
+use crate::path::{Increments, RotaryWord};
+use crate::snc::Way;
 use crate::units::push_integer;
 
 /// How counts of an increment print: a count times `units` is the number without its decimal point.
@@ -15,6 +17,8 @@ pub struct Decimals {
     places: usize,
     /// 10 to the power of `places`.
     scale: u64,
+    /// Whether a whole number ends with a decimal point.
+    is_pointed: bool,
 }
 
 /// More digits behind the point are noise of the arithmetic, not part of an increment.
@@ -32,11 +36,17 @@ impl Decimals {
             let units = scaled.round();
             if (1.0..1e15).contains(&units) && (scaled - units).abs() <= SAME_INCREMENT * units {
                 // The conversion is exact: a whole number below 10¹⁵.
-                return Some(Decimals { units: units as u64, places, scale });
+                return Some(Decimals { units: units as u64, places, scale, is_pointed: false });
             }
             scale *= 10;
         }
         None
+    }
+
+    /// The same with a decimal point behind whole numbers too: `10.`.
+    #[must_use]
+    pub fn pointed(self) -> Decimals {
+        Decimals { is_pointed: true, ..self }
     }
 
     /// Appends a count as a number.
@@ -59,6 +69,9 @@ impl Decimals {
             }
         };
         if fraction == 0 {
+            if self.is_pointed {
+                line.push(b'.');
+            }
             return;
         }
         line.push(b'.');
@@ -90,7 +103,57 @@ pub(super) fn push_value(line: &mut Vec<u8>, value: f64) {
     }
 }
 
-const THOUSANDTHS: Decimals = Decimals { units: 1, places: 3, scale: 1000 };
+const THOUSANDTHS: Decimals = Decimals { units: 1, places: 3, scale: 1000, is_pointed: false };
+
+/// The same with a decimal point in any case.
+pub(super) fn push_pointed(line: &mut Vec<u8>, value: f64) {
+    let start = line.len();
+    push_value(line, value);
+    if !line.iter().skip(start).any(|&byte| byte == b'.') {
+        line.push(b'.');
+    }
+}
+
+/// A value to so many significant digits.
+pub(super) fn to_digits(value: f64, digits: i32) -> f64 {
+    // Powers of ten up to the 22nd are exact doubles.
+    let places = digits - 1 - value.abs().log10().floor() as i32;
+    if !(0..=22).contains(&places) {
+        return value;
+    }
+    let power = 10_f64.powi(places);
+    (value * power).round() / power
+}
+
+/// How positions of axes print.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AxisNumbers {
+    pub(super) linear: Decimals,
+    pub(super) rotary: Decimals,
+    /// Increments of a full turn.
+    pub(super) turn_counts: i64,
+}
+
+impl AxisNumbers {
+    /// `None` where an increment is no decimal.
+    pub(super) fn new(increments: &Increments) -> Option<AxisNumbers> {
+        Some(AxisNumbers {
+            linear: Decimals::of_increment(increments.linear_mm)?,
+            rotary: Decimals::of_increment(increments.rotary_deg)?,
+            // The increment is above 0 where it has decimals.
+            turn_counts: ((360.0 / increments.rotary_deg).round() as i64).max(1),
+        })
+    }
+
+    /// The count of a rotary axis as a plain number; `None` where that does not say which way it goes.
+    pub(super) fn plain_count(&self, word: RotaryWord, count: i64) -> Option<i64> {
+        match word {
+            RotaryWord::Plain => Some(count),
+            RotaryWord::Within(Way::Plain) => Some(count.rem_euclid(self.turn_counts)),
+            RotaryWord::Within(_) | RotaryWord::Step(_) => None,
+        }
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -19,7 +19,8 @@ pub struct Stamp {
 /// What every stamp begins with.
 const MARK: &str = "ncfix ";
 /// What every stamp holds.
-const EPHEMERAL: &str = "ephemeral: for this machine only";
+const EPHEMERAL: &str = "ephemeral";
+const ONLY: &str = "for this machine only";
 /// A stamp stands within so many bytes of the start.
 const HEAD_BYTES: usize = 4096;
 
@@ -28,16 +29,27 @@ impl Stamp {
     /// dialect.
     #[must_use]
     pub fn text(&self) -> String {
-        let machine: String = self.machine.chars().map(|c| if is_harmless(c) { c } else { '_' }).collect();
+        let machine = with_harmless(&self.machine, |c| c.is_ascii_graphic() && !"\"();".contains(c));
         let version = env!("CARGO_PKG_VERSION");
         let (model, source) = (&self.model, &self.source);
         let warning = if self.is_demo { " DEMO MACHINE: not for a real machine" } else { "" };
-        format!("{MARK}{version} machine=\"{machine}\" model={model} source={source} {EPHEMERAL}{warning}")
+        format!("{MARK}{version} machine=\"{machine}\" model={model} source={source} {EPHEMERAL}: {ONLY}{warning}")
+    }
+
+    /// The same for controls that know capital letters, digits and a few signs only.
+    #[must_use]
+    pub fn capital_text(&self) -> String {
+        let machine = with_harmless(&self.machine, |c| c.is_ascii_alphanumeric() || ".,=_-".contains(c));
+        let version = env!("CARGO_PKG_VERSION");
+        let (model, source) = (&self.model, &self.source);
+        let warning = if self.is_demo { " - DEMO MACHINE NOT FOR A REAL MACHINE" } else { "" };
+        format!("{MARK}{version} machine={machine} model={model} source={source} {EPHEMERAL} - {ONLY}{warning}")
+            .to_ascii_uppercase()
     }
 }
 
-fn is_harmless(character: char) -> bool {
-    character == ' ' || character.is_ascii_graphic() && !b"\"();".contains(&(character as u8))
+fn with_harmless(text: &str, is_harmless: impl Fn(char) -> bool) -> String {
+    text.chars().map(|c| if c == ' ' || is_harmless(c) { c } else { '_' }).collect()
 }
 
 /// Whether a program carries a stamp: a comment, `; …` or `( … )`, among its first lines. Line numbers, header lines and
@@ -52,6 +64,7 @@ pub fn is_stamped(bytes: &[u8]) -> bool {
         comment.get(..MARK.len()).is_some_and(|start| start.eq_ignore_ascii_case(MARK.as_bytes()))
             && holds(b"machine=")
             && holds(EPHEMERAL.as_bytes())
+            && holds(ONLY.as_bytes())
     })
 }
 
@@ -87,6 +100,8 @@ mod tests {
             format!("%_N_A_MPF\r\n;$PATH=/_N_MPF_DIR\r\n;{text}\r\nG0"),
             format!("%\nO1000\nN10 ({text})\n"),
             format!("; {}", Stamp { is_demo: true, ..stamp() }.text()),
+            format!("%\nO1000 (PLATE)\n({})\n", stamp().capital_text()),
+            format!("%PM\nN9001 (PLATE)\nN1 ({})\n", Stamp { is_demo: true, ..stamp() }.capital_text()),
         ] {
             assert!(is_stamped(program.as_bytes()), "{program}");
         }

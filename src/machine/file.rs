@@ -261,17 +261,10 @@ fn read_spindle(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
 }
 
 fn read_control(section: Option<Section<'_>>, controller: &str, findings: &mut Vec<Diagnostic>) -> Control {
-    let mut control = Control::default();
+    let mut control = super::output_control::of_controller(controller);
     let Some(mut section) = section else { return control };
     let not_negative = |value: f64| value >= 0.0;
-    let decimal = |value: f64| value > 0.0 && ((value * 1e9).round() / 1e9 - value).abs() < 1e-15 * value.max(1.0);
-    const DECIMAL: &str = "a number above 0 with at most 9 decimals";
-    if let Some(value) = section.number_where("increment_mm", DECIMAL, decimal) {
-        control.increment_mm = value;
-    }
-    if let Some(value) = section.number_where("increment_deg", DECIMAL, decimal) {
-        control.increment_rad = value.to_radians();
-    }
+    super::output_control::read(&mut section, &mut control);
     if let Some(value) = section.number_where("arc_tolerance_mm", "a number that is not negative", not_negative) {
         control.arc_tolerance_mm = value;
     }

@@ -11,6 +11,7 @@ mod frame_control;
 mod kinematics;
 mod opaque;
 mod orientation;
+mod output_control;
 mod section;
 mod setting;
 mod state;
@@ -105,6 +106,8 @@ pub struct Control {
     pub increment_mm: f64,
     /// Smallest increment of rotary axes in a program, rad.
     pub increment_rad: f64,
+    /// The largest number of a block of the output, where blocks must have numbers; `None` without a limit.
+    pub last_block_number: Option<u32>,
     /// Sinumerik MD21000: allowed radius difference of an arc, mm.
     pub arc_tolerance_mm: f64,
     /// Sinumerik MD21010: the same as a share of the radius.
@@ -233,6 +236,7 @@ impl Default for Control {
         Control {
             increment_mm: 1e-4,
             increment_rad: 1e-4_f64.to_radians(),
+            last_block_number: None,
             arc_tolerance_mm: 0.01,
             arc_tolerance_ratio: 0.001,
             tool_change: ToolChange::M6,

@@ -57,10 +57,12 @@ pub struct Comparison {
     pub max_at: Option<Origin>,
 }
 
-/// The comment of a piece that continues the move of the block above it.
-pub const CONTINUES: &str = ";+";
-/// The comment of a step on the spot that continues the move of the block above it.
-pub const CONTINUES_ON_THE_SPOT: &str = ";+~";
+/// The comment, without the signs that make it one, of a piece that continues the move of the block above it.
+pub const CONTINUES: &str = "+";
+/// The same of a step on the spot that continues the move of the block above it.
+pub const CONTINUES_ON_THE_SPOT: &str = "+~";
+/// The same of a step on the spot with which a move begins.
+pub const ON_THE_SPOT: &str = "~";
 
 /// How the corrected moves of one original move are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,7 +184,9 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
             self.known = self.known.difference(lost_axes(&element, self.machine));
             let motion = match element.kind {
                 Kind::Comment(text) => {
-                    self.continues = [CONTINUES, CONTINUES_ON_THE_SPOT].iter().any(|mark| mark.as_bytes() == text);
+                    let text = text.strip_prefix(b";").or_else(|| text.strip_prefix(b"(")?.strip_suffix(b")"));
+                    self.continues =
+                        [CONTINUES, CONTINUES_ON_THE_SPOT].iter().any(|mark| text == Some(mark.as_bytes()));
                     continue;
                 }
                 Kind::Setup(setup) => {

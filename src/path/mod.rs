@@ -22,7 +22,7 @@ mod rotary_word;
 mod route;
 mod trial;
 
-pub use compare::{CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Grouping, compare};
+pub use compare::{CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Grouping, ON_THE_SPOT, compare};
 pub use corrector::Corrector;
 pub use increment::Increments;
 pub use prediction::{Prediction, Spread};
@@ -40,6 +40,8 @@ pub struct Options {
     pub subdivision: Subdivision,
     /// What becomes of arcs.
     pub arcs: Arcs,
+    /// How far one block may lead around a circle.
+    pub turns: Turns,
     /// What becomes of rapid moves.
     pub rapids: Rapids,
     /// What the emitted coordinates relate to.
@@ -62,6 +64,7 @@ impl Default for Options {
             tolerance_mm: 1e-3,
             subdivision: Subdivision::Adaptive,
             arcs: Arcs::Keep,
+            turns: Turns::Several,
             rapids: Rapids::Ends,
             frame: OutputFrame::Work,
             five_axis: FiveAxis::Tcp,
@@ -91,6 +94,18 @@ pub enum Arcs {
     Keep,
     /// They become straight pieces.
     Chords,
+}
+
+/// How far one block of the output may lead around a circle; what goes further becomes several.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turns {
+    /// As often as it likes.
+    #[default]
+    Several,
+    /// Once.
+    One,
+    /// Once, where nothing but the two axes of the circle moves; else less.
+    OneFlat,
 }
 
 /// What becomes of rapid moves.
@@ -211,7 +226,9 @@ pub struct PieceArc {
     pub clockwise: bool,
     /// Center minus start along X, Y, Z in increments: I J K.
     pub center_counts: [i64; 3],
-    /// Full turns beyond the arc itself.
+    /// Programmed coordinates at the start along X, Y, Z, in increments, for controls that want the center itself.
+    pub start_counts: [i64; 3],
+    /// Full turns beyond the arc itself; 0 unless [`Turns::Several`].
     pub extra_turns: u32,
 }
 

@@ -10,7 +10,7 @@ use crate::machine::{Kinematics, Machine, State};
 use crate::model::{Model, NotConverged, Solve};
 use crate::snc::{Move, Setup};
 
-use super::{FiveAxis, Increments, Options, OutputFrame, Rotary};
+use super::{FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
 
 /// Feeds of axes are written to this many parts of a mm/min.
 const FEED_PARTS: f64 = 1e3;
@@ -32,6 +32,7 @@ pub(super) struct Placer<'a> {
     pub(super) model: &'a Model,
     pub(super) setup: Arc<Setup>,
     pub(super) increments: Increments,
+    pub(super) turns: Turns,
     kinematics: Kinematics,
     frame: OutputFrame,
     keeps_transform: bool,
@@ -47,6 +48,7 @@ impl<'a> Placer<'a> {
             model,
             setup: Arc::default(),
             increments: Increments::new(&machine.control),
+            turns: options.turns,
             kinematics: Kinematics::new(machine),
             frame: options.frame,
             keeps_transform: options.five_axis == FiveAxis::Tcp,

@@ -8,7 +8,7 @@ use crate::machine::{Control, State};
 use super::check::Sampler;
 use super::place::{Placed, Placer};
 use super::route::{Route, distance_mm};
-use super::{PieceArc, arc_fit};
+use super::{PieceArc, Turns, arc_fit};
 
 /// Share of the tolerance that the samples may use; the rest is for what lies between them.
 const SAMPLED_SHARE: f64 = 0.97;
@@ -143,6 +143,18 @@ impl Bench<'_, '_> {
         let extra_turns = if is_full { turns - 1.0 } else { (swept / TAU).floor() };
         // At most the TURN of the program: a small whole number.
         let extra_turns = extra_turns as u32;
+        let leads_aside = || {
+            let way = ends.end.command - ends.start;
+            crate::geometry::AXES.into_iter().any(|axis| axis != abscissa && axis != ordinate && way[axis] != 0.0)
+        };
+        let is_too_far = match self.placer.turns {
+            Turns::Several => false,
+            Turns::One => extra_turns > 0,
+            Turns::OneFlat => extra_turns > 0 || is_full && leads_aside(),
+        };
+        if is_too_far {
+            return None;
+        }
         let center = self.center(&ends, between, &arc, flat)?;
         let mut from_start = Vector::zeros();
         from_start[abscissa.slot()] = center[0] - start[0];
@@ -155,7 +167,9 @@ impl Bench<'_, '_> {
         let (from, to) = (&ends.start, &ends.end.command);
         let done = Arc::through(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance).ok()?;
         let emitted = Route::new(ends.start, ends.end.command, Some(done));
-        let circle = PieceArc { plane, clockwise, center_counts, extra_turns };
+        let standing = self.placer.programmed(from);
+        let start_counts = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.placer.increments.count(axis, standing[axis]));
+        let circle = PieceArc { plane, clockwise, center_counts, start_counts, extra_turns };
         Some(self.trial(between, ends, emitted, Some(circle)))
     }
 

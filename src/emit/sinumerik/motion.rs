@@ -2,22 +2,19 @@
 
 use super::Sinumerik;
 use crate::geometry::Axis;
-use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Piece, RotaryWord};
+use crate::path::{Piece, RotaryWord};
 use crate::snc::{Manner, ThreadCode, Way};
 use crate::units::push_integer;
 
+use super::super::comment::mark_of;
 use super::super::number::push_value;
 
 /// Stands in each block with machine coordinates.
 const IN_MACHINE_FRAME: &str = "G153";
-/// The comment of a step on the spot with which a move begins.
-const ON_THE_SPOT: &str = ";~";
 
 impl Sinumerik {
     pub(super) fn piece(&mut self, piece: &Piece) {
-        let is_continued = !piece.first;
-        self.has_motion = true;
-        self.motion_at = Some(self.line.len());
+        self.line.begin_motion();
         if self.in_machine_frame {
             self.word(IN_MACHINE_FRAME.as_bytes());
         } else if let Some(word) = self.suppressing.filter(|_| self.is_again && piece.in_machine_frame) {
@@ -42,17 +39,17 @@ impl Sinumerik {
             self.word(if is_positioning { b"POS[" } else { b"" });
             let mut needs_equals = self.axis_name(axis);
             if is_positioning {
-                self.line.push(b']');
+                self.line.text.push(b']');
                 needs_equals = true;
             }
             // A function brings its own.
             if needs_equals && !(axis.is_rotary() && piece.rotary_words[axis.dimension()].is_function()) {
-                self.line.push(b'=');
+                self.line.text.push(b'=');
             }
             if axis.is_rotary() {
                 self.rotary_position(piece.rotary_words[axis.dimension()], piece.counts[axis.slot()]);
             } else {
-                self.linear.push(&mut self.line, piece.counts[axis.slot()]);
+                self.numbers.linear.push(&mut self.line.text, piece.counts[axis.slot()]);
             }
         }
         if let Some(arc) = &piece.arc {
@@ -60,22 +57,22 @@ impl Sinumerik {
             for (letter, axis) in [(b'I', Axis::X), (b'J', Axis::Y), (b'K', Axis::Z)] {
                 if axis != across {
                     self.word(&[letter]);
-                    self.linear.push(&mut self.line, arc.center_counts[axis.slot()]);
+                    self.numbers.linear.push(&mut self.line.text, arc.center_counts[axis.slot()]);
                 }
             }
             if arc.extra_turns > 0 {
                 self.word(b"TURN=");
-                push_integer(&mut self.line, u64::from(arc.extra_turns));
+                push_integer(&mut self.line.text, u64::from(arc.extra_turns));
             }
         }
         if let Manner::Thread(thread) = &piece.manner {
             if let Some((letter, lead)) = thread.lead {
                 self.word(&[letter]);
-                push_value(&mut self.line, lead);
+                push_value(&mut self.line.text, lead);
             }
             if let Some(change) = thread.change {
                 self.word(b"F");
-                push_value(&mut self.line, change);
+                push_value(&mut self.line.text, change);
                 // The feed of the path is another value.
                 self.feed = f64::NAN;
             }
@@ -83,21 +80,15 @@ impl Sinumerik {
         if piece.feed_named || !piece.rapid && piece.feed > 0.0 && piece.feed != self.feed {
             self.feed_word(piece.feed);
         }
-        self.release();
-        if self.comment.is_empty() {
-            let mark = match (piece.take_up, is_continued) {
-                (true, false) => ON_THE_SPOT,
-                (true, true) => CONTINUES_ON_THE_SPOT,
-                (false, true) => CONTINUES,
-                (false, false) => "",
-            };
-            self.comment.extend_from_slice(mark.as_bytes());
+        self.line.release();
+        if let Some(mark) = mark_of(piece).filter(|_| !self.line.has_comment()) {
+            self.line.note(&[b";", mark.as_bytes()]);
         }
     }
 
     /// The position of a rotary axis behind its letter.
     fn rotary_position(&mut self, word: RotaryWord, count: i64) {
-        let within = count.rem_euclid(self.turn_counts);
+        let within = count.rem_euclid(self.numbers.turn_counts);
         let (function, count): (&[u8], i64) = match word {
             RotaryWord::Plain => (b"", count),
             RotaryWord::Within(Way::Plain) => (b"", within),
@@ -106,10 +97,10 @@ impl Sinumerik {
             RotaryWord::Within(Way::Negative) => (b"=ACN(", within),
             RotaryWord::Step(step) => (b"=IC(", step),
         };
-        self.line.extend_from_slice(function);
-        self.rotary.push(&mut self.line, count);
+        self.line.text.extend_from_slice(function);
+        self.numbers.rotary.push(&mut self.line.text, count);
         if !function.is_empty() {
-            self.line.push(b')');
+            self.line.text.push(b')');
         }
     }
 }

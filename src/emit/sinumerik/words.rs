@@ -1,6 +1,6 @@
 //! Words without motion: modal codes, frames, tools, auxiliary functions, comments.
 
-use super::{ALWAYS_STOP, ASSUMED, EXACT_STOP, NEVER_STOP, Sinumerik};
+use super::{ASSUMED, Sinumerik};
 use crate::snc::{Dwell, Element, FrameKind, FrameStatement, FrameWords, Kind, Word, WordValue};
 use crate::units::push_integer;
 
@@ -8,7 +8,6 @@ use super::super::number::push_value;
 
 /// Words that suppress frames for their block.
 const SUPPRESSING: [&str; 3] = ["G53", "G153", "SUPA"];
-const STOP_GROUP: [&str; 7] = [ALWAYS_STOP, NEVER_STOP, "G641", "G642", "G643", "G644", "G645"];
 /// Shifts, angles and factors are written to this many parts of a mm or degree: far below any increment, without the noise of the
 /// arithmetic.
 const VALUE_PARTS: f64 = 1e9;
@@ -16,19 +15,13 @@ const VALUE_PARTS: f64 = 1e9;
 impl Sinumerik {
     pub(super) fn element(&mut self, element: &Element, out: &mut Vec<u8>) {
         if let Kind::Header(bytes) = &element.kind {
-            out.extend_from_slice(bytes);
-            out.extend_from_slice(self.line_end);
+            self.line.header(bytes, out);
             return;
         }
         self.stamp(out);
         match &element.kind {
             Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
-            Kind::Comment(bytes) => {
-                if !self.comment.is_empty() {
-                    self.comment.push(b' ');
-                }
-                self.comment.extend_from_slice(bytes);
-            }
+            Kind::Comment(bytes) => self.line.note(&[bytes]),
             kind => self.words(kind),
         }
     }
@@ -41,33 +34,23 @@ impl Sinumerik {
                     self.word(word.as_bytes());
                 }
             }
-            Kind::Keep(word) if *word == EXACT_STOP => self.stops_exactly = true,
             Kind::Keep(word) if *word == ASSUMED => {
                 self.has_assumed = true;
                 self.word(word.as_bytes());
             }
-            Kind::Keep(word) => {
-                if STOP_GROUP.contains(word) {
-                    self.always_stops = *word == ALWAYS_STOP;
-                }
-                self.word(word.as_bytes());
-                if *word == ALWAYS_STOP {
-                    self.stop_word_at = Some(self.line.len() - word.len());
-                }
-            }
+            Kind::Keep(word) => self.stops.keep(&mut self.line, word),
             Kind::Frame(words) => self.frame(words),
             Kind::Tool(value) => self.auxiliary(b'T', None, value),
             Kind::Before(words) => {
                 // They are put together on the line and taken off it until the motion has been written.
-                let start = self.line.len();
+                let start = self.line.text.len();
                 for Word { letter, extension, value } in words {
                     self.auxiliary(*letter, *extension, value);
                 }
-                self.held.extend_from_slice(&self.line[start..]);
-                self.line.truncate(start);
+                self.line.hold_from(start);
             }
             Kind::After(words) => {
-                self.release();
+                self.line.release();
                 for Word { letter, extension, value } in words {
                     self.auxiliary(*letter, *extension, value);
                 }
@@ -80,13 +63,13 @@ impl Sinumerik {
                 };
                 self.word(b"G4");
                 self.word(letter);
-                push_value(&mut self.line, value);
+                push_value(&mut self.line.text, value);
             }
             Kind::Message(text) if text.is_empty() => self.word(b"MSG()"),
             Kind::Message(text) => {
                 self.word(b"MSG(\"");
-                self.line.extend_from_slice(text);
-                self.line.extend_from_slice(b"\")");
+                self.line.text.extend_from_slice(text);
+                self.line.text.extend_from_slice(b"\")");
             }
             Kind::Verbatim(text) => self.word(text),
             Kind::Header(_) | Kind::Comment(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
@@ -96,19 +79,19 @@ impl Sinumerik {
     fn auxiliary(&mut self, letter: u8, extension: Option<u32>, value: &WordValue) {
         self.word(&[letter]);
         if let Some(extension) = extension {
-            push_integer(&mut self.line, u64::from(extension));
+            push_integer(&mut self.line.text, u64::from(extension));
         }
         match value {
             WordValue::Number(number) => {
                 if extension.is_some() {
-                    self.line.push(b'=');
+                    self.line.text.push(b'=');
                 }
-                push_value(&mut self.line, *number);
+                push_value(&mut self.line.text, *number);
             }
             WordValue::Name(name) => {
-                self.line.extend_from_slice(b"=\"");
-                self.line.extend_from_slice(name);
-                self.line.push(b'"');
+                self.line.text.extend_from_slice(b"=\"");
+                self.line.text.extend_from_slice(name);
+                self.line.text.push(b'"');
             }
         }
     }
@@ -124,24 +107,24 @@ impl Sinumerik {
         if statement.additive {
             self.word(b"A");
             // The rest of the word follows without a blank.
-            self.line.extend_from_slice(word_of(statement.kind));
+            self.line.text.extend_from_slice(word_of(statement.kind));
         } else {
             self.word(word_of(statement.kind));
         }
         if let Some(angle_rad) = statement.in_plane_rad {
             self.word(b"RPL=");
-            push_value(&mut self.line, without_noise(angle_rad.to_degrees()));
+            push_value(&mut self.line.text, without_noise(angle_rad.to_degrees()));
         }
         let is_angle = matches!(statement.kind, FrameKind::Rotate | FrameKind::SolidAngles);
         let is_shift = matches!(statement.kind, FrameKind::Translate | FrameKind::Coarse | FrameKind::Fine);
         for axis in statement.named.iter() {
             self.word(b"");
             if self.axis_name(axis) {
-                self.line.push(b'=');
+                self.line.text.push(b'=');
             }
             let value = statement.values[axis];
             let in_degrees = is_angle || is_shift && axis.is_rotary();
-            push_value(&mut self.line, without_noise(if in_degrees { value.to_degrees() } else { value }));
+            push_value(&mut self.line.text, without_noise(if in_degrees { value.to_degrees() } else { value }));
         }
     }
 }

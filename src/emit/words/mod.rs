@@ -1,0 +1,211 @@
+//! Programs in the languages of letters with values: Fanuc and its kin, RS274/NGC, Grundig.
+//!
+//! One writer, three flavours: what they write differently is data of a [`Flavour`] or an arm over its [`Language`]. All coordinates
+//! are absolute and metric, which the line before the first words says; what the program says about that itself is left out.
+
+mod element;
+mod fanuc;
+mod grundig;
+mod motion;
+mod rs274;
+#[cfg(test)]
+mod tests;
+
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::path::{Output, Turns};
+use crate::snc::{BlockNumber, Origin};
+
+use super::line::Line;
+use super::number::{AxisNumbers, push_pointed, push_value, to_digits};
+use super::stops::{StopWords, Stops};
+use super::{Writer, WriterEntry, WriterOptions};
+
+pub(super) const FANUC: WriterEntry = fanuc::FLAVOUR.entry(fanuc::create);
+pub(super) const GRUNDIG: WriterEntry = grundig::FLAVOUR.entry(grundig::create);
+pub(super) const RS274: WriterEntry = rs274::FLAVOUR.entry(rs274::create);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Language {
+    Fanuc,
+    Rs274,
+    Grundig,
+}
+
+/// What the languages write differently.
+#[derive(Debug)]
+struct Flavour {
+    language: Language,
+    /// Name of the dialect.
+    dialect: &'static str,
+    /// What the output takes for granted, before its first words.
+    assumed: &'static str,
+    /// Codes that this replaces, wherever the program has them.
+    replaced: &'static [&'static str],
+    /// Whether positions and feeds have a decimal point in any case.
+    is_pointed: bool,
+    /// Significant digits of a feed.
+    feed_digits: i32,
+    /// Bytes of a line with words beyond which its comment gets a line of its own.
+    longest: usize,
+    /// Whether every line has a number of its own, instead of those of the source.
+    is_numbered: bool,
+    /// Whether comments are known in parentheses only, and texts in capitals.
+    is_plain: bool,
+    stops: StopWords,
+    /// How far one block may lead around a circle.
+    turns: Turns,
+}
+
+impl Flavour {
+    const fn entry(&self, create: fn(&WriterOptions) -> Option<Box<dyn Writer>>) -> WriterEntry {
+        WriterEntry { dialect: self.dialect, create, turns: self.turns, has_machine_frame: false }
+    }
+}
+
+/// The writer of a flavour; `None` where an increment is no decimal.
+fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn Writer>> {
+    let mut numbers = AxisNumbers::new(&options.increments)?;
+    if flavour.is_pointed {
+        numbers.linear = numbers.linear.pointed();
+        numbers.rotary = numbers.rotary.pointed();
+    }
+    let line = Line::new(options.crlf).no_longer_than(flavour.longest);
+    let stamp = &options.stamp;
+    Some(Box::new(Words {
+        flavour,
+        numbers,
+        stamp: if flavour.is_plain { format!("({})", stamp.capital_text()) } else { format!("; {}", stamp.text()) },
+        is_stamped: false,
+        has_assumed: false,
+        is_tape: false,
+        line: if flavour.is_numbered { line.numbered(options.last_block_number.unwrap_or(u32::MAX)) } else { line },
+        stops: Stops::new(flavour.stops),
+        last_number: None,
+        motion: "",
+        feed: 0.0,
+        is_inverse_time: false,
+    }))
+}
+
+struct Words {
+    flavour: &'static Flavour,
+    numbers: AxisNumbers,
+    /// The first comment.
+    stamp: String,
+    is_stamped: bool,
+    has_assumed: bool,
+    /// Whether the file began with `%`, and so ends.
+    is_tape: bool,
+    line: Line,
+    stops: Stops,
+    /// The largest number of a block so far.
+    last_number: Option<u32>,
+    /// The G word of motion in force, empty for none that is known.
+    motion: &'static str,
+    /// The feed in force, NaN for none that is known.
+    feed: f64,
+    /// Feed mode G93: every feed move says how long it takes.
+    is_inverse_time: bool,
+}
+
+impl Writer for Words {
+    fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
+        match output {
+            Output::Piece(piece) => {
+                if piece.starts_block {
+                    self.begin_block(piece.number, out);
+                } else if !piece.first || self.line.has_motion {
+                    self.stops.run_through(&mut self.line);
+                    self.line.end(out);
+                    self.line.open();
+                }
+                self.assume(out);
+                self.piece(piece)
+            }
+            Output::Element(element) => {
+                if element.starts_block {
+                    self.begin_block(element.number, out);
+                }
+                self.element(element, out)
+            }
+        }
+    }
+
+    fn finish(&mut self, out: &mut Vec<u8>) {
+        self.end_block(out);
+        self.stamp(out);
+        if self.is_tape {
+            self.line.header(b"%", out);
+        }
+    }
+
+    fn blocks(&self) -> u64 {
+        self.line.blocks()
+    }
+}
+
+impl Words {
+    /// Ends the block before and begins another.
+    fn begin_block(&mut self, number: Option<BlockNumber>, out: &mut Vec<u8>) {
+        self.end_block(out);
+        self.stops.begin_block();
+        self.line.open();
+        let Some(BlockNumber { number, .. }) = number.filter(|_| !self.flavour.is_numbered) else { return };
+        // What is executed again has no number: each is there once.
+        if self.last_number.is_none_or(|last| number > last) {
+            self.line.block_number(b'N', number);
+            self.last_number = Some(number);
+        }
+    }
+
+    /// Ends the last line of a block.
+    fn end_block(&mut self, out: &mut Vec<u8>) {
+        self.stops.end_block(&mut self.line);
+        self.line.end(out);
+    }
+
+    /// Words that act behind the motion of the line, or before another, get a line of their own.
+    fn leave_motion(&mut self, out: &mut Vec<u8>) {
+        if self.line.has_motion {
+            self.line.end(out);
+        }
+    }
+
+    /// Writes the stamp unless it is there.
+    fn stamp(&mut self, out: &mut Vec<u8>) {
+        if !std::mem::replace(&mut self.is_stamped, true) {
+            self.line.comment_before(self.stamp.as_bytes(), out);
+        }
+    }
+
+    /// Before the first words: what this file takes for granted, in a line of its own.
+    fn assume(&mut self, out: &mut Vec<u8>) {
+        if !self.has_assumed {
+            self.stamp(out);
+            self.has_assumed = true;
+            self.line.words_before(self.flavour.assumed.as_bytes(), out);
+        }
+    }
+
+    fn feed_word(&mut self, feed: f64) {
+        self.line.word(b"F");
+        self.value(to_digits(feed, self.flavour.feed_digits));
+        self.feed = feed;
+    }
+
+    /// Appends a number, with a decimal point where the language wants one.
+    fn value(&mut self, value: f64) {
+        if self.flavour.is_pointed {
+            push_pointed(&mut self.line.text, value);
+        } else {
+            push_value(&mut self.line.text, value);
+        }
+    }
+
+    /// What is to be written has no words in the language.
+    fn no_words(&self, origin: &Origin, what: &str, help: &str) -> Diagnostic {
+        let place = Place { file: origin.file, span: origin.span };
+        let dialect = self.flavour.dialect;
+        Diagnostic::at(Code::NOT_SUPPORTED, place, format!("{what} cannot be written in the dialect {dialect}"), help)
+    }
+}

@@ -1,0 +1,29 @@
+//! What RS274/NGC (LinuxCNC) writes.
+//!
+//! G61.1 stops at the end of each block; lines of a block that are not its last say G61 instead, which keeps to the path without
+//! stopping: G64 would round the places where pieces meet.
+
+use super::super::stops::StopWords;
+use super::super::{Writer, WriterOptions};
+use super::{Flavour, Language};
+use crate::path::Turns;
+
+pub(super) const FLAVOUR: Flavour = Flavour {
+    language: Language::Rs274,
+    dialect: "rs274",
+    assumed: "G21 G90 G91.1 G40",
+    // G80 would end the motion mode, and is of one group with the motion that stands beside it.
+    replaced: &["G20", "G21", "G90", "G91", "G90.1", "G91.1", "G40", "G41", "G42", "G41.1", "G42.1", "G80"],
+    is_pointed: false,
+    feed_digits: 12,
+    // The interpreter reads 255.
+    longest: 240,
+    is_numbered: false,
+    is_plain: false,
+    stops: StopWords { always: "G61.1", running: "G61", once: None, group: &["G61", "G61.1", "G64"] },
+    turns: Turns::Several,
+};
+
+pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
+    super::create(&FLAVOUR, options)
+}

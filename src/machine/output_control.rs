@@ -1,0 +1,32 @@
+//! Settings of the control that concern what it can read: increments, block numbers.
+
+use super::Control;
+use super::section::Section;
+
+/// Sets what follows from the language of the control, before the file has its say.
+pub(super) fn of_controller(controller: &str) -> Control {
+    let control = Control::default();
+    // Fanuc's IS-B and the word formats of Grundig end at a thousandth.
+    if ["fanuc", "grundig"].iter().any(|name| controller.eq_ignore_ascii_case(name)) {
+        return Control { increment_mm: 1e-3, increment_rad: 1e-3_f64.to_radians(), ..control };
+    }
+    control
+}
+
+/// Reads them.
+pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
+    let decimal = |value: f64| value > 0.0 && ((value * 1e9).round() / 1e9 - value).abs() < 1e-15 * value.max(1.0);
+    const DECIMAL: &str = "a number above 0 with at most 9 decimals";
+    if let Some(value) = section.number_where("increment_mm", DECIMAL, decimal) {
+        control.increment_mm = value;
+    }
+    if let Some(value) = section.number_where("increment_deg", DECIMAL, decimal) {
+        control.increment_rad = value.to_radians();
+    }
+    let block_number = |value: f64| (100.0..=99_999_999.0).contains(&value) && value.fract() == 0.0;
+    if let Some(value) = section.number_where("last_block_number", "a whole number from 100 to 99999999", block_number)
+    {
+        // The conversion is exact: a whole number below 10⁸.
+        control.last_block_number = Some(value as u32);
+    }
+}
