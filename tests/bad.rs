@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use ncfix::diagnostic::CODES;
 
-use crate::support::{Shop, machine, repository};
+use crate::support::{Shop, dialects, machine, repository};
 
 /// Codes that no program and no machine file can provoke, with the test that covers each.
 const COVERED_ELSEWHERE: &[(&str, &str)] = &[
@@ -17,6 +17,14 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0311", "cli_verify: programs_that_differ_cannot_be_compared"),
     ("W0306", "cli_verify: a_correction_for_another_machine_is_pointed_out"),
 ];
+
+/// All bad programs, each with its machine.
+fn programs() -> Vec<(PathBuf, &'static str)> {
+    let of = |(dialect, machine): (&str, &'static str)| {
+        files(&format!("samples/programs/{dialect}/bad")).into_iter().map(move |path| (path, machine))
+    };
+    dialects().into_iter().flat_map(of).collect()
+}
 
 /// Files of a folder of the repository.
 fn files(folder: &str) -> Vec<PathBuf> {
@@ -31,19 +39,24 @@ fn code(path: &Path) -> String {
     path.file_name().unwrap().to_str().unwrap()[..5].to_owned()
 }
 
-/// The arguments for a bad program: those of its first line, see the README of the samples.
-fn arguments(path: &Path) -> Vec<String> {
+/// What a corrected bad program would be called.
+const OUTPUT: &str = "corrected";
+
+/// The arguments for a bad program: those of a comment in its first lines, see the README of the samples.
+fn arguments(path: &Path, on: &str) -> Vec<String> {
     let bytes = fs::read(path).unwrap();
-    let first = String::from_utf8_lossy(bytes.split(|&byte| byte == b'\n').next().unwrap()).into_owned();
-    let mut words: Vec<String> = first
-        .strip_prefix("; args: ")
-        .map_or(Vec::new(), |words| words.split_whitespace().map(str::to_owned).collect());
+    let head: Vec<String> =
+        bytes.split(|&byte| byte == b'\n').take(3).map(|line| String::from_utf8_lossy(line).into_owned()).collect();
+    let mut words: Vec<String> = head
+        .iter()
+        .find_map(|line| line.split_once("args: "))
+        .map_or(Vec::new(), |(_, words)| words.trim_end_matches(')').split_whitespace().map(str::to_owned).collect());
     if words.first().is_none_or(|word| word.starts_with('-')) {
-        words.splice(0..0, ["fix", "-o", "out.mpf"].map(str::to_owned));
+        words.splice(0..0, ["fix", "-o", OUTPUT].map(str::to_owned));
     }
     words.insert(1, path.file_name().unwrap().to_str().unwrap().to_owned());
     if code(path) != "W0304" {
-        words.extend(["--machine".to_owned(), machine("demo")]);
+        words.extend(["--machine".to_owned(), machine(on)]);
     }
     words
 }
@@ -51,9 +64,9 @@ fn arguments(path: &Path) -> Vec<String> {
 #[test]
 fn every_bad_program_provokes_its_code_and_no_other() {
     let mut wrong = Vec::new();
-    for path in files("samples/programs/sinumerik/bad") {
+    for (path, on) in programs() {
         let shop = Shop::new().copy(path.to_str().unwrap());
-        let mut arguments = arguments(&path);
+        let mut arguments = arguments(&path, on);
         arguments.push("--json".to_owned());
         let run = shop.run(&arguments);
         let found = run.codes();
@@ -62,7 +75,7 @@ fn every_bad_program_provokes_its_code_and_no_other() {
         }
         let is_error = code(&path).starts_with('E');
         assert_eq!(run.code == 0, !is_error, "{}: exit status {}", path.display(), run.code);
-        assert!(!(is_error && shop.path("out.mpf").exists()), "{} was written", path.display());
+        assert!(!(is_error && shop.path(OUTPUT).exists()), "{} was written", path.display());
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
@@ -73,9 +86,9 @@ fn every_finding_is_drawn() {
     settings.set_prepend_module_to_snapshot(false);
     settings.set_snapshot_path("snapshots/bad");
     settings.set_omit_expression(true);
-    for path in files("samples/programs/sinumerik/bad") {
+    for (path, on) in programs() {
         let shop = Shop::new().copy(path.to_str().unwrap());
-        let run = shop.run(arguments(&path));
+        let run = shop.run(arguments(&path, on));
         let stderr = run.stderr.split("\n\n").filter(|part| part.contains("]: ")).collect::<Vec<_>>().join("\n\n");
         let source = String::from_utf8_lossy(&fs::read(&path).unwrap()).into_owned();
         let source: String = source.lines().map(|line| format!("{line:.120}\n")).collect();
@@ -88,7 +101,7 @@ fn every_finding_is_drawn() {
 #[test]
 fn every_code_has_a_sample() {
     let mut covered: BTreeSet<String> = COVERED_ELSEWHERE.iter().map(|(code, _)| (*code).to_owned()).collect();
-    covered.extend(files("samples/programs/sinumerik/bad").iter().map(|path| code(path)));
+    covered.extend(programs().iter().map(|(path, _)| code(path)));
     covered.extend(files("samples/machines/bad").iter().map(|path| code(path)));
     let known: BTreeSet<String> = CODES.iter().map(|row| row.code.as_str().to_owned()).collect();
     assert_eq!(known.len(), CODES.len(), "a code stands twice in the register");

@@ -26,6 +26,18 @@ pub(crate) fn repository(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
+/// The dialects that have samples, each with the machine on which its bad programs are tried.
+pub(crate) fn dialects() -> Vec<(&'static str, &'static str)> {
+    let machine = |name: &str| match name {
+        "grundig" => "universal_mill",
+        "fanuc" => "vmc",
+        "rs274" => "knee_mill",
+        _ => "demo",
+    };
+    let executable = ncfix::dialect::DIALECTS.iter().filter(|dialect| dialect.is_executable);
+    executable.map(|dialect| (dialect.name, machine(dialect.name))).collect()
+}
+
 /// The path of a sample machine, as an argument.
 pub(crate) fn machine(name: &str) -> String {
     repository(&format!("samples/machines/{name}.toml")).display().to_string()
