@@ -145,10 +145,12 @@ impl Words {
                 self.line.word(b"P");
                 push_value(&mut self.line.text, seconds);
             }
-            (Dwell::Seconds(seconds), Language::Fanuc) => {
+            // Turns are those of a control that counts them in G95.
+            (Dwell::Seconds(time) | Dwell::Turns(time), Language::Fanuc) => {
                 self.line.word(b"P");
-                // Milliseconds; as a whole number they mean the same whatever a number without a decimal point means.
-                push_value(&mut self.line.text, (seconds * 1000.0).round());
+                // Thousandths; as a whole number they mean the same whatever a number without a decimal point means.
+                let least = if time > 0.0 { 1.0 } else { 0.0 };
+                push_value(&mut self.line.text, (time * 1000.0).round().max(least));
             }
             (Dwell::Seconds(seconds), Language::Grundig) => {
                 self.line.word(b"X");
@@ -158,7 +160,7 @@ impl Words {
                 self.line.word(b"D");
                 push_value(&mut self.line.text, turns);
             }
-            (Dwell::Turns(_), Language::Rs274 | Language::Fanuc) => {
+            (Dwell::Turns(_), Language::Rs274) => {
                 return Err(self.no_words(origin, "a dwell in turns of the spindle", "program the dwell in seconds"));
             }
         }
