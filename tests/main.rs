@@ -30,6 +30,7 @@ mod frame_correction;
 mod frames;
 mod grammar;
 mod hostile;
+mod iso;
 mod kinematics;
 mod limits;
 mod machine_file;

@@ -9,6 +9,7 @@ mod arc;
 mod contour;
 mod fault;
 mod five_axis;
+mod iso;
 mod ledger;
 mod library;
 mod not_executed;
@@ -21,6 +22,7 @@ pub use library::{Library, NoLibrary};
 pub use sinumerik::apply_archive;
 
 use crate::diagnostic::Diagnostic;
+use crate::dialect::Language;
 use crate::geometry::AxisVector;
 use crate::machine::Machine;
 use crate::snc::{Element, Origin};
@@ -59,6 +61,9 @@ impl<'a> Execution<'a> {
     pub fn new(program: Program, machine: &'a Machine, library: Box<dyn Library + 'a>, options: Options) -> Self {
         let executor: Box<dyn Executor + 'a> = match program {
             Program::Sinumerik(program) => Box::new(sinumerik::Interpreter::new(program, machine, library, options)),
+            Program::Words(program) if matches!(program.dialect.language, Language::Fanuc | Language::Rs274) => {
+                Box::new(iso::Interpreter::new(program, machine, library, options))
+            }
             Program::Words(program) => Box::new(not_executed::NotExecuted::new(program, &options)),
         };
         Execution { executor }

@@ -8,6 +8,7 @@ mod contour_control;
 mod document;
 pub mod file;
 mod frame_control;
+mod iso_control;
 mod kinematics;
 mod opaque;
 mod orientation;
@@ -19,6 +20,7 @@ mod zero_offset;
 
 pub use chain::{Branch, Topology, TopologyFault};
 pub use contour_control::{CompensationCorner, CompensationStart};
+pub use iso_control::{DecimalPoint, IsoControl, LengthAxis};
 pub use kinematics::Kinematics;
 pub use opaque::Opaque;
 pub use setting::Setting;
@@ -170,6 +172,8 @@ pub struct Control {
     pub compensation_start: CompensationStart,
     /// What lies around outer corners of a compensated contour (Fanuc parameter 19607); `None` for what the dialect says.
     pub compensation_corner: Option<CompensationCorner>,
+    /// What concerns Fanuc and RS274/NGC.
+    pub iso: IsoControl,
     /// `G500`, `G54`: the zero offset that is active at the start; `None` for that of the control as delivered.
     pub initial_zero_offset: Option<String>,
 }
@@ -267,6 +271,7 @@ impl Default for Control {
             compensation_look_ahead: 4,
             compensation_start: CompensationStart::A,
             compensation_corner: None,
+            iso: IsoControl::default(),
             initial_zero_offset: None,
         }
     }

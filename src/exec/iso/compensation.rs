@@ -1,0 +1,138 @@
+//! Radius compensation: G40, G41, G42 and their kin, and what a motion asks of the contour stage.
+
+use super::channel::Channel;
+use super::codes::{Group, name_of};
+use super::gather::whole;
+use super::gathered::Gathered;
+use crate::diagnostic::Code;
+use crate::exec::contour::{Side, Wish};
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::path::Path;
+use crate::geometry::{AxisSet, Plane};
+use crate::snc::Kind;
+use crate::source::Span;
+
+impl Channel<'_> {
+    /// G40, G41, G42, G41.1, G42.1.
+    pub(super) fn compensation_codes(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        self.modal.contour.leaves_along = None;
+        let Some(code) = gathered.code(Group::Compensation) else {
+            if !self.is_rs274() && gathered.has(b'D') {
+                self.offset_number(gathered)?;
+            }
+            return Ok(());
+        };
+        let span = gathered.code_span(Group::Compensation);
+        if code == 400 {
+            self.modal.contour.side = Side::Off;
+            return Ok(());
+        }
+        let side = if matches!(code, 410 | 411) { Side::Left } else { Side::Right };
+        if !self.is_rs274() {
+            self.offset_number(gathered)?;
+            self.modal.radius_mm = self.radius_of(self.modal.d, span)?;
+        } else {
+            if self.modal.contour.compensates() {
+                let message = "radius compensation is on already";
+                return Err(fault(Code::BAD_COMPENSATION, span, message, "program G40 first"));
+            }
+            if self.modal.plane == Plane::YZ {
+                let message = "radius compensation in G19";
+                return Err(fault(Code::BAD_COMPENSATION, span, message, "select G17 or G18"));
+            }
+            self.modal.radius_mm = match code {
+                411 | 421 => match self.length(gathered, b'D')? {
+                    Some(diameter) => diameter / 2.0,
+                    None => {
+                        let message = format!("{} needs D with the diameter", name_of(code));
+                        return Err(bad_value(span, message, "write for example G41.1 D6"));
+                    }
+                },
+                _ => {
+                    let number = match gathered.raw(b'D') {
+                        Some(value) => whole(value, gathered.span_of(b'D'), "D")?,
+                        None => self.modal.active.unwrap_or(0),
+                    };
+                    self.modal.d = number;
+                    self.radius_of(number, span)?
+                }
+            };
+            if gathered.raw(b'L').is_some_and(|value| value != 0.0) {
+                let message = "the orientation of a lathe tool (L) is not supported";
+                return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(b'L'), message, "take L out"));
+            }
+        }
+        self.modal.contour.side = side;
+        self.modal.contour.activation = self.modal.contour.activation.wrapping_add(1);
+        Ok(())
+    }
+
+    /// D of a Fanuc.
+    fn offset_number(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        if let Some(value) = gathered.raw(b'D') {
+            self.modal.d = whole(value, gathered.span_of(b'D'), "D")?;
+            if self.modal.contour.compensates() {
+                self.modal.radius_mm = self.radius_of(self.modal.d, gathered.span_of(b'D'))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The radius of an offset number, mm.
+    fn radius_of(&mut self, number: u32, span: Span) -> Result<f64, Fault> {
+        if number == 0 {
+            return Ok(0.0);
+        }
+        if let Some(offset) = self.tool_offset(number) {
+            return Ok(offset.radius_mm + offset.radius_wear_mm);
+        }
+        let message = format!("offset {number} has no radius in the machine file");
+        let help = "add a [[tool]] entry of this number there or in a file given with --setup";
+        if self.strict {
+            return Err(fault(Code::NO_TOOL, span, message, help));
+        }
+        self.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, format!("{message}; 0 is used"), help));
+        Ok(0.0)
+    }
+
+    /// Refuses what does not go together with radius compensation.
+    pub(super) fn no_compensation(&self, span: Span, what: &str) -> Result<(), Fault> {
+        if !self.modal.contour.compensates() || !self.is_rs274() {
+            return Ok(());
+        }
+        let message = format!("{what} while radius compensation is on");
+        Err(fault(Code::BAD_COMPENSATION, span, message, "program G40 and a motion before it"))
+    }
+
+    /// Puts a motion into the stream, through the contour stage where it must.
+    pub(super) fn pass(&mut self, path: Path) {
+        let modal = self.modal.contour;
+        let corner = self.corner.take();
+        let wish = if corner.is_none() && modal.is_plain() && !self.outlet.is_holding() {
+            None
+        } else {
+            let file = self.outlet.file();
+            Some(Wish { corner, ..Wish::of(modal, self.modal.radius_mm, path.span, file) })
+        };
+        if let Some(wish) = &wish {
+            self.check_known(&path, wish);
+        }
+        let element = self.outlet.element(Kind::Empty);
+        self.outlet.pass_path(path, element, wish);
+    }
+
+    /// What depends on places that the program has not stated must not be corrected.
+    fn check_known(&mut self, path: &Path, wish: &Wish) {
+        let needs_start = wish.corner.is_some() || wish.modal.depends_on_start();
+        let known = if needs_start { path.start_known.intersection(path.motion.known) } else { path.motion.known };
+        let axes: AxisSet = self.modal.plane.axes().into_iter().take(2).collect();
+        if let Some(axis) = axes.difference(known).iter().next().filter(|_| self.strict && wish.modal.compensates()) {
+            self.outlet.warnings.push(fault(
+                Code::UNKNOWN_START,
+                wish.span,
+                format!("the way of the tool center depends on {axis}, and the program has not stated where that is"),
+                "begin with an absolute position of this axis, or give --start",
+            ));
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Feed, speed, tool word, dwell, path control.
+
+use super::channel::Channel;
+use super::codes::Group;
+use super::gather::whole;
+use super::gathered::Gathered;
+use super::modal::FeedMode;
+use crate::exec::fault::{Fault, bad_value};
+use crate::snc::{Dwell, Kind, Word, WordValue};
+
+impl Channel<'_> {
+    /// G93, G94, G95 and G96, G97.
+    pub(super) fn feed_mode(&mut self, gathered: &Gathered) {
+        if let Some(code) = gathered.code(Group::SpindleMode) {
+            self.modal.spindle_mode = code;
+            let text = if code == 960 { "G96" } else { "G97" };
+            match gathered.raw(b'D').filter(|_| code == 960 && self.is_rs274()) {
+                Some(most) => self.push(Kind::Verbatim(format!("G96 D{most}").into_bytes())),
+                None => self.push(Kind::Keep(text)),
+            }
+        }
+        let Some(code) = gathered.code(Group::FeedMode) else { return };
+        let (mode, word) = match code {
+            930 => (FeedMode::InverseTime, "G93"),
+            950 => (FeedMode::PerTurn, "G95"),
+            _ => (FeedMode::PerMinute, "G94"),
+        };
+        if mode != self.modal.feed_mode {
+            // F meant something else: it must be programmed again.
+            self.modal.feed_mode = mode;
+            self.modal.feed = 0.0;
+        }
+        self.push(Kind::Keep(word));
+    }
+
+    pub(super) fn feed(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        let Some(value) = gathered.raw(b'F') else { return Ok(()) };
+        if value.is_nan() || value < 0.0 {
+            let message = "a feed must not be negative";
+            return Err(bad_value(gathered.span_of(b'F'), message, "program F with a positive value"));
+        }
+        let scale = if self.modal.feed_mode == FeedMode::InverseTime { 1.0 } else { self.modal.scale() };
+        self.modal.feed = value * scale;
+        Ok(())
+    }
+
+    pub(super) fn speed(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        let Some(value) = gathered.raw(b'S') else { return Ok(()) };
+        if value < 0.0 {
+            let message = "a speed must not be negative";
+            return Err(bad_value(gathered.span_of(b'S'), message, "program S with a positive value"));
+        }
+        self.modal.speed = Some(value);
+        self.before.push(Word { letter: b'S', extension: None, value: WordValue::Number(value) });
+        Ok(())
+    }
+
+    pub(super) fn tool_word(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        let Some(value) = gathered.raw(b'T') else { return Ok(()) };
+        let number = whole(value, gathered.span_of(b'T'), "T")?;
+        self.modal.selected = Some(number);
+        self.push(Kind::Tool(WordValue::Number(f64::from(number))));
+        Ok(())
+    }
+
+    /// `G4 P` in seconds (RS274/NGC) or milliseconds, `G4 X` and `G4 U` in seconds.
+    pub(super) fn dwell(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        if gathered.code(Group::Action) != Some(40) {
+            return Ok(());
+        }
+        let span = gathered.code_span(Group::Action);
+        let letter = if self.is_rs274() { None } else { [b'X', b'U'].into_iter().find(|&letter| gathered.has(letter)) };
+        let seconds = match (gathered.raw(b'P'), letter) {
+            (Some(value), None) if self.is_rs274() => value,
+            (Some(value), None) => value / 1000.0,
+            (None, Some(letter)) => {
+                let value = gathered.raw(letter).unwrap_or_default();
+                // Without a point the value counts milliseconds, whatever the unit of lengths.
+                let counts =
+                    gathered.is_unpointed(letter) && self.length(gathered, letter)? != Some(value * self.modal.scale());
+                if counts { value / 1000.0 } else { value }
+            }
+            _ => return Err(bad_value(span, "G4 needs the time", "write for example G4 P1000 or, for RS274, G4 P1")),
+        };
+        if seconds < 0.0 {
+            return Err(bad_value(span, "a dwell must not be negative", "check the time"));
+        }
+        if self.modal.feed_mode == FeedMode::PerTurn && !self.is_rs274() && self.machine.control.iso.dwell_turns {
+            self.push(Kind::Dwell(Dwell::Turns(seconds)));
+        } else {
+            self.push(Kind::Dwell(Dwell::Seconds(seconds)));
+        }
+        Ok(())
+    }
+
+    /// G61, G61.1, G62, G63, G64.
+    pub(super) fn path_control(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        let Some(code) = gathered.code(Group::Control) else { return Ok(()) };
+        if self.is_rs274() {
+            self.no_compensation(gathered.code_span(Group::Control), "another path control mode")?;
+        }
+        self.modal.path_control = (code, None, None);
+        if code == 640 && self.is_rs274() && gathered.has_any(b"PQR") {
+            let mut text = "G64".to_owned();
+            let (p, q) = (self.length(gathered, b'P')?, self.length(gathered, b'Q')?);
+            self.modal.path_control = (code, p, q);
+            for (letter, value) in [(b'P', p), (b'Q', q), (b'R', gathered.raw(b'R'))] {
+                if let Some(value) = value {
+                    self.append(&mut text, letter, value);
+                }
+            }
+            self.push(Kind::Verbatim(text.into_bytes()));
+            return Ok(());
+        }
+        let word = match code {
+            610 => "G61",
+            611 => "G61.1",
+            620 => "G62",
+            630 => "G63",
+            _ => "G64",
+        };
+        self.push(Kind::Keep(word));
+        Ok(())
+    }
+
+    /// Codes that move nothing, with their words.
+    pub(super) fn passed_on(&mut self, gathered: &Gathered) {
+        for &word in &gathered.keep {
+            self.push(Kind::Keep(word));
+        }
+        let Some((tenths, _)) = gathered.passed else { return };
+        let Some((name, letters)) = super::codes::passed_on(tenths, self.language) else { return };
+        let mut text = name.to_owned();
+        for &letter in letters {
+            if let Some(value) = gathered.raw(letter) {
+                self.append_plain(&mut text, letter, value, gathered.is_unpointed(letter));
+            }
+        }
+        self.push(Kind::Verbatim(text.into_bytes()));
+    }
+}

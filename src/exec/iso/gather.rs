@@ -1,0 +1,122 @@
+//! Gathers the words of one block before anything is executed: gather, check, execute.
+
+use super::codes::{group_of, name_of, passed_on};
+use super::expression::Scope;
+use super::gathered::Gathered;
+use crate::diagnostic::Code;
+use crate::dialect::{Effect, Language};
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::source::Span;
+use crate::syntax::words::{Address, Value, Word};
+
+/// How near to a whole number a computed code must be.
+const NEAR: f64 = 1e-3;
+/// Largest value that a word may have.
+const MAX_VALUE: f64 = 1e9;
+
+/// Reads words of a block; assignments and names among them are not its business.
+pub(super) fn gather(
+    scope: &Scope<'_, '_>,
+    words: &[Word],
+    out: &mut Gathered,
+    warnings: &mut Vec<Fault>,
+) -> Result<(), Fault> {
+    for word in words {
+        let letter = match word.address {
+            Address::Letter(letter) => letter,
+            Address::Comma(letter) => letter.to_ascii_lowercase(),
+            Address::Variable(_) | Address::Name(_) => continue,
+            Address::Indexed(..) => {
+                return Err(bad_value(word.span, "an address with an index", "this dialect has none"));
+            }
+        };
+        let (value, has_point) = match word.value {
+            Value::None => continue,
+            Value::Number { value, has_point, .. } => (value, has_point),
+            Value::Expr(id) => match scope.value(id)? {
+                Some(value) => (value, true),
+                // An address with an undefined variable is as good as not programmed.
+                None => continue,
+            },
+        };
+        if !value.is_finite() || value.abs() > MAX_VALUE {
+            return Err(bad_value(word.span, format!("{value} is too large for a word"), "check the value"));
+        }
+        let language = scope.program.dialect.language;
+        match letter {
+            b'G' => g_code(scope, value, word.span, out, warnings)?,
+            b'M' => out.m_codes.push((whole(value, word.span, "M")?, word.span)),
+            _ => {
+                if out.set_value(letter, value, has_point, word.span) {
+                    double(language, word.span, warnings)?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A word or a group twice: an error of RS274/NGC, while the last one counts on a Fanuc.
+fn double(language: Language, span: Span, warnings: &mut Vec<Fault>) -> Result<(), Fault> {
+    let message = "a word of this kind stands in the block already";
+    if language == Language::Rs274 {
+        return Err(fault(Code::DOUBLE_WORD, span, message, "take one of them out"));
+    }
+    warnings.push(fault(Code::LEFT_OUT, span, format!("{message}; the last one counts"), "take one of them out"));
+    Ok(())
+}
+
+/// The whole number that a code must be.
+pub(super) fn whole(value: f64, span: Span, what: &str) -> Result<u32, Fault> {
+    let rounded = value.round();
+    if (value - rounded).abs() > NEAR || !(0.0..=f64::from(u32::MAX)).contains(&rounded) {
+        let message = format!("{what}{value} is no whole number from 0");
+        return Err(bad_value(span, message, "write a whole number that is not negative"));
+    }
+    Ok(rounded as u32)
+}
+
+fn g_code(
+    scope: &Scope<'_, '_>,
+    value: f64,
+    span: Span,
+    out: &mut Gathered,
+    warnings: &mut Vec<Fault>,
+) -> Result<(), Fault> {
+    let rounded = (value * 10.0).round();
+    if (value * 10.0 - rounded).abs() > NEAR || !(0.0..=9999.0).contains(&rounded) {
+        return Err(bad_value(span, format!("G{value} is no G code"), "write a G code of this control"));
+    }
+    let (tenths, dialect) = (rounded as u16, scope.program.dialect);
+    if tenths == 530 {
+        out.machine_frame = Some(span);
+        return Ok(());
+    }
+    if let Some(group) = group_of(tenths, dialect.language) {
+        if out.set_code(group, tenths, span).is_some() {
+            double(dialect.language, span, warnings)?;
+        }
+        return Ok(());
+    }
+    if let Some((name, letters)) = passed_on(tenths, dialect.language) {
+        out.use_up(letters);
+        if letters.is_empty() {
+            out.keep.push(name);
+        } else if out.passed.replace((tenths, span)).is_some() {
+            double(dialect.language, span, warnings)?;
+        }
+        return Ok(());
+    }
+    let name = name_of(tenths);
+    match dialect.codes().word(&name) {
+        Some(entry) if entry.effect == Effect::Display => Ok(()),
+        Some(entry) => {
+            let message = format!("{name} ({}) is not supported", entry.meaning);
+            Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"))
+        }
+        None => {
+            let message = format!("{name} is unknown");
+            Err(fault(Code::NOT_SUPPORTED, span, message, "check the code, and --dialect"))
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Reference points: G28, G30 and where they are.
+
+use super::channel::Channel;
+use super::codes::{Group, name_of};
+use super::gathered::Gathered;
+use super::motion::Step;
+use crate::diagnostic::Code;
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::geometry::{AXES, Axis, AxisSet, AxisVector};
+use crate::snc::Kind;
+use crate::source::Span;
+use crate::units::MM_PER_INCH;
+
+/// First parameter of the position of G28, then of G30; one for each axis X Y Z A B C U V W.
+const PARAMETERS: [i64; 2] = [5161, 5181];
+
+impl Channel<'_> {
+    /// `G28`, `G30`: rapid by way of the point named to the reference point, the axes named or all of them.
+    pub(super) fn home(&mut self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+        let span = gathered.code_span(Group::Action);
+        self.no_compensation(span, &name_of(code))?;
+        let is_second = code == 300;
+        let point = match gathered.raw(b'P').filter(|_| is_second && !self.is_rs274()) {
+            None => 1 + u8::from(is_second),
+            Some(number) if (2.0..=4.0).contains(&number) => number.round() as u8,
+            Some(_) => return Err(bad_value(gathered.span_of(b'P'), "G30 has the points 2, 3 and 4", "write P2")),
+        };
+        let (through, named) = self.end(gathered)?;
+        if !named.is_empty() && through != self.here() {
+            self.step(Step::straight(gathered, true, through, named))?;
+            self.outlet.begin_line();
+        }
+        let homed = if named.is_empty() && self.is_rs274() { self.axes } else { named };
+        if homed.is_empty() {
+            return Err(bad_value(span, format!("{} without axis words", name_of(code)), "name the axes"));
+        }
+        let mut end = self.modal.command;
+        for axis in homed.iter() {
+            end[axis] = self.reference(point, axis, span)?;
+        }
+        let step = Step { feed_named: false, ..Step::straight(gathered, true, end, homed) };
+        self.machine_step(step)
+    }
+
+    /// Where a reference point of an axis is, mm or rad.
+    fn reference(&self, point: u8, axis: Axis, span: Span) -> Result<f64, Fault> {
+        if let Some(own) = self.home_points.get(usize::from(point) - 1).and_then(|own| own.as_ref()) {
+            return Ok(own[axis]);
+        }
+        if self.is_rs274() {
+            let place = PARAMETERS.get(usize::from(point) - 1).copied().unwrap_or_default() + number_of(axis);
+            let value = self.machine.parameters.get(&place).copied().unwrap_or_default();
+            return Ok(if axis.is_rotary() { value.to_radians() } else { value });
+        }
+        let points = &self.machine.control.iso.reference_points;
+        match points.get(&(point, axis)) {
+            Some(&value) => Ok(value),
+            // The first one is usually where the machine's zero is.
+            None if point == 1 => Ok(0.0),
+            None => {
+                let message = format!("where reference point {point} of {axis} is, the machine file does not say");
+                let help = format!("set control.reference_point_{point} there");
+                Err(fault(Code::NO_SYSTEM_VALUE, span, message, help))
+            }
+        }
+    }
+
+    /// `G28.1`, `G30.1`: the present position becomes the reference point.
+    pub(super) fn save_home(&mut self, code: u16, span: Span) -> Result<(), Fault> {
+        self.no_compensation(span, &name_of(code))?;
+        if let Some(axis) = AxisSet::XYZ.iter().find(|&axis| self.strict && !self.modal.known.contains(axis)) {
+            return Err(super::motion::unknown_start(span, axis));
+        }
+        self.home_points[usize::from(code == 301)] = Some(self.modal.command);
+        self.push(Kind::Keep(if code == 281 { "G28.1" } else { "G30.1" }));
+        Ok(())
+    }
+
+    /// The value of a parameter of the reference points (5161 to 5169, 5181 to 5189), in units of the program.
+    #[allow(dead_code, reason = "for the parameters")]
+    pub(super) fn home_parameter(&self, number: i64) -> Option<f64> {
+        let (point, start) =
+            PARAMETERS.into_iter().enumerate().find(|(_, start)| (*start..*start + 9).contains(&number))?;
+        let axis = AXES.into_iter().find(|&axis| number_of(axis) == number - start)?;
+        let own = self.home_points.get(point).and_then(|own| own.as_ref())?;
+        Some(if axis.is_rotary() {
+            own[axis].to_degrees()
+        } else {
+            own[axis] / if self.modal.inch { MM_PER_INCH } else { 1.0 }
+        })
+    }
+
+    /// No reference point was set by the program.
+    pub(super) const NO_POINTS: [Option<AxisVector>; 2] = [None, None];
+}
+
+/// The place of an axis in the order X Y Z A B C U V W of the parameters.
+fn number_of(axis: Axis) -> i64 {
+    match axis {
+        Axis::X => 0,
+        Axis::Y => 1,
+        Axis::Z => 2,
+        Axis::A => 3,
+        Axis::B => 4,
+        Axis::C => 5,
+        Axis::U => 6,
+        Axis::V => 7,
+        Axis::W => 8,
+    }
+}

@@ -1,0 +1,25 @@
+//! Programs that are loaded.
+
+use crate::syntax::words::{Block, Program};
+
+/// A program file, ready to run.
+pub(super) struct Loaded {
+    pub(super) program: Program,
+    /// Blocks whose comments were passed on already.
+    commented: Vec<bool>,
+}
+
+impl Loaded {
+    pub(super) fn new(program: Program) -> Self {
+        let commented = vec![false; program.blocks.len()];
+        Loaded { program, commented }
+    }
+
+    /// Whether the comments of a block are to be passed on: the first time it is executed, a loop does not repeat them.
+    pub(super) fn takes_comments(&mut self, index: usize, block: &Block) -> bool {
+        if self.program.comments_of(block).is_empty() {
+            return false;
+        }
+        self.commented.get_mut(index).is_some_and(|done| !std::mem::replace(done, true))
+    }
+}

@@ -1,0 +1,182 @@
+//! Executes programs of Fanuc controls and of RS274/NGC (LinuxCNC).
+//!
+//! Each block goes through three steps: its words are gathered, its values worked out, and executed in the order of the dialect. What
+//! differs between the two is asked of [`crate::dialect::Language`].
+
+mod arc;
+mod auxiliary;
+mod channel;
+mod codes;
+mod compensation;
+mod data;
+mod expression;
+mod feed;
+mod flow;
+mod gather;
+mod gathered;
+mod home;
+mod length;
+mod level;
+mod loaded;
+mod modal;
+mod motion;
+mod offsets;
+mod special;
+mod state;
+mod tip;
+mod transform;
+
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::exec::ledger::Ledger;
+use crate::exec::{Executor, Library, Options};
+use crate::machine::Machine;
+use crate::snc::{BlockNumber, Element, Kind, Origin};
+use crate::syntax::words::{PartKind, Program};
+
+use channel::Channel;
+use flow::Action;
+use level::Level;
+use loaded::Loaded;
+
+/// A running program.
+pub(super) struct Interpreter<'a> {
+    #[allow(dead_code, reason = "for the calls")]
+    library: Box<dyn Library + 'a>,
+    ledger: Ledger,
+    programs: Vec<Loaded>,
+    levels: Vec<Level>,
+    channel: Channel<'a>,
+    is_finished: bool,
+}
+
+impl<'a> Interpreter<'a> {
+    /// Starts a program. Syntax findings of the main program are the caller's business; faulty blocks do nothing here.
+    pub(super) fn new(
+        program: Program,
+        machine: &'a Machine,
+        library: Box<dyn Library + 'a>,
+        options: Options,
+    ) -> Self {
+        let is_program = |part: &crate::syntax::words::Part| part.kind == PartKind::Program && !part.blocks.is_empty();
+        let main = program.parts.iter().position(is_program).unwrap_or(0);
+        let mut channel = Channel::new(machine, &options, program.dialect);
+        let source = program.source.clone();
+        let start = program.parts.get(main).map_or(0, |part| part.blocks.start);
+        for &header in program.parts.get(main).map_or(&[][..], |part| &part.headers) {
+            channel.begin_block(Origin { file: source.id(), line: 1, span: header, calls: 0 }, None);
+            channel.push(Kind::Header(source.slice(header).to_vec()));
+        }
+        let ledger = Ledger::new(source, program.blocks.len(), &options);
+        Interpreter {
+            library,
+            ledger,
+            programs: vec![Loaded::new(program)],
+            levels: vec![Level::new(0, main, start, 0)],
+            channel,
+            is_finished: false,
+        }
+    }
+
+    /// Executes one block.
+    fn step(&mut self) {
+        let Some(level) = self.levels.last_mut() else {
+            self.ledger.is_over = true;
+            return;
+        };
+        let Some(loaded) = self.programs.get_mut(level.program) else {
+            self.ledger.is_over = true;
+            return;
+        };
+        let end = loaded.program.parts.get(level.part).map_or(0, |part| part.blocks.end);
+        let index = level.next;
+        let Some(&block) = loaded.program.blocks.get(index).filter(|_| index < end) else {
+            self.end_of_part();
+            return;
+        };
+        level.next += 1;
+        let file = loaded.program.source.id();
+        if let Err(found) = self.ledger.count(file, block.span) {
+            found.into_iter().for_each(|found| self.ledger.report(found));
+            return;
+        }
+        if block.skip.is_some_and(|level| self.ledger.skips(level, file, block.span)) {
+            return;
+        }
+        let origin = Origin { file, line: block.line, span: block.span, calls: level.calls };
+        let number = block.number.map(|number| BlockNumber { main: false, number });
+        self.channel.begin_block(origin, number);
+        if loaded.takes_comments(index, &block) {
+            for comment in loaded.program.comments_of(&block) {
+                self.channel.push(Kind::Comment(loaded.program.source.slice(comment.span).to_vec()));
+            }
+        }
+        let action = flow::block(loaded, level, &mut self.channel, &block);
+        for warning in std::mem::take(&mut self.channel.outlet.warnings) {
+            self.ledger.report(warning.in_file(file));
+        }
+        match action {
+            Ok(action) => self.act(action),
+            Err(found) => self.ledger.report(found.in_file(file)),
+        }
+    }
+
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::Next => {}
+            Action::End => self.ledger.is_over = true,
+        }
+    }
+
+    /// Behind the last block of a program.
+    fn end_of_part(&mut self) {
+        self.ledger.is_over = true;
+    }
+
+    /// What was found at the very end.
+    fn report_rest(&mut self) {
+        let file = self.channel.outlet.file();
+        for warning in std::mem::take(&mut self.channel.outlet.warnings) {
+            self.ledger.report(warning.in_file(file));
+        }
+        if self.channel.modal.contour.compensates() {
+            let place = Place { file, span: self.channel.outlet.origin.span };
+            let message = "radius compensation is still on at the end of the program";
+            self.ledger.report(Diagnostic::at(
+                Code::COMPENSATION_LEFT_ON,
+                place,
+                message,
+                "program G40 before the end",
+            ));
+        }
+    }
+}
+
+impl Executor for Interpreter<'_> {
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+}
+
+impl Iterator for Interpreter<'_> {
+    type Item = Result<Element, Diagnostic>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some(finding) = self.ledger.findings.pop_front() {
+                return Some(Err(finding));
+            }
+            if let Some(element) = self.channel.outlet.queue.pop_front() {
+                return Some(Ok(element));
+            }
+            if self.ledger.is_over {
+                if std::mem::replace(&mut self.is_finished, true) {
+                    return None;
+                }
+                self.channel.outlet.finish();
+                self.report_rest();
+                continue;
+            }
+            self.step();
+        }
+    }
+}
