@@ -80,10 +80,10 @@ impl FolderLibrary {
     }
 
     /// The file of a program. Only names of files in the folders are ever compared, so no name leads out of them.
-    fn find(&mut self, name: &str) -> Option<PathBuf> {
-        let candidates = file_names(name);
+    /// The first file of these names, folder by folder.
+    fn find(&mut self, names: &[String]) -> Option<PathBuf> {
         let mut folders = self.first.iter_mut().chain(&mut self.added).chain(&mut self.last);
-        folders.find_map(|folder| folder.find(&candidates))
+        folders.find_map(|folder| folder.find(names))
     }
 
     /// The folder that a path of the control means: `/_N_WKS_DIR/_N_PART_WPD`, `NC:/WKS.DIR/PART.WPD`.
@@ -177,7 +177,12 @@ fn list(folder: &Path) -> HashMap<String, Vec<PathBuf>> {
 
 impl Library for FolderLibrary {
     fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)> {
-        let path = self.find(name)?;
+        let path = self.find(&file_names(name))?;
+        self.read(path)
+    }
+
+    fn load_file(&mut self, names: &[String]) -> Option<(String, Vec<u8>)> {
+        let path = self.find(names)?;
         self.read(path)
     }
 

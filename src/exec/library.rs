@@ -10,6 +10,11 @@ pub trait Library {
         None
     }
 
+    /// The first of these files that there is, whatever the case of its name: the name to show, and its bytes.
+    fn load_file(&mut self, _names: &[String]) -> Option<(String, Vec<u8>)> {
+        None
+    }
+
     /// One more folder to search (CALLPATH); an empty name takes the added ones away.
     fn add_folder(&mut self, _path: &str) {}
 

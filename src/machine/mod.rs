@@ -10,6 +10,7 @@ pub mod file;
 mod frame_control;
 mod iso_control;
 mod kinematics;
+mod macro_control;
 mod opaque;
 mod orientation;
 mod output_control;
@@ -22,6 +23,7 @@ pub use chain::{Branch, Topology, TopologyFault};
 pub use contour_control::{CompensationCorner, CompensationStart};
 pub use iso_control::{DecimalPoint, IsoControl, LengthAxis};
 pub use kinematics::Kinematics;
+pub use macro_control::MacroControl;
 pub use opaque::Opaque;
 pub use setting::Setting;
 pub use state::State;
@@ -174,6 +176,8 @@ pub struct Control {
     pub compensation_corner: Option<CompensationCorner>,
     /// What concerns Fanuc and RS274/NGC.
     pub iso: IsoControl,
+    /// What concerns custom macros.
+    pub macros: MacroControl,
     /// `G500`, `G54`: the zero offset that is active at the start; `None` for that of the control as delivered.
     pub initial_zero_offset: Option<String>,
 }
@@ -272,6 +276,7 @@ impl Default for Control {
             compensation_start: CompensationStart::A,
             compensation_corner: None,
             iso: IsoControl::default(),
+            macros: MacroControl::default(),
             initial_zero_offset: None,
         }
     }

@@ -51,7 +51,7 @@ pub(super) fn read(
     let keys: Vec<&str> = section.keys().collect();
     for key in keys {
         let name = normal(key);
-        let fits = if is_system { name.starts_with('$') || name.ends_with(')') } else { is_name(&name) };
+        let fits = if is_system { name.starts_with(['$', '#']) || name.ends_with([')', ']']) } else { is_name(&name) };
         if !fits {
             section.accept(key);
             let help = if is_system {
