@@ -1,0 +1,547 @@
+#!/usr/bin/env python3
+"""compare.py [OPTIONS] FILE-OR-FOLDER…: holds `ncfix` against LinuxCNC's interpreter, program by program. See README.md beside it.
+
+Modes (--mode):
+  snc        the flat stream of `ncfix snc` against the moves of the interpreter
+  roundtrip  `ncfix IN -o OUT` with a model without errors: the interpreter must make the same of OUT as of IN
+  model      the same with a constant and a linear error: what changes must be what the model asks for
+"""
+
+import argparse
+import collections
+import concurrent.futures
+import fnmatch
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ENDINGS = (".ngc", ".nc", ".tap", ".gcode", ".eia", ".cnc", ".txt")
+POSITION_TOLERANCE = 1e-4
+"""mm and degrees."""
+CURVE_TOLERANCE = 0.02
+"""mm: both sides cut splines into pieces of their own choice, and the interpreter's are coarse."""
+NO_END = "ended with no percent sign"
+
+# ── the two sides ─────────────────────────────────────────────────────────────────────────────
+
+Step = collections.namedtuple("Step", "kind line place feed center plane turns tool text")
+"""One thing done. kind: G0 G1 ARC DWELL. turns: signed, as the interpreter counts. place of a dwell: its seconds."""
+
+
+def tools():
+    """The tool table both sides get: lengths and radii that tell tools apart and are small enough for most programs."""
+    return [{"number": n, "length_mm": 20.0 + n, "diameter_mm": 1 + 0.5 * (n % 10)} for n in range(1, 100)]
+
+
+def run(command, seconds, **more):
+    try:
+        return subprocess.run(command, capture_output=True, timeout=seconds, **more)
+    except subprocess.TimeoutExpired:
+        return None
+
+
+def ask_judge(path, setup, append_end=False):
+    """The interpreter's answer, or an object with an error."""
+    command = ["/usr/bin/python3", os.path.join(HERE, "judge.py"), path, "--tools", setup.tool_file]
+    done = run(command + ["--append-end"] * append_end, setup.seconds)
+    if done is None:
+        return {"elements": [], "error": {"line": 0, "text": "does not come to an end"}}
+    try:
+        answer = json.loads(done.stdout)
+    except ValueError:
+        return {"elements": [], "error": {"line": 0, "text": f"breaks down ({done.returncode}): {done.stderr[-200:]!r}"}}
+    if answer["error"] and NO_END in answer["error"]["text"] and not append_end:
+        return ask_judge(path, setup, True)
+    return answer
+
+
+def judge_steps(answer):
+    steps = []
+    for element in answer["elements"]:
+        kind, line = element[:2]
+        if kind == "DWELL":
+            steps.append(Step("DWELL", line, [element[2]], 0.0, None, 0, 0, None, str(element)))
+        if kind not in ("G0", "G1", "ARC", "PROBE", "TAP"):
+            continue
+        place, tool = element[2], element[3]
+        feed = element[4] if len(element) > 4 else 0.0
+        center, plane, turns = element[5:8] if kind == "ARC" else (None, 0, 0)
+        text = f"{kind} {show(place)}" + (f" F{feed:.6g}" if feed else "")
+        text += f" center {show(center)} G{plane} turns {turns}" if center else ""
+        kinds = {"PROBE": "G1"}
+        if kind == "TAP":
+            place = place[:3] + (steps[-1].place[3:] if steps else [0.0] * 6)
+            back = next((step for step in reversed(steps) if step.kind != "DWELL"), None)
+            steps.append(Step("G1", line, place, feed, None, 0, 0, tool, text))
+            steps.append(Step("G1", line, back.place if back else [0.0] * 9, feed, None, 0, 0, tool, text + " and back"))
+            continue
+        steps.append(Step(kinds.get(kind, kind), line, place, feed, center, plane, turns, tool, text))
+    return steps
+
+
+WORD = re.compile(r"([A-Z])(-?[0-9.]+(?:e-?\d+)?)")
+
+
+def ncfix_steps(text):
+    """Steps of an SNC text."""
+    steps = []
+    place = [0.0] * 6
+    for line in text.splitlines():
+        body, _, origin = line.partition(" ;@")
+        if not body.startswith("G"):
+            continue
+        words = WORD.findall(body)
+        code = int(words[0][1])
+        values = {letter: float(value) for letter, value in words[1:]}
+        at = int(re.match(r"\d*", origin).group() or 0)
+        if code == 4:
+            seconds = values.get("S", values.get("R", 0.0))
+            steps.append(Step("DWELL", at, [seconds], 0.0, None, 0, 0, None, line))
+            continue
+        start = place
+        place = [values.get(letter, place[slot]) for slot, letter in enumerate("XYZABC")]
+        feed = values.get("F", 0.0)
+        if code < 2:
+            steps.append(Step(f"G{code}", at, place, feed, None, 0, 0, None, line))
+            continue
+        center = [start[slot] + values.get(letter, 0.0) for slot, letter in enumerate("IJK")]
+        turns = (int(values.get("L", 0)) + 1) * (-1 if code == 2 else 1)
+        steps.append(Step("ARC", at, place, feed, center, int(values["P"]), turns, None, line))
+    return steps
+
+
+# ── the comparison ────────────────────────────────────────────────────────────────────────────
+
+
+def show(values):
+    return " ".join(f"{value:.6f}".rstrip("0").rstrip(".") for value in values or [])
+
+
+def near(one, other, tolerance=POSITION_TOLERANCE):
+    slots = max(len(one), len(other))
+    one = list(one) + [0.0] * (slots - len(one))
+    other = list(other) + [0.0] * (slots - len(other))
+    return all(abs(a - b) <= tolerance + 1e-9 * abs(a) for a, b in zip(one, other))
+
+
+def axis_command(step):
+    return [value + shift for value, shift in zip(step.place, step.tool)]
+
+
+def sampled(step, start):
+    """Points of an arc from `start`, without its first one."""
+    first, second = {17: (0, 1), 18: (2, 0), 19: (1, 2)}[step.plane]
+    center = step.center
+    at, to = (math.atan2(p[second] - center[second], p[first] - center[first]) for p in (start, step.place))
+    angle = (to - at) % (2 * math.pi)
+    if step.turns < 0:
+        angle -= 2 * math.pi if angle > 1e-9 else 0
+        angle = angle if abs(angle) > 1e-9 else -2 * math.pi
+        angle -= 2 * math.pi * (-step.turns - 1)
+    else:
+        angle = angle if abs(angle) > 1e-9 else 2 * math.pi
+        angle += 2 * math.pi * (step.turns - 1)
+    radius = math.hypot(start[first] - center[first], start[second] - center[second])
+    end_radius = math.hypot(step.place[first] - center[first], step.place[second] - center[second])
+    count = max(8, int(abs(angle) * 60))
+    points = []
+    for index in range(1, count + 1):
+        share = index / count
+        point = [a + (b - a) * share for a, b in zip(start, step.place)]
+        r = radius + (end_radius - radius) * share
+        point[first] = center[first] + r * math.cos(at + angle * share)
+        point[second] = center[second] + r * math.sin(at + angle * share)
+        points.append(point)
+    return points
+
+
+def distance(point, start, end):
+    """Of a point from a straight line, in X Y Z."""
+    along = [b - a for a, b in zip(start[:3], end[:3])]
+    to = [b - a for a, b in zip(start[:3], point[:3])]
+    square = sum(value * value for value in along)
+    share = max(0.0, min(1.0, sum(a * b for a, b in zip(along, to)) / square)) if square else 0.0
+    return math.dist(point[:3], [a + b * share for a, b in zip(start[:3], along)])
+
+
+def stretch_of(steps, index, start):
+    """The points of what the block at `index` does, and the index behind it."""
+    points, line = [start], steps[index].line
+    while index < len(steps) and steps[index].line == line and steps[index].kind in ("G1", "ARC"):
+        step = steps[index]
+        points += sampled(step, points[-1]) if step.kind == "ARC" else [step.place]
+        index += 1
+    return points, index
+
+
+def polylines_agree(one, other):
+    """Both ways: no point of one is off the other."""
+    for points, line in ((one, other), (other, one)):
+        segment = 0
+        for point in points:
+            # Goes along, so that loops in the curve do not hide a detour.
+            ahead = range(segment, min(segment + 400, len(line) - 1))
+            best = min(((distance(point, line[k], line[k + 1]), k) for k in ahead), default=(math.dist(point[:3], line[0][:3]), segment))
+            if best[0] > CURVE_TOLERANCE:
+                return False
+            segment = best[1]
+    return near(one[-1], other[-1])
+
+
+SPLINE = re.compile(rb"g0*[56](\.[1-3])?(?![0-9.])", re.I)
+
+
+def differ(judge, ours, source_lines):
+    """None, or the first difference as text."""
+    i = j = 0
+    last, command, their_tip, tool = [0.0] * 6, [0.0] * 9, [0.0] * 9, [0.0] * 9
+    inverse_time = any(b"G93" in line.upper() for line in source_lines)
+    while True:
+        # What moves nothing is not compared: one side orders it, the other leaves it out.
+        while i < len(judge) and judge[i].kind in ("G0", "G1") and near(axis_command(judge[i]), command, 2e-5):
+            their_tip, tool = judge[i].place, judge[i].tool
+            i += 1
+        if i < len(judge) and judge[i].tool:
+            tool = judge[i].tool
+        still = [value - shift for value, shift in zip(command, tool)]
+        while j < len(ours) and ours[j].kind in ("G0", "G1") and (near(ours[j].place, last, 2e-5) or near(ours[j].place, still, 2e-5)):
+            last = ours[j].place
+            j += 1
+        if i == len(judge) and j == len(ours):
+            return None
+        if i == len(judge) or j == len(ours):
+            rest = ours[j].text if i == len(judge) else f"line {judge[i].line}: {judge[i].text}"
+            who = "ncfix goes on" if i == len(judge) else "ncfix ends before"
+            return f"{who}: {rest}"
+        theirs, mine = judge[i], ours[j]
+        fault = one_differs(theirs, mine, their_tip, inverse_time)
+        if fault is None:
+            if theirs.kind != "DWELL":
+                last, command, their_tip = mine.place, axis_command(theirs), theirs.place
+            i, j = i + 1, j + 1
+            continue
+        # A spline, or an arc in a plane that the rotation tilts: the path counts, not the pieces.
+        tilted = theirs.kind == "ARC" and mine.kind == "G1"
+        if tilted or SPLINE.search(source_lines[theirs.line - 1] if theirs.line <= len(source_lines) else b""):
+            if theirs.kind in ("G1", "ARC") and mine.kind in ("G1", "ARC"):
+                one, next_i = ([their_tip] + sampled(theirs, their_tip), i + 1) if tilted else stretch_of(judge, i, their_tip)
+                other, next_j = stretch_of(ours, j, last)
+                if polylines_agree(one, other):
+                    command, their_tip = axis_command(judge[next_i - 1]), judge[next_i - 1].place
+                    last = ours[next_j - 1].place
+                    i, j = next_i, next_j
+                    continue
+        return f"{fault}: line {theirs.line}: {theirs.text} | ncfix: {mine.text}"
+
+
+def one_differs(theirs, mine, start, inverse_time):
+    if theirs.kind != mine.kind:
+        return f"kind {theirs.kind}, not {mine.kind}"
+    if not near(theirs.place, mine.place):
+        return "duration" if theirs.kind == "DWELL" else "end point"
+    if theirs.kind == "ARC":
+        if theirs.plane != mine.plane:
+            return "plane"
+        if theirs.turns != mine.turns:
+            return "turns"
+        flat = {17: (0, 1), 18: (2, 0), 19: (1, 2)}[theirs.plane]
+        if not all(abs(theirs.center[slot] - mine.center[slot]) <= POSITION_TOLERANCE for slot in flat):
+            return "center"
+    if theirs.kind in ("G1", "ARC") and abs(theirs.feed - mine.feed) > 1e-3 + 1e-5 * theirs.feed:
+        length = math.dist(theirs.place[:3], start[:3])
+        if theirs.kind == "ARC":
+            points = [start] + sampled(theirs, start)
+            length = sum(math.dist(a[:3], b[:3]) for a, b in zip(points, points[1:]))
+        if not (inverse_time and abs(length * mine.feed - theirs.feed) <= 0.002 * theirs.feed + 1e-3):
+            return "feed"
+    return None
+
+
+# ── what a corrected program makes of the moves ───────────────────────────────────────────────
+
+MODEL = {"X": (0.0123, 2e-5), "Y": (-0.0071, 0.0), "Z": (0.0052, 0.0)}
+"""Positioning errors EXX, EYY, EZZ of the mode `model`: mm, and mm per mm."""
+
+MODEL_TEXT = '\n[[motion]]\ncomponent = "E{0}{0}"\nkind = "polynomial"\ncoefficients = [{1}, {2}]\n'
+
+
+def command_for(place, model):
+    """The axis command that brings the axes to `place` in spite of the errors."""
+    out = list(place)
+    for slot, axis in enumerate("XYZ"):
+        constant, slope = model.get(axis, (0.0, 0.0))
+        out[slot] = (place[slot] - constant) / (1 + slope)
+    return out
+
+
+def place_at(command, model):
+    """Where the axes really are at a command."""
+    out = list(command)
+    for slot, axis in enumerate("XYZ"):
+        constant, slope = model.get(axis, (0.0, 0.0))
+        out[slot] = command[slot] + constant + slope * command[slot]
+    return out
+
+
+def same_place(wanted, real, model, nominal):
+    """`wanted` and `real` are commands. An axis that the program has not named yet stays where it is: at its uncorrected start."""
+    tolerance = POSITION_TOLERANCE + (1e-4 if model else 0.0)
+    for slot, (one, other) in enumerate(zip(wanted, real)):
+        if abs(one - other) > tolerance and not (slot < 3 and abs(nominal[slot]) < 1e-9 and abs(other) < 1e-9):
+            return False
+    return True
+
+
+def swept(points, plane, center):
+    first, second = {17: (0, 1), 18: (2, 0), 19: (1, 2)}[plane]
+    angles = [math.atan2(p[second] - center[second], p[first] - center[first]) for p in points]
+    return abs(sum((b - a + math.pi) % (2 * math.pi) - math.pi for a, b in zip(angles, angles[1:])))
+
+
+def moving(steps):
+    """Without what moves nothing."""
+    out, at = [], [0.0] * 9
+    for step in steps:
+        if step.kind in ("G0", "G1") and near(axis_command(step), at, 2e-5):
+            continue
+        if step.kind != "DWELL":
+            at = axis_command(step)
+        out.append(step)
+    return out
+
+
+def differ_corrected(before, after, model, source_lines, inverse_time):
+    """None, or the first difference between the moves of a program and those of its corrected text."""
+    before, after = moving(before), moving(after)
+    i = j = 0
+    nominal, actual = [0.0] * 9, [0.0] * 9
+    while i < len(before) and j < len(after):
+        theirs, mine = before[i], after[j]
+        if mine.kind in ("G0", "G1") and near(axis_command(mine), command_for(nominal, model), 2.5e-4):
+            # Named but not moved: now the axis stands where the model wants it.
+            actual = axis_command(mine)
+            j += 1
+            continue
+        if theirs.kind == "DWELL" or mine.kind == "DWELL":
+            if theirs.kind != mine.kind or not near(theirs.place, mine.place):
+                return f"dwell: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
+            i, j = i + 1, j + 1
+            continue
+        spline = theirs.line <= len(source_lines) and SPLINE.search(source_lines[theirs.line - 1])
+        points = [nominal[:3]]
+        next_i = i
+        while True:
+            step = before[next_i]
+            shifts = step.tool[:3]
+            if step.kind == "ARC":
+                tip = [value - shift for value, shift in zip(points[-1], shifts)] + [0.0] * 6
+                points += [[v + t for v, t in zip(point, shifts)] for point in sampled(step, tip)]
+            else:
+                points.append(axis_command(step)[:3])
+            next_i += 1
+            if not spline or next_i == len(before) or before[next_i].line != theirs.line or before[next_i].kind != theirs.kind:
+                break
+        last = before[next_i - 1]
+        end = axis_command(last)
+        wanted = command_for(end, model)
+        done, next_j, path = False, j, [actual]
+        sweep = swept(points, theirs.plane, [v + t for v, t in zip(theirs.center, theirs.tool)]) if theirs.kind == "ARC" else 0.0
+        while next_j < len(after) and not done:
+            step = after[next_j]
+            if step.kind == "DWELL" or (step.kind == "G0") != (theirs.kind == "G0"):
+                break
+            if not spline and theirs.kind == "G1" and step.kind != "G1":
+                break
+            if step.kind == "ARC":
+                tip = [value - shift for value, shift in zip(path[-1], step.tool)]
+                path += [[v + t for v, t in zip(point, step.tool)] for point in sampled(step, tip)]
+            else:
+                path.append(axis_command(step))
+            if theirs.kind != "G0" and not feed_agrees(theirs, step, inverse_time):
+                return f"feed: line {theirs.line}: {theirs.text} | output line {step.line}: {step.text}"
+            next_j += 1
+            done = same_place(wanted, path[-1], model, end)
+            if theirs.kind == "ARC" and done:
+                center = [v + t for v, t in zip(theirs.center, theirs.tool)]
+                done = swept([place_at(point, model) for point in path], theirs.plane, center) > sweep - 0.05
+        if not done:
+            return f"end point {show(wanted)} is not reached: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
+        if theirs.kind != "G0" and not (any(abs(v) < 1e-9 for v in actual[:3]) and model):
+            tolerance = CURVE_TOLERANCE if spline else 0.003
+            for point in path[1:]:
+                real = place_at(point, model)
+                off = min(distance(real, a, b) for a, b in zip(points, points[1:]))
+                if off > tolerance:
+                    return f"{off:.6f} mm off the path: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
+        nominal, actual = end, path[-1]
+        i, j = next_i, next_j
+    if i < len(before) or j < len(after):
+        rest = before[i] if i < len(before) else after[j]
+        return f"{'the output ends before' if i < len(before) else 'the output goes on'}: line {rest.line}: {rest.text}"
+    return None
+
+
+def feed_agrees(theirs, mine, inverse_time):
+    return inverse_time or abs(theirs.feed - mine.feed) <= 1e-3 + 1e-4 * theirs.feed
+
+
+# ── running a program ─────────────────────────────────────────────────────────────────────────
+
+Verdict = collections.namedtuple("Verdict", "path outcome text")
+"""outcome: agrees, differs, refused, broken, no moves, not accepted."""
+
+
+def first_finding(text):
+    found = re.search(r"^error\[\w+\].*?$(\s*-->.*?$)?", text, re.M | re.S) or re.search(r"^error.*$", text, re.M)
+    return " ".join(found.group().split()) if found else text[-200:]
+
+
+def refused(done):
+    if done is None:
+        return "broken", "ncfix does not come to an end"
+    errors = done.stderr.decode("utf8", "replace")
+    if done.returncode in (0, 1, 2, 3, 4):
+        return "refused", first_finding(errors)
+    return "broken", f"status {done.returncode}: {errors[-300:]}"
+
+
+def moves(steps):
+    return sum(step.kind != "DWELL" for step in steps)
+
+
+def check_snc(path, setup):
+    answer = ask_judge(path, setup)
+    if answer["error"]:
+        return Verdict(path, "not accepted", f"line {answer['error']['line']}: {answer['error']['text']}")
+    judge = judge_steps(answer)
+    done = run([setup.ncfix, "snc", "--dialect", "rs274", "--machine", setup.machine, path], setup.seconds)
+    if done is None or done.returncode != 0:
+        outcome, text = refused(done)
+        return Verdict(path, outcome if moves(judge) or outcome == "broken" else "no moves", text)
+    ours = ncfix_steps(done.stdout.decode("utf8", "replace"))
+    if not moves(judge) and not moves(ours):
+        return Verdict(path, "no moves", "")
+    with open(path, "rb") as file:
+        lines = file.read().splitlines()
+    text = differ(judge, ours, lines)
+    return Verdict(path, "differs" if text else "agrees", text or "")
+
+
+def check_corrected(path, setup, model):
+    answer = ask_judge(path, setup)
+    if answer["error"]:
+        return Verdict(path, "not accepted", answer["error"]["text"])
+    before = judge_steps(answer)
+    with tempfile.TemporaryDirectory() as folder:
+        out = os.path.join(folder, os.path.basename(path))
+        command = [setup.ncfix, path, "-o", out, "--dialect", "rs274", "--machine", setup.machine]
+        done = run(command, setup.seconds)
+        if done is None or done.returncode != 0 or not os.path.exists(out):
+            outcome, text = refused(done)
+            return Verdict(path, outcome if moves(before) or outcome == "broken" else "no moves", text)
+        again = ask_judge(out, setup)
+        with open(out, "rb") as file:
+            output = file.read().splitlines()
+    if again["error"]:
+        bad = output[again["error"]["line"] - 1] if 0 < again["error"]["line"] <= len(output) else b""
+        return Verdict(path, "differs", f"the output is not accepted, line {again['error']['line']} {bad!r}: {again['error']['text']}")
+    if not moves(before):
+        return Verdict(path, "no moves", "")
+    with open(path, "rb") as file:
+        lines = file.read().splitlines()
+    inverse_time = any(b"G93" in line.upper() for line in lines)
+    text = differ_corrected(before, judge_steps(again), model, lines, inverse_time)
+    return Verdict(path, "differs" if text else "agrees", text or "")
+
+
+def check_roundtrip(path, setup):
+    return check_corrected(path, setup, {})
+
+
+def check_model(path, setup):
+    return check_corrected(path, setup, MODEL)
+
+
+CHECKS = {"snc": check_snc, "roundtrip": check_roundtrip, "model": check_model}
+
+Setup = collections.namedtuple("Setup", "ncfix machine tool_file seconds")
+
+MACHINE_TOOL = "\n[[tool]]\nnumber = {number}\nlength_mm = {length_mm}\nradius_mm = {radius_mm}\n"
+
+
+def machine_file(folder, template, model):
+    """The machine file with the tools and the errors, in `folder`."""
+    with open(template, encoding="utf-8") as file:
+        text = file.read()
+    text += "".join(MODEL_TEXT.format(axis, *values) for axis, values in model.items())
+    text += "".join(MACHINE_TOOL.format(radius_mm=tool["diameter_mm"] / 2, **tool) for tool in tools())
+    path = os.path.join(folder, "machine.toml")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    return path
+
+
+def programs(paths):
+    for path in paths:
+        if os.path.isfile(path):
+            yield path
+        for folder, folders, names in os.walk(path):
+            folders.sort()
+            for name in sorted(names):
+                if name.lower().endswith(ENDINGS) or re.fullmatch(r"[Oo]\d+", name):
+                    yield os.path.join(folder, name)
+
+
+def exceptions():
+    """Patterns of paths with the reason why they are not compared or differ on purpose."""
+    with open(os.path.join(HERE, "exceptions.tsv"), encoding="utf-8") as file:
+        rows = [line.rstrip("\n").split("\t") for line in file if line.strip() and not line.startswith("#")]
+    return [row for row in rows if len(row) == 2]
+
+
+def reason(path, rows):
+    return next((why for pattern, why in rows if fnmatch.fnmatch(path, pattern)), None)
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    arguments.add_argument("paths", nargs="+")
+    arguments.add_argument("--mode", choices=CHECKS, default="snc")
+    arguments.add_argument("--ncfix", default="ncfix")
+    arguments.add_argument("--machine", default=os.path.join(HERE, "machine.toml"), help="machine file without tools")
+    arguments.add_argument("--threshold", type=float, default=100.0, help="per cent of the accepted programs that must agree")
+    arguments.add_argument("--seconds", type=float, default=20.0, help="time for one program on either side")
+    arguments.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    arguments.add_argument("--all", action="store_true", help="print every program, not only those that do not agree")
+    options = arguments.parse_args()
+    rows = exceptions()
+    with tempfile.TemporaryDirectory() as folder:
+        tool_file = os.path.join(folder, "tools.json")
+        with open(tool_file, "w", encoding="utf-8") as file:
+            json.dump(tools(), file)
+        setup = Setup(options.ncfix, machine_file(folder, options.machine, MODEL if options.mode == "model" else {}), tool_file, options.seconds)
+        check = CHECKS[options.mode]
+        with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+            verdicts = list(pool.map(lambda path: check(path, setup), programs(options.paths)))
+    counts = collections.Counter()
+    for verdict in verdicts:
+        why = reason(verdict.path, rows) if verdict.outcome in ("differs", "refused") else None
+        outcome = "explained" if why else verdict.outcome
+        counts[outcome] += 1
+        if options.all or outcome in ("differs", "refused", "broken", "explained"):
+            print(f"{outcome}\t{verdict.path}\t{verdict.text}" + (f"\t({why})" if why else ""))
+    accepted = sum(counts[name] for name in ("agrees", "differs", "refused", "broken", "explained"))
+    share = 100.0 * counts["agrees"] / accepted if accepted else 100.0
+    print(f"{options.mode}: {accepted} accepted programs with moves, {counts['agrees']} agree ({share:.1f} %), {counts['differs']} differ, "
+          f"{counts['refused']} refused, {counts['broken']} broken, {counts['explained']} explained; "
+          f"{counts['no moves']} without moves, {counts['not accepted']} not accepted by the interpreter")
+    sys.exit(0 if share >= options.threshold and not counts["broken"] else 1)
+
+
+if __name__ == "__main__":
+    main()
