@@ -5,21 +5,23 @@
 
 use super::chain::Chain;
 use super::check::{no_contour, polynomial, soft_alone, too_narrow, transformed};
-use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, distance, left, scaled, unit};
+use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, left, scaled, unit};
 use super::guard::Guard;
 use super::link::{Link, Role, release_items};
 use super::moving::{Item, Moving, blocks_between, own_of};
+use super::rules::Rules;
+use super::tracking::Tracking;
 use super::wish::Approach;
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
 use crate::exec::path::Shape;
-use crate::geometry::{AxisSet, AxisVector, PlaneBasis};
+use crate::geometry::{AxisVector, PlaneBasis};
 use crate::machine::Control;
 
 /// Directions that differ by less are one: no corner, rad.
-const NO_CORNER: f64 = 1e-7;
+pub(super) const NO_CORNER: f64 = 1e-7;
 /// Below this the misfit of two elements that should be tangential may be rounding of the program, rad.
-const NEARLY_TANGENTIAL: f64 = 1e-2;
+pub(super) const NEARLY_TANGENTIAL: f64 = 1e-2;
 /// Arcs of this radius beside the contour are a point, mm.
 const POINT_MM: f64 = 1e-4;
 /// Items that may wait, whatever they are.
@@ -45,6 +47,11 @@ impl Limits {
             look_ahead: control.compensation_look_ahead as usize,
         }
     }
+
+    /// Elements that may be left out where the tool is too wide for them: the others stop there.
+    pub(super) fn most_left_out(&self, rules: Rules) -> usize {
+        if rules == Rules::Sinumerik { self.look_ahead } else { 0 }
+    }
 }
 
 /// Radius compensation.
@@ -52,6 +59,10 @@ impl Limits {
 pub(super) struct Compensation {
     pub(super) limits: Limits,
     pub(super) active: Option<Box<Active>>,
+    /// The same by the rules of RS274/NGC.
+    pub(super) tracking: Option<Box<Tracking>>,
+    /// G43, G44: where the tool stands beside the end that the program says.
+    pub(super) reached: Option<Box<AxisVector>>,
 }
 
 /// Compensation while it acts.
@@ -73,8 +84,19 @@ pub(super) struct Active {
 }
 
 impl Compensation {
+    pub(super) fn new(control: &Control) -> Compensation {
+        Compensation { limits: Limits::new(control), active: None, tracking: None, reached: None }
+    }
+
+    /// Whether what comes must wait, or begins elsewhere than it says.
+    pub(super) fn is_holding(&self) -> bool {
+        self.active.is_some() || self.tracking.is_some() || self.reached.is_some()
+    }
+
     /// Takes an item and gives those that are final.
     pub(super) fn take(&mut self, item: Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
+        let Some(item) = self.track(item, out, findings) else { return };
+        let Some(item) = self.reach(item, out, findings) else { return };
         let moving = match item {
             Item::Path(moving) if moving.is_plane_motion() || moving.wish.soft.is_some() => moving,
             other => {
@@ -155,6 +177,9 @@ impl Compensation {
 
     /// Gives everything that is held: the program has ended, or waits here.
     pub(super) fn finish(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
+        if let Some(tracking) = &mut self.tracking {
+            tracking.finish(out, findings);
+        }
         let Some(mut active) = self.active.take() else { return };
         if active.approach.is_some() {
             findings.push(no_contour(&active.last));
@@ -182,7 +207,7 @@ impl Active {
     }
 
     /// The next contour element.
-    fn element(&mut self, moving: Box<Moving>, limits: &Limits, findings: &mut Vec<Fault>) {
+    pub(super) fn element(&mut self, moving: Box<Moving>, limits: &Limits, findings: &mut Vec<Fault>) {
         let Some(contour) = moving.curve(&self.basis) else { return };
         let beside = moving.wish.distance_mm;
         let own = own_of(self.chain.tail(), &moving.element);
@@ -207,9 +232,7 @@ impl Active {
             Some(curve) => {
                 let link = Link::new(Role::Contour, moving.clone(), contour, curve, beside);
                 if let Some(approach) = self.approach.take() {
-                    self.approach(approach, &link, limits, findings);
-                    self.chain.tail().extend(own);
-                    self.chain.push(link);
+                    self.approach(approach, link, own, limits, findings);
                 } else {
                     self.join(link, own, limits, findings);
                 }
@@ -240,8 +263,9 @@ impl Active {
         let (beside, before) = (link.moving.wish.distance_mm, self.distance);
         let (d, e) = (self.tangent, link.contour.first_tangent());
         let bend = angle_between(d, e);
-        let most = limits.look_ahead;
+        let most = limits.most_left_out(link.moving.wish.modal.rules);
         if beside * before < 0.0 {
+            self.check_side_change(&link, findings);
             self.give_up(findings);
             self.end_pieces(limits, findings);
             self.other_side(&link);
@@ -267,86 +291,7 @@ impl Active {
             self.chain.cut_at(link, (bend < NEARLY_TANGENTIAL).then_some(tip), most, findings);
             return;
         }
-        let is_sharp = bend < limits.flat_rad || link.moving.wish.modal.sharp && bend <= limits.corner_rad;
-        if is_sharp && self.extend(&mut link, tip) {
-            self.chain.tail().extend(own);
-            self.chain.push(link);
-            return;
-        }
-        // The control traverses the corner with the block behind it: with its feed, or at rapid.
-        self.chain.tail().extend(own);
-        let mut corner = self.corner(scaled(left(d), beside), scaled(left(e), beside), beside);
-        let behind = Box::new(link.moving.further());
-        let mut moving = std::mem::replace(&mut link.moving, behind);
-        moving.path.motion.named = AxisSet::EMPTY;
-        moving.path.motion.known = corner.moving.path.motion.known;
-        corner.moving = moving;
-        self.chain.push_touching(corner, most, findings);
-        self.chain.push_touching(link, most, findings);
-    }
-
-    /// The arc around the end of the last element, from one normal to another.
-    pub(super) fn corner(&mut self, from: Flat, to: Flat, beside: f64) -> Link {
-        let (start, end) = (add(self.point, from), add(self.point, to));
-        let mut curve = Curve::arc(start, end, self.point, beside > 0.0, 0);
-        if distance(start, end) < 1e-9 {
-            curve = Curve::Line { start, end };
-        }
-        let mut moving = self.last.further();
-        moving.element.starts_block = !self.chain.tail().is_empty();
-        Link::new(Role::Corner, Box::new(moving), Curve::Line { start: self.point, end: self.point }, curve, beside)
-    }
-
-    /// Extends the last piece and the new one to their intersection beyond an outer corner, if they have one near the tip.
-    fn extend(&mut self, link: &mut Link, tip: Flat) -> bool {
-        if !self.chain.waiting.is_empty() {
-            return false;
-        }
-        let reach = distance(tip, self.point);
-        let Some(old) = self.chain.links.back_mut() else { return false };
-        let mut best: Option<(f64, f64, Flat)> = None;
-        for point in old.curve.crossings(&link.curve).iter() {
-            let (end, start) = (old.curve.along(point, old.to), link.curve.along(point, 0.0));
-            let lies_beyond = end >= old.to - SAME_MM && start <= SAME_MM && distance(point, tip) <= reach;
-            if lies_beyond && best.is_none_or(|(_, _, other)| distance(point, tip) < distance(other, tip)) {
-                best = Some((end, start, point));
-            }
-        }
-        let Some((end, start, _)) = best else { return false };
-        old.to = end;
-        link.from = start;
-        true
-    }
-
-    /// From one side of the contour to the other, straight through the corner.
-    fn other_side(&mut self, link: &Link) {
-        let start = add(self.point, scaled(left(self.tangent), self.distance));
-        let curve = Curve::Line { start, end: link.curve.start() };
-        let mut moving = Box::new(self.last.further());
-        moving.element.starts_block = !self.chain.tail().is_empty();
-        let mut through = Link::new(Role::Corner, moving, curve, curve, 0.0);
-        through.is_sealed = true;
-        self.chain.push(through);
-    }
-
-    /// Another radius from this element on: a straight one goes over to it.
-    fn taper(&mut self, link: &mut Link, before: f64, bend: f64, findings: &mut Vec<Fault>) {
-        let beside = link.moving.wish.distance_mm;
-        let is_smooth = bend < NEARLY_TANGENTIAL && self.chain.waiting.is_empty();
-        match link.contour {
-            Curve::Line { start, end } if is_smooth => {
-                let normal = left(link.contour.first_tangent());
-                let curve = Curve::Line { start: add(start, scaled(normal, before)), end: add(end, scaled(normal, beside)) };
-                link.curve = curve;
-                link.to = curve.length();
-                link.clearance_mm = before.abs().min(beside.abs());
-            }
-            _ => findings.push(link.moving.fault(
-                Code::BAD_COMPENSATION,
-                "the radius of the tool changes at a corner or in an arc of the compensated contour",
-                "change D, OFFN or the tool in a straight block that goes on in the direction of the last, or behind G40",
-            )),
-        }
+        self.outer(link, own, tip, limits, findings);
     }
 
     /// Gives all pieces but the last ones, which may still change.

@@ -6,16 +6,26 @@
 
 mod angle;
 mod approach;
+#[cfg(test)]
+mod bench;
 mod chain;
 mod check;
 mod compensation;
+mod corner;
 mod curve;
 mod gap;
 mod guard;
 mod link;
 mod moving;
+mod reach;
+mod rs274;
+#[cfg(test)]
+mod rs274_tests;
 mod rules;
 mod soft;
+#[cfg(test)]
+mod stage_tests;
+mod tracking;
 mod transition;
 mod wish;
 
@@ -31,7 +41,7 @@ use super::fault::Fault;
 use crate::geometry::AxisSet;
 use crate::machine::Control;
 use angle::OpenLine;
-use compensation::{Compensation, Limits};
+use compensation::Compensation;
 use transition::Transitions;
 
 /// The stage.
@@ -50,7 +60,7 @@ impl Contour {
         Contour {
             open: None,
             transitions: Transitions::default(),
-            compensation: Compensation { limits: Limits::new(control), active: None },
+            compensation: Compensation::new(control),
             between: Vec::new(),
             findings: Vec::new(),
         }
@@ -58,7 +68,7 @@ impl Contour {
 
     /// Whether something is held, so that whatever comes must wait behind it.
     pub(super) fn is_holding(&self) -> bool {
-        self.open.is_some() || self.transitions.is_holding() || self.compensation.active.is_some()
+        self.open.is_some() || self.transitions.is_holding() || self.compensation.is_holding()
     }
 
     /// Takes an item and gives those that are final now.

@@ -10,7 +10,7 @@
 //! Each motion then goes into the stage with [`Wish::of`], which takes the radius in force. A motion may stay out of it only where
 //! [`ContourModal::is_plain`] says so and the stage holds nothing: the stage may wait for the motion that leads off the contour.
 
-use super::wish::{Approach, ContourModal, Side, Wish};
+use super::wish::{Approach, ContourModal, FeedAt, Side, Wish};
 use crate::machine::{CompensationCorner, CompensationStart, Control};
 use crate::source::{FileId, Span};
 
@@ -49,18 +49,23 @@ impl ContourModal {
             CompensationStart::B => Approach::Own,
         };
         let sharp = control.compensation_corner != Some(CompensationCorner::Circular);
-        ContourModal { rules: Rules::Fanuc, approach, sharp, ..ContourModal::default() }
+        ContourModal { rules: Rules::Fanuc, approach, sharp, feed_at: FeedAt::Center, ..ContourModal::default() }
     }
 
     /// LinuxCNC.
     pub(in crate::exec) fn rs274() -> ContourModal {
-        ContourModal { rules: Rules::Rs274, approach: Approach::Own, ..ContourModal::default() }
+        ContourModal {
+            rules: Rules::Rs274,
+            approach: Approach::Own,
+            feed_at: FeedAt::Center,
+            ..ContourModal::default()
+        }
     }
 
     /// Grundig, Philips, MillPlus.
     pub(in crate::exec) fn grundig(control: &Control) -> ContourModal {
         let sharp = control.compensation_corner == Some(CompensationCorner::Linear);
-        ContourModal { rules: Rules::Grundig, sharp, ..ContourModal::default() }
+        ContourModal { rules: Rules::Grundig, sharp, feed_at: FeedAt::Center, ..ContourModal::default() }
     }
 
     /// Whether the way of the tool depends on where the first compensated motion starts.
