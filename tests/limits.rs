@@ -25,6 +25,24 @@ fn positions_outside_the_travel_are_found_once_a_line() {
 }
 
 #[test]
+fn a_rapid_to_the_end_of_an_axis_stays_there() {
+    let mut machine = xyz_machine();
+    machine.axes[2].as_mut().unwrap().travel = Some([-500.0, 0.0]);
+    let errors = ErrorModel {
+        motion: vec![motion("EZZ", polynomial(&[-0.005])), motion("EXX", polynomial(&[0.003]))],
+        ..ErrorModel::default()
+    };
+    let text = "G0 X0 Y0 Z-10\nG0 X0 Y0 Z0\nG0 X0 Y0 Z-10\nG0 X0 Y0 Z0.001\n";
+    let run = correct(text, &machine, &errors, Options::default());
+    let counts: Vec<[i64; 3]> = run.pieces.iter().map(|piece| [0, 1, 2].map(|slot| piece.counts[slot])).collect();
+    // Increments of 0.1 µm: X 3 µm too far, Z 5 µm short.
+    assert_eq!(counts[..3], [[-30, 0, -99_950], [0, 0, 0], [-30, 0, -99_950]]);
+    // What the program itself puts outside is found.
+    let messages: Vec<&str> = run.findings.iter().map(|finding| finding.message.as_str()).collect();
+    assert_eq!(messages, ["Z 0.0060 mm is above the limit of 0 mm"]);
+}
+
+#[test]
 fn corrections_that_are_too_large_are_found_and_bounded() {
     let errors = ErrorModel { motion: vec![motion("EXX", polynomial(&[0.25]))], ..ErrorModel::default() };
     let mut text = String::from("G0 X0 Y0 Z0\n");

@@ -17,8 +17,9 @@ use super::place::{Placed, Placer};
 use super::prediction::{sample_count, sample_place};
 use super::rotary_word;
 use super::route::Route;
+use super::treatment::{Treatment, is_pushed_out};
 use super::trial::{Bench, Standing, Trial};
-use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, lost_axes};
+use super::{Arcs, Options, Output, Piece, Prediction, Subdivision, lost_axes};
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -63,17 +64,6 @@ struct Active {
     as_chords: bool,
     /// Whether its error counts in the prediction.
     is_counted: bool,
-}
-
-/// What is done with a move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Treatment {
-    /// Rounded only.
-    Round,
-    /// Corrected at its end, in one piece.
-    End,
-    /// Corrected along the way.
-    Way,
 }
 
 impl<'a, I> Corrector<'a, I>
@@ -173,12 +163,7 @@ where
         let is_placed = self.placing.difference(motion.known).is_empty();
         standing.written = standing.written.intersection(motion.known);
         self.ever_named = self.ever_named.union(motion.named);
-        let treatment = match (motion.rapid, self.options.rapids) {
-            (true, Rapids::None) => Treatment::Round,
-            (true, Rapids::Ends) => Treatment::End,
-            _ if starts_at_known && is_placed => Treatment::Way,
-            _ => Treatment::End,
-        };
+        let treatment = Treatment::of(motion.rapid, self.options.rapids, starts_at_known && is_placed);
         let route = Route::new(standing.nominal, motion.target, motion.arc);
         let feed = self.placer.feed(&standing.nominal, motion);
         self.prediction.moves += 1;
@@ -232,7 +217,12 @@ where
         }
         if active.treatment == Treatment::End || self.placer.model.is_empty() {
             if route.arc().is_none() {
-                return bench.unmeasured(standing, [from, 1.0]);
+                let trial = bench.unmeasured(standing, [from, 1.0]);
+                if active.motion.rapid && is_pushed_out(self.machine, &route.end, &trial.end.command) {
+                    active.treatment = Treatment::Round;
+                    return bench.rounded(standing);
+                }
+                return trial;
             }
             // Without errors only rounding bends an arc; it turns the bisector of a chord that is not much longer than an increment.
             let whole = match active.treatment {

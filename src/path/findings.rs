@@ -16,7 +16,7 @@ use super::route::Route;
 /// More findings than this help nobody.
 const MOST_FINDINGS: usize = 100;
 /// A command this much beyond its limit is on it: the noise of the arithmetic, mm or rad.
-const ON_LIMIT: f64 = 1e-9;
+pub(super) const ON_LIMIT: f64 = 1e-9;
 
 /// Collects findings.
 #[derive(Debug)]

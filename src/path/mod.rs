@@ -20,6 +20,7 @@ mod place;
 mod prediction;
 mod rotary_word;
 mod route;
+mod treatment;
 mod trial;
 
 pub use compare::{CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Grouping, ON_THE_SPOT, compare};

@@ -25,7 +25,12 @@ impl Channel<'_> {
             Some(number) if (2.0..=4.0).contains(&number) => number.round() as u8,
             Some(_) => return Err(bad_value(gathered.span_of(b'P'), "G30 has the points 2, 3 and 4", "write P2")),
         };
-        let (through, named) = self.end(gathered)?;
+        // By way of where the axes stand, wherever that is: `G91 G28 Z0` at the start of a program.
+        let mut stays = self.modal.incremental;
+        for axis in gathered.axes.iter() {
+            stays &= self.axis_value(gathered, axis)? == 0.0;
+        }
+        let (through, named) = if stays { (self.here(), gathered.axes) } else { self.end(gathered)? };
         if !named.is_empty() && through != self.here() {
             self.step(Step::straight(gathered, true, through, named))?;
             self.outlet.begin_line();

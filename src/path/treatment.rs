@@ -1,0 +1,41 @@
+//! What is done with a move: corrected along its way, at its end, or not at all.
+
+use crate::geometry::AxisVector;
+use crate::machine::Machine;
+
+use super::Rapids;
+use super::findings::ON_LIMIT;
+
+/// What is done with a move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Treatment {
+    /// Rounded only.
+    Round,
+    /// Corrected at its end, in one piece.
+    End,
+    /// Corrected along the way.
+    Way,
+}
+
+impl Treatment {
+    /// That of a move; `is_placed` where its start and all axes that place the tool are known.
+    pub(super) fn of(rapid: bool, rapids: Rapids, is_placed: bool) -> Treatment {
+        match (rapid, rapids) {
+            (true, Rapids::None) => Treatment::Round,
+            (true, Rapids::Ends) => Treatment::End,
+            _ if is_placed => Treatment::Way,
+            _ => Treatment::End,
+        }
+    }
+}
+
+/// Whether a correction leads out of the travel of an axis from a place within it: where a program moves to the end of an axis, the
+/// reference point above all, it means that end and no place relative to the workpiece.
+pub(super) fn is_pushed_out(machine: &Machine, nominal: &AxisVector, command: &AxisVector) -> bool {
+    machine.axes.iter().flatten().any(|data| {
+        data.travel.is_some_and(|[low, high]| {
+            let is_within = |position: f64| (low - ON_LIMIT..=high + ON_LIMIT).contains(&position);
+            is_within(nominal[data.axis]) && !is_within(command[data.axis])
+        })
+    })
+}
