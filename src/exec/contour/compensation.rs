@@ -25,7 +25,7 @@ pub(super) const NEARLY_TANGENTIAL: f64 = 1e-2;
 /// Arcs of this radius beside the contour are a point, mm.
 const POINT_MM: f64 = 1e-4;
 /// Items that may wait, whatever they are.
-const MOST_WAITING: usize = 10_000;
+pub(super) const MOST_WAITING: usize = 10_000;
 
 /// What the control allows.
 #[derive(Clone, Copy, Debug)]
@@ -271,6 +271,11 @@ impl Active {
             self.other_side(&link);
             self.chain.tail().extend(own);
             self.chain.push(link);
+            return;
+        }
+        let (modal, last) = (link.moving.wish.modal, self.last.wish.modal);
+        if modal.rules == Rules::Fanuc && modal.activation != last.activation {
+            self.square(link, own, findings);
             return;
         }
         if (beside - before).abs() > SAME_MM {

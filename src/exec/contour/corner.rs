@@ -127,6 +127,24 @@ impl Active {
         Link::new(Role::Corner, moving, Curve::Line { start: self.point, end: self.point }, curve, beside)
     }
 
+    /// G41, G42 again: the last element ends square to itself, whatever the corner, and the next one leads from there to its end.
+    pub(super) fn square(&mut self, mut link: Link, own: Vec<Item>, findings: &mut Vec<Fault>) {
+        if matches!(link.contour, Curve::Arc { .. }) {
+            findings.push(link.moving.fault(
+                Code::BAD_COMPENSATION,
+                "G41 or G42 again, in an arc: the control leaves the arc",
+                "program it again in a straight block, or not at all while it is on",
+            ));
+        }
+        self.give_up(findings);
+        if let Some(last) = self.chain.links.back_mut() {
+            last.is_sealed = true;
+        }
+        self.chain.tail().extend(own);
+        link.begins_anywhere = true;
+        self.chain.push(link);
+    }
+
     /// Where the sides may not change without G40.
     pub(super) fn check_side_change(&self, link: &Link, findings: &mut Vec<Fault>) {
         let start = add(self.point, scaled(left(self.tangent), self.distance));

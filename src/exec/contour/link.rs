@@ -35,6 +35,8 @@ pub(super) struct Link {
     pub(super) items: Vec<Item>,
     /// Nothing is cut back here or before it.
     pub(super) is_sealed: bool,
+    /// It begins where the tool is, straight to its end, wherever its curve begins.
+    pub(super) begins_anywhere: bool,
     /// Bottlenecks before it have been looked for.
     pub(super) is_checked: bool,
     /// The guard has seen it.
@@ -60,6 +62,7 @@ impl Link {
             clearance_mm,
             items: Vec::new(),
             is_sealed,
+            begins_anywhere: false,
             is_checked: false,
             is_watched: false,
         }
@@ -73,7 +76,10 @@ impl Link {
 
     /// Gives the motion and what stands behind it; `position` is where the tool center is.
     pub(super) fn release(self, basis: PlaneBasis, position: &mut AxisVector, out: &mut Vec<Item>) {
-        let part = self.curve.part(self.from, self.to);
+        let part = match self.curve.part(self.from, self.to) {
+            part if self.begins_anywhere => Curve::Line { start: basis.flat(position), end: part.end() },
+            part => part,
+        };
         let mut moving = *self.moving;
         // Heights and other axes have arrived at the end of the element before the corner.
         let other_axes = if self.role == Role::Corner { *position } else { moving.path.motion.target };

@@ -7,10 +7,10 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::compensation::Compensation;
-use super::curve::{Curve, add, cross, distance, dot, left, scaled, sub, unit};
+use super::curve::{Curve, SAME_MM, add, cross, distance, dot, left, scaled, sub, unit};
 use super::moving::{Item, Moving, same_plane};
 use super::rules::Rules;
-use super::tracking::{Held, Next, Tracking, Way, sign};
+use super::tracking::{Held, Next, Piece, Tracking, Way, sign};
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
 use crate::exec::path::Shape;
@@ -32,7 +32,7 @@ impl Compensation {
                 if tracking.held.is_empty() {
                     out.push(item);
                 } else {
-                    tracking.held.push(Held::Item(item));
+                    tracking.wait(Held::Item(item), out, findings);
                 }
                 return None;
             }
@@ -65,11 +65,7 @@ fn is_beside(moving: &Moving) -> bool {
 /// The motion behind the compensation.
 fn leave(mut moving: Box<Moving>, place: AxisVector, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
     if matches!(moving.path.shape, Shape::Arc { .. }) {
-        findings.push(moving.fault(
-            Code::BAD_COMPENSATION,
-            "the first motion behind G40 is not straight",
-            "end the compensation with G0 or G1 off the contour",
-        ));
+        findings.push(not_straight(&moving));
     }
     moving.path.start = place;
     out.push(Item::Path(moving));
@@ -96,7 +92,11 @@ impl Tracking {
         });
         let contour = moving.curve(&basis);
         let (start, end) = (basis.flat(&moving.path.start), tracking.point);
-        let found = tracking.objection(&moving).or_else(|| {
+        let is_displaced = distance(basis.flat(&place), start) > SAME_MM;
+        let found = tracking
+            .objection(&moving)
+            .or_else(|| (is_displaced && matches!(contour, Some(Curve::Arc { .. }))).then(|| not_straight(&moving)));
+        let found = found.or_else(|| {
             (distance(start, end) <= beside.abs()).then(|| {
                 moving.fault(
                     Code::BAD_COMPENSATION,
@@ -151,7 +151,9 @@ impl Tracking {
     fn element(&mut self, moving: Box<Moving>, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         if !moving.is_plane_motion() {
             let end = self.basis.flat(&self.center);
-            self.hold(moving, end, Way::Line([0.0; 2]));
+            self.center = self.basis.moved(&moving.path.motion.target, end);
+            let way = Way::Line([0.0; 2]);
+            self.wait(Held::Piece(Piece { moving, end, way }), out, findings);
             return;
         }
         if let Some(found) = self.objection(&moving) {
@@ -243,6 +245,14 @@ impl Tracking {
         };
         Some(moving.fault(code, message, help))
     }
+}
+
+fn not_straight(moving: &Moving) -> Fault {
+    moving.fault(
+        Code::BAD_COMPENSATION,
+        "the first motion behind G40 is not straight",
+        "end the compensation with G0 or G1 off the contour",
+    )
 }
 
 pub(super) fn unreachable(moving: &Moving) -> Fault {

@@ -2,6 +2,7 @@
 
 use super::ContourModal;
 use super::bench::Bench;
+use super::curve::{Curve, add, left, scaled};
 use crate::machine::{CompensationCorner, CompensationStart, Control};
 
 fn fanuc(start: CompensationStart, corner: Option<CompensationCorner>) -> Bench {
@@ -182,6 +183,16 @@ fn sides_change_back_along_the_same_line_only() {
 }
 
 #[test]
+fn fanuc_programmed_again_begins_square_to_the_last_element() {
+    // Outside and inside: the element before ends 5 mm beside its end.
+    fanuc(A, None).check(
+        "G41 G1 X20 Y20\nY60\nG41 X60\nY40\nG40 X90",
+        "G1 X15 Y20\nG1 X15 Y60\nG1 X65 Y65\nG1 X65 Y40\nG1 X90 Y40",
+    );
+    fanuc(A, None).check_codes("G41 G1 X20 Y20\nY60\nG41 G2 X30 Y70 I10 J0\nG40 G1 X90", &["E0232:3"]);
+}
+
+#[test]
 fn grundig_to_and_past_an_end() {
     // 5 mm along (0.6, 0.8) are (3, 4); the height follows where the tool is, and G40 leads to the programmed end.
     grundig(None).check(
@@ -200,4 +211,151 @@ fn grundig_to_and_past_an_end() {
 #[test]
 fn grundig_alone_begins_with_the_next_motion() {
     grundig(None).check("G41\nX0\nY60\nG40\nX-30", "G1 X-5 Y20\nG1 X-5 Y60\nG1 X-30 Y60");
+}
+
+/// Numbers without a pattern.
+struct Random(u64);
+
+impl Random {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Motions from X0 Y0 on that bend away from a tool on their left, as text and as curves.
+fn convex(random: &mut Random) -> (String, Vec<Curve>) {
+    let (mut text, mut curves) = (String::new(), Vec::new());
+    let (mut place, mut heading) = ([0.0_f64; 2], 0.0_f64);
+    // Not so far that the contour meets itself.
+    let mut left = 3.0;
+    for k in 0..6 {
+        let bend = random.between(0.0, left);
+        let turns = if k == 0 || random.between(0.0, 1.0) < 0.3 { 0.0 } else { bend };
+        left -= turns;
+        heading -= turns;
+        let start = place;
+        if random.between(0.0, 1.0) < 0.3 {
+            let (radius, sweep) = (random.between(1.0, 30.0), random.between(0.0, left).max(1e-3));
+            left -= sweep;
+            let offset = [radius * heading.sin(), -radius * heading.cos()];
+            heading -= sweep;
+            let center = [start[0] + offset[0], start[1] + offset[1]];
+            place = [center[0] - radius * heading.sin(), center[1] + radius * heading.cos()];
+            text += &format!("G2 X{} Y{} I{} J{}\n", place[0], place[1], offset[0], offset[1]);
+            curves.push(Curve::arc(start, place, center, true, 0));
+        } else {
+            let length = random.between(1.0, 40.0);
+            place = [start[0] + length * heading.cos(), start[1] + length * heading.sin()];
+            text += &format!("G1 X{} Y{}\n", place[0], place[1]);
+            curves.push(Curve::Line { start, end: place });
+        }
+        left = f64::max(left, 0.0);
+    }
+    (text, curves)
+}
+
+/// The move that a line of the bench is, from a place on.
+fn move_of(text: &str, start: [f64; 2]) -> Curve {
+    let word = |letter: char| {
+        text.split_whitespace().find_map(|word| word.strip_prefix(letter)).map_or(0.0, |value| value.parse().unwrap())
+    };
+    let end = [word('X'), word('Y')];
+    let center = [start[0] + word('I'), start[1] + word('J')];
+    match &text[..2] {
+        "G2" => Curve::arc(start, end, center, true, 0),
+        "G3" => Curve::arc(start, end, center, false, 0),
+        _ => Curve::Line { start, end },
+    }
+}
+
+#[test]
+fn around_outer_corners_the_tool_keeps_its_distance_and_misses_nothing() {
+    let mut random = Random(7);
+    for round in 0..300 {
+        let (text, contour) = convex(&mut random);
+        let corner = if round % 2 == 0 { LINEAR } else { CIRCULAR };
+        let start = [-40.0, random.between(-30.0, 60.0), 0.0];
+        let begins = if round % 3 == 0 { A } else { B };
+        let mut bench = onto(start, if round % 5 == 0 { grundig(corner) } else { fanuc(begins, corner) });
+        bench.radius_mm = random.between(0.5, 9.0);
+        let last = contour.last().unwrap();
+        let away = add(last.end(), scaled(left(last.last_tangent()), 100.0));
+        let (moves, codes) = bench.run(&format!("G41 G1 X0 Y0\n{text}G40 G1 X{} Y{}", away[0], away[1]));
+        assert!(codes.is_empty(), "{codes:?} {text}");
+        let mut place = [start[0], start[1]];
+        let mut way = Vec::new();
+        for text in &moves {
+            let curve = move_of(text, place);
+            place = curve.end();
+            way.push(curve);
+        }
+        // Decimals of the bench.
+        let tolerance = 2e-3;
+        for element in &contour {
+            for (index, curve) in way.iter().enumerate().take(way.len() - 1).skip(1) {
+                let gap = curve.gap(element, 1e3);
+                assert!(
+                    gap > bench.radius_mm - tolerance,
+                    "{round}: move {index} {gap} of {}\n{text}\n{moves:#?}",
+                    bench.radius_mm
+                );
+            }
+            for share in [0.01, 0.5, 0.99] {
+                let along = element.length() * share;
+                let beside = add(element.at(along), scaled(left(element.tangent(along)), bench.radius_mm));
+                let missed = way.iter().map(|curve| curve.distance(beside)).fold(f64::INFINITY, f64::min);
+                assert!(missed < tolerance, "{round}: {missed} at {beside:?}\n{text}\n{moves:#?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn whatever_comes_moves_hang_together() {
+    let mut random = Random(3);
+    let rules: [fn(&Control) -> ContourModal; 4] =
+        [|_| ContourModal::default(), ContourModal::fanuc, |_| ContourModal::rs274(), ContourModal::grundig];
+    for round in 0..4000 {
+        let control = Control {
+            compensation_start: if round % 8 < 4 { A } else { B },
+            compensation_corner: [None, LINEAR, CIRCULAR][round / 4 % 3],
+            ..Control::default()
+        };
+        let mut bench = Bench::new(control, rules[round % 4], [5.0, 0.0, -3.0, 1e-9, 1e9][(round / 7) % 5]);
+        bench.start = [random.between(-9.0, 9.0).round(), 0.0, 0.0];
+        let mut place = [bench.start[0], 0.0];
+        let mut text = String::new();
+        for _ in 0..random.between(1.0, 14.0) as usize {
+            let end = [random.between(-20.0, 20.0).round(), random.between(-20.0, 20.0).round()];
+            let code = ["", "", "", "", "G40 ", "G41 ", "G42 ", "G43 ", "G44 "]
+                [random.between(0.0, if round % 4 == 3 { 8.99 } else { 6.99 }) as usize];
+            match random.between(0.0, 6.0) as usize {
+                0 => text += &format!("{code}\n"),
+                1 => text += &format!("{code}G1 Z{}\n", end[0]),
+                2 => {
+                    // Somewhere on the perpendicular bisector, at times the middle; a full circle where the ends are one.
+                    let [dx, dy] = [end[0] - place[0], end[1] - place[1]];
+                    let share = random.between(-2.0, 2.0).round() / 2.0;
+                    let [i, j] = if dx == 0.0 && dy == 0.0 {
+                        [2.0, 0.0]
+                    } else {
+                        [dx / 2.0 - dy * share, dy / 2.0 + dx * share]
+                    };
+                    text += &format!("{code}G{} X{} Y{} I{i} J{j}\n", 2 + round % 2, end[0], end[1]);
+                    place = end;
+                }
+                3 => {
+                    text += &format!("{code}G0 X{} Y{}\n", end[0], end[1]);
+                    place = end;
+                }
+                _ => {
+                    text += &format!("{code}G1 X{} Y{} Z1\n", end[0], place[1]);
+                    place[0] = end[0];
+                }
+            }
+        }
+        let (moves, codes) = bench.run(&text);
+        assert!(!codes.is_empty() || moves.len() <= 200, "{text}");
+    }
 }

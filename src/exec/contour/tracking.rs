@@ -2,9 +2,11 @@
 
 use std::f64::consts::PI;
 
+use super::compensation::MOST_WAITING;
 use super::curve::{Curve, Flat, SAME_MM, add, distance, dot, left, scaled, sub, unit};
 use super::moving::{Item, Moving};
 use super::rs274::unreachable;
+use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
 use crate::geometry::{AxisVector, LINEAR_AXES, PlaneBasis};
 
@@ -39,9 +41,9 @@ pub(super) enum Held {
 /// A piece of the way whose end in the plane may still change.
 #[derive(Debug)]
 pub(super) struct Piece {
-    moving: Box<Moving>,
-    end: Flat,
-    way: Way,
+    pub(super) moving: Box<Moving>,
+    pub(super) end: Flat,
+    pub(super) way: Way,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -91,6 +93,22 @@ impl Tracking {
     pub(super) fn hold(&mut self, moving: Box<Moving>, end: Flat, way: Way) {
         self.center = self.basis.moved(&moving.path.motion.target, end);
         self.held.push(Held::Piece(Piece { moving, end, way }));
+    }
+
+    /// Holds what stands behind the last motion in the plane, within reason.
+    pub(super) fn wait(&mut self, item: Held, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
+        self.held.push(item);
+        if self.held.len() < MOST_WAITING {
+            return;
+        }
+        if let Some(Held::Piece(piece)) = self.held.first() {
+            findings.push(piece.moving.fault(
+                Code::BAD_COMPENSATION,
+                "too many blocks without motion in the plane follow this contour element",
+                "move them off the contour",
+            ));
+        }
+        self.release(out);
     }
 
     /// Center, radius and turn of the arc that is held.
