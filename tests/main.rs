@@ -14,6 +14,7 @@ mod cli_fix;
 mod cli_machine;
 mod cli_snc;
 mod cli_verify;
+mod codes;
 mod comparison;
 mod compensation;
 mod compensation_cases;

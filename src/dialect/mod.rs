@@ -1,6 +1,9 @@
 //! Dialects as values: a code table, file extensions and switches. No parser functions, no execution.
 
 mod code;
+mod fanuc;
+mod grundig;
+mod rs274;
 mod sinumerik;
 
 pub use code::{CodeEntry, CodeTable, Effect};
@@ -30,8 +33,8 @@ pub struct Dialect {
     pub title: &'static str,
     /// File extensions, lower case.
     pub extensions: &'static [&'static str],
-    /// Texts at the start of a line that give the dialect away.
-    pub tells: &'static [&'static str],
+    /// Whether a line, without blanks at its ends, gives the dialect away.
+    tells: fn(&[u8]) -> bool,
     /// Whether programs of this dialect can be executed yet.
     pub is_executable: bool,
     codes: &'static LazyLock<CodeTable>,
@@ -51,39 +54,8 @@ impl std::fmt::Debug for Dialect {
     }
 }
 
-static NO_CODES: LazyLock<CodeTable> = LazyLock::new(CodeTable::default);
-
-/// The register of dialects.
-pub static DIALECTS: &[Dialect] = &[
-    sinumerik::SINUMERIK,
-    Dialect {
-        language: Language::Grundig,
-        name: "grundig",
-        title: "Grundig / Philips / Heidenhain MillPlus",
-        extensions: &["pm", "mm"],
-        tells: &["%PM", "%MM"],
-        is_executable: false,
-        codes: &NO_CODES,
-    },
-    Dialect {
-        language: Language::Fanuc,
-        name: "fanuc",
-        title: "Fanuc and its kin",
-        extensions: &["eia", "fan"],
-        tells: &["O0", "O1", "O2", "O3", "O4", "O5", "O6", "O7", "O8", "O9"],
-        is_executable: false,
-        codes: &NO_CODES,
-    },
-    Dialect {
-        language: Language::Rs274,
-        name: "rs274",
-        title: "RS274/NGC (LinuxCNC)",
-        extensions: &["ngc"],
-        tells: &["O<", "o<", "#<"],
-        is_executable: false,
-        codes: &NO_CODES,
-    },
-];
+/// The register of dialects; where a file tells of several, the first one is taken.
+pub static DIALECTS: &[Dialect] = &[sinumerik::SINUMERIK, grundig::GRUNDIG, rs274::RS274, fanuc::FANUC];
 
 /// The Sinumerik dialect.
 #[must_use]
@@ -97,18 +69,37 @@ pub fn find(name: &str) -> Option<&'static Dialect> {
     DIALECTS.iter().find(|dialect| dialect.name.eq_ignore_ascii_case(name))
 }
 
-/// Guesses from the file's name, then from its first kilobytes.
+/// Guesses from the file's name, then from its first kilobytes. Plain words that any of them might have written are no ground for a guess:
+/// the languages differ in what a number without a decimal point means.
 #[must_use]
 pub fn guess(file_name: &str, bytes: &[u8]) -> Option<&'static Dialect> {
     let extension = file_name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
     let by_name = extension.and_then(|e| DIALECTS.iter().find(|dialect| dialect.extensions.contains(&e.as_str())));
     by_name.or_else(|| {
         let head = &bytes[..bytes.len().min(8192)];
-        head.split(|&b| b == b'\n').find_map(|line| {
-            let line = line.trim_ascii_start();
-            DIALECTS.iter().find(|dialect| dialect.tells.iter().any(|tell| line.starts_with(tell.as_bytes())))
-        })
+        let is_blank = |byte: &u8| *byte <= b' ' || *byte == 0x7f;
+        let lines = || {
+            let lines = head.split(|&byte| byte == b'\n' || byte == b'\r');
+            lines.map(move |line| {
+                let start = line.iter().position(|byte| !is_blank(byte)).unwrap_or(line.len());
+                line[start..].trim_ascii_end()
+            })
+        };
+        DIALECTS.iter().find(|dialect| lines().any(dialect.tells))
     })
+}
+
+/// Whether a line begins with a text, in either case.
+fn begins(line: &[u8], text: &str) -> bool {
+    line.get(..text.len()).is_some_and(|start| start.eq_ignore_ascii_case(text.as_bytes()))
+}
+
+/// Whether a line begins with a letter and digits: what stands behind them, without blanks.
+fn behind_number(line: &[u8], letter: u8) -> Option<&[u8]> {
+    let (first, rest) = line.split_first()?;
+    let rest = rest.trim_ascii_start();
+    let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    (first.eq_ignore_ascii_case(&letter) && digits > 0).then(|| rest[digits..].trim_ascii_start())
 }
 
 #[cfg(test)]
@@ -118,9 +109,35 @@ mod tests {
     #[test]
     fn name_goes_before_content() {
         assert_eq!(guess("a.MPF", b"").map(|d| d.name), Some("sinumerik"));
-        assert_eq!(guess("a.nc", b"%\r\nO1234 (X)\r\n").map(|d| d.name), Some("fanuc"));
-        assert_eq!(guess("a.nc", b"\n%_N_X_MPF\n").map(|d| d.name), Some("sinumerik"));
-        assert_eq!(guess("a.nc", b"%PM9001\n").map(|d| d.name), Some("grundig"));
-        assert!(guess("a.nc", b"G0 X1").is_none());
+        assert_eq!(guess("a.pm", b"N1 G17").map(|d| d.name), Some("grundig"));
+        assert_eq!(guess("a.ngc", b"O1\n").map(|d| d.name), Some("rs274"));
+    }
+
+    #[test]
+    fn content_tells_where_the_name_does_not() {
+        for (text, name) in [
+            ("%\r\nO1234 (X)\r\n", "fanuc"),
+            ("%\nO0001\nN10 G0 X1", "fanuc"),
+            ("%O0001\nN10 G0 X1", "fanuc"),
+            (":1234(X)\nG0 X1", "fanuc"),
+            ("G0 X1\nIF[#1EQ2]GOTO10", "fanuc"),
+            ("\n%_N_X_MPF\n", "sinumerik"),
+            ("%PM9001\n", "grundig"),
+            ("% pm\nN9001", "grundig"),
+            ("\0\0%PM\r\n\r\nN9000 (X)", "grundig"),
+            ("N9001 (ARCS)\nN1 G17", "grundig"),
+            ("N10 G54 I3\nN20 X=E1+3 F=E2", "grundig"),
+            ("%\no<a> sub\n", "rs274"),
+            ("o100 sub\nG0 X1\no100 endsub", "rs274"),
+            ("O100 IF [#1 GT 2]", "rs274"),
+            ("#<depth> = 5", "rs274"),
+            ("g0 x#<_hal[a]>", "rs274"),
+            ("(debug, #1)", "rs274"),
+        ] {
+            assert_eq!(guess("a.nc", text.as_bytes()).map(|d| d.name), Some(name), "{text}");
+        }
+        for text in ["G0 X1", "N10 G0 X1\nN20 G1 X2. F100", "", "%\nG0 X1", "#1=5", "N10 (TEXT)\nG0 X1"] {
+            assert!(guess("a.nc", text.as_bytes()).is_none(), "{text}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::{CodeTable, Dialect, Language};
+use super::{CodeTable, Dialect, Language, begins};
 
 static CODES: LazyLock<CodeTable> =
     LazyLock::new(|| CodeTable::from_tsv(include_str!("../../grammars/sinumerik-codes.tsv")));
@@ -12,7 +12,7 @@ pub(super) const SINUMERIK: Dialect = Dialect {
     name: "sinumerik",
     title: "Siemens Sinumerik 840D / 828D",
     extensions: &["mpf", "spf", "arc"],
-    tells: &["%_N_", ";$PATH"],
+    tells: |line| begins(line, "%_N_") || begins(line, ";$PATH"),
     is_executable: true,
     codes: &CODES,
 };

@@ -258,7 +258,7 @@ impl Gatherer<'_> {
                 out.diameter = Some((entry.name != "DIAMOF", span));
                 out.keep.push("DIAMOF");
             }
-            Effect::Refuse => {
+            Effect::Execute | Effect::Refuse => {
                 let message = format!("{} ({}) is not supported yet", entry.name, entry.meaning);
                 return Err(fault(Code::NOT_SUPPORTED, span, message, "the program cannot be corrected with it"));
             }

@@ -1,0 +1,103 @@
+//! The code tables as the documentation shows them, and that they hold what is promised.
+
+use std::fmt::Write as _;
+
+use ncfix::dialect::{self, DIALECTS, Effect};
+
+use crate::support::repository;
+
+/// What docs/codes.md must say.
+fn page() -> String {
+    let mut text = String::from(
+        "# Codes\n\nWhat ncfix knows of each dialect, made from the tables in [`../grammars`](../grammars) that the program itself reads. \
+         *execute* codes\nare executed, so that only positions are left of them; *keep* codes change no position and are passed on in their \
+         place; *display*\ncodes concern the screen and are left out; *refuse* codes are known and refused, because they change positions or \
+         feeds in a way\nthat is not executed. The other words of the Sinumerik say more closely what is executed. `axes` are all axes. \
+         M codes that are not\nlisted are the machine builder's and are passed on.\n",
+    );
+    for dialect in DIALECTS {
+        writeln!(text, "\n## {}\n", dialect.title).unwrap();
+        writeln!(text, "| code | group | effect | words used | meaning |\n| --- | --- | --- | --- | --- |").unwrap();
+        for row in dialect.codes().rows() {
+            let effect = format!("{:?}", row.effect).to_lowercase();
+            let (words, name) = (row.words.replace('-', ""), row.name.replace("..", " … "));
+            writeln!(text, "| {name} | {} | {effect} | {words} | {} |", row.group, row.meaning).unwrap();
+        }
+    }
+    text
+}
+
+/// Run with `NCFIX_WRITE_DOCS=1` to write the page anew.
+#[test]
+fn the_documentation_shows_the_tables() {
+    let path = repository("docs/codes.md");
+    if std::env::var_os("NCFIX_WRITE_DOCS").is_some() {
+        std::fs::write(&path, page()).unwrap();
+    }
+    let written = std::fs::read_to_string(&path).unwrap().replace("\r\n", "\n");
+    let different = written.lines().zip(page().lines().map(str::to_owned)).find(|(is, should)| is != should);
+    assert_eq!(different, None, "run this test with NCFIX_WRITE_DOCS=1");
+    assert_eq!(written.lines().count(), page().lines().count(), "run this test with NCFIX_WRITE_DOCS=1");
+}
+
+/// Codes that a dialect must know, in tenths.
+fn knows(dialect: &str, effect: Effect, tenths: &[usize]) {
+    let codes = dialect::find(dialect).unwrap().codes();
+    for &code in tenths {
+        assert_eq!(codes.g_tenths(code).map(|row| row.effect), Some(effect), "{dialect}: G{}.{}", code / 10, code % 10);
+    }
+}
+
+#[test]
+fn the_tables_hold_the_codes_of_the_languages() {
+    let fanuc = [
+        0, 10, 20, 30, 40, 100, 110, 150, 160, 170, 180, 190, 200, 210, 280, 290, 300, 310, 400, 410, 420, 430, 440,
+        490, 434, 435, 500, 510, 501, 511, 520, 530, 540, 590, 541, 650, 660, 670, 680, 690, 682, 531, 730, 740, 760,
+        800, 810, 820, 830, 840, 850, 860, 870, 880, 890, 980, 990, 900, 910, 920, 930, 940, 950,
+    ];
+    knows("fanuc", Effect::Execute, &fanuc);
+    knows("fanuc", Effect::Keep, &[90, 610, 620, 630, 640, 960, 970, 51, 80]);
+    knows("fanuc", Effect::Refuse, &[22, 32, 62, 71, 130, 1500]);
+    let rs274 = [
+        0, 10, 20, 30, 40, 50, 51, 52, 53, 100, 170, 200, 210, 280, 281, 300, 301, 382, 383, 384, 385, 400, 410, 411,
+        420, 421, 430, 431, 432, 490, 520, 530, 540, 590, 591, 592, 593, 730, 740, 800, 810, 820, 830, 840, 850, 860,
+        890, 900, 910, 901, 911, 920, 921, 922, 923, 930, 940, 950, 980, 990,
+    ];
+    knows("rs274", Effect::Execute, &rs274);
+    knows("rs274", Effect::Keep, &[610, 611, 640, 960, 970]);
+    knows("rs274", Effect::Refuse, &[70, 80, 171, 760, 870]);
+    let grundig = [
+        0, 10, 20, 30, 40, 70, 90, 140, 170, 180, 190, 220, 230, 270, 280, 290, 400, 410, 420, 430, 440, 510, 520, 530,
+        540, 590, 610, 620, 630, 640, 700, 710, 720, 730, 770, 780, 790, 810, 830, 840, 850, 860, 870, 880, 890, 900,
+        910, 920, 930, 940, 950,
+    ];
+    knows("grundig", Effect::Execute, &grundig);
+    knows("grundig", Effect::Display, &[250, 260, 980, 990, 1950]);
+    knows("grundig", Effect::Keep, &[960, 970]);
+    knows("grundig", Effect::Refuse, &[450, 2000, 2080, 3200, 6500, 7900]);
+    for (dialect, numbers) in [
+        ("fanuc", &[0_usize, 1, 2, 3, 30, 6, 98, 99][..]),
+        ("rs274", &[0, 1, 2, 6, 30, 61, 62, 68, 70, 73, 98, 99, 150]),
+        ("grundig", &[0, 1, 2, 6, 30, 53, 54, 66, 67]),
+    ] {
+        let codes = dialect::find(dialect).unwrap().codes();
+        assert!(numbers.iter().all(|&number| codes.m(number).is_some()), "{dialect}");
+    }
+}
+
+#[test]
+fn groups_and_words_of_some_codes() {
+    let fanuc = dialect::find("fanuc").unwrap().codes();
+    assert_eq!(fanuc.g(54).map(|row| row.group), fanuc.g_tenths(541).map(|row| row.group));
+    let group = |number: usize| fanuc.g(number).map(|row| row.group);
+    assert!(group(73) == group(80) && group(80) == group(89) && group(0) != group(80));
+    assert!(fanuc.g(1).is_some_and(|row| row.uses(b'X') && !row.uses(b'I') && row.uses_comma(b'C')));
+    assert!(fanuc.g(2).is_some_and(|row| row.uses(b'I') && row.uses(b'R') && !row.uses(b'P')));
+    let rs274 = dialect::find("rs274").unwrap().codes();
+    assert!(rs274.g(1).is_some_and(|row| row.uses(b'@') && row.uses(b'^') && !row.uses(b'R')));
+    assert!(rs274.g(2).is_some_and(|row| row.uses(b'P')));
+    assert_eq!(rs274.g(0).map(|row| row.group), rs274.g(81).map(|row| row.group));
+    let grundig = dialect::find("grundig").unwrap().codes();
+    assert!(grundig.g(1).is_some_and(|row| row.uses_indexed(b'B', 1) && !row.uses(b'I')));
+    assert!(grundig.g(14).is_some_and(|row| row.uses_indexed(b'N', 2) && row.uses(b'J')));
+}
