@@ -57,4 +57,5 @@ mod threads;
 mod tolerance;
 mod variables;
 mod words;
+mod words_hostile;
 mod written_turns;

@@ -144,7 +144,8 @@ fn precedence_is_the_one_of_the_language() {
         ("x-sin[30]", "Minus(Sin(30))"),
         ("x#<My Name>", "#<MYNAME>"),
         ("x#<_global>", "#<_GLOBAL>"),
-        ("x[exists[#<a>]]", "Exists(#<A>)"),
+        ("x[exists[#<a>]+exists[##2]]", "(Exists(#<A>) Add Exists(#[#2]))"),
+        ("x#atan[1]/[1]", "#[Atan(1,1)]"),
         ("x--5", "Minus(Minus(5))"),
     ] {
         assert_eq!(first("rs274", text), format!("X{expected}"), "{text}");
@@ -197,6 +198,12 @@ fn programs_of_a_tape() {
     }
     let program = clean("rs274", "%\ng0 x1\n%\n???\n");
     assert_eq!(program.blocks.len(), 1);
+    let program = clean("rs274", "o<a> sub\n(debug, a)\no<a> endsub\nm2\n%\n%\n");
+    assert_eq!(program.blocks.len(), 4);
+    let program = clean("rs274", "%\nO<My Program>\ng0 x1\nn20 %");
+    assert_eq!(program.parts[0].name, program.names.find("MYPROGRAM"));
+    let program = clean("rs274", "g0 x1\nm2\nThis is no block\nnor ? this");
+    assert_eq!(program.blocks.len(), 4);
     let program = clean("rs274", "g0 x1\no100 (fanuc style)\nx2\nm99\n");
     assert_eq!(program.parts.len(), 2);
     assert_eq!(program.parts[1].number, Some(100));
@@ -266,7 +273,7 @@ fn macro_statements() {
 fn o_words() {
     let text = "o<sub one> sub\no1 if [#1 eq 1]\no1 elseif [#1 eq 2]\no1 else\no1 endif\no2 do\no3 while [#2 lt 3]\n\
                 o3 continue\no3 endwhile\no2 while [#1 lt 2]\no4 repeat [3]\no4 break (out)\no4 endrepeat\n\
-                o<subone> return [#1]\no<SubOne> endsub [1]\no<subone> call [1] [#2+1] ; there\no#7 call\no[7] call";
+                o<subone> return [#1]\no<SubOne> endsub [1]\no<subone> call [1] (second) [#2+1] ; there\no#7 call\no[7] call";
     let program = clean("rs274", text);
     let partners: Vec<_> = program.blocks.iter().map(Block::partner).collect();
     assert_eq!(partners[..6], [Some(14), Some(2), Some(3), Some(4), Some(1), Some(9)]);
@@ -349,6 +356,8 @@ fn faults_have_their_code_and_their_place() {
         ("grundig", "N1 X=E", "E0104", 5),
         ("grundig", "N1 X[1]", "E0103", 3),
         ("grundig", "N1.5 X1", "E0102", 0),
+        ("grundig", "N1 X1\nN2 X2\nN1 X3", "E0112", 12),
+        ("rs274", "m2\no1 sub\nx?\no1 endsub", "E0103", 10),
     ] {
         let source = Source::new(FileId(0), "a", text.as_bytes().to_vec()).unwrap();
         let (_, findings) = words::parse(&source, dialect::find(dialect).unwrap());

@@ -76,8 +76,8 @@ codes! {
     UNEXPECTED = "E0101" "unexpected text"
 "The text at this place is no word, statement or expression of the dialect.
 
-A common cause is a missing '=': a value that is no plain number needs one (X=R1*2, CR=5, S2=500). Another is a comment
-without ';' in a Sinumerik program, where ( ) belongs to expressions.";
+A common cause is a missing '=': in Sinumerik and Grundig programs a value that is no plain number needs one (X=R1*2, CR=5, S2=500,
+X=E1). Another is a comment without ';' in a Sinumerik program, where ( ) belongs to expressions, or without ( ) in others.";
     BAD_NUMBER = "E0102" "malformed number"
 "A number is digits with at most one decimal point; the exponent of a Sinumerik number is written EX, as in 1.5EX-3.
 Numbers beyond the range of a double are refused too.";
@@ -89,7 +89,8 @@ Numbers beyond the range of a double are refused too.";
 "A '(', '[' or '\"' that was opened in this block is not closed in it.";
     UNMATCHED_STRUCTURE = "E0106" "control structure not closed or not opened"
 "IF needs ENDIF, WHILE needs ENDWHILE, FOR needs ENDFOR, LOOP needs ENDLOOP, REPEAT needs UNTIL, each in the same program
-and properly nested. ELSE stands once between IF and ENDIF.";
+and properly nested. ELSE stands once between IF and ENDIF. WHILE ... DO1 of a custom macro needs END1 (with 1, 2 or 3), an O-word
+of RS274/NGC its end with the same label: o100 sub and o100 endsub, o101 while and o101 endwhile.";
     TOO_DEEP = "E0107" "nested too deeply"
 "Brackets in an expression may be nested 64 deep, control structures 32 deep. Controls allow far less.";
     MUST_STAND_ALONE = "E0108" "statement must stand alone in its block"
@@ -104,6 +105,9 @@ picture or setting-data save.";
     DOUBLE_WORD = "E0111" "word given twice in one block"
 "An address that takes effect once per block (an axis, F, a G code of one group …) was programmed twice in it. The control would
 raise an alarm or use the last one, depending on its version; this program does not guess.";
+    DOUBLE_NUMBER = "E0112" "block number given twice"
+"Two blocks of a program or macro of a Grundig or MillPlus have the same N number. G14 repeats blocks and G29 jumps to blocks by their
+number, so that it must be clear which one is meant; the control refuses such a program. Number the blocks anew.";
 
     NOT_SUPPORTED = "E0201" "not supported yet"
 "The program uses a code, statement, cycle or system variable that ncfix does not execute yet. It is refused because skipping it

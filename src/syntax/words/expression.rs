@@ -232,7 +232,9 @@ impl Parser {
                 let (rest, name) = angled(behind)?;
                 (rest, Node::Named(self.intern(name)))
             }
-            Some(b'#' | b'[') => {
+            Some(&byte)
+                if b"#[".contains(&byte) || (byte.is_ascii_alphabetic() && self.language == Language::Rs274) =>
+            {
                 let (rest, inner) = self.deeper(behind, |parser| parser.operand(behind))?;
                 (rest, Node::ParameterAt(inner))
             }
@@ -312,9 +314,10 @@ impl Parser {
         if needs_two && second.is_none() {
             return fault(Code::BAD_EXPRESSION, input, length, "this function needs two values");
         }
-        let is_named = |id: ExprId| matches!(self.program.expr(id).node, Node::Named(_));
-        if function == Function::Exists && !is_named(first) {
-            return fault(Code::BAD_EXPRESSION, bracket, 1, "EXISTS asks for a named parameter: EXISTS[#<name>]");
+        let node = self.program.expr(first).node;
+        let is_parameter = matches!(node, Node::Named(_) | Node::Parameter(_) | Node::ParameterAt(_));
+        if function == Function::Exists && !is_parameter {
+            return fault(Code::BAD_EXPRESSION, bracket, 1, "EXISTS asks for a parameter: EXISTS[#<name>]");
         }
         Ok((rest, self.push_between(input, rest, Node::Call(function, first, second))))
     }

@@ -37,12 +37,11 @@ pub(super) fn tape(bytes: &[u8], line_end: u8, language: Language) -> (usize, us
         start += line.len() + 1;
     }
     let (Some(&first), Some(&last)) = (marks.first(), marks.last()) else { return all };
-    let before = &bytes[..first.0];
-    let is_program = |line: &[u8]| {
-        matches!(blanks(line), [b'O' | b'o' | b':' | b'N' | b'n' | b'G' | b'g', rest @ ..]
-            if blanks(rest).first().is_some_and(u8::is_ascii_digit))
+    let mut before = bytes[..first.0].split(|&byte| byte == line_end).map(blanks);
+    let has_leader = match language {
+        Language::Rs274 => before.all(<[u8]>::is_empty),
+        _ => !before.any(is_block),
     };
-    let has_leader = !before.split(|&byte| byte == line_end).any(is_program);
     let start = if has_leader { first.0 } else { 0 };
     if marks.len() == 1 {
         // It opens the program, unless there is one before it already.
@@ -52,6 +51,18 @@ pub(super) fn tape(bytes: &[u8], line_end: u8, language: Language) -> (usize, us
     let end =
         if language == Language::Rs274 && has_leader { marks.get(1).map_or(last.1, |mark| mark.1) } else { last.1 };
     (start, end)
+}
+
+/// Whether a line in front of the first `%` is a block of a program rather than a leader: a word with its value begins it.
+fn is_block(line: &[u8]) -> bool {
+    match line {
+        [b'#', ..] => true,
+        [b':' | b'O' | b'o', rest @ ..] => blanks(rest).first().is_some_and(u8::is_ascii_digit),
+        [letter, rest @ ..] if letter.is_ascii_alphabetic() => {
+            matches!(blanks(rest).first(), Some(b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'['))
+        }
+        _ => false,
+    }
 }
 
 impl Parser {
@@ -150,7 +161,9 @@ impl Parser {
             return rest;
         }
         let behind = blanks(&text[1..]);
-        if behind.first() == Some(&b'<') && self.language == Language::Fanuc {
+        if let (Some(b'<'), Ok((rest, _))) = (behind.first(), angled(behind))
+            && (self.language == Language::Fanuc || matches!(blanks(rest).first(), None | Some(b'(' | b';')))
+        {
             return self.program_header(behind);
         }
         let Ok((rest, number)) = small_number(behind, true) else { return text };

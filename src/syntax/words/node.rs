@@ -112,6 +112,6 @@ pub enum Function {
     Deg,
     /// Radians of degrees.
     Rad,
-    /// Whether a named parameter exists; its operand is [`Node::Named`].
+    /// Whether a parameter exists; its operand is [`Node::Named`], [`Node::Parameter`] or [`Node::ParameterAt`].
     Exists,
 }

@@ -2,7 +2,7 @@
 
 use super::header;
 use super::token::{Fault, Input, Parsed, blanks, fault, is_blank, number};
-use super::tree::{Block, Body, InnerSkip, Label, PartKind, Program, Slice};
+use super::tree::{Block, Body, InnerSkip, PartKind, Program, Slice};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::{Dialect, Language};
 use crate::source::{Source, Span};
@@ -172,13 +172,18 @@ impl Parser {
         }
         let rest = match input.first() {
             None => return Ok((input, ())),
+            // The end of a tape behind a block number.
+            Some(b'%') if self.is_spaced() && block.number.is_some() => {
+                self.program.has_tape_marks = true;
+                return Ok((input, ()));
+            }
             Some(b'O' | b'o') if self.language == Language::Rs274 => self.o_word(input, block)?.0,
             Some(first) if first.is_ascii_alphabetic() && self.is_macro_statement(input) => {
                 self.macro_statement(input, block)?.0
             }
             _ => return self.words(input, block),
         };
-        self.end_of_statement(rest, block)
+        self.end_of_statement(rest)
     }
 
     /// Whether digits that are no index (`N1=`) follow an N.
@@ -194,15 +199,12 @@ impl Parser {
     }
 
     /// Nothing but comments may follow a statement.
-    fn end_of_statement<'a>(&mut self, input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
+    fn end_of_statement<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ()> {
         let mut rest = blanks(input);
         while let Some(b'(' | b';') = rest.first() {
             rest = blanks(self.comment(rest)?.0);
         }
         if rest.is_empty() {
-            return Ok((rest, ()));
-        }
-        if matches!(block.label, Some(Label::Computed(_))) && block.body == Body::Empty {
             return Ok((rest, ()));
         }
         fault(Code::MUST_STAND_ALONE, rest, rest.len(), "this stands behind a statement that needs its own block")

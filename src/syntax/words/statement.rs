@@ -206,11 +206,17 @@ impl Parser {
     fn call_arguments<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Slice> {
         let start = u32::try_from(self.program.arguments.len()).unwrap_or(u32::MAX);
         let (mut rest, mut count) = (input, 0);
-        while blanks(rest).first() == Some(&b'[') {
-            let (behind, id) = self.condition(rest)?;
-            self.program.arguments.push(id);
-            (rest, count) = (behind, count + 1);
+        loop {
+            rest = blanks(rest);
+            match rest.first() {
+                Some(b'[') => {
+                    let (behind, id) = self.condition(rest)?;
+                    self.program.arguments.push(id);
+                    (rest, count) = (behind, count + 1);
+                }
+                Some(b'(') => rest = self.comment(rest)?.0,
+                _ => return Ok((rest, Slice { start, count })),
+            }
         }
-        Ok((rest, Slice { start, count }))
     }
 }

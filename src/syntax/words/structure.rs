@@ -1,9 +1,12 @@
 //! Connects the two sides of control structures, lists jump targets and subroutines, and reports what has only one side.
 
-use super::tree::{Block, Body, Label, Program};
+use super::tree::{Address, Block, Body, Label, PartKind, Program, Value};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Language;
 use crate::source::Span;
+
+/// The loop that BREAK and CONTINUE belong to is looked for among so many open structures.
+const MAX_SEARCH: usize = 256;
 
 /// Sorts the block numbers of each part, so that a jump finds its target.
 pub(super) fn list_targets(program: &mut Program, findings: &mut Vec<Diagnostic>) {
@@ -22,7 +25,24 @@ pub(super) fn list_targets(program: &mut Program, findings: &mut Vec<Diagnostic>
         program.targets[first..].sort_unstable();
         part.targets = first..program.targets.len();
     }
-    let _ = findings;
+    if program.dialect.language == Language::Grundig {
+        report_doubles(program, findings);
+    }
+}
+
+/// A number of a Grundig stands once in a program: repetitions and jumps name blocks by it.
+fn report_doubles(program: &Program, findings: &mut Vec<Diagnostic>) {
+    for part in program.parts.iter().filter(|part| matches!(part.kind, PartKind::Program | PartKind::Macro)) {
+        let targets = program.targets.get(part.targets.clone()).unwrap_or_default();
+        for pair in targets.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            let block = |index: u32| program.blocks.get(index as usize);
+            let (Some(first), Some(second)) = (block(pair[0].1), block(pair[1].1)) else { continue };
+            let place = Place { file: program.source.id(), span: second.span };
+            let message = format!("N{} is the number of line {} already", pair[0].0, first.line);
+            let help = "give each block of a program a number of its own";
+            findings.push(Diagnostic::at(Code::DOUBLE_NUMBER, place, message, help));
+        }
+    }
 }
 
 /// An open control structure: its blocks that still want a partner.
@@ -33,18 +53,48 @@ struct Open {
     label: Option<Label>,
 }
 
-/// Sets the partners.
+/// Whether the program ends here whatever happens: M2 or M30.
+fn ends_program(program: &Program, block: &Block) -> bool {
+    let is_end = |value| matches!(value, Value::Number { value, .. } if value == 2.0 || value == 30.0);
+    let mut words = program.words_of(block).iter();
+    block.skip.is_none() && words.any(|word| word.address == Address::Letter(b'M') && is_end(word.value))
+}
+
+/// Sets the partners. What stands behind the end of a program of RS274/NGC is never read, so nothing in it is a fault.
 pub(super) fn connect(program: &mut Program, findings: &mut Vec<Diagnostic>) {
+    let mut unread: Vec<Span> = Vec::new();
     for part in 0..program.parts.len() {
         let Some(range) = program.parts.get(part).map(|part| part.blocks.clone()) else { continue };
         let mut open: Vec<Open> = Vec::new();
+        let mut is_over = false;
         for index in range {
             step(program, index, &mut open, findings);
+            match program.blocks.get_mut(index) {
+                Some(block) if block.body == Body::Sub => is_over = false,
+                Some(block) if block.body == Body::Faulty && is_over => {
+                    block.body = Body::Empty;
+                    unread.push(block.span);
+                }
+                Some(block)
+                    if block.body == Body::Words && open.is_empty() && program.dialect.language == Language::Rs274 =>
+                {
+                    let block = *block;
+                    is_over |= ends_program(program, &block);
+                }
+                _ => {}
+            }
         }
         for left in open {
             let message = "this has no end in this program";
             report(program, left.block, message, findings);
         }
+    }
+    if !unread.is_empty() {
+        let is_unread = |place: Place| {
+            let before = unread.partition_point(|span| span.start <= place.span.start);
+            before > 0 && unread.get(before - 1).is_some_and(|span| place.span.start <= span.end)
+        };
+        findings.retain(|finding| !finding.place.is_some_and(is_unread));
     }
 }
 
@@ -107,7 +157,7 @@ fn step(program: &mut Program, index: usize, open: &mut Vec<Open>, findings: &mu
                 open.label == label
                     && matches!(body_at(program, open.block), Body::While(_) | Body::Do | Body::Repeat(_))
             };
-            match open.iter().rev().find(is_loop).map(|open| open.block) {
+            match open.iter().rev().take(MAX_SEARCH).find(is_loop).map(|open| open.block) {
                 Some(start) => set(program, index, start),
                 None => report(program, index, "there is no open loop that this could belong to", findings),
             }
