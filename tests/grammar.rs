@@ -1,16 +1,19 @@
 //! Runs the examples that stand behind the productions in `grammars/`.
 
-use ncfix::dialect;
+use ncfix::dialect::{self, Language};
 use ncfix::exec::{Execution, NoLibrary, Options};
 use ncfix::source::{FileId, Source};
 use ncfix::syntax;
 
 use crate::machines::xyz_machine;
 
-/// Codes of all error findings of a program.
+/// Codes of all error findings of a program; those of the word languages are of reading alone.
 fn errors_of(text: &str, dialect: &'static dialect::Dialect) -> Vec<String> {
     let source = Source::new(FileId(0), "example", text.as_bytes().to_vec()).unwrap();
     let (program, findings) = syntax::parse(&source, dialect);
+    if dialect.language != Language::Sinumerik {
+        return findings.iter().map(|found| found.code.to_string()).collect();
+    }
     let machine = xyz_machine();
     let options = Options { max_blocks: Some(1000), ..Options::default() };
     let executed = Execution::new(program, &machine, Box::new(NoLibrary), options).filter_map(Result::err);
@@ -19,7 +22,7 @@ fn errors_of(text: &str, dialect: &'static dialect::Dialect) -> Vec<String> {
 
 #[test]
 fn every_example_of_every_grammar_holds() {
-    for dialect in dialect::DIALECTS.iter().filter(|dialect| dialect.is_executable) {
+    for dialect in dialect::DIALECTS {
         let path = format!("{}/grammars/{}.ebnf", env!("CARGO_MANIFEST_DIR"), dialect.name);
         let text = std::fs::read_to_string(&path).unwrap();
         let (mut good, mut bad, mut faults) = (0, 0, Vec::new());
@@ -32,7 +35,7 @@ fn every_example_of_every_grammar_holds() {
                 }
                 good += 1;
             } else if let Some(example) = line.trim_start().strip_prefix("err:") {
-                let (code, example) = example.trim().split_once(' ').unwrap();
+                let (code, example) = example.trim().split_once(' ').unwrap_or((example.trim(), ""));
                 let errors = errors_of(&example.replace('|', "\n"), dialect);
                 if errors.first().map(String::as_str) != Some(code) {
                     faults.push(format!("{place}: {code} expected, found {errors:?}"));
