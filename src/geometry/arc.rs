@@ -124,6 +124,38 @@ impl Arc {
         Ok(arc)
     }
 
+    /// Builds the arc the way LinuxCNC does: the center stays where it is programmed. Where the radii at start and end differ, by
+    /// at most `tolerance_mm` of the larger one, the way between them is a spiral.
+    ///
+    /// # Errors
+    /// Where the radii differ by more, or the radius is zero.
+    pub fn spiral(
+        plane: Plane,
+        clockwise: bool,
+        start: &AxisVector,
+        end: &AxisVector,
+        center_mm: [f64; 2],
+        extra_turns: u32,
+        tolerance_mm: impl Fn(f64) -> f64,
+    ) -> Result<Arc, CenterFault> {
+        let arc = Arc { plane, clockwise, center_mm, extra_turns };
+        let (start_radius_mm, end_radius_mm) = (arc.radius_mm(start), arc.radius_mm(end));
+        if !(start_radius_mm.is_finite() && end_radius_mm.is_finite()) {
+            return Err(CenterFault::NotFinite);
+        }
+        if start_radius_mm < SAME_POINT_MM {
+            return Err(CenterFault::ZeroRadius);
+        }
+        if (start_radius_mm - end_radius_mm).abs() > tolerance_mm(start_radius_mm.max(end_radius_mm)) {
+            let [abscissa, ordinate, _] = plane.axes();
+            let chord = (end[abscissa] - start[abscissa]).hypot(end[ordinate] - start[ordinate]);
+            // By the theorem of cosines in the triangle of start, end and center.
+            let off_bisector_mm = (start_radius_mm.powi(2) - end_radius_mm.powi(2)).abs() / (2.0 * chord);
+            return Err(CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm });
+        }
+        Ok(arc)
+    }
+
     /// Radius at the start, mm.
     #[must_use]
     pub fn radius_mm(&self, start: &AxisVector) -> f64 {
@@ -156,7 +188,8 @@ impl Arc {
         (point[ordinate] - self.center_mm[1]).atan2(point[abscissa] - self.center_mm[0])
     }
 
-    /// The position at `fraction` (0 … 1) of the sweep; exact at both ends.
+    /// The position at `fraction` (0 … 1) of the sweep; exact at both ends. The radius changes in proportion where it differs at
+    /// the end.
     #[must_use]
     pub fn at(&self, start: &AxisVector, end: &AxisVector, fraction: f64) -> AxisVector {
         if fraction <= 0.0 {
@@ -168,7 +201,7 @@ impl Arc {
         let [abscissa, ordinate, _] = self.plane.axes();
         let mut out = start.lerp(end, fraction);
         let angle = self.angle_rad(start) + self.sweep_rad(start, end) * fraction;
-        let radius = self.radius_mm(start);
+        let radius = self.radius_mm(start) * (1.0 - fraction) + self.radius_mm(end) * fraction;
         out[abscissa] = self.center_mm[0] + radius * angle.cos();
         out[ordinate] = self.center_mm[1] + radius * angle.sin();
         out
@@ -188,7 +221,8 @@ impl Arc {
     #[must_use]
     pub fn length_mm(&self, start: &AxisVector, end: &AxisVector) -> f64 {
         let across = self.plane.axes()[2];
-        (self.radius_mm(start) * self.sweep_rad(start, end)).hypot(end[across] - start[across])
+        let radius = self.radius_mm(start).midpoint(self.radius_mm(end));
+        (radius * self.sweep_rad(start, end)).hypot(end[across] - start[across])
     }
 }
 
@@ -227,6 +261,17 @@ mod tests {
         let arc = Arc::through(Plane::XY, false, &start, &end, [0.003, -0.003], 0, |_| 0.01).unwrap();
         assert!((arc.radius_mm(&start) - arc.radius_mm(&end)).abs() < 1e-12);
         let fault = Arc::through(Plane::XY, false, &start, &end, [0.02, -0.02], 0, |_| 0.01);
+        assert!(matches!(fault, Err(CenterFault::OffCircle { .. })));
+    }
+
+    #[test]
+    fn a_spiral_keeps_its_center_and_changes_its_radius_with_the_angle() {
+        let (start, end) = (at(10.0, 0.0, 0.0), at(0.0, 10.02, 0.0));
+        let arc = Arc::spiral(Plane::XY, false, &start, &end, [0.0, 0.0], 0, |radius| 0.0021 * radius).unwrap();
+        let middle = arc.at(&start, &end, 0.5);
+        let radius = 10.01 * std::f64::consts::FRAC_1_SQRT_2;
+        assert!((middle.xyz() - Vector::new(radius, radius, 0.0)).norm() < 1e-12);
+        let fault = Arc::spiral(Plane::XY, false, &start, &end, [0.0, 0.0], 0, |radius| 0.0019 * radius);
         assert!(matches!(fault, Err(CenterFault::OffCircle { .. })));
     }
 }

@@ -10,6 +10,8 @@ use crate::geometry::{AXES, Arc, Axis, AxisSet, AxisVector};
 const ROTARY_ARM_MM: f64 = 100.0;
 /// Parameters nearer than this to each other are one point.
 const SAME_PARAMETER: f64 = 1e-9;
+/// Radii at start and end that differ by less are one radius, mm.
+const SAME_RADIUS_MM: f64 = 1e-9;
 
 /// A straight line or an arc from start to end.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +29,8 @@ struct Circle {
     abscissa: Axis,
     ordinate: Axis,
     radius_mm: f64,
+    /// By how much the radius at the end is larger, mm.
+    widening_mm: f64,
     start_rad: f64,
     sweep_rad: f64,
 }
@@ -36,11 +40,15 @@ impl Route {
         let circle = arc.map(|arc| {
             let [abscissa, ordinate, _] = arc.plane.axes();
             let across = [start[abscissa] - arc.center_mm[0], start[ordinate] - arc.center_mm[1]];
+            let radius_mm = across[0].hypot(across[1]);
+            let widening_mm = arc.radius_mm(&end) - radius_mm;
             Circle {
                 arc,
                 abscissa,
                 ordinate,
-                radius_mm: across[0].hypot(across[1]),
+                radius_mm,
+                // What rounding leaves of a circle is no spiral.
+                widening_mm: if widening_mm.abs() < SAME_RADIUS_MM { 0.0 } else { widening_mm },
                 start_rad: across[1].atan2(across[0]),
                 sweep_rad: arc.sweep_rad(&start, &end),
             }
@@ -97,8 +105,9 @@ impl Route {
         let mut position = self.start.lerp(&self.end, parameter);
         if let Some(circle) = &self.circle {
             let (sine, cosine) = (circle.start_rad + circle.sweep_rad * parameter).sin_cos();
-            position[circle.abscissa] = circle.arc.center_mm[0] + circle.radius_mm * cosine;
-            position[circle.ordinate] = circle.arc.center_mm[1] + circle.radius_mm * sine;
+            let radius_mm = circle.radius_mm + circle.widening_mm * parameter;
+            position[circle.abscissa] = circle.arc.center_mm[0] + radius_mm * cosine;
+            position[circle.ordinate] = circle.arc.center_mm[1] + radius_mm * sine;
         }
         position
     }
@@ -107,7 +116,7 @@ impl Route {
     pub(super) fn travel(&self, axis: Axis) -> f64 {
         match &self.circle {
             Some(circle) if axis == circle.abscissa || axis == circle.ordinate => {
-                (circle.radius_mm * circle.sweep_rad).abs()
+                ((circle.radius_mm + circle.widening_mm.abs()) * circle.sweep_rad).abs()
             }
             _ => (self.end[axis] - self.start[axis]).abs(),
         }

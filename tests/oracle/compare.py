@@ -29,7 +29,7 @@ NO_END = "ended with no percent sign"
 
 # ── the two sides ─────────────────────────────────────────────────────────────────────────────
 
-Step = collections.namedtuple("Step", "kind line place feed center plane turns tool text")
+Step = collections.namedtuple("Step", "kind line place feed center plane turns tool text tilt", defaults=(0.0,))
 """One thing done. kind: G0 G1 ARC DWELL. turns: signed, as the interpreter counts. place of a dwell: its seconds."""
 
 
@@ -70,7 +70,7 @@ def judge_steps(answer):
             continue
         place, tool = element[2], element[3]
         feed = element[4] if len(element) > 4 else 0.0
-        center, plane, turns = element[5:8] if kind == "ARC" else (None, 0, 0)
+        center, plane, turns, tilt = element[5:9] if kind == "ARC" else (None, 0, 0, 0.0)
         text = f"{kind} {show(place)}" + (f" F{feed:.6g}" if feed else "")
         text += f" center {show(center)} G{plane} turns {turns}" if center else ""
         kinds = {"PROBE": "G1"}
@@ -80,7 +80,7 @@ def judge_steps(answer):
             steps.append(Step("G1", line, place, feed, None, 0, 0, tool, text))
             steps.append(Step("G1", line, back.place if back else [0.0] * 9, feed, None, 0, 0, tool, text + " and back"))
             continue
-        steps.append(Step(kinds.get(kind, kind), line, place, feed, center, plane, turns, tool, text))
+        steps.append(Step(kinds.get(kind, kind), line, place, feed, center, plane, turns, tool, text, tilt))
     return steps
 
 
@@ -133,8 +133,19 @@ def axis_command(step):
     return [value + shift for value, shift in zip(step.place, step.tool)]
 
 
+def turned(point, angle):
+    """A point about Z."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return [cos * point[0] - sin * point[1], sin * point[0] + cos * point[1], *point[2:]]
+
+
 def sampled(step, start):
     """Points of an arc from `start`, without its first one."""
+    if step.tilt and step.plane != 17:
+        # The arc lies in a plane that the rotation of the zero offset tilts.
+        place, center = turned(step.place, -step.tilt), turned(step.center, -step.tilt)
+        flat = sampled(step._replace(place=place, center=center, tilt=0.0), turned(start, -step.tilt))
+        return [turned(point, step.tilt) for point in flat]
     first, second = {17: (0, 1), 18: (2, 0), 19: (1, 2)}[step.plane]
     center = step.center
     at, to = (math.atan2(p[second] - center[second], p[first] - center[first]) for p in (start, step.place))

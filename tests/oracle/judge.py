@@ -7,7 +7,8 @@ text in between. The answer is one object:
   elements  list of what the interpreter orders, in its order:
               ["G0", line, position, tool]              rapid
               ["G1", line, position, tool, feed]        straight feed
-              ["ARC", line, position, tool, feed, center, plane, turns]   turns < 0: clockwise; |turns| > 1: more than one round
+              ["ARC", line, position, tool, feed, center, plane, turns, rotation]   turns < 0: clockwise; |turns| > 1: more than one
+                  round; rotation about Z of the plane, rad
               ["PROBE", line, position, tool, feed]     probing move, to its programmed end
               ["TAP", line, position, tool, feed]       rigid tapping: to this point and back
               ["DWELL", line, seconds], ["TOOL", line, number], ["MESSAGE", line, text], ["M", line, number, p, q]
@@ -18,6 +19,10 @@ text in between. The answer is one object:
 
 The module always counts lengths in inches. It reads tools from memory shared between processes, kept in the home folder: hence
 a home folder of our own.
+
+Behind a tool change, a probing move and an input (M66) the interpreter asks where the machine is. The module answers with the end of the last
+straight move, in the coordinates that were in force then: wrong behind an arc, and where a length offset or zero offset has changed
+meanwhile, as in `T1 M6 G43`. A machine knows better; so the answer is put right here (class Memory).
 """
 
 import argparse
@@ -26,6 +31,7 @@ import json
 import math
 import os
 import shutil
+import sys
 import tempfile
 
 MM_PER_INCH = 25.4
@@ -48,6 +54,33 @@ def load_tools(table):
     library._Z13tooldata_loadPKcPPc(table.encode(), None)
 
 
+class Memory:
+    """Where the module keeps the position that it tells the interpreter: the variables that GET_EXTERNAL_POSITION_X and its kin load."""
+
+    LOADS_AND_RETURNS = bytes.fromhex("f20f1005")
+
+    def __init__(self, path):
+        library = ctypes.CDLL(path)
+        self.slots = []
+        for axis in "XYZABCUVW":
+            try:
+                function = ctypes.cast(getattr(library, f"_Z23GET_EXTERNAL_POSITION_{axis}v"), ctypes.c_void_p).value
+            except AttributeError:
+                continue
+            code = ctypes.string_at(function, 13)
+            at = 4 if code.startswith(bytes.fromhex("f30f1efa")) else 0  # endbr64
+            if code[at : at + 4] == self.LOADS_AND_RETURNS and code[at + 8] == 0xC3:
+                offset = int.from_bytes(code[at + 4 : at + 8], "little", signed=True)
+                self.slots.append(ctypes.c_double.from_address(function + at + 8 + offset))
+        if len(self.slots) < 9:
+            print("judge.py: the module keeps positions in another way than expected", file=sys.stderr)
+            self.slots = []
+
+    def write(self, values):
+        for slot, value in zip(self.slots, values):
+            slot.value = value
+
+
 class Listener:
     """Takes the calls of the interpreter."""
 
@@ -64,6 +97,9 @@ class Listener:
         self.shift = [0.0] * 9
         self.turn = 0.0
         self.tool = [0.0] * 9
+        self.command = [0.0] * 9
+        self.metric = True
+        self.memory = None
         for name in CALLBACKS_OF_NO_INTEREST:
             setattr(self, name, lambda *_: None)
 
@@ -71,6 +107,7 @@ class Listener:
 
     def next_line(self, state):
         self.line = state.sequence_number
+        self.metric = state.gcodes[5] == 210
 
     def set_plane(self, plane):
         self.plane = {1: 17, 2: 19, 3: 18}.get(plane, plane)
@@ -80,30 +117,47 @@ class Listener:
 
     def set_g5x_offset(self, _index, *offset):
         self.zero = list(offset)
+        self.put_right()
 
     def set_g92_offset(self, *offset):
         self.shift = list(offset)
+        self.put_right()
 
     def set_xy_rotation(self, degrees):
         self.turn = math.radians(degrees)
+        self.put_right()
 
     def tool_offset(self, *offset):
         self.tool = list(offset)
+        self.put_right()
 
     def change_tool(self, pocket):
         number = self.pockets[pocket] if 0 <= pocket < len(self.pockets) else pocket
         self.pockets[0] = number
         self.elements.append(["TOOL", self.line, number])
+        self.put_right()
 
     # ── what is ordered ──
 
+    def put_right(self):
+        """Tells the module where the program is, in the coordinates in force and the units of the program."""
+        if self.memory is None:
+            return
+        point = [value - tool - zero for value, tool, zero in zip(self.command, self.tool, self.zero)]
+        cos, sin = math.cos(self.turn), math.sin(self.turn)
+        point[0], point[1] = cos * point[0] + sin * point[1], cos * point[1] - sin * point[0]
+        point = [value - shift for value, shift in zip(point, self.shift)]
+        self.memory.write(self.millimeters(point) if self.metric else point)
+
     def place(self, values):
         """Machine coordinates of a programmed point, mm and degrees."""
+        return self.millimeters(self.turned(values))
+
+    def turned(self, values):
         point = [value + shift for value, shift in zip(values, self.shift)]
         cos, sin = math.cos(self.turn), math.sin(self.turn)
         point[0], point[1] = cos * point[0] - sin * point[1], sin * point[0] + cos * point[1]
-        point = [value + zero for value, zero in zip(point, self.zero)]
-        return self.millimeters(point)
+        return [value + zero for value, zero in zip(point, self.zero)]
 
     @staticmethod
     def millimeters(values):
@@ -111,6 +165,10 @@ class Listener:
 
     def motion(self, kind, values, *more):
         self.elements.append([kind, self.line, self.place(values), self.millimeters(self.tool), *more])
+        if kind != "TAP":
+            self.command = [value + tool for value, tool in zip(self.turned(values), self.tool)]
+        if kind == "ARC":
+            self.put_right()
 
     def straight_traverse(self, *values):
         self.motion("G0", values)
@@ -130,7 +188,7 @@ class Listener:
         for slot, to, about in zip(order, (end_1, end_2, end_3), (center_1, center_2, end_3)):
             end[slot], center[slot] = to, about
         middle = self.place([*center, *rest])[:3]
-        self.motion("ARC", [*end, *rest], self.feed, middle, self.plane, turns)
+        self.motion("ARC", [*end, *rest], self.feed, middle, self.plane, turns, self.turn)
 
     def dwell(self, seconds):
         self.elements.append(["DWELL", self.line, seconds])
@@ -213,6 +271,7 @@ def main():
 
         load_tools(table)
         listener = Listener(tools, parameter_file, options.block_delete)
+        listener.memory = Memory(gcode.__file__)
         answer = {"elements": listener.elements, "error": None}
         try:
             result, line = gcode.parse(program, listener, "G21", "")

@@ -75,23 +75,29 @@ impl Channel<'_> {
             Err(fault(Code::NO_CENTER, span, "an arc without center and radius", "add I, J, K or R"))
         };
         let arc = center.and_then(|center| {
-            Arc::through(self.modal.plane, clockwise, &from, &to, center, turns, &tolerance).map_err(
-                |found| match found {
-                    CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
-                        Code::ARC_OFF_CIRCLE,
-                        span,
-                        format!(
-                            "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm, the center \
+            let plane = self.modal.plane;
+            let (arc, help) = if self.is_rs274() {
+                let help = "correct the center or the end point";
+                (Arc::spiral(plane, clockwise, &from, &to, center, turns, &tolerance), help)
+            } else {
+                let help = "correct the center or the end point; the limit is control.arc_tolerance_mm";
+                (Arc::through(plane, clockwise, &from, &to, center, turns, &tolerance), help)
+            };
+            arc.map_err(|found| match found {
+                CenterFault::OffCircle { start_radius_mm, end_radius_mm, off_bisector_mm } => fault(
+                    Code::ARC_OFF_CIRCLE,
+                    span,
+                    format!(
+                        "start radius {start_radius_mm:.4} mm, end radius {end_radius_mm:.4} mm, the center \
                              {off_bisector_mm:.4} mm off the perpendicular bisector of the chord"
-                        ),
-                        "correct the center or the end point; the limit is control.arc_tolerance_mm",
                     ),
-                    CenterFault::ZeroRadius => {
-                        fault(Code::BAD_ARC, span, "the center of the arc is its start", "correct I, J, K")
-                    }
-                    CenterFault::NotFinite => bad_value(span, "the arc is not finite", "check the values"),
-                },
-            )
+                    help,
+                ),
+                CenterFault::ZeroRadius => {
+                    fault(Code::BAD_ARC, span, "the center of the arc is its start", "correct I, J, K")
+                }
+                CenterFault::NotFinite => bad_value(span, "the arc is not finite", "check the values"),
+            })
         });
         // What follows begins where the block leads, so that one fault is not found again in every arc behind it.
         let arc = arc.inspect_err(|_| {
