@@ -170,6 +170,7 @@ impl<'a> Channel<'a> {
         self.distance(gathered);
         self.retract(gathered);
         takes_axes |= self.action(gathered)?;
+        self.shift_codes(gathered)?;
         self.move_axes(gathered, takes_axes)
     }
 
@@ -252,11 +253,7 @@ impl<'a> Channel<'a> {
                 return Ok(false);
             }
             520 | 920 => self.axis_offsets(gathered, code)?,
-            921 if !self.is_rs274() => self.axis_offsets(gathered, code)?,
-            921..=923 => {
-                self.axis_offsets(gathered, code)?;
-                return Ok(false);
-            }
+            921 => self.axis_offsets(gathered, code)?,
             _ => {
                 self.special_motion(gathered, code)?;
             }

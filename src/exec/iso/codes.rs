@@ -47,10 +47,12 @@ pub(super) enum Group {
     Interpolation,
     /// G7, G8
     Lathe,
+    /// G92.1, G92.2, G92.3 of RS274/NGC
+    Shift,
 }
 
 /// How many groups there are.
-pub(super) const GROUPS: usize = 20;
+pub(super) const GROUPS: usize = 21;
 
 /// No kind of motion is in force.
 pub(super) const G80: u16 = 800;
@@ -81,8 +83,9 @@ pub(super) fn group_of(tenths: u16, language: Language) -> Option<Group> {
         620 | 630 if !is_rs274 => Group::Control,
         960 | 970 => Group::SpindleMode,
         980 | 990 => Group::Retract,
+        921..=923 if is_rs274 => Group::Shift,
         40 | 100 | 280 | 300 | 520 | 920 | 921 => Group::Action,
-        53 | 281 | 301 | 922 | 923 if is_rs274 => Group::Action,
+        53 | 281 | 301 if is_rs274 => Group::Action,
         110 | 270 | 290 | 310 | 531 | 650 if !is_rs274 => Group::Action,
         70 | 80 if is_rs274 => Group::Lathe,
         _ if is_rs274 => return None,

@@ -1,6 +1,6 @@
 //! Gathers the words of one block before anything is executed: gather, check, execute.
 
-use super::codes::{group_of, name_of, passed_on};
+use super::codes::{G80, Group, group_of, name_of, passed_on};
 use super::expression::Scope;
 use super::gathered::Gathered;
 use crate::diagnostic::Code;
@@ -93,6 +93,17 @@ fn g_code(
         return Ok(());
     }
     if let Some(group) = group_of(tenths, dialect.language) {
+        if group == Group::Motion && dialect.language == Language::Rs274 {
+            // Of G80 and another kind of motion the other one counts.
+            match out.code(group) {
+                Some(_) if tenths == G80 => return Ok(()),
+                Some(G80) => {
+                    out.set_code(group, tenths, span);
+                    return Ok(());
+                }
+                _ => {}
+            }
+        }
         if out.set_code(group, tenths, span).is_some() {
             double(dialect.language, span, warnings)?;
         }

@@ -9,7 +9,7 @@ use super::modal::FeedMode;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::{Path, Shape};
-use crate::geometry::{Axis, AxisSet, AxisVector, Frame, PlaneBasis, Vector};
+use crate::geometry::{Axis, AxisSet, AxisVector, Frame, PlaneBasis};
 use crate::snc::{Kind, Manner, Move, Setup};
 use crate::source::Span;
 
@@ -120,12 +120,12 @@ impl Channel<'_> {
 
     /// A straight motion to a position of the machine.
     pub(super) fn machine_step(&mut self, step: Step) -> Result<(), Fault> {
-        // In LinuxCNC the length stays in force: what is written is the axis command, the tip is where the length takes it.
-        let tool_mm = if self.is_rs274() { self.shown.tool_mm } else { Vector::zeros() };
-        let mut length = AxisVector::ZERO;
-        length.set_xyz(tool_mm);
-        let frame = Frame::translation(length);
-        let bare = Shared::new(Setup { plane: self.modal.plane, frame, tool_mm, ..Setup::default() });
+        // Positions of the axes: what the tool takes off is added before, so that the place of the tip stays known.
+        let tool_mm = self.setup.tool_mm;
+        let mut shift = AxisVector::ZERO;
+        shift.set_xyz(tool_mm);
+        let frame = Frame::translation(shift);
+        let bare = Shared::new(Setup { frame, tool_mm, plane: self.modal.plane, transform: None, assumed: false });
         self.push(Kind::Keep("G53"));
         self.push(Kind::Setup(Shared::clone(&bare)));
         self.setup_changed = true;

@@ -151,13 +151,6 @@ impl Channel<'_> {
                 }
                 self.modal.stored_shift = self.modal.shift;
             }
-            921 | 922 if self.is_rs274() => {
-                self.modal.shift = AxisVector::ZERO;
-                if code == 921 {
-                    self.modal.stored_shift = AxisVector::ZERO;
-                }
-            }
-            923 => self.modal.shift = self.modal.stored_shift,
             // The preset of Fanuc: each axis named is again what the zero offset alone makes of it, whatever the value.
             _ => {
                 for axis in gathered.axes.iter() {
@@ -165,6 +158,22 @@ impl Channel<'_> {
                     self.modal.shift[axis] = 0.0;
                     self.modal.local[axis] = 0.0;
                 }
+            }
+        }
+        self.refresh_setup();
+        Ok(())
+    }
+
+    /// G92.1, G92.2, G92.3 of RS274/NGC.
+    pub(super) fn shift_codes(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        let Some(code) = gathered.code(Group::Shift) else { return Ok(()) };
+        self.no_compensation(gathered.code_span(Group::Shift), &name_of(code))?;
+        if code == 923 {
+            self.modal.shift = self.modal.stored_shift;
+        } else {
+            self.modal.shift = AxisVector::ZERO;
+            if code == 921 {
+                self.modal.stored_shift = AxisVector::ZERO;
             }
         }
         self.refresh_setup();
