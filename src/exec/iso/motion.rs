@@ -171,12 +171,12 @@ impl Channel<'_> {
     ) -> Result<(), Fault> {
         let in_machine_frame = !Shared::ptr_eq(&setup, &self.setup);
         if !in_machine_frame {
-            self.check_offset(step.span)?;
+            self.check_offset(step.span);
             if std::mem::take(&mut self.setup_changed) {
                 self.push(Kind::Setup(Shared::clone(&self.shown)));
             }
         }
-        self.check_feed(&step)?;
+        self.check_feed(&step);
         let basis = PlaneBasis::behind(&setup.frame, self.modal.plane)
             .ok_or_else(|| bad_value(step.span, "the frame squeezes the working plane flat", "check its factors"))?;
         let (start, start_known) = (self.modal.command, self.modal.known);
@@ -208,24 +208,22 @@ impl Channel<'_> {
         Ok(())
     }
 
-    fn check_feed(&mut self, step: &Step) -> Result<(), Fault> {
+    fn check_feed(&mut self, step: &Step) {
         if step.rapid || self.modal.feed > 0.0 && (step.feed_named || self.modal.feed_mode != FeedMode::InverseTime) {
-            return Ok(());
+            return;
         }
         if matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven()) {
-            return Ok(());
+            return;
         }
         let (message, help) = match self.modal.feed_mode {
             FeedMode::InverseTime => ("a feed motion in G93 without F", "program F in each block with G93"),
             _ => ("a feed motion, and no F was programmed yet", "program F before it or in it"),
         };
         if self.strict {
-            return Err(fault(Code::MISSING_FEED, step.span, message, help));
-        }
-        if !std::mem::replace(&mut self.feed_warned, true) {
+            self.outlet.warnings.push(fault(Code::MISSING_FEED, step.span, message, help));
+        } else if !std::mem::replace(&mut self.feed_warned, true) {
             self.outlet.warnings.push(fault(Code::FEED_ASSUMED, step.span, message, help));
         }
-        Ok(())
     }
 
     /// The value of an axis word, mm or rad.

@@ -75,20 +75,17 @@ impl Channel<'_> {
     }
 
     /// Says that the zero offset in force has no value: an error where it must not be assumed.
-    pub(super) fn check_offset(&mut self, span: Span) -> Result<(), Fault> {
+    pub(super) fn check_offset(&mut self, span: Span) {
         if !self.modal.offset_assumed || self.offset_warned == Some(self.modal.system) {
-            return Ok(());
+            return;
         }
         self.offset_warned = Some(self.modal.system);
         let words = self.modal.system.words();
         let help = format!("add [zero_offset.\"{words}\"] there");
-        if self.strict {
-            let message = format!("{words} has no value in the machine file");
-            return Err(fault(Code::NO_OFFSET, span, message, help));
-        }
-        let message = format!("{words} has no value in the machine file; zero is used");
-        self.outlet.warnings.push(fault(Code::OFFSET_ASSUMED, span, message, help));
-        Ok(())
+        // The motion goes on from here all the same, so that one fault is not found again in every block.
+        let (code, end) = if self.strict { (Code::NO_OFFSET, "") } else { (Code::OFFSET_ASSUMED, "; zero is used") };
+        let message = format!("{words} has no value in the machine file{end}");
+        self.outlet.warnings.push(fault(code, span, message, help));
     }
 
     /// `G54` … `G59.3`, `G54.1 P`
@@ -110,7 +107,7 @@ impl Channel<'_> {
         };
         self.modal.system = system;
         self.load_offset(span)?;
-        self.check_offset(span)?;
+        self.check_offset(span);
         self.push(Kind::Frame(FrameWords::Settable(system.words())));
         Ok(())
     }
