@@ -203,7 +203,19 @@ impl<'a> Channel<'a> {
     fn move_axes(&mut self, gathered: &Gathered, takes_axes: bool) -> Result<(), Fault> {
         let code = if takes_axes { gathered.code(Group::Motion) } else { self.motion_of(gathered) };
         let mut done = Ok(());
+        let code = match code {
+            // Behind a cycle of a Fanuc the kind of motion before it holds again.
+            Some(G80) if !self.is_rs274() => {
+                self.modal.motion = self.modal.way;
+                let moves = !takes_axes && !gathered.axes.is_empty();
+                moves.then_some(self.modal.way)
+            }
+            code => code,
+        };
         if let Some(code) = code {
+            if matches!(code, 0..=30) {
+                self.modal.way = code;
+            }
             if !takes_axes && code == G80 && !gathered.axes.is_empty() {
                 let message = "axis words, and no kind of motion is in force";
                 let help = "program G0 or G1 first";
@@ -329,7 +341,7 @@ impl<'a> Channel<'a> {
             return Ok(point == DecimalPoint::Increment);
         }
         if std::mem::replace(&mut self.point_warned, true) {
-            return Ok(true);
+            return Ok(false);
         }
         let message =
             "a number without a decimal point, which is whole units or least increments by a parameter of the control";

@@ -68,7 +68,7 @@ pub(super) fn group_of(tenths: u16, language: Language) -> Option<Group> {
         170 | 180 | 190 => Group::Plane,
         200 | 210 => Group::Units,
         900 | 910 => Group::Distance,
-        901 | 911 if is_rs274 => Group::ArcDistance,
+        901 | 911 => Group::ArcDistance,
         930 | 940 | 950 => Group::FeedMode,
         400 | 410 | 420 => Group::Compensation,
         411 | 421 if is_rs274 => Group::Compensation,

@@ -27,6 +27,8 @@ pub(super) enum FeedMode {
 pub(super) struct Modal {
     /// Kind of motion, a G code in tenths; G80 for none.
     pub(super) motion: u16,
+    /// The last kind of motion that was no cycle: on a Fanuc it holds again behind G80.
+    pub(super) way: u16,
     pub(super) plane: Plane,
     pub(super) incremental: bool,
     /// G90.1
@@ -90,6 +92,7 @@ impl Modal {
         Modal {
             // LinuxCNC starts with G80, a Fanuc with G0 or G1 by parameter.
             motion: if is_fanuc { 0 } else { G80 },
+            way: 0,
             plane: machine.control.initial_plane,
             incremental: false,
             arc_absolute: false,

@@ -235,6 +235,10 @@ impl Channel<'_> {
 
     /// Refuses axes that the machine lacks.
     pub(super) fn check_axes(&self, gathered: &Gathered) -> Result<(), Fault> {
+        if gathered.code(Group::Action) == Some(40) && !self.is_rs274() {
+            // The time of a dwell is no position.
+            return Ok(());
+        }
         match gathered.axes.difference(self.axes).iter().next() {
             None => Ok(()),
             Some(axis) => {
