@@ -61,3 +61,35 @@ pub(super) const EXACT_POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
     1e21, 1e22,
 ];
+
+/// Where a byte first stands: eight bytes at a time, for lines are most of what a parser has to find.
+pub(super) fn find_byte(bytes: &[u8], wanted: u8) -> Option<usize> {
+    const LOW: u64 = 0x0101_0101_0101_0101;
+    const HIGH: u64 = 0x8080_8080_8080_8080;
+    let pattern = LOW * u64::from(wanted);
+    let (words, _) = bytes.as_chunks::<8>();
+    // A byte becomes zero where it is the wanted one, and only then does a borrow set its eighth bit first.
+    let has = |word: &[u8; 8]| {
+        let different = u64::from_le_bytes(*word) ^ pattern;
+        different.wrapping_sub(LOW) & !different & HIGH
+    };
+    let skipped = words.iter().take_while(|word| has(word) == 0).count() * 8;
+    bytes[skipped..].iter().position(|&byte| byte == wanted).map(|place| skipped + place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::find_byte;
+
+    #[test]
+    fn bytes_are_found_at_any_place() {
+        for length in 0..40 {
+            let mut bytes = vec![0x8b; length];
+            assert_eq!(find_byte(&bytes, b'\n'), None);
+            for place in (0..length).rev() {
+                bytes[place] = b'\n';
+                assert_eq!(find_byte(&bytes, b'\n'), Some(place));
+            }
+        }
+    }
+}

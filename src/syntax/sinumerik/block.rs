@@ -1,7 +1,7 @@
 //! Blocks: splits the file into lines, sections and words, and goes on behind whatever cannot be read.
 
 use super::macros::{Macros, definition};
-use super::token::{Fault, Input, Parsed, blanks, fault, identifier, is_blank, number, small_number};
+use super::token::{Fault, Input, Parsed, blanks, fault, find_byte, identifier, is_blank, number, small_number};
 use super::tree::{Address, Block, BlockNumber, Body, Program, Section, Value, Word};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Dialect;
@@ -67,7 +67,7 @@ impl Parser {
         let mut line = 0;
         let line_end = source.line_end();
         while start < bytes.len() {
-            let length = bytes[start..].iter().position(|&byte| byte == line_end);
+            let length = find_byte(&bytes[start..], line_end);
             let next = length.map_or(bytes.len(), |length| start + length + 1);
             let mut end = length.map_or(bytes.len(), |length| start + length);
             while end > start && is_blank(bytes[end - 1]) {

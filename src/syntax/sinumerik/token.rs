@@ -7,7 +7,7 @@ use nom::error::{ErrorKind, ParseError};
 
 use crate::diagnostic::Code;
 
-pub(super) use crate::syntax::token::{EXACT_POWERS, Fault, Input, Parsed, blanks, fault, is_blank};
+pub(super) use crate::syntax::token::{EXACT_POWERS, Fault, Input, Parsed, blanks, fault, find_byte, is_blank};
 
 /// A letter, digit or underscore.
 pub(super) fn is_name_byte(byte: u8) -> bool {

@@ -222,5 +222,5 @@ impl Parser {
 /// Whether every byte has an even number of set bits and some have the eighth one: the parity bit of a serial line.
 pub(super) fn has_parity(bytes: &[u8]) -> bool {
     let is_marked = |byte: &u8| *byte >= 0x80 && !is_blank(byte & 0x7f);
-    bytes.iter().any(is_marked) && bytes.iter().all(|byte| byte.count_ones() % 2 == 0)
+    bytes.iter().all(|byte| byte.count_ones() % 2 == 0) && bytes.iter().any(is_marked)
 }

@@ -1,7 +1,7 @@
 //! Blocks: splits the file into lines, parts and words, and goes on behind whatever cannot be read.
 
 use super::header;
-use super::token::{Fault, Input, Parsed, blanks, fault, is_blank, number};
+use super::token::{Fault, Input, Parsed, blanks, fault, find_byte, is_blank, small_number};
 use super::tree::{Block, Body, InnerSkip, PartKind, Program, Slice};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::{Dialect, Language};
@@ -66,7 +66,7 @@ impl Parser {
         }
         self.open_part(PartKind::Program, None);
         while start < end_of_tape {
-            let length = bytes[start..].iter().position(|&byte| byte == line_end);
+            let length = find_byte(&bytes[start..], line_end);
             let next = length.map_or(bytes.len(), |length| start + length + 1);
             let mut end = length.map_or(bytes.len(), |length| start + length);
             while end > start && is_blank(bytes[end - 1]) {
@@ -158,15 +158,13 @@ impl Parser {
                         rest
                     }
                 },
-                [b'N' | b'n', ref rest @ ..] if block.number.is_none() && self.is_block_number(rest) => {
-                    let (rest, number) = number(blanks(rest), self.is_spaced())?;
-                    if !(0.0..1e9).contains(&number.value) || (number.has_point && self.language != Language::Rs274) {
-                        let length = input.len() - rest.len();
-                        return fault(Code::BAD_NUMBER, input, length, "a block number has one to nine digits");
+                [b'N' | b'n', ref rest @ ..] if block.number.is_none() => match self.block_number(input, rest)? {
+                    (rest, Some(number)) => {
+                        block.number = Some(number);
+                        rest
                     }
-                    block.number = Some(number.value as u32);
-                    rest
-                }
+                    _ => break,
+                },
                 _ => break,
             };
         }
@@ -186,11 +184,28 @@ impl Parser {
         self.end_of_statement(rest)
     }
 
-    /// Whether digits that are no index (`N1=`) follow an N.
-    fn is_block_number(&self, behind: Input<'_>) -> bool {
+    /// The number behind an N; none where no digits follow, or an index (`N1=`).
+    fn block_number<'a>(&self, input: Input<'a>, behind: Input<'a>) -> Parsed<'a, Option<u32>> {
         let digits = blanks(behind);
-        let length = digits.iter().take_while(|byte| byte.is_ascii_digit()).count();
-        length > 0 && (self.language != Language::Grundig || blanks(&digits[length..]).first() != Some(&b'='))
+        if !digits.first().is_some_and(u8::is_ascii_digit) {
+            return Ok((behind, None));
+        }
+        let (mut rest, number) = small_number(digits, self.is_spaced())?;
+        match blanks(rest).first() {
+            Some(b'=') if self.language == Language::Grundig => return Ok((behind, None)),
+            Some(b'.') if self.language == Language::Rs274 => {
+                rest = &blanks(rest)[1..];
+                if blanks(rest).first().is_some_and(u8::is_ascii_digit) {
+                    rest = small_number(blanks(rest), true)?.0;
+                }
+            }
+            Some(b'.') => {
+                let length = input.len() - rest.len() + 1;
+                return fault(Code::BAD_NUMBER, input, length, "a block number has no decimal point");
+            }
+            _ => {}
+        }
+        Ok((rest, Some(number)))
     }
 
     /// Two letters side by side begin no word of a custom macro.

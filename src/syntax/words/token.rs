@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Code;
 
-pub(super) use crate::syntax::token::{EXACT_POWERS, Fault, Input, Parsed, blanks, fault, is_blank};
+pub(super) use crate::syntax::token::{EXACT_POWERS, Fault, Input, Parsed, blanks, fault, find_byte, is_blank};
 
 /// What stands behind this word at the start of the input, in either case and with blanks between its letters.
 pub(super) fn keyword<'a>(word: &str, input: Input<'a>) -> Option<Input<'a>> {
@@ -37,32 +37,9 @@ pub(super) struct Number {
 /// Where the digits make an exact double and so does the power of ten, one division rounds correctly (Clinger 1990); the standard
 /// library does the rest.
 pub(super) fn number(input: Input<'_>, spaced: bool) -> Parsed<'_, Number> {
-    let mut mantissa: u64 = 0;
-    let (mut whole, mut decimals) = (0_usize, 0_usize);
-    let mut has_point = false;
-    let mut at = 0;
-    loop {
-        match input.get(at) {
-            Some(byte @ b'0'..=b'9') => {
-                // Beyond 15 digits the exact path is left below, so a wrapped value is never used.
-                mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
-                *(if has_point { &mut decimals } else { &mut whole }) += 1;
-            }
-            Some(b'.') if !has_point => has_point = true,
-            Some(&byte) if spaced && is_blank(byte) => {
-                let rest = blanks(&input[at..]);
-                match rest.first() {
-                    Some(b'0'..=b'9' | b'.') => {
-                        at = input.len() - rest.len();
-                        continue;
-                    }
-                    _ => break,
-                }
-            }
-            _ => break,
-        }
-        at += 1;
-    }
+    let (at, whole, mantissa) = digits(input, 0, 0, spaced);
+    let has_point = input.get(at) == Some(&b'.');
+    let (at, decimals, mantissa) = if has_point { digits(input, at + 1, mantissa, spaced) } else { (at, 0, mantissa) };
     if whole + decimals == 0 {
         return fault(Code::BAD_NUMBER, input, at.max(1), "a number was expected here");
     }
@@ -78,6 +55,30 @@ pub(super) fn number(input: Input<'_>, spaced: bool) -> Parsed<'_, Number> {
     }
     let digits = u8::try_from(whole).unwrap_or(u8::MAX);
     Ok((&input[at..], Number { value, has_point, digits }))
+}
+
+/// Digits from a place on, joined to a mantissa: the place behind them, how many they are, and the new mantissa. Beyond 15 digits the
+/// mantissa is not looked at any more, so it may wrap.
+fn digits(input: Input<'_>, from: usize, mut mantissa: u64, spaced: bool) -> (usize, usize, u64) {
+    let (mut at, mut count) = (from, 0);
+    loop {
+        while let Some(byte @ b'0'..=b'9') = input.get(at) {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
+            at += 1;
+            count += 1;
+        }
+        if !spaced || !input.get(at).is_some_and(|&byte| is_blank(byte)) {
+            return (at, count, mantissa);
+        }
+        let rest = blanks(&input[at..]);
+        if !matches!(rest.first(), Some(b'0'..=b'9' | b'.')) {
+            return (at, count, mantissa);
+        }
+        at = input.len() - rest.len();
+        if rest.first() == Some(&b'.') {
+            return (at, count, mantissa);
+        }
+    }
 }
 
 /// The general case, by the standard library's correctly rounded conversion.
