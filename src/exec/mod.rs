@@ -9,6 +9,7 @@ mod arc;
 mod contour;
 mod fault;
 mod five_axis;
+mod grundig;
 mod iso;
 mod ledger;
 mod library;
@@ -19,16 +20,24 @@ mod resolve;
 mod sinumerik;
 
 pub use library::{Library, NoLibrary};
-pub use sinumerik::apply_archive;
 
 use crate::diagnostic::Diagnostic;
-use crate::dialect::Language;
+use crate::dialect::{self, Language};
 use crate::geometry::AxisVector;
 use crate::machine::Machine;
 use crate::snc::{Element, Origin};
 use crate::source::Source;
 use crate::syntax::Program;
 use ledger::Ledger;
+
+/// Puts data that a control has saved (tools, zero offsets, parameters) into the machine that it controls.
+#[must_use]
+pub fn apply_archive(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
+    match dialect::find(&machine.controller) {
+        Some(dialect) if dialect.language == Language::Grundig => grundig::apply_tables(source, dialect, machine),
+        _ => sinumerik::apply_archive(source, machine),
+    }
+}
 
 /// How to execute.
 #[derive(Clone, Debug, Default)]
@@ -63,6 +72,9 @@ impl<'a> Execution<'a> {
             Program::Sinumerik(program) => Box::new(sinumerik::Interpreter::new(program, machine, library, options)),
             Program::Words(program) if matches!(program.dialect.language, Language::Fanuc | Language::Rs274) => {
                 Box::new(iso::Interpreter::new(program, machine, library, options))
+            }
+            Program::Words(program) if program.dialect.language == Language::Grundig => {
+                Box::new(grundig::Interpreter::new(program, machine, library, options))
             }
             Program::Words(program) => Box::new(not_executed::NotExecuted::new(program, &options)),
         };

@@ -8,6 +8,7 @@ mod contour_control;
 mod document;
 pub mod file;
 mod frame_control;
+mod grundig_control;
 mod iso_control;
 mod kinematics;
 mod macro_control;
@@ -21,6 +22,7 @@ mod zero_offset;
 
 pub use chain::{Branch, Topology, TopologyFault};
 pub use contour_control::{CompensationCorner, CompensationStart};
+pub use grundig_control::{GrundigControl, ScaledAxes};
 pub use iso_control::{DecimalPoint, IsoControl, LengthAxis};
 pub use kinematics::Kinematics;
 pub use macro_control::MacroControl;
@@ -180,6 +182,8 @@ pub struct Control {
     pub macros: MacroControl,
     /// `G500`, `G54`: the zero offset that is active at the start; `None` for that of the control as delivered.
     pub initial_zero_offset: Option<String>,
+    /// What only Grundig, Philips and `MillPlus` have.
+    pub grundig: GrundigControl,
 }
 
 /// The turns that three orientation angles stand for.
@@ -278,6 +282,7 @@ impl Default for Control {
             iso: IsoControl::default(),
             macros: MacroControl::default(),
             initial_zero_offset: None,
+            grundig: GrundigControl::default(),
         }
     }
 }

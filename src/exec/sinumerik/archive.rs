@@ -30,7 +30,7 @@ type Elements = BTreeMap<Vec<i64>, Setting>;
 
 /// Lays saved data over a machine. It is left as it is where an error is found.
 #[must_use]
-pub fn apply_archive(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
+pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     let (program, mut findings) = sinumerik::parse(source, dialect::sinumerik());
     if findings.iter().any(Diagnostic::is_error) {
         return findings;

@@ -59,7 +59,7 @@ mod transform;
 mod value;
 mod variables;
 
-pub use archive::apply_archive;
+pub(super) use archive::apply_archive;
 
 use std::collections::HashMap;
 

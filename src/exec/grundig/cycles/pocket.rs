@@ -74,7 +74,7 @@ impl<'a> Pocket<'a> {
         }
         let width = (percent / 100.0).min(WIDEST_SHARE) * 2.0 * self.at.tool_radius_mm;
         let count = (across / width - 1e-9).ceil().max(1.0);
-        if count > MOST {
+        if count > MOST || count * self.levels.len() as f64 > MOST {
             return Err(fault("the pocket needs too many loops", "correct I, or take a wider tool"));
         }
         // Within the limit.
