@@ -3,26 +3,29 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::call::Call;
 use super::codes::{G80, Group};
+use super::flow::Loops;
 use super::gathered::Gathered;
 use super::length::ToolOffset;
 use super::modal::Modal;
 use super::motion::known_behind;
 use super::offsets::System;
 use super::state::SavedState;
+use super::variables::Variables;
 use crate::diagnostic::Code;
 use crate::dialect::{Dialect, Language};
 use crate::exec::Options;
 use crate::exec::contour::Corner;
 use crate::exec::fault::{Fault, fault};
 use crate::exec::outlet::Outlet;
-use crate::geometry::{AxisSet, AxisVector, FrameParts, LINEAR_AXES, Plane};
+use crate::geometry::{AxisSet, FrameParts, LINEAR_AXES, Plane};
 use crate::machine::{DecimalPoint, Machine};
 use crate::snc::{BlockNumber, Kind, Origin, Setup, Word};
 use crate::source::Span;
 
 /// Least input increment of a Fanuc with increment system IS-B, in mm and degrees; in inch programs a tenth of it.
-const INCREMENT: f64 = 1e-3;
+pub(super) const INCREMENT: f64 = 1e-3;
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
@@ -35,8 +38,6 @@ pub(super) struct Channel<'a> {
     pub(super) offsets: BTreeMap<System, FrameParts>,
     /// Tool offsets that the program has set.
     pub(super) tools: BTreeMap<u32, ToolOffset>,
-    /// Positions that G28.1 and G30.1 have saved.
-    pub(super) home_points: [Option<AxisVector>; 2],
     /// States that M70 and M73 have saved, one place per program level.
     pub(super) saved: Vec<Option<Box<SavedState>>>,
     /// Whether the block has moved an axis.
@@ -50,6 +51,10 @@ pub(super) struct Channel<'a> {
     /// What the motion to come wants of the contour stage.
     pub(super) corner: Option<Corner>,
     pub(super) strict: bool,
+    pub(super) variables: Variables,
+    pub(super) loops: Loops,
+    /// Calls of G66 in force, the last one the innermost.
+    pub(super) modal_calls: Vec<Call>,
     /// How programmed positions relate to axis commands.
     pub(super) setup: Arc<Setup>,
     /// What of it the control that runs the output knows; the same one where there is nothing else.
@@ -74,7 +79,6 @@ impl<'a> Channel<'a> {
             modal: Modal::new(options.start, machine, language),
             offsets: BTreeMap::new(),
             tools: BTreeMap::new(),
-            home_points: Self::NO_POINTS,
             saved: vec![None],
             has_moved: false,
             ends_program: false,
@@ -82,6 +86,9 @@ impl<'a> Channel<'a> {
             after: Vec::new(),
             corner: None,
             strict: options.strict,
+            variables: Variables::new(language, machine),
+            loops: Loops::default(),
+            modal_calls: Vec::new(),
             setup: Arc::default(),
             shown: Arc::default(),
             setup_changed: true,
@@ -350,7 +357,7 @@ impl<'a> Channel<'a> {
     }
 
     /// Puts the S, M and H words of the block into the stream.
-    fn flush_before(&mut self) {
+    pub(super) fn flush_before(&mut self) {
         if !self.before.is_empty() {
             let before = std::mem::take(&mut self.before);
             self.push(Kind::Before(before));

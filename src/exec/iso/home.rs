@@ -6,13 +6,12 @@ use super::gathered::Gathered;
 use super::motion::Step;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
-use crate::geometry::{AXES, Axis, AxisSet, AxisVector};
+use crate::geometry::{AXES, Axis, AxisSet};
 use crate::snc::Kind;
 use crate::source::Span;
-use crate::units::MM_PER_INCH;
 
 /// First parameter of the position of G28, then of G30; one for each axis X Y Z A B C U V W.
-const PARAMETERS: [i64; 2] = [5161, 5181];
+const PARAMETERS: [u32; 2] = [5161, 5181];
 
 impl Channel<'_> {
     /// `G28`, `G30`: rapid by way of the point named to the reference point, the axes named or all of them.
@@ -49,12 +48,9 @@ impl Channel<'_> {
 
     /// Where a reference point of an axis is, mm or rad.
     fn reference(&self, point: u8, axis: Axis, span: Span) -> Result<f64, Fault> {
-        if let Some(own) = self.home_points.get(usize::from(point) - 1).and_then(|own| own.as_ref()) {
-            return Ok(own[axis]);
-        }
         if self.is_rs274() {
-            let place = PARAMETERS.get(usize::from(point) - 1).copied().unwrap_or_default() + number_of(axis);
-            let value = self.machine.parameters.get(&place).copied().unwrap_or_default();
+            let first = PARAMETERS.get(usize::from(point) - 1).copied().unwrap_or_default();
+            let value = self.variables.get(first + number_of(axis)).unwrap_or_default();
             return Ok(if axis.is_rotary() { value.to_radians() } else { value });
         }
         let points = &self.machine.control.iso.reference_points;
@@ -76,31 +72,19 @@ impl Channel<'_> {
         if let Some(axis) = AxisSet::XYZ.iter().find(|&axis| self.strict && !self.modal.known.contains(axis)) {
             return Err(super::motion::unknown_start(span, axis));
         }
-        self.home_points[usize::from(code == 301)] = Some(self.modal.command);
+        let first = PARAMETERS[usize::from(code == 301)];
+        for axis in AXES {
+            let value = self.modal.command[axis];
+            let saved = if axis.is_rotary() { value.to_degrees() } else { value };
+            self.variables.set(first + number_of(axis), Some(saved));
+        }
         self.push(Kind::Keep(if code == 281 { "G28.1" } else { "G30.1" }));
         Ok(())
     }
-
-    /// The value of a parameter of the reference points (5161 to 5169, 5181 to 5189), in units of the program.
-    #[allow(dead_code, reason = "for the parameters")]
-    pub(super) fn home_parameter(&self, number: i64) -> Option<f64> {
-        let (point, start) =
-            PARAMETERS.into_iter().enumerate().find(|(_, start)| (*start..*start + 9).contains(&number))?;
-        let axis = AXES.into_iter().find(|&axis| number_of(axis) == number - start)?;
-        let own = self.home_points.get(point).and_then(|own| own.as_ref())?;
-        Some(if axis.is_rotary() {
-            own[axis].to_degrees()
-        } else {
-            own[axis] / if self.modal.inch { MM_PER_INCH } else { 1.0 }
-        })
-    }
-
-    /// No reference point was set by the program.
-    pub(super) const NO_POINTS: [Option<AxisVector>; 2] = [None, None];
 }
 
 /// The place of an axis in the order X Y Z A B C U V W of the parameters.
-fn number_of(axis: Axis) -> i64 {
+fn number_of(axis: Axis) -> u32 {
     match axis {
         Axis::X => 0,
         Axis::Y => 1,

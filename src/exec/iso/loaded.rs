@@ -1,5 +1,6 @@
 //! Programs that are loaded.
 
+use super::flow::loops_of;
 use crate::syntax::words::{Block, Program};
 
 /// A program file, ready to run.
@@ -7,12 +8,15 @@ pub(super) struct Loaded {
     pub(super) program: Program,
     /// Blocks whose comments were passed on already.
     commented: Vec<bool>,
+    /// First and last blocks of the loops that a jump could lead into.
+    pub(super) loops: Vec<(usize, usize)>,
 }
 
 impl Loaded {
     pub(super) fn new(program: Program) -> Self {
         let commented = vec![false; program.blocks.len()];
-        Loaded { program, commented }
+        let loops = loops_of(&program);
+        Loaded { program, commented, loops }
     }
 
     /// Whether the comments of a block are to be passed on: the first time it is executed, a loop does not repeat them.

@@ -4,7 +4,10 @@
 //! differs between the two is asked of [`crate::dialect::Language`].
 
 mod arc;
+mod arguments;
+mod assign;
 mod auxiliary;
+mod call;
 mod channel;
 mod codes;
 mod compensation;
@@ -12,21 +15,31 @@ mod data;
 mod expression;
 mod feed;
 mod flow;
+mod functions;
 mod gather;
 mod gathered;
 mod home;
 mod length;
 mod level;
+mod library;
 mod loaded;
 mod modal;
 mod motion;
 mod offsets;
+mod opaque;
+mod predefined;
+mod request;
 mod special;
 mod state;
+mod system;
 mod tip;
 mod transform;
+mod variables;
+
+use std::collections::HashMap;
 
 use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::dialect::Language;
 use crate::exec::ledger::Ledger;
 use crate::exec::{Executor, Library, Options};
 use crate::machine::Machine;
@@ -34,18 +47,19 @@ use crate::snc::{BlockNumber, Element, Kind, Origin};
 use crate::syntax::words::{PartKind, Program};
 
 use channel::Channel;
-use flow::Action;
 use level::Level;
 use loaded::Loaded;
 
 /// A running program.
 pub(super) struct Interpreter<'a> {
-    #[allow(dead_code, reason = "for the calls")]
+    machine: &'a Machine,
     library: Box<dyn Library + 'a>,
     ledger: Ledger,
     programs: Vec<Loaded>,
     levels: Vec<Level>,
     channel: Channel<'a>,
+    /// Files that were looked for, by the name of the call: their numbers.
+    files: HashMap<String, Option<usize>>,
     is_finished: bool,
 }
 
@@ -67,12 +81,15 @@ impl<'a> Interpreter<'a> {
             channel.push(Kind::Header(source.slice(header).to_vec()));
         }
         let ledger = Ledger::new(source, program.blocks.len(), &options);
+        channel.variables.add_program(&program);
         Interpreter {
+            machine,
             library,
             ledger,
             programs: vec![Loaded::new(program)],
             levels: vec![Level::new(0, main, start, 0)],
             channel,
+            files: HashMap::new(),
             is_finished: false,
         }
     }
@@ -87,7 +104,18 @@ impl<'a> Interpreter<'a> {
             self.ledger.is_over = true;
             return;
         };
-        let end = loaded.program.parts.get(level.part).map_or(0, |part| part.blocks.end);
+        if let Some(pending) = level.pending.take() {
+            let file = loaded.program.source.id();
+            if let Err(found) = self.act(pending.0, &pending.1) {
+                self.ledger.report(found.in_file(file));
+            }
+            return;
+        }
+        // In RS274/NGC a bare O number only marks a place.
+        let end = match (self.channel.language, loaded.program.parts.get(level.part)) {
+            (Language::Fanuc, part) => part.map_or(0, |part| part.blocks.end),
+            _ => loaded.program.blocks.len(),
+        };
         let index = level.next;
         let Some(&block) = loaded.program.blocks.get(index).filter(|_| index < end) else {
             self.end_of_part();
@@ -110,26 +138,23 @@ impl<'a> Interpreter<'a> {
                 self.channel.push(Kind::Comment(loaded.program.source.slice(comment.span).to_vec()));
             }
         }
-        let action = flow::block(loaded, level, &mut self.channel, &block);
+        let cut = block.inner_skip.filter(|skip| self.ledger.skips(skip.level, file, block.span));
+        let program = &loaded.program;
+        let words = if cut.is_some() { program.words_before_skip(&block) } else { program.words_of(&block) };
+        let action = flow::block(loaded, level, &mut self.channel, &block, index, words);
         for warning in std::mem::take(&mut self.channel.outlet.warnings) {
             self.ledger.report(warning.in_file(file));
         }
-        match action {
-            Ok(action) => self.act(action),
-            Err(found) => self.ledger.report(found.in_file(file)),
+        let done = match action {
+            Ok(action) if self.channel.has_moved && !self.channel.modal_calls.is_empty() => {
+                self.behind_motion(action, &block)
+            }
+            Ok(action) => self.act(action, &block),
+            Err(found) => Err(found),
+        };
+        if let Err(found) = done {
+            self.ledger.report(found.in_file(file));
         }
-    }
-
-    fn act(&mut self, action: Action) {
-        match action {
-            Action::Next => {}
-            Action::End => self.ledger.is_over = true,
-        }
-    }
-
-    /// Behind the last block of a program.
-    fn end_of_part(&mut self) {
-        self.ledger.is_over = true;
     }
 
     /// What was found at the very end.

@@ -32,13 +32,11 @@ impl Channel<'_> {
     }
 
     /// A subroutine begins.
-    #[allow(dead_code, reason = "for the calls")]
     pub(super) fn enter_level(&mut self) {
         self.saved.push(None);
     }
 
     /// A subroutine ends.
-    #[allow(dead_code, reason = "for the calls")]
     pub(super) fn leave_level(&mut self) {
         if self.saved.len() < 2 {
             return;
