@@ -107,11 +107,14 @@ pub(super) fn small_number(input: Input<'_>, spaced: bool) -> Parsed<'_, u32> {
     }
 }
 
-/// The text between `<` and `>`; the input begins with `<`.
+/// The text between `<` and `>`, with which the input begins.
 pub(super) fn angled(input: Input<'_>) -> Parsed<'_, &[u8]> {
-    match input.iter().position(|&byte| byte == b'>') {
-        Some(end) if !blanks(&input[1..end]).is_empty() => Ok((&input[end + 1..], &input[1..end])),
-        Some(end) => fault(Code::UNEXPECTED, input, end + 1, "a name between < and > has at least one character"),
+    let Some(text) = input.strip_prefix(b"<") else {
+        return fault(Code::UNEXPECTED, input, 1, "a name between < and > was expected here");
+    };
+    match text.iter().position(|&byte| byte == b'>') {
+        Some(end) if !blanks(&text[..end]).is_empty() => Ok((&text[end + 1..], &text[..end])),
+        Some(end) => fault(Code::UNEXPECTED, input, end + 2, "a name between < and > has at least one character"),
         None => fault(Code::UNCLOSED, input, 1, "this < is not closed in the block"),
     }
 }
