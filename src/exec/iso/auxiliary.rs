@@ -6,6 +6,7 @@ use super::channel::Channel;
 use super::gather::whole;
 use super::gathered::Gathered;
 use crate::diagnostic::Code;
+use crate::dialect::{self, Effect};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::geometry::AxisSet;
 use crate::snc::{Kind, Word, WordValue};
@@ -47,6 +48,18 @@ fn word(number: u32) -> Word {
     Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) }
 }
 
+/// Most M codes are the machine builder's and are passed on; some call programs or lead elsewhere, which the code table knows.
+fn refused(number: u32, span: Span) -> Result<(), Fault> {
+    let codes = dialect::find("fanuc").map(dialect::Dialect::codes);
+    match codes.and_then(|codes| codes.m(number as usize)).filter(|entry| entry.effect == Effect::Refuse) {
+        Some(entry) => {
+            let message = format!("{} ({}) is not supported", entry.name, entry.meaning);
+            Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"))
+        }
+        None => Ok(()),
+    }
+}
+
 impl Channel<'_> {
     /// Executes the M codes of a block as far as they act before the motion, and keeps the others for later.
     pub(super) fn m_codes(&mut self, gathered: &Gathered) -> Result<(), Fault> {
@@ -55,6 +68,7 @@ impl Channel<'_> {
         }
         if !self.is_rs274() {
             for &(number, span) in &gathered.m_codes {
+                refused(number, span)?;
                 self.fanuc_m(number, span);
             }
             return Ok(());

@@ -88,6 +88,10 @@ fn g_code(
         return Err(bad_value(span, format!("G{value} is no G code"), "write a G code of this control"));
     }
     let (tenths, dialect) = (rounded as u16, scope.program.dialect);
+    if let Some(entry) = dialect.codes().g_tenths(tenths.into()).filter(|entry| entry.effect == Effect::Refuse) {
+        let message = format!("{} ({}) is not supported", entry.name, entry.meaning);
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"));
+    }
     if tenths == 530 {
         out.machine_frame = Some(span);
         return Ok(());
