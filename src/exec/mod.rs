@@ -18,6 +18,7 @@ mod outlet;
 mod path;
 mod resolve;
 mod sinumerik;
+mod tilted_plane;
 
 pub use library::{Library, NoLibrary};
 

@@ -29,7 +29,7 @@ pub enum LengthAxis {
 }
 
 /// Settings of Fanuc and RS274/NGC controls.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct IsoControl {
     /// What a number without a decimal point means; `None` where the file does not say it.
     pub decimal_point: Option<DecimalPoint>,
@@ -41,6 +41,30 @@ pub struct IsoControl {
     pub dwell_turns: bool,
     /// Reference points of G28 (1) and G30 (2 to 4), mm or rad; machine zero is assumed for those of G28 that are missing.
     pub reference_points: BTreeMap<(u8, Axis), f64>,
+    /// How far G73 draws back behind each peck, mm (Fanuc parameter 5114).
+    pub chip_clearance_mm: f64,
+    /// How far above the depth that is reached G83 goes over from rapid to feed, mm (Fanuc parameter 5115).
+    pub peck_clearance_mm: f64,
+    /// Axis and sense along which G76 and G87 step aside by Q with the spindle oriented (Fanuc parameter 5101, bits 4 and 5).
+    pub orient_shift: Option<(Axis, f64)>,
+    /// Whether G74 and G84 tap rigidly without M29 (Fanuc parameter 5200, bit 0); `None` where the file does not say it.
+    pub rigid_tapping: Option<bool>,
+}
+
+impl Default for IsoControl {
+    fn default() -> Self {
+        IsoControl {
+            decimal_point: None,
+            length_axis: LengthAxis::Z,
+            starts_in_inch: false,
+            dwell_turns: false,
+            reference_points: BTreeMap::new(),
+            chip_clearance_mm: 1.0,
+            peck_clearance_mm: 1.0,
+            orient_shift: None,
+            rigid_tapping: None,
+        }
+    }
 }
 
 /// Reads them.
@@ -79,5 +103,32 @@ pub(super) fn read(section: &mut Section<'_>, iso: &mut IsoControl) {
                 iso.reference_points.insert((point, axis), value);
             }
         }
+    }
+    for (key, place) in
+        [("chip_clearance_mm", &mut iso.chip_clearance_mm), ("peck_clearance_mm", &mut iso.peck_clearance_mm)]
+    {
+        match section.number(key) {
+            None => {}
+            Some(value) if value >= 0.0 => *place = value,
+            Some(value) => {
+                let message = format!("{key} must not be negative, found {value}");
+                section.report(Code::BAD_VALUE, section.place_of(key), message, "give a distance in mm");
+            }
+        }
+    }
+    match section.text("orient_shift").map(str::as_bytes) {
+        None => {}
+        Some([sign @ (b'+' | b'-'), letter @ (b'X' | b'Y' | b'Z')]) => {
+            let sense = if *sign == b'+' { 1.0 } else { -1.0 };
+            iso.orient_shift = Axis::from_letter(*letter).map(|axis| (axis, sense));
+        }
+        Some(_) => {
+            let message = "orient_shift must be a sense and an axis";
+            let help = "write \"+X\", \"-X\", \"+Y\", \"-Y\", \"+Z\" or \"-Z\" (Fanuc parameter 5101, bits 4 and 5)";
+            section.report(Code::BAD_VALUE, section.place_of("orient_shift"), message, help);
+        }
+    }
+    if let Some(value) = section.boolean("rigid_tapping") {
+        iso.rigid_tapping = Some(value);
     }
 }

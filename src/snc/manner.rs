@@ -1,4 +1,5 @@
-//! What a move is on the control beside its way: part of the path, a thread, or positions of axes that move on their own.
+//! What a move is on the control beside its way: part of the path, a thread, positions of axes that move on their own, or a probing
+//! motion.
 //!
 //! The text form does not show it: it says where the axes go.
 
@@ -12,6 +13,8 @@ pub enum Manner {
     Thread(Thread),
     /// Each axis on its own (`POS[X]=`), in one piece.
     Positioning,
+    /// Until a probe or a signal ends it, by its code (`G38.2`, `G31`), in one piece.
+    Probe(&'static str),
 }
 
 /// A thread.

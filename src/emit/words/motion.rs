@@ -72,6 +72,7 @@ impl Words {
         }
         match (&piece.manner, arc) {
             (Manner::Thread(thread), _) => self.thread_word(thread, origin),
+            (Manner::Probe(word), _) => Ok(*word),
             (Manner::Positioning, _) => Err(self.no_words(origin, "an axis that moves on its own", "use G0")),
             (Manner::Path, _) if *rapid => Ok("G0"),
             (Manner::Path, None) => Ok("G1"),

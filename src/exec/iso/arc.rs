@@ -104,6 +104,11 @@ impl Channel<'_> {
             self.modal.command = target;
             self.modal.known = self.modal.known.union(named);
         })?;
+        if !setup.frame.keeps_circles(self.modal.plane) {
+            let message = "an arc under a scaling that differs between the axes of its plane";
+            let help = "scale both axes alike: what else a control does is no circle and no ellipse";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+        }
         let shape = behind_frame(&arc, [&from, &to], &target, &setup, self.machine.control.chord_tolerance_mm);
         let step = Step::straight(gathered, false, end, named);
         self.send(step, target, shape, setup)

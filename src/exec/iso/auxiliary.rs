@@ -134,6 +134,7 @@ impl Channel<'_> {
             7 => self.modal.coolant[0] = true,
             8 => self.modal.coolant[1] = true,
             9 => self.modal.coolant = [false; 2],
+            29 => self.cycles.is_rigid = true,
             _ => {}
         }
     }
@@ -142,6 +143,7 @@ impl Channel<'_> {
         match number {
             98 | 99 => {}
             2 | 30 => {
+                self.leave_exact_stops(false);
                 self.ends_program = true;
                 self.after.push(word(number));
             }

@@ -5,12 +5,14 @@ use std::sync::Arc;
 
 use super::call::Call;
 use super::codes::{G80, Group};
+use super::cycle::Cycles;
 use super::flow::Loops;
 use super::gathered::Gathered;
 use super::length::ToolOffset;
 use super::modal::Modal;
 use super::motion::known_behind;
 use super::offsets::System;
+use super::special::Special;
 use super::state::SavedState;
 use super::variables::Variables;
 use crate::diagnostic::Code;
@@ -65,6 +67,8 @@ pub(super) struct Channel<'a> {
     pub(super) offset_warned: Option<System>,
     /// Whether it was reported that numbers lack a decimal point and what they mean is not stated.
     point_warned: bool,
+    pub(super) cycles: Cycles,
+    pub(super) special: Special,
     gathered: Option<Box<Gathered>>,
 }
 
@@ -95,6 +99,8 @@ impl<'a> Channel<'a> {
             feed_warned: false,
             offset_warned: None,
             point_warned: false,
+            cycles: Cycles::default(),
+            special: Special::default(),
             gathered: None,
         };
         // G54 is in force when a program starts.
@@ -169,6 +175,7 @@ impl<'a> Channel<'a> {
         self.flush_before();
         self.dwell(gathered)?;
         self.plane(gathered)?;
+        self.lathe(gathered)?;
         self.units(gathered);
         self.compensation_codes(gathered)?;
         let mut takes_axes = self.length_codes(gathered)?;
@@ -208,28 +215,16 @@ impl<'a> Channel<'a> {
 
     /// The motion of a block, and what acts behind it.
     fn move_axes(&mut self, gathered: &Gathered, takes_axes: bool) -> Result<(), Fault> {
-        let code = if takes_axes { gathered.code(Group::Motion) } else { self.motion_of(gathered) };
+        let code = if takes_axes { self.code_of_motion(gathered) } else { self.motion_of(gathered) };
         let mut done = Ok(());
-        let code = match code {
-            // Behind a cycle of a Fanuc the kind of motion before it holds again.
-            Some(G80) if !self.is_rs274() => {
-                self.modal.motion = self.modal.way;
-                let moves = !takes_axes && !gathered.axes.is_empty();
-                moves.then_some(self.modal.way)
-            }
-            code => code,
-        };
         if let Some(code) = code {
-            if matches!(code, 0..=30) {
-                self.modal.way = code;
-            }
             if !takes_axes && code == G80 && !gathered.axes.is_empty() {
                 let message = "axis words, and no kind of motion is in force";
                 let help = "program G0 or G1 first";
                 done = Err(fault(Code::BAD_WORD_VALUE, gathered.span, message, help));
                 gathered.use_up(b"XYZABCUVW");
             } else {
-                self.modal.motion = code;
+                self.note_motion(code);
                 let moves = !takes_axes && (code > 30 && code != G80 || self.has_way(gathered, code));
                 if moves {
                     done = self.motion(gathered, code);

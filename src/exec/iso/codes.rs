@@ -9,7 +9,7 @@ use crate::dialect::Language;
 pub(super) enum Group {
     /// What is done once: G4, G10, G28, G52, G92 …
     Action,
-    /// Kinds of motion, canned cycles among them.
+    /// Kinds of motion; of RS274/NGC canned cycles are among them.
     Motion,
     /// G17, G18, G19
     Plane,
@@ -49,10 +49,12 @@ pub(super) enum Group {
     Lathe,
     /// G92.1, G92.2, G92.3 of RS274/NGC
     Shift,
+    /// Canned cycles of Fanuc.
+    Cycle,
 }
 
 /// How many groups there are.
-pub(super) const GROUPS: usize = 21;
+pub(super) const GROUPS: usize = 22;
 
 /// No kind of motion is in force.
 pub(super) const G80: u16 = 800;
@@ -62,9 +64,12 @@ pub(super) fn group_of(tenths: u16, language: Language) -> Option<Group> {
     let is_rs274 = language == Language::Rs274;
     Some(match tenths {
         0 | 10 | 20 | 30 => Group::Motion,
-        330 | 331 | 730 | 740 | 760 | 800 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 => Group::Motion,
+        330 => Group::Motion,
+        331 if is_rs274 => Group::Motion,
+        730 | 740 | 760 | 800 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 if is_rs274 => Group::Motion,
+        730 | 740 | 760 | 800 | 810 | 820 | 830 | 840 | 850 | 860 | 870 | 880 | 890 => Group::Cycle,
         50 | 51 | 52 | 382 | 383 | 384 | 385 if is_rs274 => Group::Motion,
-        842 | 843 if !is_rs274 => Group::Motion,
+        842 | 843 if !is_rs274 => Group::Cycle,
         170 | 180 | 190 => Group::Plane,
         200 | 210 => Group::Units,
         900 | 910 => Group::Distance,

@@ -99,6 +99,7 @@ impl Channel<'_> {
         if self.is_rs274() {
             self.no_compensation(gathered.code_span(Group::Control), "another path control mode")?;
         }
+        self.leave_exact_stops(true);
         self.modal.path_control = (code, None, None);
         if code == 640 && self.is_rs274() && gathered.has_any(b"PQR") {
             let mut text = "G64".to_owned();

@@ -27,8 +27,6 @@ pub(super) enum FeedMode {
 pub(super) struct Modal {
     /// Kind of motion, a G code in tenths; G80 for none.
     pub(super) motion: u16,
-    /// The last kind of motion that was no cycle: on a Fanuc it holds again behind G80.
-    pub(super) way: u16,
     pub(super) plane: Plane,
     pub(super) incremental: bool,
     /// G90.1
@@ -92,7 +90,6 @@ impl Modal {
         Modal {
             // LinuxCNC starts with G80, a Fanuc with G0 or G1 by parameter.
             motion: if is_fanuc { 0 } else { G80 },
-            way: 0,
             plane: machine.control.initial_plane,
             incremental: false,
             arc_absolute: false,
@@ -102,7 +99,8 @@ impl Modal {
             speed: None,
             spindle: 5,
             coolant: [false; 2],
-            to_r_plane: false,
+            // LinuxCNC starts with G99.
+            to_r_plane: !is_fanuc,
             path_control: (640, None, None),
             spindle_mode: 970,
             system: machine.control.initial_zero_offset.as_deref().and_then(System::of_name).unwrap_or(System::FIRST),
@@ -134,11 +132,16 @@ impl Modal {
 
     /// Total frame: zero offset, shifts, then what is nearest to the programmed value.
     pub(super) fn frame(&self) -> Frame {
-        let shifted = self.settable.compose(&Frame::translation(self.shift + self.local));
+        let shifted = self.below_transforms();
         match self.transforms.frame() {
             None => shifted,
             Some(inner) => shifted.compose(&inner),
         }
+    }
+
+    /// Zero offset and shifts.
+    pub(super) fn below_transforms(&self) -> Frame {
+        self.settable.compose(&Frame::translation(self.shift + self.local))
     }
 
     /// How programmed positions relate to axis commands now.

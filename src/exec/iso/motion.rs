@@ -177,6 +177,9 @@ impl Channel<'_> {
             }
         }
         self.check_feed(&step);
+        if self.modal.transforms.tilt().is_some() && !in_machine_frame {
+            self.check_tilt(step.named, step.span)?;
+        }
         let basis = PlaneBasis::behind(&setup.frame, self.modal.plane)
             .ok_or_else(|| bad_value(step.span, "the frame squeezes the working plane flat", "check its factors"))?;
         let (start, start_known) = (self.modal.command, self.modal.known);
@@ -189,15 +192,17 @@ impl Channel<'_> {
             known = known_behind(known, &setup.frame, inner);
             begun = known_behind(begun, &setup.frame, inner);
         }
+        // What the spindle drives has no feed of its own.
+        let is_driven = matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven());
         let motion = Move {
             rapid: step.rapid,
             arc: None,
             target,
             named,
             known,
-            feed: self.modal.feed,
-            feed_named: step.feed_named,
-            inverse_time: self.modal.feed_mode == FeedMode::InverseTime,
+            feed: if is_driven { 0.0 } else { self.modal.feed },
+            feed_named: step.feed_named && !is_driven,
+            inverse_time: self.modal.feed_mode == FeedMode::InverseTime && !is_driven,
             ways: Default::default(),
             in_machine_frame,
             manner: step.manner,
@@ -251,7 +256,7 @@ impl Channel<'_> {
 
     /// The kind of motion of a block that names a code of motion or has words for the one in force.
     pub(super) fn motion_of(&self, gathered: &Gathered) -> Option<u16> {
-        if let Some(code) = gathered.code(Group::Motion) {
+        if let Some(code) = self.code_of_motion(gathered) {
             return Some(code);
         }
         let is_arc = matches!(self.modal.motion, 20 | 30);

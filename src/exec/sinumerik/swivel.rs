@@ -12,6 +12,7 @@ use super::value::Value;
 use super::{Interpreter, scope_of};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, fault};
+use crate::exec::tilted_plane::{tilting_axis, turned_frame, workpiece_normal};
 use crate::geometry::{AXES, Axis, AxisSet, AxisVector, Frame, Matrix, ROTARY_AXES, RotationOrder, Vector, about};
 use crate::machine::Kinematics;
 use crate::snc::{FrameKind, FrameStatement, FrameWords, Way};
@@ -151,32 +152,12 @@ impl Channel<'_> {
             if let Some(axis) = unknown.filter(|_| self.strict) {
                 return Err(super::motion::unknown_start(span, axis));
             }
-            // The pose at which the settable zero offset holds.
-            let mut pose = AxisVector::ZERO;
-            for axis in ROTARY_AXES {
-                pose[axis] = below.shift(axis);
-            }
-            let on_workpiece = |point: &Vector| {
-                let mut position = AxisVector::ZERO;
-                position.set_xyz(*point);
-                let mut command = pose;
-                command.set_xyz(below.apply(&tilt.apply(&position)).xyz() - tool_mm);
-                kinematics.tip_mm(&command, &tool_mm)
-            };
-            let origin = on_workpiece(&Vector::zeros());
-            let normal = on_workpiece(&Vector::z()) - origin;
+            let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
             let turned = self.choose(&kinematics, &normal, request)?;
             self.turn(&kinematics, &turned, span)?;
-            let command = |tip: &Vector| kinematics.placed(tip, &turned, &tool_mm).map(|command| command.xyz());
-            let place = |point: &Vector| command(&on_workpiece(point));
-            let columns = [Vector::x(), Vector::y(), Vector::z()].map(|unit| place(&unit));
-            let (Some(zero), [Some(x), Some(y), Some(z)]) = (command(&origin), columns) else {
-                return Err(refused(span, "the linear axes of this machine cannot place the tip".to_owned()));
-            };
-            let linear = Matrix::from_columns(&[x - zero, y - zero, z - zero]);
-            let mut offset = *below.offset();
-            offset.set_xyz(zero + tool_mm);
-            Frame::new(linear, offset)
+            let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
+                .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
+            Some(total)
         } else if request.direction == 0.0 {
             Some(below.compose(&tilt))
         } else {
@@ -213,7 +194,7 @@ impl Channel<'_> {
             [Some(one), None] | [None, Some(one)] => Ok(one),
             [Some(one), Some(other)] => {
                 let reference =
-                    self.machine.control.swivel_direction_axis.or_else(|| tilting(kinematics, self.machine));
+                    self.machine.control.swivel_direction_axis.or_else(|| tilting_axis(kinematics, self.machine));
                 let Some(axis) = reference else { return Ok(one) };
                 if (one[axis] - other[axis]).abs() < SAME_ANGLE {
                     return Ok(one);
@@ -350,15 +331,6 @@ fn statements_of(frame: &Frame, order: RotationOrder) -> Option<[FrameStatement;
         in_plane_rad: None,
     };
     is_rotation.then(|| [statement(FrameKind::Translate, false, shift), statement(FrameKind::Rotate, true, angles)])
-}
-
-/// The rotary axis that tilts the tool: the one most across it at the zero pose.
-fn tilting(kinematics: &Kinematics, machine: &crate::machine::Machine) -> Option<Axis> {
-    let along = |axis: &Axis| {
-        let direction = machine.axis(*axis).map_or_else(Vector::zeros, |data| data.direction);
-        direction.dot(&machine.spindle.axis).abs()
-    };
-    kinematics.rotary_axes().min_by(|one, other| along(one).total_cmp(&along(other)))
 }
 
 fn translation(shift: Vector) -> Frame {

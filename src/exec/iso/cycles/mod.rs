@@ -1,0 +1,174 @@
+//! Canned cycles: what happens at one hole, as steps along the tool axis. Where the holes are is the business of [`super::drill`].
+//!
+//! To add a cycle: a function in the file of its control, and an arm in the `steps` there.
+
+pub(super) mod fanuc;
+pub(super) mod rs274;
+pub(super) mod threading;
+
+/// Steps of one hole at most.
+const MOST_STEPS: usize = 100_000;
+
+/// One step at a hole. Heights are program coordinates along the tool axis, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Step {
+    /// At rapid along the tool axis.
+    Rapid(f64),
+    /// With feed along the tool axis.
+    Feed(f64),
+    /// At rapid in the plane, to this far off the hole.
+    Aside([f64; 2]),
+    /// Dwell, s.
+    Dwell(f64),
+    /// The spindle.
+    Spindle(Turn),
+    /// The operator goes on: M0.
+    Stop,
+    /// The operator has drawn the tool out to this height.
+    DrawnOut(f64),
+}
+
+/// What the spindle does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Turn {
+    /// M3
+    Clockwise,
+    /// M4
+    CounterClockwise,
+    /// M5
+    Off,
+    /// M19: stands at an angle.
+    Oriented,
+}
+
+impl Turn {
+    /// The other sense.
+    fn reversed(self) -> Turn {
+        match self {
+            Turn::Clockwise => Turn::CounterClockwise,
+            Turn::CounterClockwise => Turn::Clockwise,
+            other => other,
+        }
+    }
+
+    /// The number of the M code.
+    pub(super) fn m_code(self) -> u8 {
+        match self {
+            Turn::Clockwise => 3,
+            Turn::CounterClockwise => 4,
+            Turn::Off => 5,
+            Turn::Oriented => 19,
+        }
+    }
+}
+
+/// One hole: heights are program coordinates along the tool axis, mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Hole {
+    /// The plane R.
+    pub(super) r: f64,
+    /// The bottom.
+    pub(super) bottom: f64,
+    /// Where the tool goes to behind the hole.
+    pub(super) clear: f64,
+    /// P, s.
+    pub(super) dwell_s: Option<f64>,
+    /// Q: depth of one peck, or how far the tool steps aside.
+    pub(super) q: Option<f64>,
+    /// How far a peck cycle keeps away from, or draws back from, the material that is there, mm.
+    pub(super) clearance: f64,
+    /// How far and where the tool steps aside with its spindle oriented.
+    pub(super) aside: Option<[f64; 2]>,
+}
+
+/// Why a hole has no steps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct HoleFault {
+    /// What is wrong, without the code of the cycle.
+    pub(super) message: String,
+    /// What to do.
+    pub(super) help: &'static str,
+    /// Whether the control does it, and only we do not.
+    pub(super) is_unsupported: bool,
+}
+
+fn wrong(message: impl Into<String>, help: &'static str) -> HoleFault {
+    HoleFault { message: message.into(), help, is_unsupported: false }
+}
+
+/// Depths of the pecks from R on, the bottom last.
+fn depths(hole: &Hole) -> Result<Vec<f64>, HoleFault> {
+    let Some(peck) = hole.q.filter(|peck| *peck > 0.0) else {
+        return Err(wrong("the depth of one peck (Q) is not above 0", "give Q, the depth of one peck"));
+    };
+    let count = ((hole.r - hole.bottom) / peck).abs();
+    if !count.is_finite() || count > (MOST_STEPS / 3) as f64 {
+        return Err(wrong(format!("{count:.0} pecks in one hole"), "correct Q, R or Z"));
+    }
+    let towards = if hole.bottom < hole.r { -1.0 } else { 1.0 };
+    let mut depths = Vec::new();
+    // Added up one by one, as the controls do.
+    let mut depth = hole.r + towards * peck;
+    while (hole.bottom - depth) * towards > 0.0 {
+        depths.push(depth);
+        depth += towards * peck;
+    }
+    depths.push(hole.bottom);
+    Ok(depths)
+}
+
+/// In pecks that clear the hole: out to R and back to a clearance above the depth that is reached.
+fn deep_hole(hole: &Hole) -> Result<Vec<Step>, HoleFault> {
+    let depths = depths(hole)?;
+    let towards = if hole.bottom < hole.r { -1.0 } else { 1.0 };
+    let mut steps = Vec::with_capacity(3 * depths.len() + 1);
+    for (place, depth) in depths.iter().enumerate() {
+        if let Some(reached) = place.checked_sub(1).and_then(|last| depths.get(last)) {
+            steps.extend([Step::Rapid(hole.r), Step::Rapid(reached - towards * hole.clearance)]);
+        }
+        steps.push(Step::Feed(*depth));
+    }
+    steps.push(Step::Rapid(hole.clear));
+    Ok(steps)
+}
+
+/// In pecks that break the chip: back by a clearance behind each.
+fn chip_breaking(hole: &Hole) -> Result<Vec<Step>, HoleFault> {
+    let depths = depths(hole)?;
+    let towards = if hole.bottom < hole.r { -1.0 } else { 1.0 };
+    let mut steps = Vec::with_capacity(2 * depths.len() + 1);
+    for (place, depth) in depths.iter().enumerate() {
+        if let Some(reached) = place.checked_sub(1).and_then(|last| depths.get(last)) {
+            steps.push(Step::Rapid(reached - towards * hole.clearance));
+        }
+        steps.push(Step::Feed(*depth));
+    }
+    steps.push(Step::Rapid(hole.clear));
+    Ok(steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pecks_end_at_the_bottom_whether_it_divides_or_not() {
+        let hole = Hole { r: 2.0, bottom: -20.0, q: Some(8.0), ..Hole::default() };
+        assert_eq!(depths(&hole).unwrap(), [-6.0, -14.0, -20.0]);
+        let even = Hole { bottom: -22.0, ..hole };
+        assert_eq!(depths(&even).unwrap(), [-6.0, -14.0, -22.0]);
+        let deep = Hole { q: Some(100.0), ..hole };
+        assert_eq!(depths(&deep).unwrap(), [-20.0]);
+        let upwards = Hole { bottom: 20.0, ..hole };
+        assert_eq!(depths(&upwards).unwrap(), [10.0, 18.0, 20.0]);
+    }
+
+    #[test]
+    fn a_peck_of_nothing_or_of_next_to_nothing_is_refused() {
+        let hole = Hole { r: 2.0, bottom: -20.0, ..Hole::default() };
+        for q in [None, Some(0.0), Some(-1.0), Some(1e-9), Some(f64::NAN)] {
+            assert!(depths(&Hole { q, ..hole }).is_err(), "{q:?}");
+        }
+        assert!(depths(&Hole { bottom: f64::NEG_INFINITY, q: Some(1.0), ..hole }).is_err());
+    }
+}

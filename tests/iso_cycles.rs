@@ -1,0 +1,415 @@
+//! Canned cycles of Fanuc and RS274/NGC; the motions are those of the reference and of the controls' manuals, written out by hand.
+
+use ncfix::exec::{NoLibrary, Options};
+use ncfix::geometry::Axis;
+
+use crate::iso::{check, check_codes, check_on, iso_machine, run, run_with};
+
+#[test]
+fn i8_holes_and_pecks() {
+    check(
+        "fanuc",
+        "N10 G17 G90 G0 X0 Y0 Z50.
+N20 G99 G81 X10. Y0 Z-10. R2. F100.
+N30 X20.
+N40 G98 X30.
+N50 G80
+N60 G91 G99 G81 X10. Z-12. R-48. K2
+N70 G80 G90
+N80 G0 Z50.
+N90 G98 G83 X0 Y20. Z-20. R2. Q8. F100.
+N100 G73 Y40. Z-20. R2. Q8.
+N110 G80
+N120 M30",
+        &[
+            "G0 X0 Y0 Z50",
+            "G0 X10 Y0 Z50",
+            "G0 X10 Y0 Z2",
+            "G1 X10 Y0 Z-10 F100",
+            "G0 X10 Y0 Z2",
+            "G0 X20 Y0 Z2",
+            "G1 X20 Y0 Z-10 F100",
+            "G0 X20 Y0 Z2",
+            "G0 X30 Y0 Z2",
+            "G1 X30 Y0 Z-10 F100",
+            "G0 X30 Y0 Z50",
+            "G0 X40 Y0 Z50",
+            "G0 X40 Y0 Z2",
+            "G1 X40 Y0 Z-10 F100",
+            "G0 X40 Y0 Z2",
+            "G0 X50 Y0 Z2",
+            "G1 X50 Y0 Z-10 F100",
+            "G0 X50 Y0 Z2",
+            "G0 X50 Y0 Z50",
+            "G0 X0 Y20 Z50",
+            "G0 X0 Y20 Z2",
+            "G1 X0 Y20 Z-6 F100",
+            "G0 X0 Y20 Z2",
+            "G0 X0 Y20 Z-5",
+            "G1 X0 Y20 Z-14 F100",
+            "G0 X0 Y20 Z2",
+            "G0 X0 Y20 Z-13",
+            "G1 X0 Y20 Z-20 F100",
+            "G0 X0 Y20 Z50",
+            "G0 X0 Y40 Z50",
+            "G0 X0 Y40 Z2",
+            "G1 X0 Y40 Z-6 F100",
+            "G0 X0 Y40 Z-5",
+            "G1 X0 Y40 Z-14 F100",
+            "G0 X0 Y40 Z-13",
+            "G1 X0 Y40 Z-20 F100",
+            "G0 X0 Y40 Z50",
+        ],
+    );
+}
+
+#[test]
+fn a_fanuc_returns_to_its_kind_of_motion_behind_g80_and_g0_ends_a_cycle() {
+    check(
+        "fanuc",
+        "G90 G1 X0 Y0 Z10. F100.
+G81 X5. Z-1. R1.
+G80
+X7.
+G99 G81 X8. Z-1. R1.
+G0 X9.
+G80 G0 Z20.",
+        &[
+            "G1 X0 Y0 Z10 F100",
+            "G0 X5 Y0 Z10",
+            "G0 X5 Y0 Z1",
+            "G1 X5 Y0 Z-1 F100",
+            "G0 X5 Y0 Z10",
+            "G1 X7 Y0 Z10 F100",
+            "G0 X8 Y0 Z10",
+            "G0 X8 Y0 Z1",
+            "G1 X8 Y0 Z-1 F100",
+            "G0 X8 Y0 Z1",
+            "G0 X9 Y0 Z1",
+            "G0 X9 Y0 Z20",
+        ],
+    );
+}
+
+#[test]
+fn spindle_dwell_and_stop_stand_in_their_places() {
+    let (lines, codes) = run(
+        "fanuc",
+        "G90 G0 X0 Y0 Z10. M3 S500
+G98 G84 X1. Z-5. R2. P500 F100.
+G86 X2. Z-5.
+G88 X3. P1000
+G80 M30",
+    );
+    assert!(codes.is_empty(), "{codes:?}");
+    let wanted = [
+        "S500 M3",
+        "G0 X0 Y0 Z10",
+        "G0 X1 Y0 Z10",
+        "G0 X1 Y0 Z2",
+        "G1 X1 Y0 Z-5 F100",
+        "G4 S0.5",
+        "M4",
+        "G1 X1 Y0 Z2 F100",
+        "M3",
+        "G0 X1 Y0 Z10",
+        "G0 X2 Y0 Z10",
+        "G0 X2 Y0 Z2",
+        "G1 X2 Y0 Z-5 F100",
+        "M5",
+        "G0 X2 Y0 Z10",
+        "M3",
+        "G0 X3 Y0 Z10",
+        "G0 X3 Y0 Z2",
+        "G1 X3 Y0 Z-5 F100",
+        "G4 S1",
+        "M5",
+        "M0",
+        "G0 X3 Y0 Z10",
+        "M3",
+        "M30",
+    ];
+    assert_eq!(lines, wanted);
+}
+
+#[test]
+fn fine_boring_steps_aside_in_machine_directions() {
+    let mut machine = iso_machine();
+    machine.control.iso.orient_shift = Some((Axis::X, -1.0));
+    check_on(
+        "fanuc",
+        "G90 G0 X0 Y0 Z10.
+G76 X10. Y0 Z-5. R2. Q0.5 F100.
+G80 G51.1 X50.
+G76 X20. Q0.5 R2. Z-5.",
+        &machine,
+        &[
+            "G0 X0 Y0 Z10",
+            "G0 X10 Y0 Z10",
+            "G0 X10 Y0 Z2",
+            "G1 X10 Y0 Z-5 F100",
+            "G0 X9.5 Y0 Z-5",
+            "G0 X9.5 Y0 Z10",
+            "G0 X10 Y0 Z10",
+            // Mirrored to 80, and still to the same side of the machine.
+            "G0 X80 Y0 Z10",
+            "G0 X80 Y0 Z2",
+            "G1 X80 Y0 Z-5 F100",
+            "G0 X79.5 Y0 Z-5",
+            "G0 X79.5 Y0 Z10",
+            "G0 X80 Y0 Z10",
+        ],
+    );
+    check_codes("fanuc", "G90 G0 X0 Y0 Z10.\nG76 X10. Z-5. R2. Q0.5 F100.", &["E0210:2"]);
+}
+
+#[test]
+fn the_tool_axis_is_that_across_the_plane_and_bolt_circles_are_polar() {
+    check(
+        "fanuc",
+        "G18 G90 G0 X0 Y50. Z0
+G99 G81 X1. Z2. Y-5. R3. F100.
+G80 G17 G0 Y0 Z10.
+G16
+G81 X10. Y0 Z-1. R1.
+G91 Y90. K3
+G15 G80 G90",
+        &[
+            "G0 X0 Y50 Z0",
+            "G0 X1 Y50 Z2",
+            "G0 X1 Y3 Z2",
+            "G1 X1 Y-5 Z2 F100",
+            "G0 X1 Y3 Z2",
+            "G0 X1 Y0 Z10",
+            "G0 X10 Y0 Z10",
+            "G0 X10 Y0 Z1",
+            "G1 X10 Y0 Z-1 F100",
+            "G0 X10 Y0 Z1",
+            "G0 X0 Y10 Z1",
+            "G1 X0 Y10 Z-1 F100",
+            "G0 X0 Y10 Z1",
+            "G0 X-10 Y0 Z1",
+            "G1 X-10 Y0 Z-1 F100",
+            "G0 X-10 Y0 Z1",
+            "G0 X0 Y-10 Z1",
+            "G1 X0 Y-10 Z-1 F100",
+            "G0 X0 Y-10 Z1",
+        ],
+    );
+}
+
+#[test]
+fn scaling_leaves_pecks_and_clearances_as_they_are() {
+    check(
+        "fanuc",
+        "G90 G0 X0 Y0 Z10.
+G51 X0 Y0 Z0 P2000
+G99 G73 X5. Z-10. R1. Q8. F100.
+G80 G50",
+        &[
+            "G0 X0 Y0 Z10",
+            "G0 X10 Y0 Z10",
+            "G0 X10 Y0 Z2",
+            "G1 X10 Y0 Z-6 F100",
+            "G0 X10 Y0 Z-5",
+            "G1 X10 Y0 Z-14 F100",
+            "G0 X10 Y0 Z-13",
+            "G1 X10 Y0 Z-20 F100",
+            "G0 X10 Y0 Z2",
+        ],
+    );
+}
+
+#[test]
+fn tapping_is_refused_for_a_correction_where_it_may_be_rigid() {
+    let program = "G54 G90 G0 X0 Y0 Z10.\nG84 X1. Y1. Z-5. R2. F100.\nM30";
+    let rigid = "G54 G90 G0 X0 Y0 Z10.\nM29 S500\nG84 X1. Y1. Z-5. R2. F100.\nM30";
+    let mut machine = iso_machine();
+    let run = |program: &str, machine: &ncfix::machine::Machine, strict: bool| {
+        run_with("fanuc", program, machine, Box::new(NoLibrary), Options { strict, ..Options::default() }).1
+    };
+    assert!(run(program, &machine, false).is_empty());
+    assert_eq!(run(program, &machine, true), ["E0201:2"]);
+    machine.control.iso.rigid_tapping = Some(false);
+    assert!(run(program, &machine, true).is_empty());
+    assert_eq!(run(rigid, &machine, true), ["E0201:3"]);
+    machine.control.iso.rigid_tapping = Some(true);
+    assert_eq!(run(program, &machine, true), ["E0201:2"]);
+}
+
+#[test]
+fn a_cycle_from_a_level_that_is_not_known_is_refused_for_a_correction() {
+    let options = || Options { strict: true, ..Options::default() };
+    let machine = iso_machine();
+    for program in ["G54 G90 G0 X0 Y0\nG81 X1. Y1. Z-5. R2. F100.", "G54 G90 G0 Z5.\nG81 X1. Z-5. R2. F100."] {
+        let (_, codes) = run_with("fanuc", program, &machine, Box::new(NoLibrary), options());
+        assert_eq!(codes, ["E0304:2"], "{program}");
+    }
+    // The first hole is a motion even where the tool seems to be there.
+    let (lines, codes) =
+        run_with("fanuc", "G54 G90 G0 Z5.\nG81 X0 Y0 Z-5. R2. F100.", &machine, Box::new(NoLibrary), options());
+    assert!(codes.is_empty(), "{codes:?}");
+    assert_eq!(lines[1], "G0 X0 Y0 Z5");
+}
+
+#[test]
+fn linuxcnc_cycles() {
+    let (lines, codes) = run(
+        "rs274",
+        "G21 G90 G17 F100 S500 M3
+G0 X0 Y40 Z1
+G98 G85 X5 Z-5 R3
+G99 G89 X6 Z-5 R3 P0.5
+G84 X9 Z-5 R2 P0.2
+G88 X12 Z-5 R2 P0.1
+G98 G81 X13 R2 Z-3
+G91 X1 L2
+G90 G1 X0
+M2",
+    );
+    assert!(codes.is_empty(), "{codes:?}");
+    let wanted = [
+        "S500 M3",
+        "G0 X0 Y40 Z1",
+        "G0 X0 Y40 Z3",
+        "G0 X5 Y40 Z3",
+        "G1 X5 Y40 Z-5 F100",
+        "G1 X5 Y40 Z3 F100",
+        "G0 X6 Y40 Z3",
+        "G1 X6 Y40 Z-5 F100",
+        "G4 S0.5",
+        "G1 X6 Y40 Z3 F100",
+        // The level of the first cycle, 1, is below R.
+        "G0 X6 Y40 Z2",
+        "G0 X9 Y40 Z2",
+        "G1 X9 Y40 Z-5 F100",
+        "M5",
+        "M4",
+        "G4 S0.2",
+        "G1 X9 Y40 Z2 F100",
+        "M5",
+        "M3",
+        "G0 X12 Y40 Z2",
+        "G1 X12 Y40 Z-5 F100",
+        "G4 S0.1",
+        "M5",
+        "M0",
+        "M3",
+        "G0 X12 Y40 Z2",
+        "G0 X13 Y40 Z2",
+        "G1 X13 Y40 Z-3 F100",
+        "G0 X13 Y40 Z2",
+        // R counts from that level, Z from R.
+        "G0 X13 Y40 Z3",
+        "G0 X14 Y40 Z3",
+        "G1 X14 Y40 Z0 F100",
+        "G0 X14 Y40 Z3",
+        "G0 X15 Y40 Z3",
+        "G1 X15 Y40 Z0 F100",
+        "G0 X15 Y40 Z3",
+        "G1 X0 Y40 Z3 F100",
+        "M2",
+    ];
+    assert_eq!(lines, wanted);
+}
+
+#[test]
+fn linuxcnc_pecks_keep_away_by_a_hundredth_of_an_inch() {
+    check(
+        "rs274",
+        "G20 G90
+F10
+G0 X0 Y0 Z1
+G98 G83 X1 Z-0.5 R0.5 Q0.6
+G73 X2 Z-0.5 R0.5 Q0.6",
+        &[
+            "G0 X0 Y0 Z25.4",
+            "G0 X25.4 Y0 Z25.4",
+            "G0 X25.4 Y0 Z12.7",
+            "G1 X25.4 Y0 Z-2.54 F254",
+            "G0 X25.4 Y0 Z12.7",
+            "G0 X25.4 Y0 Z-2.286",
+            "G1 X25.4 Y0 Z-12.7 F254",
+            "G0 X25.4 Y0 Z25.4",
+            "G0 X50.8 Y0 Z25.4",
+            "G0 X50.8 Y0 Z12.7",
+            "G1 X50.8 Y0 Z-2.54 F254",
+            "G0 X50.8 Y0 Z-2.286",
+            "G1 X50.8 Y0 Z-12.7 F254",
+            "G0 X50.8 Y0 Z25.4",
+        ],
+    );
+}
+
+#[test]
+fn linuxcnc_refuses_what_it_needs_and_does_not_get() {
+    let begin = "G21 G90 F100 S500 M3\nG0 X0 Y0 Z10\n";
+    for block in [
+        "G81 X1 Z-1",
+        "G81 X1 R1",
+        "G81 X1 R-2 Z-1",
+        "G82 X1 R1 Z-1",
+        "G83 X1 R1 Z-1",
+        "G83 X1 R1 Z-1 Q0",
+        "G81 X1 R1 Z-1 L0",
+        "G74 X1 R1 Z-1",
+        "G81 X1 R1 Z-1 A5",
+    ] {
+        let (_, codes) = run("rs274", &format!("{begin}{block}"));
+        assert_eq!(codes.len(), 1, "{block} {codes:?}");
+    }
+    check_codes("rs274", &format!("{begin}G87 X1 R1 Z-1 I1 J1 K1"), &["E0201:3"]);
+}
+
+#[test]
+fn linuxcnc_takes_a_tool_for_drawn_out_behind_g88() {
+    // The next hole begins above, whether the tool was there or not.
+    check(
+        "rs274",
+        "G21 G90 F100 S500 M3\nG0 X0 Y0 Z10\nG88 X1 Z-2 R1 P0 L2\nG80\nG81 Z-3 R1",
+        &[
+            "G0 X0 Y0 Z10",
+            "G0 X1 Y0 Z10",
+            "G0 X1 Y0 Z1",
+            "G1 X1 Y0 Z-2 F100",
+            "G0 X1 Y0 Z1",
+            "G1 X1 Y0 Z-2 F100",
+            "G0 X1 Y0 Z1",
+            "G1 X1 Y0 Z-3 F100",
+            "G0 X1 Y0 Z1",
+        ],
+    );
+    let program = "G54 G21 G90 F100 S500 M3\nG0 X0 Y0 Z10\nG88 X1 Z-2 R1 P0\nX2";
+    let options = Options { strict: true, ..Options::default() };
+    let (_, codes) = run_with("rs274", program, &iso_machine(), Box::new(NoLibrary), options);
+    assert_eq!(codes, ["E0304:4"]);
+}
+
+#[test]
+fn linuxcnc_taps_in_the_xy_plane_only() {
+    check_codes("rs274", "G21 G90 F100 S500 M3 G18\nG0 X0 Y0 Z10\nG84 X1 Z-2 Y-5 R1", &["E0201:3"]);
+}
+
+#[test]
+fn g80_beside_another_kind_of_motion_is_nothing() {
+    check("rs274", "G21 G90 G80 G0 X1 Y0 Z10\nG0 G80 X2", &["G0 X1 Y0 Z10", "G0 X2 Y0 Z10"]);
+}
+
+#[test]
+fn exact_stops_hold_within_linuxcnc_cycles_and_the_mode_of_the_program_comes_back() {
+    use ncfix::snc::Kind;
+    let text = "G21 G90 F100\nG64 P0.05\nG0 X0 Y0 Z10\nG81 X1 Z-1 R1\nX2\nG0 X3\nG61\nG81 X4 Z-1 R1\nM2";
+    let (elements, codes) =
+        crate::iso::elements("rs274", text, &iso_machine(), Box::new(NoLibrary), Options::default());
+    assert!(codes.is_empty(), "{codes:?}");
+    let modes: Vec<(u32, String)> = elements
+        .iter()
+        .filter_map(|element| match &element.kind {
+            Kind::Keep(word) if word.starts_with("G6") => Some((element.origin.line, (*word).to_owned())),
+            Kind::Verbatim(text) => Some((element.origin.line, String::from_utf8(text.clone()).unwrap())),
+            _ => None,
+        })
+        .collect();
+    let wanted = [(2, "G64 P0.05"), (4, "G61"), (6, "G64 P0.05"), (7, "G61")];
+    assert_eq!(modes, wanted.map(|(line, text)| (line, text.to_owned())));
+}
