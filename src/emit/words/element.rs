@@ -25,6 +25,9 @@ impl Words {
             return Ok(());
         }
         self.stamp(out);
+        if matches!(element.kind, Kind::Setup(_)) {
+            self.place = None;
+        }
         match &element.kind {
             Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
             Kind::Comment(bytes) => self.comment(bytes),

@@ -12,6 +12,7 @@ mod rs274;
 mod tests;
 
 use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::geometry::AXIS_COUNT;
 use crate::path::{Output, Turns};
 use crate::snc::{BlockNumber, Origin};
 
@@ -81,6 +82,8 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         line: if flavour.is_numbered { line.numbered(options.last_block_number.unwrap_or(u32::MAX)) } else { line },
         stops: Stops::new(flavour.stops),
         last_number: None,
+        place: None,
+        tapped_from: None,
         motion: "",
         feed: 0.0,
         is_inverse_time: false,
@@ -100,6 +103,10 @@ struct Words {
     stops: Stops,
     /// The largest number of a block so far.
     last_number: Option<u32>,
+    /// Where the last piece ended, unless the coordinates have changed since.
+    place: Option<[i64; AXIS_COUNT]>,
+    /// Where rigid tapping began.
+    tapped_from: Option<[i64; AXIS_COUNT]>,
     /// The G word of motion in force, empty for none that is known.
     motion: &'static str,
     /// The feed in force, NaN for none that is known.

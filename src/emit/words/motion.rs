@@ -3,7 +3,7 @@
 use super::super::comment::{in_parentheses, mark_of};
 use super::{Language, Words};
 use crate::diagnostic::Diagnostic;
-use crate::geometry::Axis;
+use crate::geometry::{AXES, Axis};
 use crate::path::{Piece, PieceArc};
 use crate::snc::{Manner, Origin, Thread, ThreadCode};
 use crate::units::push_integer;
@@ -14,6 +14,13 @@ const CENTERS: [(u8, Axis); 3] = [(b'I', Axis::X), (b'J', Axis::Y), (b'K', Axis:
 
 impl Words {
     pub(super) fn piece(&mut self, piece: &Piece) -> Result<(), Diagnostic> {
+        let mut piece = piece;
+        let retraction;
+        if let Some(again) = self.behind_tapping(piece) {
+            retraction = again;
+            piece = &retraction;
+        }
+        self.place = Some(piece.counts);
         let motion = self.motion_word(piece)?;
         let is_circle = piece.arc.as_ref().is_some_and(|arc| is_full(arc, piece));
         if piece.words.is_empty() && piece.arc.is_none() {
@@ -81,9 +88,29 @@ impl Words {
         }
     }
 
+    /// The retraction of rigid tapping, which G33.1 of RS274/NGC does by itself: what is left of it is the way from where the tapping
+    /// began to where the tool is to be.
+    fn behind_tapping(&mut self, piece: &Piece) -> Option<Piece> {
+        let Manner::Thread(Thread { code, .. }) = piece.manner else { return None };
+        if self.flavour.language != Language::Rs274 {
+            return None;
+        }
+        if code == ThreadCode::G331 {
+            self.tapped_from = self.place;
+        }
+        if code != ThreadCode::G332 {
+            return None;
+        }
+        let from = self.tapped_from.take();
+        let is_off = |axis: &Axis| from.is_some_and(|from| from[axis.slot()] != piece.counts[axis.slot()]);
+        let words = AXES.into_iter().filter(is_off).collect();
+        Some(Piece { words, rapid: true, manner: Manner::Path, first: false, feed_named: false, ..*piece })
+    }
+
     fn thread_word(&self, thread: &Thread, origin: &Origin) -> Result<&'static str, Diagnostic> {
         match (thread.code, self.flavour.language) {
             (ThreadCode::G33, Language::Fanuc | Language::Rs274) if thread.change.is_none() => Ok("G33"),
+            (ThreadCode::G331, Language::Rs274) => Ok("G33.1"),
             // The mode G63, which is passed on, makes it what it is.
             (ThreadCode::G63, Language::Fanuc) => Ok("G1"),
             (code, _) => {
