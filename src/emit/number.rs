@@ -117,7 +117,7 @@ pub(super) fn push_pointed(line: &mut Vec<u8>, value: f64) {
 /// A value to so many significant digits.
 pub(super) fn to_digits(value: f64, digits: i32) -> f64 {
     // Powers of ten up to the 22nd are exact doubles.
-    let places = digits - 1 - value.abs().log10().floor() as i32;
+    let places = (digits - 1).saturating_sub(value.abs().log10().floor() as i32);
     if !(0..=22).contains(&places) {
         return value;
     }
@@ -242,6 +242,19 @@ mod tests {
         fn everyday_values_are_shortest(thousandths in -100_000_000_i64..100_000_000) {
             let number = thousandths as f64 / 1000.0;
             prop_assert_eq!(value(number), format!("{}", number));
+        }
+    }
+
+    #[test]
+    fn digits_are_those_that_count() {
+        for (number, digits, text) in [
+            (0.0, 12, "0"),
+            (203.199_999_999_999_99, 12, "203.2"),
+            (123_456.789, 8, "123456.79"),
+            (-0.000_123_456_78, 4, "-0.0001235"),
+            (1e300, 8, &format!("{}", 1e300)),
+        ] {
+            assert_eq!(value(to_digits(number, digits)), text);
         }
     }
 
