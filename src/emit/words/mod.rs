@@ -10,6 +10,8 @@ mod motion;
 mod rs274;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod thread_tests;
 
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::AXIS_COUNT;

@@ -4,14 +4,12 @@ use crate::diagnostic::Code;
 use crate::emit::{Stamp, WriterOptions, emit, writer};
 use crate::geometry::{Axis, AxisSet, AxisVector, Plane};
 use crate::path::{Increments, Output, OutputFrame, Piece, PieceArc, RotaryWord};
-use crate::snc::{
-    BlockNumber, Dwell, Element, FrameWords, Kind, Manner, Origin, Thread, ThreadCode, Way, Word, WordValue,
-};
+use crate::snc::{BlockNumber, Dwell, Element, FrameWords, Kind, Manner, Origin, Way, Word, WordValue};
 
 const LANGUAGES: [&str; 3] = ["rs274", "fanuc", "grundig"];
 
 /// The text of a stream, or the message of its first finding; the stamp is cut short.
-fn written(dialect: &str, last_block_number: Option<u32>, stream: &[Output]) -> Result<String, String> {
+pub(super) fn written(dialect: &str, last_block_number: Option<u32>, stream: &[Output]) -> Result<String, String> {
     let stamp = Stamp { machine: "m".into(), model: "0a".into(), source: "0b".into(), is_demo: false };
     let (long, capital) = (stamp.text(), stamp.capital_text());
     let increments = Increments { linear_mm: 0.001, rotary_deg: 0.001 };
@@ -36,12 +34,12 @@ fn written(dialect: &str, last_block_number: Option<u32>, stream: &[Output]) -> 
     Ok(out)
 }
 
-fn lines(dialect: &str, stream: &[Output]) -> Vec<String> {
+pub(super) fn lines(dialect: &str, stream: &[Output]) -> Vec<String> {
     written(dialect, None, stream).unwrap().lines().map(str::to_owned).collect()
 }
 
 /// The lines behind stamp and assumptions, without numbers.
-fn body(dialect: &str, stream: &[Output]) -> Vec<String> {
+pub(super) fn body(dialect: &str, stream: &[Output]) -> Vec<String> {
     let skip = if dialect == "grundig" { 1 } else { 0 };
     let rest = |line: &String| line.splitn(skip + 1, ' ').last().unwrap_or_default().to_owned();
     lines(dialect, stream)[2..].iter().map(rest).collect()
@@ -52,7 +50,7 @@ fn element(starts_block: bool, number: Option<u32>, kind: Kind) -> Output {
     Output::Element(Element { origin: Origin::default(), starts_block, number, kind })
 }
 
-fn block(kind: Kind) -> Output {
+pub(super) fn block(kind: Kind) -> Output {
     element(true, None, kind)
 }
 
@@ -65,7 +63,7 @@ fn words(letters: &[(u8, f64)]) -> Vec<Word> {
 }
 
 /// A straight piece with feed, of a block of its own.
-fn line(axes: &[(Axis, i64)]) -> Piece {
+pub(super) fn line(axes: &[(Axis, i64)]) -> Piece {
     let (mut counts, mut named) = ([0; 9], AxisSet::EMPTY);
     for &(axis, count) in axes {
         counts[axis.slot()] = count;
@@ -91,7 +89,7 @@ fn line(axes: &[(Axis, i64)]) -> Piece {
     }
 }
 
-fn rapid(axes: &[(Axis, i64)]) -> Piece {
+pub(super) fn rapid(axes: &[(Axis, i64)]) -> Piece {
     Piece { rapid: true, ..line(axes) }
 }
 
@@ -104,7 +102,7 @@ fn arc(axes: &[(Axis, i64)], plane: Plane, start_counts: [i64; 3], center_counts
     Piece { arc: Some(circle), ..line(axes) }
 }
 
-fn piece(piece: Piece) -> Output {
+pub(super) fn piece(piece: Piece) -> Output {
     Output::Piece(piece)
 }
 
@@ -343,40 +341,6 @@ fn rotary_axes_are_written_as_plain_degrees_or_not_at_all() {
     assert_eq!(body("fanuc", &within), ["G1 A10.5 F500."]);
     // The sign of a wrapped position is its direction there.
     assert!(written("rs274", None, &within).is_err());
-}
-
-#[test]
-fn threads_and_messages() {
-    let lead = Some((b'K', 1.25));
-    let thread = |code| Piece { manner: Manner::Thread(Thread { code, lead, change: None }), ..line(&[(Z, -9000)]) };
-    let stream = [piece(thread(ThreadCode::G33)), piece(line(&[(Z, 0)]))];
-    assert_eq!(body("rs274", &stream), ["G33 Z-9 K1.25", "G1 Z0 F500"]);
-    assert_eq!(body("fanuc", &stream), ["G33 Z-9. F1.25", "G1 Z0. F500."]);
-    assert!(written("grundig", None, &stream).unwrap_err().contains("thread"));
-    assert!(written("fanuc", None, &[piece(thread(ThreadCode::G331))]).unwrap_err().contains("G331"));
-    let message = [block(Kind::Message(b"TOOL (5)".to_vec())), piece(line(&[(X, 1)]))];
-    assert_eq!(written("rs274", None, &message).unwrap().lines().next_back(), Some("G1 X0.001 F500"));
-    let shown: Vec<String> = lines("rs274", &message).into_iter().filter(|line| line.contains("MSG")).collect();
-    assert_eq!(shown, ["(MSG, TOOL  5 )"]);
-    assert!(lines("fanuc", &message).contains(&"(TOOL  5 )".to_owned()));
-}
-
-#[test]
-fn rigid_tapping_of_rs274_retracts_by_itself() {
-    let lead = Some((b'K', 1.0));
-    let tap = |code, counts: &[(Axis, i64)]| {
-        piece(Piece { manner: Manner::Thread(Thread { code, lead, change: None }), ..line(counts) })
-    };
-    let above = [(X, 40_001), (Z, 5002)];
-    let in_and_out = |back: &[(Axis, i64)]| {
-        let stream =
-            [piece(rapid(&above)), tap(ThreadCode::G331, &[(X, 40_001), (Z, -12_000)]), tap(ThreadCode::G332, back)];
-        body("rs274", &stream)
-    };
-    assert_eq!(in_and_out(&above), ["G0 X40.001 Z5.002", "G33.1 X40.001 Z-12 K1"]);
-    // Backlash in Z: the control goes back to where it was, and not to where the tool is to be.
-    let back = [(X, 40_001), (Z, 5004)];
-    assert_eq!(in_and_out(&back), ["G0 X40.001 Z5.002", "G33.1 X40.001 Z-12 K1", "G0 Z5.004 ;+"]);
 }
 
 #[test]

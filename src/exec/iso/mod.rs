@@ -56,6 +56,7 @@ use crate::exec::ledger::Ledger;
 use crate::exec::{Executor, Library, Options};
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, Element, Kind, Origin};
+use crate::source::Span;
 use crate::syntax::words::{PartKind, Program};
 
 use channel::Channel;
@@ -88,6 +89,10 @@ impl<'a> Interpreter<'a> {
         let mut channel = Channel::new(machine, &options, program.dialect);
         let source = program.source.clone();
         let start = program.parts.get(main).map_or(0, |part| part.blocks.start);
+        if program.has_tape_marks {
+            channel.begin_block(Origin { file: source.id(), line: 1, span: Span::default(), calls: 0 }, None);
+            channel.push(Kind::Header(b"%".to_vec()));
+        }
         for &header in program.parts.get(main).map_or(&[][..], |part| &part.headers) {
             channel.begin_block(Origin { file: source.id(), line: 1, span: header, calls: 0 }, None);
             channel.push(Kind::Header(source.slice(header).to_vec()));
