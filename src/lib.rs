@@ -44,6 +44,7 @@
 //! | a dialect | `dialect/x.rs`, `grammars/x-codes.tsv`, `grammars/x.ebnf`, a writer in `emit/`, samples | [`dialect::DIALECTS`] |
 //! | a G code or word | one row; an arm in `exec/` if it moves the machine | `grammars/x-codes.tsv` |
 //! | a cycle | `cycles/sinumerik/X.spf`, a row in `cycles/README.md` | `exec/sinumerik/cycles.rs` |
+//! | a cycle of the Grundig | `exec/grundig/cycles/x.rs`, pure steps at a position | `CYCLES` there |
 //! | an address with a value | an arm in `exec/` | `exec/sinumerik/address.rs` |
 //! | a word that is passed on | – | `exec/sinumerik/kept.rs` |
 //! | a kind of motion error | `model/motion/x.rs` with formula and source | the register of kinds there |

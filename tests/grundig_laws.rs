@@ -1,6 +1,7 @@
 //! Grundig: laws that hold whatever the program is, and details of words, tables and flow.
 
 use ncfix::exec::{NoLibrary, Options};
+use ncfix::machine::{GrundigControl, ScaledAxes};
 
 use crate::exec::Programs;
 use crate::grundig::{check, check_codes, check_from, mill, motions, run, run_on, tool};
@@ -231,10 +232,73 @@ G0 X10 Y2 Z15",
 
 #[test]
 fn what_is_not_executed_is_refused() {
-    for code in ["G7 A5=30", "G6 X1", "G74 Z-1 L1", "G45 X1 Y2", "G141", "G182 R5", "G200", "G786 X1"] {
+    for code in ["G7 A5=30", "G6 X1", "G45 X1 Y2", "G141", "G182 R5", "G200", "G786 X1"] {
         let (_, codes) = run(&format!("N1 G17 G90 G0 X1 Y1\nN2 {code}"));
         assert_eq!(codes, ["E0201:2"], "{code}");
     }
     // The window of the graphics is nobody's business.
     check("N1 G98 X-10 Y-10 Z-10 I20 J20 K20\nN2 G17 G90 G0 X1", "G0 X1 Y0 Z0");
+}
+
+#[test]
+fn places_of_the_machine_are_passed_on() {
+    let shop = Shop::new().file(
+        "9000.pm",
+        "%PM\nN9000\nN1 G17 G90 G54\nN2 T2 M6\nN3 G0 X1 Y2 Z3\nN4 G74 Z-1 L1\nN5 G0 X20\nN6 Z5\nN7 G74 X1=1 Y1=1 K1\nN8 M30\n",
+    );
+    shop.run(["9000.pm", "-o", "out.pm", "--machine", &machine("universal_mill")]).exits(0);
+    let text = std::fs::read_to_string(shop.path("out.pm")).unwrap();
+    assert!(text.contains("G74 Z-1 L1") && text.contains("G74 X1=1 Y1=1 K1"), "{text}");
+    // What is relative to an unknown place is refused.
+    let shop = Shop::new()
+        .file("9000.pm", "%PM\nN9000\nN1 G17 G90 G54\nN2 T2 M6\nN3 G0 X1 Y2 Z3\nN4 G74 Z-1 L1\nN5 G91 G0 Z5\nN6 M30\n");
+    let run = shop.run(["9000.pm", "-o", "out.pm", "--json", "--machine", &machine("universal_mill")]);
+    assert_eq!(run.codes(), ["E0304"]);
+}
+
+#[test]
+fn further_programs_are_pointed_out() {
+    check_codes("%PM1\nN1\nN1 G17 G90 G0 X1\nN2 M30\n%PM2\nN2\nN1 X2\nN2 M30", &["W0203:5"]);
+    check(
+        "%PM1\nN1\nN1 G17 G90 G0 X1\nN2 G23 N=2\nN3 X3\nN4 M30\n%PM2\nN2\nN1 X2\nN2 M30",
+        "G0 X1 Y0 Z0\nG0 X2 Y0 Z0\nG0 X3 Y0 Z0",
+    );
+}
+
+#[test]
+fn blocks_behind_a_slash_are_left_out_on_demand() {
+    let text = "N1 G17 G90 G0 X1\n/N2 X2\nN3 X3";
+    let mut options = Options::default();
+    options.skip_levels[0] = true;
+    let (lines, codes) = run_on(text, &mill(), Box::new(NoLibrary), options);
+    assert_eq!((lines.len(), codes), (2, vec!["W0201:2".to_owned()]));
+    assert_eq!(run(text).0.len(), 3);
+}
+
+#[test]
+fn settings_say_how_frames_act_together() {
+    let at = |set: fn(&mut GrundigControl), text: &str, expected: &str| {
+        let mut machine = mill();
+        set(&mut machine.control.grundig);
+        check_from(text, [0.0; 3], &machine, expected);
+    };
+    // (10, 0) turned is (0, 10), shifted (20, 20); mirrored outside (-20, 20), inside it was (-10, 0) first.
+    let text = "N1 G17 G90\nN2 G93 X20 Y10 B4=90\nN3 G73 X-1\nN4 G0 X10 Y0";
+    at(|_| {}, text, "G0 X20 Y0 Z0");
+    at(|settings| settings.mirror_outside = true, text, "G0 X-20 Y20 Z0");
+    // A second shift behind a quarter turn.
+    let text = "N1 G17 G90\nN2 G92 X20 B4=90\nN3 G92 X5\nN4 G0 X1 Y0";
+    at(|_| {}, text, "G0 X20 Y6 Z0");
+    at(|settings| settings.shift_is_turned = false, text, "G0 X25 Y1 Z0");
+    at(|settings| settings.turns_first = true, text, "G0 X0 Y26 Z0");
+    let text = "N1 G17 G90\nN2 G73 A4=200\nN3 G0 X1 Y2\nN4 Z3";
+    let scaled = |settings: &mut GrundigControl| {
+        settings.scale_in_percent = true;
+        settings.scaled_axes = ScaledAxes::All;
+    };
+    at(scaled, text, "G0 X2 Y4 Z0\nG0 X2 Y4 Z6");
+    at(|settings| settings.positioning_logic = false, "N1 G17 G90\nN2 G0 X1 Z2", "G0 X1 Y0 Z2");
+    // A chamfer of 3 is 3 / sqrt(2) from a right corner.
+    let text = "N1 G17 G90 G64 F100\nN2 G1 X20 I1=3\nN3 Y20";
+    at(|settings| settings.chamfer_is_length = true, text, "G1 X17.87868 Y0 Z0\nG1 X20 Y2.12132 Z0\nG1 X20 Y20 Z0");
 }

@@ -297,6 +297,9 @@ not corrected, unless that program has been corrected too.";
     WATCHED_ONCE = "W0206" "synchronised action of one block"
 "A synchronised action without ID acts while the next block is executed. Where the correction cuts the move of that block into pieces, the
 action is watched during the first piece only.";
+    TAPPING_BY_FEED = "W0207" "tapping by feed moves"
+"A tapping cycle (Grundig G84) becomes a move with feed into the hole, the other sense of the spindle, and a move out. Spindle and axis do
+not go in step as they may in the cycle of the control, so the tap needs a chuck that gives way, as older controls always do.";
     CORNER_LEFT_OUT = "W0231" "no rounding or chamfer made"
 "RND, CHF or CHR stand in a block behind which no motion in the working plane follows within three blocks, or a motion of other axes comes
 first. A control makes no transition then, and neither does this program.";

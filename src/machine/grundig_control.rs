@@ -7,6 +7,7 @@ use super::section::Section;
 
 /// What differs between these controls, mostly by machine constants.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a setting of its own")]
 pub struct GrundigControl {
     /// Whether `A4=` of G73 is in per cent instead of a factor.
     pub scale_in_percent: bool,
@@ -20,6 +21,16 @@ pub struct GrundigControl {
     pub engagement_percent: f64,
     /// Whether a slot is measured from the center of the arc at its end instead of the end itself.
     pub slot_from_arc_center: bool,
+    /// Whether rapid moves go to the tool axis and the plane one behind the other at the start.
+    pub positioning_logic: bool,
+    /// Whether G73 acts on what G92 and G93 have shifted and turned, instead of inside it.
+    pub mirror_outside: bool,
+    /// Whether the shift of G92 is along the axes as they are turned, instead of those of the stored zero offset.
+    pub shift_is_turned: bool,
+    /// Whether B4= of a block with a shift turns first, so that the shift is along the new axes.
+    pub turns_first: bool,
+    /// Whether I1= and K are lengths of chamfers, instead of distances from the corner.
+    pub chamfer_is_length: bool,
     /// 53 or 54: the position of the swinging head that the axes of the machine file describe.
     pub head: Option<u16>,
 }
@@ -43,6 +54,11 @@ impl Default for GrundigControl {
             peck_clearance_mm: 1.0,
             engagement_percent: 83.0,
             slot_from_arc_center: false,
+            positioning_logic: true,
+            mirror_outside: false,
+            shift_is_turned: true,
+            turns_first: false,
+            chamfer_is_length: false,
             head: None,
         }
     }
@@ -74,8 +90,17 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     if let Some(value) = section.number_where("grundig_engagement_percent", "a number above 0, up to 100", is_share) {
         settings.engagement_percent = value;
     }
-    if let Some(value) = section.boolean("grundig_slot_from_arc_center") {
-        settings.slot_from_arc_center = value;
+    for (key, place) in [
+        ("grundig_slot_from_arc_center", &mut settings.slot_from_arc_center),
+        ("grundig_positioning_logic", &mut settings.positioning_logic),
+        ("grundig_mirror_outside", &mut settings.mirror_outside),
+        ("grundig_shift_is_turned", &mut settings.shift_is_turned),
+        ("grundig_turns_first", &mut settings.turns_first),
+        ("grundig_chamfer_is_length", &mut settings.chamfer_is_length),
+    ] {
+        if let Some(value) = section.boolean(key) {
+            *place = value;
+        }
     }
     match section.text("grundig_head") {
         None => {}

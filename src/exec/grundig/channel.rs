@@ -112,6 +112,8 @@ impl<'a> Channel<'a> {
             self.table_access(gathered, false, span)?;
         } else if let Some(span) = gathered.take_code(150) {
             self.table_access(gathered, true, span)?;
+        } else if let Some(span) = gathered.take_code(74) {
+            self.reference(gathered, span)?;
         } else if let Some(span) = gathered.take_code(78) {
             self.define_point(gathered, span)?;
         } else if let Some(span) = gathered.take_code(9) {
@@ -259,7 +261,7 @@ impl<'a> Channel<'a> {
         let flat = || bad_value(span, "this frame cannot be undone", "check the factors of the zero offset");
         let frames = &self.modal.frames;
         let stored = frames.shown(&self.machine.control).ok_or_else(flat)?;
-        let frame = stored.compose(&frames.programmed().ok_or_else(flat)?);
+        let frame = stored.compose(&frames.programmed(&self.machine.control.grundig).ok_or_else(flat)?);
         let tool = &self.modal.tool;
         let mut tool_mm = Vector::zeros();
         let length = tool.length_mm + tool.allowance_mm[0];

@@ -49,6 +49,9 @@ impl Channel<'_> {
                 return Err(bad_value(span, "a rounding and a chamfer at one corner", "keep one of them"));
             }
             (Some(round), None) => Transition::Round(size(round)?),
+            (None, Some(chamfer)) if self.machine.control.grundig.chamfer_is_length => {
+                Transition::ChamferLength(size(chamfer)?)
+            }
             (None, Some(chamfer)) => Transition::ChamferSetback(size(chamfer)?),
         };
         Ok(Some(Corner { transition, feed: 0.0, is_modal: false }))

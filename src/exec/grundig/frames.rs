@@ -10,7 +10,7 @@ use super::modal::plus;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::geometry::{Axis, AxisSet, AxisVector, Frame, FrameParts, Matrix, Plane, Vector};
-use crate::machine::{Control, Machine, ScaledAxes};
+use crate::machine::{Control, GrundigControl, Machine, ScaledAxes};
 use crate::snc::FrameWords;
 use crate::source::Span;
 
@@ -71,13 +71,17 @@ impl Frames {
     }
 
     /// What the program adds, without stored offsets.
-    pub(super) fn programmed(&self) -> Option<Frame> {
+    pub(super) fn programmed(&self, settings: &GrundigControl) -> Option<Frame> {
         let turned = Frame::translation(self.shift).compose(&Frame::rotation(self.rotation()));
         let factors = [Axis::X, Axis::Y, Axis::Z].map(|axis| {
             let sign = if self.mirrored.contains(axis) { -1.0 } else { 1.0 };
             sign * if self.scaled.contains(axis) { self.factor } else { 1.0 }
         });
-        if factors == [1.0; 3] { Some(turned) } else { Some(turned.compose(&Frame::scale(Vector::from(factors))?)) }
+        if factors == [1.0; 3] {
+            return Some(turned);
+        }
+        let scale = Frame::scale(Vector::from(factors))?;
+        Some(if settings.mirror_outside { scale.compose(&turned) } else { turned.compose(&scale) })
     }
 
     /// The rotation of G92 and G93.
@@ -264,18 +268,25 @@ impl Channel<'_> {
             let message = "the zero point is turned in another plane";
             return Err(fault(Code::NOT_SUPPORTED, span, message, "take the rotation back with G93 B4=0 first"));
         }
+        let settings = &self.machine.control.grundig;
+        let before = if additive { frames.angle_rad } else { 0.0 };
+        let turn = angle.map_or(0.0, |(degrees, _)| degrees.to_radians());
+        // Along the axes as they are turned when the shift acts.
+        let mut along = if additive && settings.shift_is_turned { before } else { 0.0 };
+        if settings.turns_first {
+            along += turn;
+        }
+        let mut way = values;
+        way.set_xyz(turned_about(plane, along) * values.xyz());
         if additive {
-            // Along the axes as they are turned now.
-            let mut way = values;
-            way.set_xyz(frames.rotation() * values.xyz());
             frames.shift = plus(&frames.shift, &way, 1.0);
         } else {
             for axis in named.iter() {
-                frames.shift[axis] = values[axis];
+                frames.shift[axis] = way[axis];
             }
         }
-        if let Some((degrees, _)) = angle {
-            let sum = degrees.to_radians() + if additive { frames.angle_rad } else { 0.0 };
+        if angle.is_some() {
+            let sum = before + turn;
             frames.angle_rad = if sum.abs() < 1e-13 { 0.0 } else { sum };
             frames.turned_in = plane;
         }

@@ -115,6 +115,9 @@ impl Channel<'_> {
         }
         let mut feed = self.feed_named.then_some(self.modal.feed);
         if cycle.number == 84 {
+            let message = "tapping becomes feed moves with the spindle reversed between them";
+            let help = "the tap needs a chuck that gives way; keep the override at 100 %";
+            self.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
             if words.get(b'I', 1) == Some(1.0) && self.strict {
                 let message = "tapping without a compensating chuck (I1=1) needs the spindle and the axis in step";
                 let help = "program I1=0 and use such a chuck; elementary moves cannot say more";

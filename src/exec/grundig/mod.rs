@@ -27,14 +27,14 @@ use std::collections::HashMap;
 
 pub(super) use tables::apply as apply_tables;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::exec::fault::{Fault, bad_value};
 use crate::exec::ledger::Ledger;
 use crate::exec::{Executor, Library, Options};
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, Element, Kind, Origin};
 use crate::source::FileId;
-use crate::syntax::words::{Address, Block, Body, PartKind, Program, Value};
+use crate::syntax::words::{self, Address, Block, Body, PartKind, Program, Value};
 
 use channel::Channel;
 use expression::Scope;
@@ -64,8 +64,7 @@ impl<'a> Interpreter<'a> {
         library: Box<dyn Library + 'a>,
         options: Options,
     ) -> Self {
-        let with_blocks =
-            |kind: PartKind| move |part: &crate::syntax::words::Part| part.kind == kind && !part.blocks.is_empty();
+        let with_blocks = |kind: PartKind| move |part: &words::Part| part.kind == kind && !part.blocks.is_empty();
         let main = program
             .parts
             .iter()
@@ -83,7 +82,8 @@ impl<'a> Interpreter<'a> {
             }
         }
         channel.take_tables(tables::read(&program));
-        let ledger = Ledger::new(source, program.blocks.len(), &options);
+        let mut ledger = Ledger::new(source, program.blocks.len(), &options);
+        ledger.findings.extend(left_out(&program, main));
         Interpreter {
             library,
             ledger,
@@ -204,6 +204,21 @@ impl<'a> Interpreter<'a> {
             self.ledger.report(found.in_file(file));
         }
     }
+}
+
+/// The finding about further programs of the transfer, where nothing in it calls programs.
+fn left_out(program: &Program, main: usize) -> Option<Diagnostic> {
+    let is_program = |part: &words::Part| part.kind == PartKind::Program && !part.blocks.is_empty();
+    let (_, other) = program.parts.iter().enumerate().find(|(index, part)| *index != main && is_program(part))?;
+    let calls = |word: &words::Word| {
+        word.address == Address::Letter(b'G') && matches!(word.value, Value::Number { value, .. } if value == 23.0)
+    };
+    if program.words.iter().any(calls) {
+        return None;
+    }
+    let message = "this program is left out: only the first one of a transfer is executed, and nothing calls another";
+    let place = Place { file: program.source.id(), span: other.headers.first().copied().unwrap_or_default() };
+    Some(Diagnostic::at(Code::MORE_PROGRAMS, place, message, "put each program into a file of its own"))
 }
 
 /// `E1=…`, from left to right, before everything else in the block.

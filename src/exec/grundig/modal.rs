@@ -94,7 +94,7 @@ impl Modal {
             inch: false,
             feed: 0.0,
             speed: None,
-            positioning_logic: true,
+            positioning_logic: control.grundig.positioning_logic,
             geometry: false,
             pole: AxisVector::ZERO,
             points: BTreeMap::new(),

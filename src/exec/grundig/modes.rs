@@ -6,7 +6,7 @@ use super::modal::MotionKind;
 use crate::diagnostic::Code;
 use crate::dialect::{CodeEntry, Effect};
 use crate::exec::fault::{Fault, bad_value, fault};
-use crate::geometry::Plane;
+use crate::geometry::{Axis, AxisSet, Plane};
 use crate::snc::Kind;
 use crate::source::Span;
 
@@ -86,6 +86,28 @@ impl Channel<'_> {
         if let Some(span) = gathered.take_code(28) {
             self.positioning_words(gathered, span)?;
         }
+        Ok(())
+    }
+
+    /// G74: axes go at rapid to a place of the machine that only the control knows, or that is none of the program's coordinates. The
+    /// block is passed on; where the axes are is unknown behind it.
+    pub(super) fn reference(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+        let mut text = "G74".to_owned();
+        let mut lost = AxisSet::EMPTY;
+        let words = self.codes.g(74).map(|entry| gathered.take_used_by(entry)).unwrap_or_default();
+        for item in words {
+            let axis = Axis::from_letter(item.letter);
+            axis.into_iter().for_each(|axis| lost.insert(axis));
+            let is_length = item.index.is_none() && axis.is_some_and(|axis| !axis.is_rotary());
+            let value = if is_length { item.value * self.modal.scale() } else { item.value };
+            text.push_str(&format!(" {}{}", name(item.letter, item.index), (value * 1e9).round() / 1e9));
+        }
+        if lost.is_empty() {
+            return Err(bad_value(span, "G74 names no axis", "write for example G74 Z-1 L1"));
+        }
+        self.modal.known = self.modal.known.difference(lost);
+        self.outlet.push(Kind::Verbatim(text.into_bytes()));
+        self.outlet.push(Kind::Lost(lost));
         Ok(())
     }
 
