@@ -39,6 +39,7 @@ mod hostile;
 mod iso;
 mod iso_cycles;
 mod iso_frames;
+mod iso_hostile;
 mod iso_macros;
 mod kinematics;
 mod limits;

@@ -1,0 +1,108 @@
+//! Macros and O-words without sense: whatever the pieces of a program are, its execution ends, and never in a panic.
+
+use ncfix::exec::{NoLibrary, Options};
+use proptest::prelude::*;
+
+use crate::iso::{iso_machine, run_with};
+
+const PIECES: &[&str] = &[
+    "#1=1\n",
+    "#[#1]=2\n",
+    "##1=#2\n",
+    "#0",
+    "#1",
+    "#2",
+    "#100",
+    "#500",
+    "#5001",
+    "#5041",
+    "#5220",
+    "#5420",
+    "#2001=5\n",
+    "#5221=7\n",
+    "#3000=1(END)\n",
+    "#3006=1(STOP)\n",
+    "#<a>=3\n",
+    "#<a>",
+    "#<_x>",
+    "#<_value>",
+    "[",
+    "]",
+    "[#1+1]",
+    "[#1/0]",
+    "1e9",
+    "99999999999",
+    "-",
+    "/",
+    "**",
+    " MOD ",
+    " EQ ",
+    " AND ",
+    "ATAN[1]/[#1]",
+    "EXISTS[#<a>]",
+    "BCD[#1]",
+    "WHILE[#1 LT 5]DO1\n",
+    "DO2\n",
+    "END1\n",
+    "END2\n",
+    "GOTO 10\n",
+    "GOTO #1\n",
+    "IF[#1 EQ #0]GOTO 10\n",
+    "IF[#1 GT 0]THEN #1=#1+1\n",
+    "N10 X1\n",
+    "O1\n",
+    "O2\n",
+    "M98 P1\n",
+    "M98 P20002\n",
+    "M98 P#1 L2\n",
+    "M99\n",
+    "M99 P10\n",
+    "G65 P1 A1. I2. I3.\n",
+    "G65 P2 L3 X#1\n",
+    "G66 P2\n",
+    "G67\n",
+    "o1 sub\n",
+    "o1 endsub [#1]\n",
+    "o1 return\n",
+    "o1 call [1] [#1]\n",
+    "o#1 call\n",
+    "o2 while [#1 lt 5]\n",
+    "o2 endwhile\n",
+    "o2 do\n",
+    "o2 break\n",
+    "o2 continue\n",
+    "o3 repeat [3]\n",
+    "o3 endrepeat\n",
+    "o4 if [#1]\n",
+    "o4 elseif [#2]\n",
+    "o4 else\n",
+    "o4 endif\n",
+    "G0 X#1 Y#2\n",
+    "G1 X[#1*2] F100\n",
+    "X1\n",
+    "G91\n",
+    "G90\n",
+    "G20\n",
+    "G92 X1\n",
+    "G28.1\n",
+    "G28\n",
+    "M70\n",
+    "M72\n",
+    "M73\n",
+    "M30\n",
+    "\n",
+];
+
+proptest! {
+    #[test]
+    fn programs_of_any_pieces_end(
+        pieces in prop::collection::vec(0..PIECES.len(), 0..60),
+        is_fanuc: bool,
+        strict: bool,
+    ) {
+        let text: String = pieces.into_iter().map(|piece| PIECES[piece]).collect();
+        let options = Options { max_blocks: Some(2000), strict, ..Options::default() };
+        let dialect = if is_fanuc { "fanuc" } else { "rs274" };
+        run_with(dialect, &text, &iso_machine(), Box::new(NoLibrary), options);
+    }
+}
