@@ -210,7 +210,7 @@ class Listener:
         return 1.0
 
     def get_axis_mask(self):
-        return 0x1FF
+        return 0x3F  # X to C, as the machine of the comparison
 
     def get_block_delete(self):
         return self.block_delete

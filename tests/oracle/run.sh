@@ -30,7 +30,7 @@ compare() {
     shift 2
     python3 tests/oracle/compare.py --ncfix "$ncfix" --threshold "$threshold" --mode "$mode" "$@" || status=1
 }
-compare 100 snc samples/programs/rs274
+compare 100 snc samples/programs/rs274 tests/oracle/programs
 compare 100 roundtrip samples/programs/rs274
 compare 100 model samples/programs/rs274
 compare 99 snc "$folder"
