@@ -238,8 +238,10 @@ class Generator:
     def tool_piece(self):
         r = self.random
         tool = r.randint(1, 40)
-        self.put(f"T{tool} M6" if r.random() < 0.8 else f"M61 Q{tool}")
-        self.put(r.choice([f"G43 H{tool}", "G43", "G49", f"G43 H{r.randint(1, 40)}", f"G43.1 Z{self.coordinate(0, 50)}", f"G43.2 H{r.randint(1, 9)}"]))
+        # The interpreter as a library does not take note of M61: there the length goes by number.
+        set_by_number = r.random() < 0.2
+        self.put(f"M61 Q{tool}" if set_by_number else f"T{tool} M6")
+        self.put(f"G43 H{tool}" if set_by_number else r.choice([f"G43 H{tool}", "G43", "G49", f"G43 H{r.randint(1, 40)}", f"G43.1 Z{self.coordinate(0, 50)}", f"G43.2 H{r.randint(1, 9)}"]))
         if r.random() < 0.4:
             self.put(f"G1 X{self.coordinate()}")
         self.here()
@@ -259,7 +261,7 @@ class Generator:
             reach = size * r.uniform(0.5, 1.0)
             corners.append((round(x0 + reach * math.cos(angle), 3), round(y0 + reach * math.sin(angle), 3)))
         if self.inch:
-            self.put("G21")
+            self.put("G49 G21")
             self.inch = False
         self.here()
         start = corners[0]
@@ -331,6 +333,8 @@ class Generator:
 
     def units_piece(self):
         self.inch = not self.inch
+        # Nor does it convert a length in force.
+        self.put("G49")
         self.put("G20" if self.inch else "G21")
         self.here()
 
