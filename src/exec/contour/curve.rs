@@ -81,7 +81,10 @@ impl Curve {
             turn(to - from)
         };
         let total = part + f64::from(extra_turns) * TAU;
-        Curve::Arc { center, radius: a[0].hypot(a[1]), from, sweep: if clockwise { -total } else { total } }
+        // Of a spiral, the radius that its end has: where it begins is settled by then.
+        let (first, last) = (a[0].hypot(a[1]), b[0].hypot(b[1]));
+        let radius = if (first - last).abs() < SAME_MM { first } else { last };
+        Curve::Arc { center, radius, from, sweep: if clockwise { -total } else { total } }
     }
 
     pub(super) fn length(&self) -> f64 {

@@ -23,6 +23,10 @@ impl Compensation {
     /// Takes an item under the rules of RS274/NGC; gives back what is under other ones, or needs nothing.
     pub(super) fn track(&mut self, item: Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) -> Option<Item> {
         let moving = match (item, &mut self.tracking) {
+            (Item::Path(moving), None) if moving.wish.modal.rules == Rules::Rs274 && has_no_radius(&moving) => {
+                out.push(Item::Path(moving));
+                return None;
+            }
             (Item::Path(moving), None) if moving.wish.modal.rules != Rules::Rs274 || !is_beside(&moving) => {
                 return Some(Item::Path(moving));
             }
@@ -60,6 +64,11 @@ impl Compensation {
 
 fn is_beside(moving: &Moving) -> bool {
     moving.wish.compensates() && moving.wish.distance_mm != 0.0
+}
+
+/// Beside the contour by nothing is on it.
+fn has_no_radius(moving: &Moving) -> bool {
+    moving.wish.compensates() && moving.wish.distance_mm == 0.0
 }
 
 /// The motion behind the compensation.
