@@ -37,6 +37,7 @@ mod grundig_laws;
 mod grundig_requirements;
 mod hostile;
 mod iso;
+mod iso_compensation;
 mod iso_cycles;
 mod iso_frames;
 mod iso_hostile;

@@ -8,7 +8,7 @@ use crate::diagnostic::Code;
 use crate::exec::contour::{Side, Wish};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::Path;
-use crate::geometry::{AxisSet, Plane};
+use crate::geometry::{AxisSet, AxisVector, Plane, PlaneBasis};
 use crate::snc::Kind;
 use crate::source::Span;
 
@@ -24,6 +24,9 @@ impl Channel<'_> {
         };
         let span = gathered.code_span(Group::Compensation);
         if code == 400 {
+            if !self.is_rs274() && self.modal.contour.compensates() {
+                self.modal.contour.leaves_along = self.leaving_direction(gathered)?;
+            }
             self.modal.contour.side = Side::Off;
             return Ok(());
         }
@@ -65,6 +68,25 @@ impl Channel<'_> {
         self.modal.contour.side = side;
         self.modal.contour.activation = self.modal.contour.activation.wrapping_add(1);
         Ok(())
+    }
+
+    /// G40 with I, J, K in the plane: where the contour seems to lead behind its end, in the plane as the frame places it.
+    fn leaving_direction(&mut self, gathered: &Gathered) -> Result<Option<[f64; 2]>, Fault> {
+        let [abscissa, ordinate, _] = self.modal.plane.axes();
+        let letters = [abscissa, ordinate].map(|axis| b"IJK"[axis.slot()]);
+        let is_straight = matches!(self.motion_of(gathered), Some(0 | 10));
+        if !is_straight || !gathered.has_any(&letters) {
+            return Ok(None);
+        }
+        let mut direction = AxisVector::ZERO;
+        for (axis, letter) in [abscissa, ordinate].into_iter().zip(letters) {
+            direction[axis] = self.length(gathered, letter)?.unwrap_or_default();
+        }
+        let frame = &self.setup.frame;
+        let turned = frame.apply_direction(direction.xyz());
+        direction.set_xyz(turned);
+        let basis = PlaneBasis::behind(frame, self.modal.plane);
+        Ok(basis.map(|basis| basis.flat(&direction)).filter(|[x, y]| x.hypot(*y) > 0.0))
     }
 
     /// D of a Fanuc.

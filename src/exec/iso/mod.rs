@@ -180,7 +180,8 @@ impl<'a> Interpreter<'a> {
         for warning in std::mem::take(&mut self.channel.outlet.warnings) {
             self.ledger.report(warning.in_file(file));
         }
-        if self.channel.modal.contour.compensates() {
+        // By the other rules the contour stage says so itself.
+        if self.channel.modal.contour.compensates() && self.channel.is_rs274() {
             let place = Place { file, span: self.channel.outlet.origin.span };
             let message = "radius compensation is still on at the end of the program";
             self.ledger.report(Diagnostic::at(
