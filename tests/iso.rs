@@ -2,7 +2,7 @@
 
 use ncfix::dialect;
 use ncfix::exec::{Execution, Library, NoLibrary, Options};
-use ncfix::geometry::FrameParts;
+use ncfix::geometry::{Axis, FrameParts};
 use ncfix::machine::{DecimalPoint, Machine, Tool};
 use ncfix::snc::{Element, Kind, TextWriter};
 use ncfix::source::{FileId, Source};
@@ -304,4 +304,51 @@ fn fanuc_lengths_by_table_and_sign() {
     };
     let heights: Vec<f64> = elements.iter().filter_map(height).collect();
     assert_eq!(heights, [0.0, 90.0, -70.0, 10.0, 30.0, 31.0, 10.0]);
+}
+
+#[test]
+fn reference_points_of_a_fanuc() {
+    let mut machine = iso_machine();
+    machine.control.iso.reference_points.insert((2, Axis::Z), 250.0);
+    check_on(
+        "fanuc",
+        "G90 G10 L2 P1 X10. Y0 Z0\nG0 X1. Y2. Z3.\nG28 X5. Z20.\nG29 X2. Z4.\nG30 Z30.\nG91 G28 Z0\nM30",
+        &machine,
+        &[
+            "G0 X11 Y2 Z3",
+            "G0 X15 Y2 Z20",
+            "G0 X0 Y2 Z0",
+            "G0 X15 Y2 Z20",
+            "G0 X12 Y2 Z4",
+            "G0 X12 Y2 Z30",
+            "G0 X12 Y2 Z250",
+            "G0 X12 Y2 Z0",
+        ],
+    );
+    check_codes("fanuc", "G90 G0 X0 Y0 Z0\nG30 X0\nG29 X0\nM30", &["E0219:2"]);
+}
+
+#[test]
+fn codes_may_hold_before_the_first_block() {
+    let mut machine = iso_machine();
+    machine.control.iso.startup_code = "G20 G64 P0.1 G1 F10".to_owned();
+    check_on("rs274", "X1 Y0 Z0\nM2", &machine, &["G1 X25.4 Y0 Z0 F10"]);
+    machine.control.iso.startup_code = "G0 X1".to_owned();
+    let source = Source::new(FileId(0), "test.ngc", b"G0 X1\nM2".to_vec()).unwrap();
+    let (program, _) = syntax::parse(&source, dialect::find("rs274").unwrap());
+    let found = Execution::new(program, &machine, Box::new(NoLibrary), Options::default()).find_map(Result::err);
+    assert_eq!(found.unwrap().code.as_str(), "E0404");
+}
+
+#[test]
+fn the_mark_of_a_tape_is_a_header() {
+    let (elements, _) = elements("fanuc", I1, &iso_machine(), Box::new(NoLibrary), Options::default());
+    let headers: Vec<&[u8]> = elements
+        .iter()
+        .filter_map(|element| match &element.kind {
+            Kind::Header(text) => Some(&text[..]),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(headers, [&b"%"[..], b"O0001"]);
 }

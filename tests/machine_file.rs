@@ -3,7 +3,7 @@
 use ncfix::diagnostic::Diagnostic;
 use ncfix::geometry::{Axis, Vector};
 use ncfix::machine::file::{DEMO, apply_setup};
-use ncfix::machine::{CompensationCorner, CompensationStart, Lever, Machine, ToolChange};
+use ncfix::machine::{CompensationCorner, CompensationStart, DecimalPoint, LengthAxis, Lever, Machine, ToolChange};
 use ncfix::model::motion::Function;
 use ncfix::model::{ErrorModel, file};
 use ncfix::source::{FileId, Source};
@@ -256,4 +256,17 @@ fn settings_of_radius_compensation() {
     let bad = seen(&format!("{SMALL}[control]\ncompensation_start = \"C\"\ncompensation_corner = \"round\"\n"));
     let code = "E0404".to_owned();
     assert_eq!(bad, [(code.clone(), "\"C\"".to_owned()), (code, "\"round\"".to_owned())]);
+}
+
+#[test]
+fn settings_of_iso_controls() {
+    let iso = |lines: &str| load(&format!("{SMALL}[control]\n{lines}")).0.unwrap().0.control.iso;
+    assert_eq!(iso("").decimal_point, None);
+    assert_eq!(iso("decimal_point = \"increment\"\n").decimal_point, Some(DecimalPoint::Increment));
+    assert_eq!(iso("length_compensation = \"C\"\n").length_axis, LengthAxis::Programmed);
+    assert_eq!(iso("reference_point_2_X_mm = -3.5\n").reference_points.get(&(2, Axis::X)), Some(&-3.5));
+    assert!(iso("dwell_turns = true\n").dwell_turns);
+    let bad = seen(&format!("{SMALL}[control]\ndecimal_point = \"point\"\nlength_compensation = \"D\"\n"));
+    let code = "E0404".to_owned();
+    assert_eq!(bad, [(code.clone(), "\"point\"".to_owned()), (code, "\"D\"".to_owned())]);
 }

@@ -35,8 +35,8 @@ pub struct IsoControl {
     pub decimal_point: Option<DecimalPoint>,
     /// Along which axis G43 compensates.
     pub length_axis: LengthAxis,
-    /// Whether programs start in G20.
-    pub starts_in_inch: bool,
+    /// Words that hold before the first block (RS274NGC_STARTUP_CODE of LinuxCNC, parameter 3402 of Fanuc).
+    pub startup_code: String,
     /// Whether G4 X under G95 counts turns of the spindle (Fanuc parameter 3405, bit 1).
     pub dwell_turns: bool,
     /// Reference points of G28 (1) and G30 (2 to 4), mm or rad; machine zero is assumed for those of G28 that are missing.
@@ -89,8 +89,8 @@ pub(super) fn read(section: &mut Section<'_>, iso: &mut IsoControl) {
             section.report(Code::BAD_VALUE, section.place_of("length_compensation"), message, help);
         }
     }
-    if let Some(value) = section.boolean("starts_in_inch") {
-        iso.starts_in_inch = value;
+    if let Some(value) = section.text("startup_code") {
+        iso.startup_code = value.to_owned();
     }
     if let Some(value) = section.boolean("dwell_turns") {
         iso.dwell_turns = value;

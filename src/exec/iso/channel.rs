@@ -21,7 +21,7 @@ use crate::exec::Options;
 use crate::exec::contour::Corner;
 use crate::exec::fault::{Fault, fault};
 use crate::exec::outlet::Outlet;
-use crate::geometry::{AxisSet, FrameParts, LINEAR_AXES, Plane};
+use crate::geometry::{AxisSet, AxisVector, FrameParts, LINEAR_AXES, Plane};
 use crate::machine::{DecimalPoint, Machine};
 use crate::snc::{BlockNumber, Kind, Origin, Setup, Word};
 use crate::source::Span;
@@ -40,6 +40,8 @@ pub(super) struct Channel<'a> {
     pub(super) offsets: BTreeMap<System, FrameParts>,
     /// Tool offsets that the program has set.
     pub(super) tools: BTreeMap<u32, ToolOffset>,
+    /// The point by way of which G28 and G30 went, machine positions.
+    pub(super) through: Option<AxisVector>,
     /// States that M70 and M73 have saved, one place per program level.
     pub(super) saved: Vec<Option<Box<SavedState>>>,
     /// Whether the block has moved an axis.
@@ -83,6 +85,7 @@ impl<'a> Channel<'a> {
             modal: Modal::new(options.start, machine, language),
             offsets: BTreeMap::new(),
             tools: BTreeMap::new(),
+            through: None,
             saved: vec![None],
             has_moved: false,
             ends_program: false,
@@ -195,7 +198,7 @@ impl<'a> Channel<'a> {
         self.distance(gathered);
         self.feed_mode(gathered);
         self.retract(gathered);
-        self.passed_on(gathered);
+        let mut takes_axes = self.passed_on(gathered)?;
         self.path_control(gathered)?;
         if gathered.code(Group::Action) != Some(40) {
             self.feed(gathered)?;
@@ -203,7 +206,7 @@ impl<'a> Channel<'a> {
         self.tool_word(gathered)?;
         self.compensation_codes(gathered)?;
         self.coordinates(gathered)?;
-        let mut takes_axes = self.length_codes(gathered)?;
+        takes_axes |= self.length_codes(gathered)?;
         self.speed(gathered)?;
         self.m_codes(gathered)?;
         self.flush_before();
@@ -262,6 +265,8 @@ impl<'a> Channel<'a> {
             40 => return Ok(gathered.code(Group::Motion).is_none() && !self.is_rs274()),
             100 => self.set_data(gathered)?,
             280 | 300 => self.home(gathered, code)?,
+            270 | 290 => self.back_to_work(gathered, code)?,
+            110 => return Ok(false),
             281 | 301 => {
                 self.save_home(code, gathered.code_span(Group::Action))?;
                 return Ok(false);

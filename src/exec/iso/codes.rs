@@ -111,20 +111,3 @@ pub(super) fn name_of(tenths: u16) -> String {
         tenth => format!("G{}.{tenth}", tenths / 10),
     }
 }
-
-/// Codes that move nothing and are passed on: as they are written, and the letters that belong to them.
-pub(super) fn passed_on(tenths: u16, language: Language) -> Option<(&'static str, &'static [u8])> {
-    if language == Language::Rs274 {
-        return None;
-    }
-    Some(match tenths {
-        90 => ("G9", b""),
-        51 => ("G5.1", b"QRP"),
-        80 => ("G8", b"P"),
-        220 => ("G22", b"XYZIJK"),
-        230 => ("G23", b""),
-        250 => ("G25", b""),
-        260 => ("G26", b"PQRI"),
-        _ => return None,
-    })
-}

@@ -124,19 +124,22 @@ impl Channel<'_> {
         Ok(())
     }
 
-    /// Codes that move nothing, with their words.
-    pub(super) fn passed_on(&mut self, gathered: &Gathered) {
+    /// Codes that move nothing, with their words. Whether they took the axis words.
+    pub(super) fn passed_on(&mut self, gathered: &Gathered) -> Result<bool, Fault> {
         for &word in &gathered.keep {
             self.push(Kind::Keep(word));
         }
-        let Some((tenths, _)) = gathered.passed else { return };
-        let Some((name, letters)) = super::codes::passed_on(tenths, self.language) else { return };
-        let mut text = name.to_owned();
-        for &letter in letters {
-            if let Some(value) = gathered.raw(letter) {
-                self.append_plain(&mut text, letter, value, gathered.is_unpointed(letter));
+        let Some(entry) = gathered.passed else { return Ok(false) };
+        let mut text = entry.name.to_owned();
+        for letter in entry.words.split(' ').filter_map(|word| word.bytes().next().filter(|_| word.len() == 1)) {
+            let value =
+                if b"XYZIJKUVW".contains(&letter) { self.length(gathered, letter)? } else { gathered.raw(letter) };
+            if let Some(value) = value {
+                let is_count = gathered.is_unpointed(letter) && !b"XYZIJKUVW".contains(&letter);
+                self.append_plain(&mut text, letter, value, is_count);
             }
         }
         self.push(Kind::Verbatim(text.into_bytes()));
+        Ok(entry.uses(b'X'))
     }
 }

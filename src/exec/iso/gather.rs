@@ -1,6 +1,6 @@
 //! Gathers the words of one block before anything is executed: gather, check, execute.
 
-use super::codes::{G80, Group, group_of, name_of, passed_on};
+use super::codes::{G80, Group, group_of, name_of};
 use super::expression::Scope;
 use super::gathered::Gathered;
 use crate::diagnostic::Code;
@@ -113,18 +113,19 @@ fn g_code(
         }
         return Ok(());
     }
-    if let Some((name, letters)) = passed_on(tenths, dialect.language) {
-        out.use_up(letters);
-        if letters.is_empty() {
-            out.keep.push(name);
-        } else if out.passed.replace((tenths, span)).is_some() {
-            double(dialect.language, span, warnings)?;
-        }
-        return Ok(());
-    }
     let name = name_of(tenths);
-    match dialect.codes().word(&name) {
+    match dialect.codes().g_tenths(usize::from(tenths)) {
         Some(entry) if entry.effect == Effect::Display => Ok(()),
+        Some(entry) if entry.effect == Effect::Keep && entry.words == "-" => {
+            out.keep.push(entry.name);
+            Ok(())
+        }
+        Some(entry) if entry.effect == Effect::Keep => {
+            if out.passed.replace(entry).is_some() {
+                double(dialect.language, span, warnings)?;
+            }
+            Ok(())
+        }
         Some(entry) => {
             let message = format!("{name} ({}) is not supported", entry.meaning);
             Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"))

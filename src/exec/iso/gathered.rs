@@ -6,6 +6,7 @@
 use std::cell::Cell;
 
 use super::codes::{GROUPS, Group};
+use crate::dialect::CodeEntry;
 use crate::geometry::{AXES, AxisSet};
 use crate::source::Span;
 
@@ -29,8 +30,8 @@ pub(super) struct Gathered {
     pub(super) machine_frame: Option<Span>,
     /// G codes that are passed on as they are.
     pub(super) keep: Vec<&'static str>,
-    /// A G code that is passed on with its words, in tenths.
-    pub(super) passed: Option<(u16, Span)>,
+    /// A G code that is passed on with its words.
+    pub(super) passed: Option<&'static CodeEntry>,
     /// M codes in the order in which they are written.
     pub(super) m_codes: Vec<(u32, Span)>,
     /// Axes named.

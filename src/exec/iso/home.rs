@@ -34,6 +34,7 @@ impl Channel<'_> {
             self.step(Step::straight(gathered, true, through, named))?;
             self.outlet.begin_line();
         }
+        self.through = Some(self.modal.command);
         let homed = if named.is_empty() && self.is_rs274() { self.axes } else { named };
         if homed.is_empty() {
             return Err(bad_value(span, format!("{} without axis words", name_of(code)), "name the axes"));

@@ -22,6 +22,7 @@ mod frames;
 mod functions;
 mod gather;
 mod gathered;
+mod header;
 mod home;
 mod length;
 mod level;
@@ -35,6 +36,7 @@ mod opaque;
 mod polar;
 mod predefined;
 mod probe;
+mod reference;
 mod request;
 mod special;
 mod spline;
@@ -88,6 +90,11 @@ impl<'a> Interpreter<'a> {
         let main = program.parts.iter().position(is_program).unwrap_or(0);
         let mut channel = Channel::new(machine, &options, program.dialect);
         let source = program.source.clone();
+        let found = header::start_up(&mut channel, &program);
+        if let Some(mark) = header::tape_mark(&program) {
+            channel.begin_block(Origin { file: source.id(), line: 1, ..Origin::default() }, None);
+            channel.push(Kind::Header(mark.to_vec()));
+        }
         let start = program.parts.get(main).map_or(0, |part| part.blocks.start);
         if program.has_tape_marks {
             channel.begin_block(Origin { file: source.id(), line: 1, span: Span::default(), calls: 0 }, None);
@@ -97,7 +104,8 @@ impl<'a> Interpreter<'a> {
             channel.begin_block(Origin { file: source.id(), line: 1, span: header, calls: 0 }, None);
             channel.push(Kind::Header(source.slice(header).to_vec()));
         }
-        let ledger = Ledger::new(source, program.blocks.len(), &options);
+        let mut ledger = Ledger::new(source, program.blocks.len(), &options);
+        found.into_iter().for_each(|found| ledger.report(found));
         channel.variables.add_program(&program);
         Interpreter {
             machine,

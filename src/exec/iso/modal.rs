@@ -93,7 +93,7 @@ impl Modal {
             plane: machine.control.initial_plane,
             incremental: false,
             arc_absolute: false,
-            inch: machine.control.iso.starts_in_inch,
+            inch: false,
             feed: 0.0,
             feed_mode: FeedMode::PerMinute,
             speed: None,

@@ -1,0 +1,53 @@
+//! What stands before the first block: the mark of the tape, and codes that the control executes when it starts.
+
+use super::channel::Channel;
+use super::expression::Scope;
+use super::gather::gather;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::source::{FileId, Source};
+use crate::syntax::words::{self, Program};
+
+/// `%`, where the file has it before its first block.
+pub(super) fn tape_mark(program: &Program) -> Option<&'static [u8]> {
+    let first = program.blocks.first().map_or(usize::MAX, |block| block.span.range().start);
+    let before = program.source.bytes().get(..first).unwrap_or_else(|| program.source.bytes());
+    let is_mark = |line: &[u8]| line.trim_ascii_start().first() == Some(&b'%');
+    before.split(|&byte| byte == b'\n' || byte == b'\r').any(is_mark).then_some(b"%")
+}
+
+/// Executes `control.startup_code`, of which the output says nothing.
+pub(super) fn start_up(channel: &mut Channel<'_>, program: &Program) -> Option<Diagnostic> {
+    let code = &channel.machine.control.iso.startup_code;
+    if code.is_empty() {
+        return None;
+    }
+    let complain = |message: &str| {
+        let help = "correct it in the machine file: words of one block that move no axis";
+        Some(Diagnostic::nowhere(Code::BAD_VALUE, format!("control.startup_code \"{code}\": {message}"), help))
+    };
+    let Ok(source) = Source::new(FileId(0), "startup_code", code.as_bytes().to_vec()) else {
+        return complain("it is too long");
+    };
+    let (parsed, findings) = words::parse(&source, program.dialect);
+    if let Some(found) = findings.iter().find(|found| found.is_error()) {
+        return complain(&found.message);
+    }
+    for block in &parsed.blocks {
+        let mut gathered = channel.take_gathered(block.span);
+        let mut warnings = Vec::new();
+        let scope = Scope { program: &parsed, channel, index: 0 };
+        let found = gather(&scope, parsed.words_of(block), &mut gathered, &mut warnings);
+        let done = found.and_then(|()| channel.execute(&mut gathered));
+        let moves = channel.has_moved;
+        channel.put_back(gathered);
+        if let Err(found) = done {
+            return complain(&found.message);
+        }
+        if moves || channel.ends_program {
+            return complain("it moves an axis or ends the program");
+        }
+    }
+    channel.outlet.queue.clear();
+    channel.setup_changed = true;
+    None
+}
