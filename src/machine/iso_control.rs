@@ -56,7 +56,7 @@ impl Default for IsoControl {
         IsoControl {
             decimal_point: None,
             length_axis: LengthAxis::Z,
-            starts_in_inch: false,
+            startup_code: String::new(),
             dwell_turns: false,
             reference_points: BTreeMap::new(),
             chip_clearance_mm: 1.0,
