@@ -22,7 +22,6 @@ mod frames;
 mod functions;
 mod gather;
 mod gathered;
-mod header;
 mod home;
 mod length;
 mod level;
@@ -40,6 +39,7 @@ mod reference;
 mod request;
 mod special;
 mod spline;
+mod startup;
 mod state;
 mod system;
 mod thread;
@@ -90,11 +90,7 @@ impl<'a> Interpreter<'a> {
         let main = program.parts.iter().position(is_program).unwrap_or(0);
         let mut channel = Channel::new(machine, &options, program.dialect);
         let source = program.source.clone();
-        let found = header::start_up(&mut channel, &program);
-        if let Some(mark) = header::tape_mark(&program) {
-            channel.begin_block(Origin { file: source.id(), line: 1, ..Origin::default() }, None);
-            channel.push(Kind::Header(mark.to_vec()));
-        }
+        let found = startup::start_up(&mut channel, &program);
         let start = program.parts.get(main).map_or(0, |part| part.blocks.start);
         if program.has_tape_marks {
             channel.begin_block(Origin { file: source.id(), line: 1, span: Span::default(), calls: 0 }, None);

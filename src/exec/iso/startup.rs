@@ -1,4 +1,4 @@
-//! What stands before the first block: the mark of the tape, and codes that the control executes when it starts.
+//! Codes that the control executes when it starts, before the first block.
 
 use super::channel::Channel;
 use super::expression::Scope;
@@ -6,14 +6,6 @@ use super::gather::gather;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::source::{FileId, Source};
 use crate::syntax::words::{self, Program};
-
-/// `%`, where the file has it before its first block.
-pub(super) fn tape_mark(program: &Program) -> Option<&'static [u8]> {
-    let first = program.blocks.first().map_or(usize::MAX, |block| block.span.range().start);
-    let before = program.source.bytes().get(..first).unwrap_or_else(|| program.source.bytes());
-    let is_mark = |line: &[u8]| line.trim_ascii_start().first() == Some(&b'%');
-    before.split(|&byte| byte == b'\n' || byte == b'\r').any(is_mark).then_some(b"%")
-}
 
 /// Executes `control.startup_code`, of which the output says nothing.
 pub(super) fn start_up(channel: &mut Channel<'_>, program: &Program) -> Option<Diagnostic> {
