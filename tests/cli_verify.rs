@@ -95,3 +95,18 @@ fn a_correction_for_another_machine_is_pointed_out() {
     assert!(!same.stderr.contains("W0306"), "{}", same.stderr);
     shop.run(["verify", "pocket.mpf", "out.mpf", "--machine", "b.toml"]).exits(0).says("warning[W0306]");
 }
+
+#[test]
+fn rapid_moves_that_a_control_takes_apart_are_matched() {
+    // The tool axis leaves first and arrives last; a correction moves the other axes by micrometers beside it.
+    let program = "%PM9001\nN9001\nN1 G17 G71 G90 G54\nN2 T5 M6\nN3 G0 X10 Y10 Z50 S900 M3\nN4 G0 X40 Y30 Z2\nN5 G1 Z-2 F200\n\
+                   N6 G1 X90 Y60\nN7 G0 X10 Y10 Z50\nN8 M30\n";
+    let shop = Shop::new().file("part.pm", program);
+    let machine = ["--machine".to_owned(), machine("universal_mill")];
+    let fix = ["fix", "part.pm", "-o", "out.pm"].map(str::to_owned);
+    shop.run(fix.iter().chain(&machine)).exits(0);
+    let verify = ["verify", "part.pm", "out.pm", "--json"].map(str::to_owned);
+    let run = shop.run(verify.iter().chain(&machine)).exits(0);
+    let after = run.json()["after"]["mean_um"].as_f64().unwrap();
+    assert!(after < 1.0, "{after}");
+}

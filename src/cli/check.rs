@@ -8,6 +8,7 @@ use super::program::{self, Running};
 use super::stop::Stop;
 use super::support_file;
 use super::{print, tell};
+use crate::exec::RapidOrder;
 use crate::report::json;
 use crate::report::number::grouped;
 use crate::syntax::Program;
@@ -62,7 +63,8 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings, check: &mut json
         return Ok(());
     }
     let Some(chosen) = chosen.filter(|_| !arguments.syntax_only) else { return Ok(()) };
-    let mut running = Running::start(opened, &arguments.input, &arguments.program, &chosen.machine, false);
+    let mut running =
+        Running::start(opened, &arguments.input, &arguments.program, &chosen.machine, false, RapidOrder::All);
     check.executed = true;
     while let Some(item) = running.next() {
         match item {

@@ -14,6 +14,7 @@ use super::stop::Stop;
 use super::{print, tell};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::emit;
+use crate::exec::RapidOrder;
 use crate::geometry::AXES;
 use crate::model::Model;
 use crate::path::{self, Corrector, Increments, Prediction};
@@ -143,7 +144,7 @@ impl<'a> Job<'a> {
         };
         let mut writer = (entry.create)(&writer_options)
             .ok_or_else(|| Stop::Usage(format!("programs in the dialect '{dialect}' cannot be written")))?;
-        let running = Running::start(opened, &arguments.input, &arguments.program, machine, true);
+        let running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
         let mut corrector = Corrector::new(running, machine, &model, options);
         // Findings are few: the execution and the corrector both stop after a hundred.
         let mut found = Vec::new();

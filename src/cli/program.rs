@@ -15,7 +15,7 @@ use super::progress::Progress;
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::dialect::{self, Dialect};
-use crate::exec::{Execution, Library, NoLibrary, Options};
+use crate::exec::{Execution, Library, NoLibrary, Options, RapidOrder};
 use crate::machine::Machine;
 use crate::snc::Element;
 use crate::source::{FileId, Source};
@@ -133,13 +133,15 @@ pub(super) struct Running<'a> {
 }
 
 impl<'a> Running<'a> {
-    /// Starts a program. With `is_strict` a position that is not known for sure is an error, else a warning.
+    /// Starts a program. With `is_strict` a position that is not known for sure is an error, else a warning; `rapid_order` says which
+    /// rapid moves are taken apart.
     pub(super) fn start(
         opened: Opened,
         path: &Path,
         choice: &ProgramChoice,
         machine: &'a Machine,
         is_strict: bool,
+        rapid_order: RapidOrder,
     ) -> Running<'a> {
         let (library, loaded) = library_of((!is_standard_stream(path)).then_some(path), &machine.control.search_path);
         let options = Options {
@@ -147,6 +149,7 @@ impl<'a> Running<'a> {
             max_blocks: choice.max_blocks,
             start: choice.start,
             strict: is_strict,
+            rapid_order,
         };
         let length = opened.source.bytes().len();
         let execution = Execution::new(opened.program, machine, library, options);

@@ -13,6 +13,7 @@ use super::output::{Spool, Target};
 use super::program::{self, Running};
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::exec::RapidOrder;
 use crate::geometry::{AxisVector, Vector};
 use crate::snc::{TextReader, TextWriter};
 use crate::source::{Source, Span};
@@ -42,7 +43,8 @@ fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> 
     if findings.has_errors() {
         return Ok(());
     }
-    let mut running = Running::start(opened, &arguments.input, &arguments.program, &chosen.machine, false);
+    let mut running =
+        Running::start(opened, &arguments.input, &arguments.program, &chosen.machine, false, RapidOrder::All);
     if target == Target::Standard {
         let out = BufWriter::new(io::stdout().lock());
         return stream(out, &mut running, &chosen, findings).map_err(|error| Stop::output(&error));

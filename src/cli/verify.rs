@@ -12,6 +12,7 @@ use super::stop::Stop;
 use super::{fix, print};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit;
+use crate::exec::RapidOrder;
 use crate::model::Model;
 use crate::path::{self, Grouping};
 use crate::report::correction::error_rows;
@@ -51,7 +52,11 @@ fn compare(arguments: &VerifyArguments, findings: &mut Findings) -> Result<Optio
         opened.extend(program::open(source, &arguments.program, Some(&chosen), findings)?);
     }
     let Ok([original, corrected]) = <[program::Opened; 2]>::try_from(opened) else { return Ok(None) };
-    let start = |opened, path: &Path| Running::start(opened, path, &arguments.program, &chosen.machine, false);
+    let start = |opened: program::Opened, path: &Path| {
+        let is_stamped = emit::is_stamped(opened.source.bytes());
+        let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
+        Running::start(opened, path, &arguments.program, &chosen.machine, false, rapid_order)
+    };
     let original = start(original, &arguments.original);
     let corrected = start(corrected, &arguments.corrected);
     if let Some(model) = emit::stamped_model(sources[1].bytes())

@@ -52,6 +52,20 @@ pub struct Options {
     pub start: Option<AxisVector>,
     /// Refuse what a correction must not assume: zero offsets and tools without value, motions from unknown positions.
     pub strict: bool,
+    /// Which rapid moves are taken apart, where the control orders its axes.
+    pub rapid_order: RapidOrder,
+}
+
+/// Which rapid moves an executor takes apart as a control does that moves the tool axis first or last.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RapidOrder {
+    /// All; a start that is not known is assumed, unless the run is strict.
+    #[default]
+    All,
+    /// Those whose start the program has stated.
+    Stated,
+    /// None: in a corrected program they are apart already, and what else they move is micrometers.
+    None,
 }
 
 /// What an executor of a language is.

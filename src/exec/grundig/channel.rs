@@ -9,10 +9,10 @@ use super::modal::Modal;
 use super::tables::Tables;
 use crate::diagnostic::Code;
 use crate::dialect::CodeTable;
-use crate::exec::Options;
 use crate::exec::contour::{Corner, Soft};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::outlet::Outlet;
+use crate::exec::{Options, RapidOrder};
 use crate::geometry::{AxisSet, Frame, LINEAR_AXES, Vector};
 use crate::machine::{Machine, Tool};
 use crate::snc::{Dwell, Kind, Setup, Word, WordValue};
@@ -31,6 +31,8 @@ pub(super) struct Channel<'a> {
     pub(super) codes: &'static CodeTable,
     pub(super) tools: Vec<Tool>,
     pub(super) strict: bool,
+    /// Which rapid moves are taken apart.
+    rapid_order: RapidOrder,
     /// All that lies between programmed positions and axis commands.
     pub(super) setup: Arc<Setup>,
     /// The part of it that the output keeps.
@@ -66,6 +68,7 @@ impl<'a> Channel<'a> {
             codes,
             tools: machine.tools.clone(),
             strict: options.strict,
+            rapid_order: options.rapid_order,
             setup: Arc::default(),
             shown: Arc::default(),
             shown_changed: true,
@@ -84,6 +87,18 @@ impl<'a> Channel<'a> {
         let refreshed = channel.refresh_setup();
         channel.outlet.warnings.extend(refreshed.err());
         channel
+    }
+
+    /// Whether it is stated, or may be assumed, where these axes stand.
+    pub(super) fn has_place(&self, axes: AxisSet) -> bool {
+        let may_assume = !self.strict && self.rapid_order != RapidOrder::Stated;
+        may_assume || axes.difference(self.modal.known).is_empty()
+    }
+
+    /// Whether a rapid move of these axes may be taken apart. Where it does not know where it starts, the control itself puts the motions
+    /// of the block in order.
+    pub(super) fn may_split(&self, axes: AxisSet) -> bool {
+        self.modal.positioning_logic && self.rapid_order != RapidOrder::None && self.has_place(axes)
     }
 
     /// Executes a block's words.

@@ -255,8 +255,7 @@ impl Channel<'_> {
                     to[axes[2]] = height;
                     named.insert(axes[2]);
                 }
-                let is_stated = named.difference(self.modal.known).is_empty() || !self.strict;
-                if is_stated && named.iter().all(|axis| (to[axis] - here[axis]).abs() < STILL) {
+                if self.has_place(named) && named.iter().all(|axis| (to[axis] - here[axis]).abs() < STILL) {
                     return Ok(());
                 }
                 match step {

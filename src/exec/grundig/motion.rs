@@ -112,13 +112,8 @@ impl Channel<'_> {
         let others = named.difference([applicate].into_iter().collect());
         let here = self.here();
         let is_moving = |axis: Axis| (to[axis] - here[axis]).abs() > ALONG;
-        // Where it does not know where it starts, the control itself puts the motions of the block in order.
-        let is_known = !self.strict || named.difference(self.modal.known).is_empty();
-        let is_split = self.modal.positioning_logic
-            && is_known
-            && named.contains(applicate)
-            && is_moving(applicate)
-            && others.iter().any(is_moving);
+        let is_split =
+            self.may_split(named) && named.contains(applicate) && is_moving(applicate) && others.iter().any(is_moving);
         if !is_split {
             return self.rapid_line(&to, named);
         }

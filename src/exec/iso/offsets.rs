@@ -157,8 +157,22 @@ impl Channel<'_> {
                 }
             }
         }
+        self.say_end(gathered, code);
         self.refresh_setup();
         Ok(())
+    }
+
+    /// What ends a shift reaches the control, where an earlier program may have left one in force: G52 with zeros, G92.1 of Fanuc.
+    fn say_end(&mut self, gathered: &Gathered, code: u16) {
+        let named = gathered.axes;
+        if code == 920 || code == 520 && named.iter().any(|axis| gathered.raw(axis.letter()) != Some(0.0)) {
+            return;
+        }
+        let mut text = name_of(code);
+        for axis in named.iter() {
+            self.append(&mut text, axis.letter(), 0.0);
+        }
+        self.push(Kind::Verbatim(text.into_bytes()));
     }
 
     /// G92.1, G92.2, G92.3 of RS274/NGC.
@@ -169,6 +183,8 @@ impl Channel<'_> {
             self.modal.shift = self.modal.stored_shift;
         } else {
             self.modal.shift = AxisVector::ZERO;
+            // As with a shift that an earlier program left.
+            self.push(Kind::Keep(if code == 921 { "G92.1" } else { "G92.2" }));
             if code == 921 {
                 self.modal.stored_shift = AxisVector::ZERO;
             }

@@ -10,6 +10,7 @@ use super::polar::Polar;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::geometry::{AXES, Axis, AxisSet};
+use crate::snc::Kind;
 use crate::source::Span;
 
 /// A factor without a decimal point counts these (Fanuc parameter 5400, bit 7).
@@ -38,6 +39,14 @@ impl Channel<'_> {
             let message = "a change of mirror, scaling, rotation or tilted plane under tool center point control";
             let help = "end it with G49 first";
             return Err(fault(Code::NOT_SUPPORTED, span.unwrap_or(gathered.span), message, help));
+        }
+        // What ends them reaches the control, where an earlier program may have left one in force.
+        for (group, off, word) in
+            [(Group::Rotation, 690, "G69"), (Group::Scale, 500, "G50"), (Group::Polar, 150, "G15")]
+        {
+            if gathered.code(group) == Some(off) {
+                self.push(Kind::Keep(word));
+            }
         }
         let before = self.modal.transforms.clone();
         let mut took = false;
@@ -130,6 +139,11 @@ impl Channel<'_> {
         if !has_motion {
             gathered.use_up(&LETTERS);
         }
+        let mut text = "G50.1".to_owned();
+        for (letter, _) in LETTERS.into_iter().zip(named).filter(|&(_, is_named)| is_named) {
+            self.append(&mut text, letter, 0.0);
+        }
+        self.push(Kind::Verbatim(text.into_bytes()));
         let done = self.modal.transforms.end_mirror(named);
         self.allowed(done, 501, gathered.code_span(Group::Mirror))?;
         Ok(!has_motion && named != [false; 3])
