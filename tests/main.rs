@@ -42,6 +42,7 @@ mod iso_cycles;
 mod iso_frames;
 mod iso_hostile;
 mod iso_macros;
+mod iso_tilted;
 mod kinematics;
 mod limits;
 mod machine_file;

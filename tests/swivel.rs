@@ -15,7 +15,7 @@ use crate::machines::xyz_machine;
 use crate::support::Shop;
 
 /// A machine of a topology with its axes along F's directions; what carries the workpiece moves the other way.
-fn machine(topology: &str) -> Machine {
+pub(crate) fn machine(topology: &str) -> Machine {
     let mut text = format!("[machine]\nname = \"test\"\ntopology = \"{topology}\"\n");
     let foundation = topology.find('F').unwrap();
     for (at, letter) in topology.char_indices().filter(|(_, letter)| "XYZABC".contains(*letter)) {
@@ -37,10 +37,11 @@ fn machine(topology: &str) -> Machine {
     machine
 }
 
-const KINDS: &[&str] = &["wCAYXFZSt", "wCBXFYZSt", "wYFXZCASt", "wFXYZCBSt", "wCXFYZBSt", "wCFXYZASt", "wBFXYZSt"];
+pub(crate) const KINDS: &[&str] =
+    &["wCAYXFZSt", "wCBXFYZSt", "wYFXZCASt", "wFXYZCBSt", "wCXFYZBSt", "wCFXYZASt", "wBFXYZSt"];
 
 /// Axis commands at the ends of the moves.
-fn commands(elements: &[Element]) -> Vec<AxisVector> {
+pub(crate) fn commands(elements: &[Element]) -> Vec<AxisVector> {
     let moves = elements.iter().filter_map(|element| match &element.kind {
         Kind::Move(motion) => Some(motion.target),
         _ => None,
@@ -48,7 +49,7 @@ fn commands(elements: &[Element]) -> Vec<AxisVector> {
     moves.collect()
 }
 
-fn turned(axis: usize, degrees: f64) -> Matrix {
+pub(crate) fn turned(axis: usize, degrees: f64) -> Matrix {
     let (s, c) = degrees.to_radians().sin_cos();
     match axis {
         0 => Matrix::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c),
@@ -58,7 +59,7 @@ fn turned(axis: usize, degrees: f64) -> Matrix {
 }
 
 /// Where the tip is in the workpiece for a point of the zero offset G54 while the rotary axes stand at zero, by the forward model.
-fn on_workpiece(machine: &Machine, model: &Model, point: Vector) -> Vector {
+pub(crate) fn on_workpiece(machine: &Machine, model: &Model, point: Vector) -> Vector {
     let offset = machine.zero_offsets["G54"].frame(Default::default()).unwrap();
     let tool = Vector::new(0.0, 0.0, -95.0);
     let mut command = AxisVector::ZERO;
