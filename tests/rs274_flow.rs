@@ -290,6 +290,18 @@ fn reference_points_are_parameters() {
 }
 
 #[test]
+fn a_probe_ends_its_way_without_touching() {
+    // What it found stays what it was when the zero offset changes.
+    let text =
+        "G0 X1 Y2 Z3\nG0 X#5070 Y#5061\nF100 G38.3 X50 Z-5\nG0 X#5070 Y#5061 Z#5063\nG10 L2 P1 X7\nG0 X#5061\nM2\n";
+    assert_eq!(ends(text), ["1 2 3", "0 0 3", "50 0 -5", "0 50 -5", "57 50 -5"]);
+    let options = Options { strict: true, ..Options::default() };
+    let text = "G0 X1 Y2 Z3\nF100 G38.3 Z-5\nG0 Z#5063\nM2\n";
+    let (_, found) = run_with("rs274", text, &iso_machine(), Box::new(NoLibrary), options);
+    assert_eq!(found, ["E0219:3"]);
+}
+
+#[test]
 fn endless_loops_end() {
     let options = Options { max_blocks: Some(5000), ..Options::default() };
     let text = "G0 X0\no1 while [1]\n#1=[#1+1]\no1 endwhile\nM2\n";

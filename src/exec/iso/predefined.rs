@@ -34,10 +34,7 @@ impl Channel<'_> {
         let axis_of = |start: u32| ORDER.get((number - start) as usize).copied().unwrap_or(Axis::X);
         let in_mm = |axis: Axis, value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
         Some(match number {
-            5061..=5070 if self.strict => Err(Missing::OnlyMachine),
-            5061..=5069 => self.here_of(axis_of(5061)),
-            // The judge of a dry run takes the probe for touched at the end of its way.
-            5070 => Ok(1.0),
+            5061..=5070 if self.strict && self.variables.probed.is_some() => Err(Missing::OnlyMachine),
             5021..=5029 => self.machine_of(axis_of(5021)),
             5210 => {
                 let is_applied = self.modal.shift == self.modal.stored_shift;
@@ -72,6 +69,20 @@ impl Channel<'_> {
             5420..=5428 => self.here_of(axis_of(5420)),
             _ => return None,
         })
+    }
+
+    /// A probe has come to the end of its way without touching: that is what is taken where nothing must be known for certain.
+    pub(super) fn note_probe(&mut self) {
+        let end = if self.is_rs274() { self.here() } else { self.work_frame().unapply(&self.tip()) };
+        let mut shown = end;
+        for axis in ORDER {
+            shown[axis] = self.shown_value(axis, end[axis]);
+        }
+        self.variables.probed = Some(shown);
+        if self.is_rs274() {
+            (5061..).zip(ORDER).for_each(|(number, axis)| self.variables.set(number, Some(shown[axis])));
+            self.variables.set(5070, Some(0.0));
+        }
     }
 
     /// Which tool is in the spindle before the first M6, only the machine knows.

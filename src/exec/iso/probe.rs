@@ -26,6 +26,7 @@ impl Channel<'_> {
         };
         let manner = Manner::Probe(word);
         self.step(Step { rapid: false, end, named, feed_named: gathered.has(b'F'), manner, span })?;
+        self.note_probe();
         if self.strict {
             let lost = self.modal.forget(named);
             self.push(Kind::Lost(lost));

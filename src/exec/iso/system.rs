@@ -142,26 +142,28 @@ impl Channel<'_> {
             let place = axis.slot();
             return Ok(if place < 3 { self.modal.length_mm[place] / self.modal.scale() } else { 0.0 });
         }
+        if position == Position::Skip {
+            // Where the skip came only the machine knows; without strictness it is taken for the end of the motion.
+            let probed = self.variables.probed.filter(|_| !self.strict);
+            return probed.map(|values| values[axis]).ok_or(Missing::OnlyMachine);
+        }
         if self.strict && !self.modal.known.contains(axis) {
             return Err(Missing::Unstated);
         }
-        if self.modal.contour.compensates() && !matches!(position, Position::Programmed | Position::Skip) {
+        if self.modal.contour.compensates() && position != Position::Programmed {
             return Err(Missing::Compensated);
         }
         let values: AxisVector = match position {
             Position::Programmed => self.work_frame().unapply(&self.tip()),
             Position::Machine => self.modal.command,
             Position::Gauge => self.work_frame().unapply(&self.modal.command),
-            // Where the skip came only the machine knows; without strictness it is taken for the end of the motion.
-            Position::Skip if self.strict => return Err(Missing::OnlyMachine),
-            Position::Skip => self.work_frame().unapply(&self.tip()),
-            Position::Length => AxisVector::ZERO,
+            Position::Skip | Position::Length => AxisVector::ZERO,
         };
         Ok(self.shown_value(axis, values[axis]))
     }
 
     /// The workpiece coordinate system: zero offset and shifts, without what is nearer to the programmed values.
-    fn work_frame(&self) -> Frame {
+    pub(super) fn work_frame(&self) -> Frame {
         self.modal.settable.compose(&Frame::translation(self.modal.shift + self.modal.local))
     }
 

@@ -5,6 +5,7 @@
 use std::collections::HashMap;
 
 use crate::dialect::Language;
+use crate::geometry::AxisVector;
 use crate::machine::{Machine, Setting};
 use crate::syntax::words::{NameId, Program};
 
@@ -74,6 +75,8 @@ pub(super) struct Variables {
     texts: Vec<Box<str>>,
     /// What the last subroutine gave back (RS274/NGC).
     pub(super) returned: Option<f64>,
+    /// Where the last probe ended, mm or inches and degrees as the program says it.
+    pub(super) probed: Option<AxisVector>,
     /// The symbols of the names of each program, by the order in which they were loaded.
     programs: Vec<Vec<Symbol>>,
 }
@@ -97,6 +100,7 @@ impl Variables {
             symbols: HashMap::new(),
             texts: Vec::new(),
             returned: None,
+            probed: None,
             programs: Vec::new(),
         };
         variables.levels[0].numbered = variables.no_locals();
