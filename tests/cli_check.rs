@@ -62,15 +62,22 @@ fn the_nearest_machine_file_upwards_is_used() {
 
 #[test]
 fn the_dialect_is_the_option_then_the_machine_then_the_name_then_the_content() {
-    let shop = Shop::new().file("part.ngc", GOOD).file("tape.nc", "%\nO1234\nG0 X1\nM30\n").file("part.mpf", GOOD);
-    let by_name = shop.run(["check", "--syntax-only", "part.ngc"]).exits(3);
-    by_name.says("'rs274'");
-    shop.run(["check", "--syntax-only", "tape.nc"]).exits(3).says("'fanuc'");
-    let shop = shop.file("loop.mpf", "N10 WHILE R1<1\nN20 R1=R1+1\nN30 ENDWHILE\n");
-    shop.run(["check", "--syntax-only", "loop.mpf"]).exits(0);
-    shop.run(["check", "--syntax-only", "loop.mpf", "--dialect", "grundig"]).exits(3);
-    shop.run(["check", "part.ngc", "--machine", &machine("demo")]).exits(0);
-    shop.run(["check", "part.ngc", "--dialect", "sinumerik"]).exits(0);
+    // Each of them is understood in one dialect only.
+    let shop = Shop::new()
+        .file("part.ngc", "o100 if [1 GT 0]\n  G0 X1\no100 endif\nM2\n")
+        .file("tape.nc", "%\nO1234\n#100=1.\nIF [#100 EQ 2.] GOTO 5\nG0 X1.\nN5 M30\n")
+        .file("loop.mpf", "N10 WHILE R1<1\nN20 R1=R1+1\nN30 ENDWHILE\n")
+        .file("macro.pm", "%PM9001\nN9001 (X)\nN1 E1=10:2\nN2 M30\n")
+        .file("part.mpf", GOOD);
+    let check = |words: &[&str]| shop.run(["check", "--syntax-only"].iter().chain(words));
+    for own in ["part.ngc", "tape.nc", "loop.mpf", "macro.pm"] {
+        check(&[own]).exits(0);
+    }
+    check(&["part.ngc", "--machine", &machine("demo")]).exits(3);
+    check(&["part.ngc", "--machine", &machine("demo"), "--dialect", "rs274"]).exits(0);
+    check(&["loop.mpf", "--machine", &machine("vmc")]).exits(3);
+    check(&["tape.nc", "--dialect", "sinumerik"]).exits(3);
+    check(&["macro.pm", "--dialect", "fanuc"]).exits(3);
     shop.run(["check", "part.mpf", "--dialect", "latin"]).exits(2).says("there is no dialect 'latin'");
 }
 

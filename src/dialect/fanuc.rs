@@ -13,7 +13,7 @@ pub(super) const FANUC: Dialect = Dialect {
     title: "Fanuc and its kin",
     extensions: &["eia", "fan"],
     tells,
-    is_executable: false,
+    is_executable: true,
     codes: &CODES,
 };
 

@@ -13,7 +13,7 @@ pub(super) const RS274: Dialect = Dialect {
     title: "RS274/NGC (LinuxCNC)",
     extensions: &["ngc"],
     tells,
-    is_executable: false,
+    is_executable: true,
     codes: &CODES,
 };
 
