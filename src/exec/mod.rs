@@ -13,7 +13,6 @@ mod grundig;
 mod iso;
 mod ledger;
 mod library;
-mod not_executed;
 mod outlet;
 mod path;
 mod resolve;
@@ -85,13 +84,10 @@ impl<'a> Execution<'a> {
     pub fn new(program: Program, machine: &'a Machine, library: Box<dyn Library + 'a>, options: Options) -> Self {
         let executor: Box<dyn Executor + 'a> = match program {
             Program::Sinumerik(program) => Box::new(sinumerik::Interpreter::new(program, machine, library, options)),
-            Program::Words(program) if matches!(program.dialect.language, Language::Fanuc | Language::Rs274) => {
-                Box::new(iso::Interpreter::new(program, machine, library, options))
-            }
             Program::Words(program) if program.dialect.language == Language::Grundig => {
                 Box::new(grundig::Interpreter::new(program, machine, library, options))
             }
-            Program::Words(program) => Box::new(not_executed::NotExecuted::new(program, &options)),
+            Program::Words(program) => Box::new(iso::Interpreter::new(program, machine, library, options)),
         };
         Execution { executor }
     }
