@@ -41,9 +41,10 @@
 //!
 //! | to add | write | register in |
 //! | --- | --- | --- |
-//! | a dialect | `dialect/x.rs`, `grammars/x-codes.tsv`, `grammars/x.ebnf`, a writer in `emit/`, samples | [`dialect::DIALECTS`] |
+//! | a dialect | `dialect/x.rs`, `grammars/x-codes.tsv`, `grammars/x.ebnf`, an executor in `exec/`, a writer in `emit/`, samples | [`dialect::DIALECTS`] |
 //! | a G code or word | one row; an arm in `exec/` if it moves the machine | `grammars/x-codes.tsv` |
 //! | a cycle | `cycles/sinumerik/X.spf`, a row in `cycles/README.md` | `exec/sinumerik/cycles.rs` |
+//! | a cycle of another dialect | `exec/iso/cycles/x.rs`, `exec/grundig/cycles/x.rs` | `mod.rs` there |
 //! | a cycle of the Grundig | `exec/grundig/cycles/x.rs`, pure steps at a position | `CYCLES` there |
 //! | an address with a value | an arm in `exec/` | `exec/sinumerik/address.rs` |
 //! | a word that is passed on | – | `exec/sinumerik/kept.rs` |
