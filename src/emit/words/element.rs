@@ -108,6 +108,7 @@ impl Words {
                 let first = text.split(|&byte| byte == b' ').next().unwrap_or_default();
                 self.stops.note(std::str::from_utf8(first).unwrap_or_default());
                 self.line.word(text);
+                self.has_p = self.flavour.language == Language::Rs274 && text.windows(2).any(|pair| pair == b" P");
                 // It may have selected another motion or feed.
                 self.motion = "";
                 if text.contains(&b'F') {

@@ -84,6 +84,7 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         line: if flavour.is_numbered { line.numbered(options.last_block_number.unwrap_or(u32::MAX)) } else { line },
         stops: Stops::new(flavour.stops),
         last_number: None,
+        has_p: false,
         place: None,
         tapped_from: None,
         motion: "",
@@ -105,6 +106,8 @@ struct Words {
     stops: Stops,
     /// The largest number of a block so far.
     last_number: Option<u32>,
+    /// Whether the line has a P that an arc beside it would take for its turns.
+    has_p: bool,
     /// Where the last piece ended, unless the coordinates have changed since.
     place: Option<[i64; AXIS_COUNT]>,
     /// Where rigid tapping began.
@@ -127,6 +130,9 @@ impl Writer for Words {
                     self.stops.run_through(&mut self.line);
                     self.line.end(out);
                     self.line.open();
+                }
+                if std::mem::take(&mut self.has_p) && piece.arc.is_some() {
+                    self.line.end(out);
                 }
                 self.assume(out);
                 self.piece(piece)
@@ -157,6 +163,7 @@ impl Words {
     /// Ends the block before and begins another.
     fn begin_block(&mut self, number: Option<BlockNumber>, out: &mut Vec<u8>) {
         self.end_block(out);
+        self.has_p = false;
         self.stops.begin_block();
         self.line.open();
         let Some(BlockNumber { number, .. }) = number.filter(|_| !self.flavour.is_numbered) else { return };

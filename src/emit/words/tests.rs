@@ -97,7 +97,7 @@ fn further(piece: Piece) -> Piece {
     Piece { starts_block: false, first: false, ..piece }
 }
 
-fn arc(axes: &[(Axis, i64)], plane: Plane, start_counts: [i64; 3], center_counts: [i64; 3]) -> Piece {
+pub(super) fn arc(axes: &[(Axis, i64)], plane: Plane, start_counts: [i64; 3], center_counts: [i64; 3]) -> Piece {
     let circle = PieceArc { plane, clockwise: false, center_counts, start_counts, extra_turns: 0 };
     Piece { arc: Some(circle), ..line(axes) }
 }

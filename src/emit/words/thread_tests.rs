@@ -1,7 +1,8 @@
-//! Threads and messages.
+//! Threads, messages, words with values.
 
-use super::tests::{block, body, line, lines, piece, rapid, written};
+use super::tests::{arc, block, body, line, lines, piece, rapid, written};
 use crate::geometry::Axis::{self, X, Z};
+use crate::geometry::Plane;
 use crate::path::Piece;
 use crate::snc::{Kind, Manner, Thread, ThreadCode};
 
@@ -37,4 +38,13 @@ fn rigid_tapping_of_rs274_retracts_by_itself() {
     // Backlash in Z: the control goes back to where it was, and not to where the tool is to be.
     let back = [(X, 40_001), (Z, 5004)];
     assert_eq!(in_and_out(&back), ["G0 X40.001 Z5.002", "G33.1 X40.001 Z-12 K1", "G0 Z5.004 ;+"]);
+}
+
+#[test]
+fn an_arc_does_not_take_the_p_of_another_word_for_its_turns() {
+    let tolerance = || block(Kind::Verbatim(b"G64 P0.05 Q0.02".to_vec()));
+    let quarter = Piece { starts_block: false, ..arc(&[(X, 1000)], Plane::XY, [0; 3], [500, 0, 0]) };
+    let straight = Piece { starts_block: false, ..line(&[(X, 2000)]) };
+    let stream = [tolerance(), piece(quarter), tolerance(), piece(straight)];
+    assert_eq!(body("rs274", &stream), ["G64 P0.05 Q0.02", "G3 X1 I0.5 J0 F500", "G64 P0.05 Q0.02 G1 X2"]);
 }
