@@ -8,24 +8,31 @@ use std::time::Duration;
 
 use criterion::{BatchSize, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 
-use ncfix::dialect;
+use ncfix::dialect::{self, Dialect};
 use ncfix::emit::{self, Stamp, WriterOptions};
 use ncfix::exec::{Execution, NoLibrary};
 use ncfix::machine::Machine;
 use ncfix::machine::file::DEMO;
 use ncfix::model::{ErrorModel, Model};
 use ncfix::path::{Corrector, Increments, Options, Output, OutputFrame};
-use ncfix::snc::Element;
+use ncfix::snc::{Element, Kind};
 use ncfix::source::{FileId, Source};
 use ncfix::syntax;
 
 const BLOCKS: u32 = 200_000;
 const BLOCKS_PER_LINE: u32 = 400;
 
+/// What stands before the surface in each dialect.
+const HEADS: &[(&str, &str)] = &[
+    ("sinumerik", "N1 G17 G90 G71 G64\nN2 T7\nN3 M6\nN4 G54 D1 S9000 M3\nN5 G0 X0 Y0 Z20\nN6 G1 Z1 F2500\n"),
+    ("fanuc", "%\nO0001\nN1 G17 G90 G21 G54\nN2 T7 M6\nN3 G43 H7 S9000 M3\nN5 G0 X0. Y0. Z20.\nN6 G1 Z1. F2500.\n"),
+    ("rs274", "N1 G17 G90 G21 G54\nN2 T7 M6\nN3 G43 H7 S9000 M3\nN5 G0 X0 Y0 Z20\nN6 G1 Z1 F2500\n"),
+    ("grundig", "%PM9001\nN9001\nN1 G17 G90 G71 G54\nN2 T7 M6\nN4 S9000 M3\nN5 G0 X0 Y0 Z20\nN6 G1 Z1 F2500\n"),
+];
+
 /// The text of the program.
-fn program() -> String {
-    let mut text =
-        String::from("N1 G17 G90 G71 G64\nN2 T7\nN3 M6\nN4 G54 D1 S9000 M3\nN5 G0 X0 Y0 Z20\nN6 G1 Z1 F2500\n");
+fn program(head: &str) -> String {
+    let mut text = String::from(head);
     for block in 0..BLOCKS {
         let (line, place) = (block / BLOCKS_PER_LINE, block % BLOCKS_PER_LINE);
         let along = if line % 2 == 0 { place } else { BLOCKS_PER_LINE - 1 - place };
@@ -38,6 +45,7 @@ fn program() -> String {
 }
 
 struct Shop {
+    dialect: &'static Dialect,
     source: Source,
     machine: Machine,
     model: Model,
@@ -45,7 +53,7 @@ struct Shop {
 }
 
 impl Shop {
-    fn new() -> Shop {
+    fn new((dialect, head): (&str, &str)) -> Shop {
         let read = |name: &str, bytes: &str| Source::new(FileId(0), name, bytes.as_bytes().to_vec()).unwrap();
         let loaded: (Machine, ErrorModel) = ncfix::model::file::load(&read("demo.toml", DEMO)).0.unwrap();
         let (machine, errors) = loaded;
@@ -58,11 +66,17 @@ impl Shop {
             crlf: false,
             stamp: Stamp::default(),
         };
-        Shop { source: read("surface.mpf", &program()), model: Model::new(&machine, &errors), machine, writer_options }
+        Shop {
+            dialect: dialect::find(dialect).unwrap(),
+            source: read("surface", &program(head)),
+            model: Model::new(&machine, &errors),
+            machine,
+            writer_options,
+        }
     }
 
     fn parse(&self) -> syntax::Program {
-        syntax::parse(&self.source, dialect::sinumerik()).0
+        syntax::parse(&self.source, self.dialect).0
     }
 
     fn execute(&self, program: syntax::Program) -> Execution<'_> {
@@ -78,13 +92,13 @@ impl Shop {
 
     /// Writes into nothing but a buffer; the number of blocks.
     fn emit(&self, outputs: impl Iterator<Item = Result<Output, ncfix::diagnostic::Diagnostic>>) -> u64 {
-        let mut writer = emit::writer("sinumerik", &self.writer_options).unwrap();
+        let mut writer = emit::writer(self.dialect.name, &self.writer_options).unwrap();
         emit::emit(outputs, writer.as_mut(), &mut std::io::sink(), |finding| panic!("{finding:?}")).unwrap()
     }
 }
 
 fn stages(criterion: &mut Criterion) {
-    let shop = Shop::new();
+    let shop = Shop::new(HEADS[0]);
     let elements: Vec<Element> = shop.execute(shop.parse()).map(Result::unwrap).collect();
     let outputs: Vec<Output> = shop.correct(elements.iter().cloned().map(Ok)).map(Result::unwrap).collect();
     assert!(shop.emit(outputs.iter().cloned().map(Ok)) > u64::from(BLOCKS));
@@ -131,5 +145,24 @@ fn stages(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, stages);
+/// The way into the stream and the whole way, for each language.
+fn dialects(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("dialects");
+    group.throughput(Throughput::Elements(u64::from(BLOCKS))).sampling_mode(SamplingMode::Flat);
+    group.sample_size(10).measurement_time(Duration::from_secs(3));
+    for &head in HEADS {
+        let shop = Shop::new(head);
+        let moves = shop.execute(shop.parse()).map(Result::unwrap).filter(|e| matches!(e.kind, Kind::Move(_))).count();
+        assert!(moves > BLOCKS as usize, "{} executes {moves} moves", head.0);
+        group.bench_function(BenchmarkId::new("parse and execute", head.0), |bencher| {
+            bencher
+                .iter(|| shop.execute(shop.parse()).map(|element| u64::from(black_box(element).is_ok())).sum::<u64>());
+        });
+        group.bench_function(BenchmarkId::new("whole", head.0), |bencher| {
+            bencher.iter(|| black_box(shop.emit(shop.correct(shop.execute(shop.parse())))));
+        });
+    }
+}
+
+criterion_group!(benches, stages, dialects);
 criterion_main!(benches);
