@@ -214,23 +214,27 @@ def polylines_agree(theirs, mine):
     )
 
 
+SPINDLE_DRIVEN = re.compile(rb"g *(33|74|76|84)", re.I)
 SPLINE = re.compile(rb"g0*[56](\.[1-3])?(?![0-9.])", re.I)
 
 
 def differ(judge, ours, source_lines):
     """None, or the first difference as text."""
     i = j = 0
-    last, command, their_tip, tool = [0.0] * 6, [0.0] * 9, [0.0] * 9, [0.0] * 9
+    last, command, their_tip = [0.0] * 6, [0.0] * 9, [0.0] * 9
     inverse_time = any(b"G93" in line.upper() for line in source_lines)
+    spindle_driven = any(SPINDLE_DRIVEN.search(line) for line in source_lines)
+    lengths = []
     while True:
         # What moves nothing is not compared: one side orders it, the other leaves it out.
         while i < len(judge) and judge[i].kind in ("G0", "G1") and near(axis_command(judge[i]), command, 2e-5):
-            their_tip, tool = judge[i].place, judge[i].tool
+            their_tip = judge[i].place
+            lengths.append(judge[i].tool)
             i += 1
         if i < len(judge) and judge[i].tool:
-            tool = judge[i].tool
-        still = [value - shift for value, shift in zip(command, tool)]
-        while j < len(ours) and ours[j].kind in ("G0", "G1") and (near(ours[j].place, last, 2e-5) or near(ours[j].place, still, 2e-5)):
+            lengths.append(judge[i].tool)
+        tips = [last] + [[value - shift for value, shift in zip(command, length)] for length in lengths]
+        while j < len(ours) and ours[j].kind in ("G0", "G1") and any(near(ours[j].place, tip, 2e-5) for tip in tips):
             # Another length in force, and the tip goes where it was: a move.
             if i < len(judge) and one_differs(judge[i], ours[j], their_tip, inverse_time) is None:
                 break
@@ -244,7 +248,11 @@ def differ(judge, ours, source_lines):
             return f"{who}: {rest}"
         theirs, mine = judge[i], ours[j]
         fault = one_differs(theirs, mine, their_tip, inverse_time)
+        if fault == "feed" and spindle_driven and mine.feed == 0:
+            # The spindle drives threads and rigid taps, whatever F is.
+            fault = None
         if fault is None:
+            lengths = []
             if theirs.kind != "DWELL":
                 last, command, their_tip = mine.place, axis_command(theirs), theirs.place
             i, j = i + 1, j + 1
@@ -260,6 +268,13 @@ def differ(judge, ours, source_lines):
                     last = ours[next_j - 1].place
                     i, j = next_i, next_j
                     continue
+        # Steps of no size that one side counts and the other does not.
+        if theirs.kind in ("G0", "G1") and near(axis_command(theirs), command):
+            i += 1
+            continue
+        if mine.kind in ("G0", "G1") and near(mine.place, last):
+            j += 1
+            continue
         return f"{fault}: line {theirs.line}: {theirs.text} | ncfix: {mine.text}"
 
 

@@ -10,6 +10,8 @@ use crate::dialect::Language;
 
 /// Steps of one block at most.
 const MOST_STEPS: usize = 1_000_000;
+/// Heights nearer than this are one, mm: a length in force leaves a last bit.
+const SAME_MM: f64 = 1e-9;
 
 /// A number as it was programmed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -206,7 +208,7 @@ impl Drill {
         let mut plane = call.from.plane;
         for hole in 0..repeats {
             plane = next(plane)?;
-            let height = if hole == 0 && above > r { above } else { clear };
+            let height = if hole == 0 && above > r + SAME_MM { above } else { clear };
             trip.approach(Place { plane, height });
             if height > r {
                 trip.rapid(Place { plane, height: r });
