@@ -530,7 +530,8 @@ def programs(paths):
         if os.path.isfile(path):
             yield path
         for folder, folders, names in os.walk(path):
-            folders.sort()
+            # Programs that are meant to be refused.
+            folders[:] = sorted(name for name in folders if name != "bad")
             for name in sorted(names):
                 if name.lower().endswith(ENDINGS) or re.fullmatch(r"[Oo]\d+", name):
                     yield os.path.join(folder, name)
