@@ -196,8 +196,9 @@ def off_line(points, line, allowance):
     """The first of the points that is further off a line of pieces than `allowance(piece)`, or None. Goes along the line, so that loops
     do not hide a detour."""
     segment = 0
+    window = 3 + 4 * len(line) // len(points)
     for point in points:
-        ahead = range(segment, min(segment + 400, len(line) - 1))
+        ahead = range(segment, min(segment + window, len(line) - 1))
         best = min(((distance(point, line[k], line[k + 1]), k) for k in ahead), default=None)
         if best is None or best[0] > allowance(math.dist(line[best[1]][:3], line[best[1] + 1][:3])):
             return point
