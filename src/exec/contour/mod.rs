@@ -31,8 +31,7 @@ mod wish;
 
 pub(super) use angle::crossing;
 pub(super) use moving::{Item, Moving};
-#[allow(unused_imports, reason = "for the executors of Fanuc, RS274/NGC and Grundig")]
-pub(super) use rules::{Reach, Rules};
+pub(super) use rules::Reach;
 pub(super) use wish::{
     Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish,
 };

@@ -29,7 +29,6 @@ pub(in crate::exec) enum Rules {
 
 /// Where a straight motion without compensation of its side ends: G43, G44 of Grundig.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[allow(dead_code, reason = "for the executor of Grundig")]
 pub(in crate::exec) enum Reach {
     /// At its end.
     #[default]
@@ -40,7 +39,6 @@ pub(in crate::exec) enum Reach {
     Past,
 }
 
-#[allow(dead_code, reason = "for the executors of Fanuc, RS274/NGC and Grundig")]
 impl ContourModal {
     /// Cutter compensation C.
     pub(in crate::exec) fn fanuc(control: &Control) -> ContourModal {
@@ -74,7 +72,6 @@ impl ContourModal {
     }
 }
 
-#[allow(dead_code, reason = "for the executors of Fanuc, RS274/NGC and Grundig")]
 impl Wish {
     /// What a motion asks of the stage with a tool radius (a negative one changes sides); without roundings and soft approaches.
     pub(in crate::exec) fn of(modal: ContourModal, radius_mm: f64, span: Span, file: FileId) -> Wish {
