@@ -14,14 +14,25 @@ const BLOCKS_AFTER_ERROR: u64 = 1_000_000;
 /// After so many different errors the run ends.
 const MAX_ERRORS: usize = 100;
 
+/// How far a run is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// Blocks are executed.
+    Runs,
+    /// No more blocks are executed.
+    Over,
+    /// What was held back has come out.
+    Finished,
+}
+
 /// The books of a run.
 pub(super) struct Ledger {
     /// All files of the run so far, by [`FileId`].
     pub(super) sources: Vec<Source>,
     /// What is still to be handed out.
     pub(super) findings: VecDeque<Diagnostic>,
-    /// Whether nothing more is executed.
-    pub(super) is_over: bool,
+    /// How far it is.
+    pub(super) stage: Stage,
     skip_levels: [bool; 10],
     reported: HashSet<(Code, Option<Place>)>,
     errors: usize,
@@ -38,7 +49,7 @@ impl Ledger {
         Ledger {
             sources: vec![main],
             findings: VecDeque::new(),
-            is_over: false,
+            stage: Stage::Runs,
             skip_levels: options.skip_levels,
             reported: HashSet::new(),
             errors: 0,
@@ -46,6 +57,14 @@ impl Ledger {
             limit: options.max_blocks.unwrap_or_else(|| MAX_BLOCKS.max(blocks as u64 * 20)),
             chains: Vec::new(),
             chain_ids: HashMap::new(),
+        }
+    }
+
+    /// No more blocks are executed.
+    pub(super) fn end(&mut self) {
+        // What comes out behind the end may find more, and does not end the run anew.
+        if self.stage == Stage::Runs {
+            self.stage = Stage::Over;
         }
     }
 
@@ -63,7 +82,7 @@ impl Ledger {
             self.executed += 1;
             return Ok(());
         }
-        self.is_over = true;
+        self.end();
         if self.errors > 0 {
             return Err(None);
         }
@@ -102,7 +121,7 @@ impl Ledger {
                 self.limit = self.limit.min(self.executed + BLOCKS_AFTER_ERROR);
             }
             if self.errors >= MAX_ERRORS {
-                self.is_over = true;
+                self.end();
             }
         }
         self.findings.push_back(finding);

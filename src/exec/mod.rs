@@ -21,6 +21,8 @@ mod tilted_plane;
 
 pub use library::{Library, NoLibrary};
 
+use std::collections::VecDeque;
+
 use crate::diagnostic::Diagnostic;
 use crate::dialect::{self, Language};
 use crate::geometry::AxisVector;
@@ -28,7 +30,7 @@ use crate::machine::Machine;
 use crate::snc::{Element, Origin};
 use crate::source::Source;
 use crate::syntax::Program;
-use ledger::Ledger;
+use ledger::{Ledger, Stage};
 
 /// Puts data that a control has saved (tools, zero offsets, parameters) into the machine that it controls.
 #[must_use]
@@ -68,9 +70,39 @@ pub enum RapidOrder {
 }
 
 /// What an executor of a language is.
-trait Executor: Iterator<Item = Result<Element, Diagnostic>> {
+trait Executor {
     /// Its books.
     fn ledger(&self) -> &Ledger;
+
+    /// Its books, and the elements that are final.
+    fn books(&mut self) -> (&mut Ledger, &mut VecDeque<Element>);
+
+    /// Executes a block.
+    fn step(&mut self);
+
+    /// Ends what is held back when no more blocks are executed; called once.
+    fn finish(&mut self);
+
+    /// The next finding or element.
+    fn advance(&mut self) -> Option<Result<Element, Diagnostic>> {
+        loop {
+            let (ledger, queue) = self.books();
+            if let Some(finding) = ledger.findings.pop_front() {
+                return Some(Err(finding));
+            }
+            if let Some(element) = queue.pop_front() {
+                return Some(Ok(element));
+            }
+            match ledger.stage {
+                Stage::Runs => self.step(),
+                Stage::Over => {
+                    ledger.stage = Stage::Finished;
+                    self.finish();
+                }
+                Stage::Finished => return None,
+            }
+        }
+    }
 }
 
 /// A running program: an iterator over the elements of the flat stream and the findings.
@@ -115,6 +147,6 @@ impl Iterator for Execution<'_> {
     type Item = Result<Element, Diagnostic>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        self.executor.next()
+        self.executor.advance()
     }
 }

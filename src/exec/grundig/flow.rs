@@ -209,7 +209,7 @@ impl Interpreter<'_> {
                 let value = WordValue::Number(f64::from(number));
                 self.channel.outlet.push(Kind::After(vec![Word { letter: b'M', extension: None, value }]));
             }
-            self.ledger.is_over = true;
+            self.ledger.end();
         }
     }
 }

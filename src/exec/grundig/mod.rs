@@ -23,7 +23,7 @@ mod tables;
 mod target;
 mod tool;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 
 pub(super) use tables::apply as apply_tables;
 
@@ -53,7 +53,6 @@ pub(super) struct Interpreter<'a> {
     gathered: Gathered,
     /// Macros (true) and programs by number, as far as they were looked for.
     found: HashMap<(bool, u32), Option<(usize, usize)>>,
-    is_finished: bool,
 }
 
 impl<'a> Interpreter<'a> {
@@ -92,7 +91,6 @@ impl<'a> Interpreter<'a> {
             channel,
             gathered: Gathered::default(),
             found: HashMap::new(),
-            is_finished: false,
         }
     }
 
@@ -113,17 +111,17 @@ impl<'a> Interpreter<'a> {
     }
 
     /// Executes one block.
-    fn step(&mut self) {
+    fn execute_block(&mut self) {
         if let Err(found) = self.end_repeats() {
             let file = self.channel.outlet.file();
             self.ledger.report(found.in_file(file));
         }
         let Some(level) = self.levels.last_mut() else {
-            self.ledger.is_over = true;
+            self.ledger.end();
             return;
         };
         let Some(loaded) = self.programs.get_mut(level.program) else {
-            self.ledger.is_over = true;
+            self.ledger.end();
             return;
         };
         let end = loaded.program.parts.get(level.part).map_or(0, |part| part.blocks.end);
@@ -239,28 +237,17 @@ impl Executor for Interpreter<'_> {
     fn ledger(&self) -> &Ledger {
         &self.ledger
     }
-}
 
-impl Iterator for Interpreter<'_> {
-    type Item = Result<Element, Diagnostic>;
+    fn books(&mut self) -> (&mut Ledger, &mut VecDeque<Element>) {
+        (&mut self.ledger, &mut self.channel.outlet.queue)
+    }
 
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            if let Some(finding) = self.ledger.findings.pop_front() {
-                return Some(Err(finding));
-            }
-            if let Some(element) = self.channel.outlet.queue.pop_front() {
-                return Some(Ok(element));
-            }
-            if self.ledger.is_over {
-                if std::mem::replace(&mut self.is_finished, true) {
-                    return None;
-                }
-                self.channel.finish();
-                self.report_channel(self.channel.outlet.file());
-                continue;
-            }
-            self.step();
-        }
+    fn step(&mut self) {
+        self.execute_block();
+    }
+
+    fn finish(&mut self) {
+        self.channel.finish();
+        self.report_channel(self.channel.outlet.file());
     }
 }

@@ -84,7 +84,7 @@ impl Interpreter<'_> {
             }
             Action::Call(call) => self.call(call, block.line, None)?,
             Action::Return(target) => self.return_to(target, block.span)?,
-            Action::End => self.ledger.is_over = true,
+            Action::End => self.ledger.end(),
         }
         Ok(())
     }
@@ -158,7 +158,7 @@ impl Interpreter<'_> {
         let Some(call) = level.call.clone() else {
             // The main program would begin anew, without end; once is enough to see all that it does.
             match target {
-                None => self.ledger.is_over = true,
+                None => self.ledger.end(),
                 Some(_) => self.go_to(target, span)?,
             }
             return Ok(());
@@ -181,7 +181,7 @@ impl Interpreter<'_> {
     pub(super) fn end_of_part(&mut self) {
         let is_main = self.levels.last().is_none_or(|level| level.call.is_none());
         if is_main {
-            self.ledger.is_over = true;
+            self.ledger.end();
         } else {
             // Where M99 or endsub is missing the program ends nevertheless.
             let _ = self.return_to(None, Span::default());

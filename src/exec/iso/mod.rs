@@ -50,7 +50,7 @@ mod transform;
 mod trip;
 mod variables;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Language;
@@ -75,7 +75,6 @@ pub(super) struct Interpreter<'a> {
     channel: Channel<'a>,
     /// Files that were looked for, by the name of the call: their numbers.
     files: HashMap<String, Option<usize>>,
-    is_finished: bool,
 }
 
 impl<'a> Interpreter<'a> {
@@ -111,18 +110,17 @@ impl<'a> Interpreter<'a> {
             levels: vec![Level::new(0, main, start, 0)],
             channel,
             files: HashMap::new(),
-            is_finished: false,
         }
     }
 
     /// Executes one block.
-    fn step(&mut self) {
+    fn execute_block(&mut self) {
         let Some(level) = self.levels.last_mut() else {
-            self.ledger.is_over = true;
+            self.ledger.end();
             return;
         };
         let Some(loaded) = self.programs.get_mut(level.program) else {
-            self.ledger.is_over = true;
+            self.ledger.end();
             return;
         };
         if let Some(pending) = level.pending.take() {
@@ -202,28 +200,17 @@ impl Executor for Interpreter<'_> {
     fn ledger(&self) -> &Ledger {
         &self.ledger
     }
-}
 
-impl Iterator for Interpreter<'_> {
-    type Item = Result<Element, Diagnostic>;
+    fn books(&mut self) -> (&mut Ledger, &mut VecDeque<Element>) {
+        (&mut self.ledger, &mut self.channel.outlet.queue)
+    }
 
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            if let Some(finding) = self.ledger.findings.pop_front() {
-                return Some(Err(finding));
-            }
-            if let Some(element) = self.channel.outlet.queue.pop_front() {
-                return Some(Ok(element));
-            }
-            if self.ledger.is_over {
-                if std::mem::replace(&mut self.is_finished, true) {
-                    return None;
-                }
-                self.channel.outlet.finish();
-                self.report_rest();
-                continue;
-            }
-            self.step();
-        }
+    fn step(&mut self) {
+        self.execute_block();
+    }
+
+    fn finish(&mut self) {
+        self.channel.outlet.finish();
+        self.report_rest();
     }
 }

@@ -293,7 +293,7 @@ impl Interpreter<'_> {
             if let Some(number) = word {
                 self.channel.push_end(number);
             }
-            self.ledger.is_over = true;
+            self.ledger.end();
             return;
         }
         let Some(level) = self.leave() else { return };
@@ -317,7 +317,7 @@ impl Interpreter<'_> {
         }
         for _ in 0..target.levels {
             if self.levels.len() <= 1 {
-                self.ledger.is_over = true;
+                self.ledger.end();
                 return Ok(());
             }
             self.leave();

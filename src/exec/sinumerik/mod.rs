@@ -61,7 +61,7 @@ mod variables;
 
 pub(super) use archive::apply_archive;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::exec::fault::{Fault, at};
@@ -93,7 +93,6 @@ pub(super) struct Interpreter<'a> {
     texts: HashMap<Vec<u8>, usize>,
     /// The program of MCALL.
     modal_call: Option<call::Entry>,
-    is_finished: bool,
 }
 
 impl<'a> Interpreter<'a> {
@@ -152,14 +151,13 @@ impl<'a> Interpreter<'a> {
             found: HashMap::new(),
             texts: HashMap::new(),
             modal_call: None,
-            is_finished: false,
         }
     }
 
     /// Executes one block.
-    fn step(&mut self) {
+    fn execute_block(&mut self) {
         let Some(level) = self.levels.last_mut() else {
-            self.ledger.is_over = true;
+            self.ledger.end();
             return;
         };
         if let Some(pending) = level.pending.take() {
@@ -174,7 +172,7 @@ impl<'a> Interpreter<'a> {
         let loaded = &mut self.programs[level.program];
         // An empty file has no section.
         let Some(section) = loaded.program.sections.get(level.section) else {
-            self.ledger.is_over = true;
+            self.ledger.end();
             return;
         };
         let index = level.next;
@@ -259,29 +257,18 @@ impl Executor for Interpreter<'_> {
     fn ledger(&self) -> &Ledger {
         &self.ledger
     }
-}
 
-impl Iterator for Interpreter<'_> {
-    type Item = Result<Element, Diagnostic>;
+    fn books(&mut self) -> (&mut Ledger, &mut VecDeque<Element>) {
+        (&mut self.ledger, &mut self.channel.outlet.queue)
+    }
 
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            if let Some(finding) = self.ledger.findings.pop_front() {
-                return Some(Err(finding));
-            }
-            if let Some(element) = self.channel.outlet.queue.pop_front() {
-                return Some(Ok(element));
-            }
-            if self.ledger.is_over {
-                if std::mem::replace(&mut self.is_finished, true) {
-                    return None;
-                }
-                self.channel.finish();
-                self.report_channel();
-                continue;
-            }
-            self.step();
-        }
+    fn step(&mut self) {
+        self.execute_block();
+    }
+
+    fn finish(&mut self) {
+        self.channel.finish();
+        self.report_channel();
     }
 }
 
