@@ -23,9 +23,10 @@ const NAMES: &[Names] = &[
     },
     Names {
         controller: "fanuc",
-        help: "settable zero offsets are G54 to G59 and \"G54.1 P1\" to \"G54.1 P300\"",
+        help: "settable zero offsets are G54 to G59, \"G54.1 P1\" to \"G54.1 P300\" and EXT, which shifts them all",
         is_name: |name| {
-            numbered(name, "G").is_some_and(|number| (54..=59).contains(&number))
+            name == "EXT"
+                || numbered(name, "G").is_some_and(|number| (54..=59).contains(&number))
                 || numbered(name, "G54.1 P").is_some_and(|number| (1..=300).contains(&number))
         },
     },
@@ -133,8 +134,8 @@ mod tests {
     fn each_control_has_names_of_its_own() {
         for (controller, good, bad) in [
             ("sinumerik", &["G500", "G54", "G505"][..], &["G58", "G054", "G59.1"][..]),
-            ("fanuc", &["G54", "G59", "G54.1 P1", "G54.1 P300"], &["G500", "G54.1 P0", "G54.1P1", "G59.1"]),
-            ("rs274", &["G54", "G59", "G59.3"], &["G59.4", "G54.1 P1"]),
+            ("fanuc", &["G54", "G59", "G54.1 P1", "G54.1 P300", "EXT"], &["G500", "G54.1 P0", "G54.1P1", "G59.1"]),
+            ("rs274", &["G54", "G59", "G59.3"], &["G59.4", "G54.1 P1", "EXT"]),
             ("grundig", &["G52", "G59", "G54 I0", "G54 I99"], &["G53", "G54 I100", "G500"]),
             ("another", &["G500", "G59.3"], &["X"]),
         ] {

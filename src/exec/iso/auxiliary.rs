@@ -43,6 +43,16 @@ fn rs274_group(number: u32) -> Option<u8> {
     })
 }
 
+/// Whether an M code names one input or output, by P or, where it is an analog one, by E.
+fn has_address(gathered: &Gathered, number: u32) -> bool {
+    let names = |letter| gathered.raw(letter).is_some();
+    match number {
+        62..=65 => names(b'P'),
+        66 => names(b'P') != names(b'E'),
+        _ => names(b'E'),
+    }
+}
+
 /// The word of an M code.
 fn word(number: u32) -> Word {
     Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) }
@@ -139,6 +149,20 @@ impl Channel<'_> {
         }
     }
 
+    /// M48 to M53, which a saved state brings back.
+    fn note_override(&mut self, gathered: &Gathered, number: u32) {
+        let [feed, speed, adaptive, stop] = &mut self.modal.overrides;
+        let is_on = gathered.raw(b'P').is_none_or(|value| value != 0.0);
+        match number {
+            48 | 49 => (*feed, *speed) = (number == 48, number == 48),
+            50 => *feed = is_on,
+            51 => *speed = is_on,
+            52 => *adaptive = is_on,
+            53 => *stop = is_on,
+            _ => {}
+        }
+    }
+
     fn rs274_m(&mut self, gathered: &Gathered, number: u32, span: Span) -> Result<(), Fault> {
         match number {
             98 | 99 => {}
@@ -176,17 +200,23 @@ impl Channel<'_> {
                 self.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, help));
                 self.m_with_words(gathered, number, b"PQ");
             }
-            62 | 63 | 67 if self.modal.contour.compensates() => {
+            48..=53 | 62..=68 if self.modal.contour.compensates() => {
                 let message = format!("M{number} while radius compensation is on");
                 return Err(fault(Code::BAD_COMPENSATION, span, message, "move it before G41, G42 or behind G40"));
+            }
+            62..=68 if !has_address(gathered, number) => {
+                let message = format!("M{number} does not name its input or output");
+                return Err(bad_value(span, message, "write P with its number (M62 to M66), or E (M66 to M68)"));
             }
             _ => match RS274_WORDS.iter().find(|(known, _)| *known == number) {
                 Some((_, letters)) => {
                     self.note_spindle(number);
+                    self.note_override(gathered, number);
                     self.m_with_words(gathered, number, letters);
                 }
                 None => {
                     self.note_spindle(number);
+                    self.note_override(gathered, number);
                     let spindle = gathered.raw(b'$').filter(|_| matches!(number, 3..=5));
                     match spindle {
                         Some(_) => self.m_with_words(gathered, number, b"$"),

@@ -170,7 +170,7 @@ impl<'a> Channel<'a> {
 
     /// The order of RS274/NGC as LinuxCNC executes it.
     fn execute_rs274(&mut self, gathered: &mut Gathered) -> Result<(), Fault> {
-        self.feed_mode(gathered);
+        self.feed_mode(gathered)?;
         self.feed(gathered)?;
         self.speed(gathered)?;
         self.tool_word(gathered)?;
@@ -196,7 +196,7 @@ impl<'a> Channel<'a> {
         self.units(gathered);
         self.plane(gathered)?;
         self.distance(gathered);
-        self.feed_mode(gathered);
+        self.feed_mode(gathered)?;
         self.retract(gathered);
         let mut takes_axes = self.passed_on(gathered)?;
         self.path_control(gathered)?;

@@ -27,7 +27,7 @@ impl Channel<'_> {
             }
             (20, Some(number @ 1..=300)) => self.set_offset(gathered, System(System::ADDITIONAL + number as u16), span),
             (1 | 10 | 11, Some(number)) if self.is_rs274() => self.set_tool(gathered, l, number, span),
-            (1 | 10..=13, Some(number)) => self.set_tool_value(gathered, l, number, span),
+            (1 | 10..=13, Some(number)) if !self.is_rs274() => self.set_tool_value(gathered, l, number, span),
             (50, _) => {
                 let message = "G10 L50 changes parameters of the control";
                 Err(fault(Code::OWN_COMPENSATION, span, message, "set them at the control, not in the part program"))
@@ -87,11 +87,12 @@ impl Channel<'_> {
             named = named.union([Axis::X, Axis::Y].into_iter().collect());
         }
         self.say_offset(system, &parts, named, gathered.has(b'R'));
-        // Without a value in the machine file an offset is known where the program sets X, Y and Z.
-        if known.is_some() || !self.strict || AxisSet::XYZ.difference(gathered.axes).is_empty() {
+        // Without a value in the machine file an offset is known where the program sets X, Y and Z. That of all systems counts as zero.
+        let is_external = system == System::EXTERNAL;
+        if known.is_some() || is_external || !self.strict || AxisSet::XYZ.difference(gathered.axes).is_empty() {
             self.offsets.insert(system, parts);
         }
-        if system == self.modal.system || system == System::EXTERNAL {
+        if system == self.modal.system || is_external {
             self.load_offset(span)?;
         }
         Ok(())
@@ -184,8 +185,10 @@ impl Channel<'_> {
         Ok(())
     }
 
-    /// `G10 L10` to `L13` of Fanuc: geometry and wear of length and radius, one value with R.
+    /// `G10 L10` to `L13` of Fanuc: geometry and wear of length and radius, one value with R. Programs for older controls have L1
+    /// instead of L11.
     fn set_tool_value(&mut self, gathered: &Gathered, l: i64, number: u32, span: Span) -> Result<(), Fault> {
+        let l = if l == 1 { 11 } else { l };
         let Some(value) = self.length(gathered, b'R')? else {
             return Err(bad_value(span, "G10 needs R with the value", "write for example G10 L10 P1 R100."));
         };

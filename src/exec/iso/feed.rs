@@ -1,5 +1,7 @@
 //! Feed, speed, tool word, dwell, path control.
 
+use std::fmt::Write as _;
+
 use super::channel::Channel;
 use super::codes::Group;
 use super::gather::whole;
@@ -10,16 +12,34 @@ use crate::snc::{Dwell, Kind, Word, WordValue};
 
 impl Channel<'_> {
     /// G93, G94, G95 and G96, G97.
-    pub(super) fn feed_mode(&mut self, gathered: &Gathered) {
+    pub(super) fn feed_mode(&mut self, gathered: &Gathered) -> Result<(), Fault> {
         if let Some(code) = gathered.code(Group::SpindleMode) {
+            if code == 960 && self.is_rs274() && !gathered.has(b'S') {
+                let span = gathered.code_span(Group::SpindleMode);
+                return Err(bad_value(span, "G96 without S", "write the cutting speed with it"));
+            }
             self.modal.spindle_mode = code;
-            let text = if code == 960 { "G96" } else { "G97" };
-            match gathered.raw(b'D').filter(|_| code == 960 && self.is_rs274()) {
-                Some(most) => self.push(Kind::Verbatim(format!("G96 D{most}").into_bytes())),
-                None => self.push(Kind::Keep(text)),
+            let name = if code == 960 { "G96" } else { "G97" };
+            let letters: &[u8] = match (self.is_rs274(), code) {
+                (true, 960) => b"D$",
+                (true, _) => b"$",
+                (false, 960) => b"P",
+                (false, _) => b"",
+            };
+            if gathered.has_any(letters) {
+                let mut text = name.to_owned();
+                for &letter in letters {
+                    if let Some(value) = gathered.raw(letter) {
+                        // Writing to a string cannot fail.
+                        let _ = write!(text, " {}{value}", char::from(letter));
+                    }
+                }
+                self.push(Kind::Verbatim(text.into_bytes()));
+            } else {
+                self.push(Kind::Keep(name));
             }
         }
-        let Some(code) = gathered.code(Group::FeedMode) else { return };
+        let Some(code) = gathered.code(Group::FeedMode) else { return Ok(()) };
         let (mode, word) = match code {
             930 => (FeedMode::InverseTime, "G93"),
             950 => (FeedMode::PerTurn, "G95"),
@@ -31,6 +51,7 @@ impl Channel<'_> {
             self.modal.feed = 0.0;
         }
         self.push(Kind::Keep(word));
+        Ok(())
     }
 
     pub(super) fn feed(&mut self, gathered: &Gathered) -> Result<(), Fault> {

@@ -14,6 +14,8 @@ pub(super) struct Transforms {
     mirror: [Option<f64>; 3],
     scale: Option<Scale>,
     rotation: Option<Frame>,
+    /// Of how many rotations about lines in space it consists; 0 where it is one of the plane.
+    in_space: u8,
     /// G68.2: the feature coordinate system.
     tilt: Option<Frame>,
     /// How the tool stands on it behind G53.1.
@@ -167,13 +169,17 @@ impl Transforms {
                 *place = word;
             }
         }
+        if self.in_space > 0 {
+            return Err("a rotation in space (G68 I J K)");
+        }
         let inner = self.inner();
         let directions = [abscissa, ordinate].map(|axis| inner.linear()[(axis.slot(), axis.slot())]);
         let sense = directions.iter().product::<f64>().signum();
         self.set_turn(words, &unit(across), sense * angle_rad, here)
     }
 
-    /// G68 with a direction: turns about a line in space. `Ok(false)` where the direction is none.
+    /// G68 with a direction: turns about a line in space, the second time in the coordinates that the first one makes. `Ok(false)`
+    /// where the direction is none.
     pub(super) fn set_rotation_about(
         &mut self,
         center: [Option<f64>; 3],
@@ -185,7 +191,17 @@ impl Transforms {
         if self.scale.is_some() || self.mirror != [None; 3] {
             return Err("a scaling or mirror (G51, G51.1)");
         }
-        self.set_turn(center, &direction, angle_rad, here).map(|()| true)
+        let first = match (self.in_space, self.rotation) {
+            (0, None) => Frame::identity(),
+            (1, Some(first)) => first,
+            _ => return Err("a rotation (G68)"),
+        };
+        // What `here` is programmed as now stays the center that is not given.
+        self.rotation = None;
+        self.set_turn(center, &direction, angle_rad, here)?;
+        self.rotation = self.rotation.map(|second| first.compose(&second));
+        self.in_space += 1;
+        Ok(true)
     }
 
     fn set_turn(
@@ -207,8 +223,15 @@ impl Transforms {
         Ok(())
     }
 
+    /// Whether a rotation in space turns a vector.
+    pub(super) fn turns(&self, vector: &Vector) -> bool {
+        let turned = self.rotation.filter(|_| self.in_space > 0).map(|rotation| rotation.linear() * vector);
+        turned.is_some_and(|turned| (turned - vector).norm() > 1e-9)
+    }
+
     /// G69
     pub(super) fn end_rotation(&mut self) {
+        self.in_space = 0;
         self.rotation = None;
         self.tilt = None;
         self.stand = None;

@@ -134,14 +134,28 @@ impl Channel<'_> {
         let is_off = code == 490;
         let (table, assumed) = if is_off { (Vector::zeros(), false) } else { self.table_length(self.modal.h, span)? };
         let size = if code == 440 { -table[2] } else { table[2] };
+        // Along several axes where several blocks say so; G49 ends them all, H0 that of its axis.
         let mut length = Vector::zeros();
-        if size != 0.0 {
-            let axis = self.length_axis(gathered, span)?;
-            length[axis.slot()] = size;
+        if !is_off {
+            if self.machine.control.iso.length_axis != LengthAxis::Z {
+                length = self.modal.length_mm;
+            }
+            if size != 0.0 || length != Vector::zeros() {
+                let is_along_tool = matches!(code, 434 | 435);
+                let axis = if is_along_tool { Axis::Z } else { self.length_axis(gathered, span)? };
+                length[axis.slot()] = size;
+            }
         }
+        if self.modal.transforms.turns(&length) {
+            return Err(turned_length(span));
+        }
+        let (was_turning, tool_mm, axes) = (self.modal.turning.is_some(), self.setup.tool_mm, self.axis_command());
+        self.switch_tip(code, gathered, span)?;
         self.modal.length_code = code;
-        self.switch_tip(code, span)?;
         self.put_length(length, assumed);
+        if was_turning || self.modal.turning.is_some() {
+            self.forget_moved_tip(&axes, &tool_mm);
+        }
         match code {
             430 => self.push(Kind::Keep("G43")),
             440 => self.push(Kind::Keep("G44")),
@@ -168,12 +182,15 @@ impl Channel<'_> {
                 let mut named = gathered.axes.intersection(AxisSet::XYZ).iter();
                 match (named.next(), named.next()) {
                     (Some(axis), None) => Ok(axis),
-                    (None, _) if self.modal.length_mm == Vector::zeros() => Ok(Axis::Z),
-                    (None, _) => Ok([Axis::X, Axis::Y, Axis::Z]
-                        .into_iter()
-                        .find(|axis| self.modal.length_mm[axis.slot()] != 0.0)
-                        .unwrap_or(Axis::Z)),
-                    _ => Err(bad_value(span, "the axis of the length is not clear", "name one of X, Y, Z with G43")),
+                    (None, _) => {
+                        let has_length = |axis: &Axis| self.modal.length_mm[axis.slot()] != 0.0;
+                        let mut in_force = AxisSet::XYZ.iter().filter(has_length);
+                        match (in_force.next(), in_force.next()) {
+                            (Some(_), Some(_)) => Err(unclear_axis(span)),
+                            (axis, _) => Ok(axis.unwrap_or(Axis::Z)),
+                        }
+                    }
+                    _ => Err(unclear_axis(span)),
                 }
             }
         }
@@ -185,4 +202,14 @@ impl Channel<'_> {
         self.modal.length_assumed = assumed;
         self.refresh_setup();
     }
+}
+
+fn unclear_axis(span: Span) -> Fault {
+    bad_value(span, "the axis of the length is not clear", "name one of X, Y, Z with G43")
+}
+
+/// The control turns the length with the coordinates, while the tool stays as it is.
+pub(super) fn turned_length(span: Span) -> Fault {
+    let message = "tool length compensation and a rotation in space (G68 I J K) together";
+    fault(Code::NOT_SUPPORTED, span, message, "use G68.2 and G53.1, or program without G43")
 }

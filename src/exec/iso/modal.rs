@@ -40,6 +40,8 @@ pub(super) struct Modal {
     pub(super) spindle: u8,
     /// M7 and M8.
     pub(super) coolant: [bool; 2],
+    /// M48 to M53: feed override, speed override, adaptive feed, feed stop.
+    pub(super) overrides: [bool; 4],
     /// G99: cycles end at R.
     pub(super) to_r_plane: bool,
     /// G61, G61.1, G64, in tenths, and the words of G64.
@@ -99,6 +101,7 @@ impl Modal {
             speed: None,
             spindle: 5,
             coolant: [false; 2],
+            overrides: [true, true, false, true],
             // LinuxCNC starts with G99.
             to_r_plane: !is_fanuc,
             path_control: (640, None, None),

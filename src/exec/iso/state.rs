@@ -156,6 +156,12 @@ impl Channel<'_> {
                 aux.push((b'M', 8.0));
             }
         }
+        for (number, (was, is)) in (50..).zip(saved.overrides.into_iter().zip(self.modal.overrides)) {
+            if was != is {
+                self.push(Kind::Verbatim(format!("M{number} P{}", u8::from(was)).into_bytes()));
+            }
+        }
+        self.modal.overrides = saved.overrides;
         self.modal.speed = saved.speed;
         self.modal.spindle = saved.spindle;
         self.modal.coolant = saved.coolant;

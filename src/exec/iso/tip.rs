@@ -3,17 +3,25 @@
 //! Under it the positions of the channel are those of the tip, fixed to the workpiece; [`crate::exec::five_axis`] makes axis commands
 //! of them.
 
+use std::f64::consts::TAU;
+
 use super::channel::Channel;
+use super::gathered::Gathered;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, fault};
-use crate::geometry::{AxisSet, LINEAR_AXES, ROTARY_AXES};
+use crate::geometry::{AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES, Vector};
 use crate::machine::Kinematics;
 use crate::snc::{Setup, Turning};
 use crate::source::Span;
 
+/// Angles nearer than this are the same, rad.
+const SAME_ANGLE_RAD: f64 = 1e-9;
+/// Places nearer than this are the same, mm.
+const SAME_PLACE_MM: f64 = 1e-9;
+
 impl Channel<'_> {
     /// Switches it by the code of length compensation, in tenths.
-    pub(super) fn switch_tip(&mut self, code: u16, span: Span) -> Result<(), Fault> {
+    pub(super) fn switch_tip(&mut self, code: u16, gathered: &Gathered, span: Span) -> Result<(), Fault> {
         let turning = match code {
             434 => Some(Turning::Axes),
             435 => {
@@ -34,6 +42,7 @@ impl Channel<'_> {
                 let message = format!("G43.4 needs X, Y, Z and one or two rotary axes, and the machine has {rotary}");
                 return Err(fault(Code::NO_AXIS, span, message, "check the topology in the machine file"));
             }
+            self.check_table(gathered, span)?;
         }
         self.outlet.finish();
         let Some(kinematics) = &self.outlet.kinematics else { return Ok(()) };
@@ -51,6 +60,51 @@ impl Channel<'_> {
             modal.known = modal.known.intersection(ROTARY_AXES.into_iter().collect());
         }
         Ok(())
+    }
+
+    /// The coordinates of the tip are those that the work coordinate system has on the table when the control begins with them, be
+    /// it in that block: they are the zero offset's where the table stands at zero (Fanuc parameter 19696, bit 5, as delivered).
+    fn check_table(&mut self, gathered: &Gathered, span: Span) -> Result<(), Fault> {
+        for &axis in self.machine.topology.workpiece.iter().filter(|axis| axis.is_rotary()) {
+            let (here, is_known) = (self.modal.command[axis], self.modal.known.contains(axis));
+            let mut places = vec![here];
+            if gathered.axes.contains(axis) {
+                let value = self.axis_value(gathered, axis)?;
+                let from = if self.modal.incremental { here } else { self.setup.frame.shift(axis) };
+                let end = from + value;
+                places = if is_known { vec![here, end] } else { vec![end] };
+            } else {
+                self.check_stated(axis, span)?;
+            }
+            let is_zero = |place: &f64| (place - (place / TAU).round() * TAU).abs() < SAME_ANGLE_RAD;
+            if !places.iter().all(is_zero) {
+                let message = format!("G43.4 while {axis}, which carries the workpiece, is not at machine zero");
+                let help = "program G43.4 where the table is at zero, and turn it behind it";
+                return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the axes stand.
+    pub(super) fn axis_command(&self) -> AxisVector {
+        let turning = self.modal.turning.and(self.outlet.kinematics.as_deref());
+        let command = turning.and_then(|chain| chain.command_on_workpiece(&self.modal.command, &self.setup.tool_mm));
+        command.unwrap_or(self.modal.command)
+    }
+
+    /// The tool length has changed while the axes stood at `axes`, before that `tool_mm`. Along a tool that is tilted this concerns
+    /// other axes too: where the control has them is unknown until the program states it.
+    pub(super) fn forget_moved_tip(&mut self, axes: &AxisVector, tool_mm: &Vector) {
+        let Some(kinematics) = &self.outlet.kinematics else { return };
+        let before = kinematics.on_workpiece(axes, tool_mm);
+        let now = kinematics.on_workpiece(axes, &self.setup.tool_mm);
+        for axis in AxisSet::XYZ.iter().filter(|&axis| (before[axis] - now[axis]).abs() > SAME_PLACE_MM) {
+            self.modal.known.remove(axis);
+        }
+        if self.modal.turning.is_some() {
+            self.modal.command = now;
+        }
     }
 
     /// The machine stands where it stood when frame or tool change: under the transformation the place of the tip follows from it.

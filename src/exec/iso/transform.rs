@@ -6,6 +6,7 @@ use super::channel::Channel;
 use super::codes::{Group, name_of};
 use super::frames::Within;
 use super::gathered::Gathered;
+use super::length::turned_length;
 use super::polar::Polar;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
@@ -192,7 +193,11 @@ impl Channel<'_> {
                 Ok(false) => return Err(bad_value(span, "I, J and K of G68 are 0", "write the direction of the line")),
                 Err(within) => Err(within),
             };
-            return self.allowed(done, 680, span);
+            self.allowed(done, 680, span)?;
+            if self.modal.transforms.turns(&self.modal.length_mm) {
+                return Err(turned_length(span));
+            }
+            return Ok(());
         }
         let [abscissa, ordinate, applicate] = self.modal.plane.axes();
         if gathered.has(applicate.letter()) {

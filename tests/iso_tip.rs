@@ -1,0 +1,108 @@
+//! G43.4 of Fanuc: the tip in the workpiece, against chains of rotations written out here.
+
+use ncfix::exec::{NoLibrary, Options};
+use ncfix::geometry::{Axis, AxisVector, Vector};
+use ncfix::machine::LengthAxis;
+use ncfix::snc::{Element, Kind};
+
+use crate::iso::elements;
+use crate::swivel::{machine, turned};
+
+/// Tool 1 of the machines is so long.
+const LENGTH: f64 = 95.0;
+/// Their G54, and where their rotary axes cross.
+const G54: Vector = Vector::new(12.0, -7.0, 33.0);
+const CROSSING: Vector = Vector::new(30.0, -20.0, 60.0);
+
+fn strict() -> Options {
+    Options { strict: true, ..Options::default() }
+}
+
+/// Head: C carries B, B the tool.
+fn tip_of_head(command: &AxisVector) -> Vector {
+    let hanging = Vector::new(0.0, 0.0, -LENGTH) - CROSSING;
+    let (b, c) = (command[Axis::B].to_degrees(), command[Axis::C].to_degrees());
+    CROSSING + turned(2, c) * turned(1, b) * hanging + command.xyz()
+}
+
+/// Table: A carries C, C the workpiece; both turn it against the sense of the tool's motion.
+fn tip_on_table(command: &AxisVector) -> Vector {
+    let tip = command.xyz() + Vector::new(0.0, 0.0, -LENGTH);
+    let (a, c) = (command[Axis::A].to_degrees(), command[Axis::C].to_degrees());
+    CROSSING + turned(2, c) * turned(0, a) * (tip - CROSSING)
+}
+
+/// The axis commands at the ends of the lines of a program.
+#[track_caller]
+fn ends(topology: &str, text: &str, lines: &[u32]) -> Vec<AxisVector> {
+    let (elements, codes) = elements("fanuc", text, &machine(topology), Box::new(NoLibrary), strict());
+    assert!(codes.is_empty(), "{codes:?}");
+    let end = |line: &u32| {
+        let step = |element: &Element| if let Kind::Move(step) = &element.kind { Some(step.target) } else { None };
+        elements.iter().rev().filter(|element| element.origin.line == *line).find_map(step).unwrap()
+    };
+    lines.iter().map(end).collect()
+}
+
+#[test]
+fn the_tip_is_where_the_program_says_while_head_or_table_turn() {
+    type Tip = fn(&AxisVector) -> Vector;
+    for (topology, first, tip) in
+        [("wFXYZCBSt", Axis::B, tip_of_head as Tip), ("wCAYXFZSt", Axis::A, tip_on_table as Tip)]
+    {
+        let text = format!(
+            "G17 G90 G21 G54\nG0 X0 Y0 Z300. {first}0 C0\nG43.4 H1 Z100.\nG1 X10. Y20. Z30. {first}30. C40. F500.\n\
+             X-5. {first}-15. C110.\nG91 Y-4. C-20.\nG90 G52 X1.\nG0 X0 Y0 Z80. {first}0 C0\nG49\nG0 Z300.\nM30"
+        );
+        let found = ends(topology, &text, &[3, 4, 5, 6, 8]);
+        let points = [[0.0, 0.0, 100.0], [10.0, 20.0, 30.0], [-5.0, 20.0, 30.0], [-5.0, 16.0, 30.0], [1.0, 0.0, 80.0]];
+        let angles = [[0.0, 0.0], [30.0, 40.0], [-15.0, 110.0], [-15.0, 90.0], [0.0, 0.0]];
+        for ((command, point), angles) in found.iter().zip(points).zip(angles) {
+            let off = (tip(command) - Vector::from(point) - G54).norm();
+            assert!(off < 1e-9, "{topology} {point:?}: {off}");
+            let turned = [first, Axis::C].map(|axis| command[axis].to_degrees());
+            assert!(turned.iter().zip(angles).all(|(a, b)| (a - b).abs() < 1e-9), "{turned:?}");
+        }
+    }
+}
+
+#[test]
+fn the_length_lies_along_the_tool_whatever_g43_does() {
+    let mut machine = machine("wFXYZCBSt");
+    machine.control.iso.length_axis = LengthAxis::Plane;
+    let text = "G90 G21 G54 G18\nG0 X0 Y0 Z300. B0 C0\nG43.4 H1 Z100.\nG1 X10. Y20. Z30. B30. C40. F500.\nM30";
+    let (elements, codes) = elements("fanuc", text, &machine, Box::new(NoLibrary), strict());
+    assert!(codes.is_empty(), "{codes:?}");
+    let last = elements.iter().rev().find_map(|element| match &element.kind {
+        Kind::Move(step) => Some(step.target),
+        _ => None,
+    });
+    assert!((tip_of_head(&last.unwrap()) - Vector::new(10.0, 20.0, 30.0) - G54).norm() < 1e-9);
+}
+
+#[track_caller]
+fn codes(topology: &str, text: &str, expected: &[&str]) {
+    let (_, codes) = elements("fanuc", text, &machine(topology), Box::new(NoLibrary), strict());
+    assert_eq!(codes, expected, "{text}");
+}
+
+#[test]
+fn coordinates_begin_on_the_table_as_it_stands() {
+    // Its system would be that of a table at 45 degrees: parameter 19696, bit 5, as delivered.
+    let begin = "G17 G90 G21 G54\nG0 X0 Y0 Z300.";
+    codes("wCAYXFZSt", &format!("{begin} A0 C45.\nG43.4 H1 Z100.\nM30"), &["E0201:3"]);
+    codes("wCAYXFZSt", &format!("{begin} A0 C0\nG43.4 H1 X0 Y0 Z100. C45.\nM30"), &["E0201:3"]);
+    codes("wCAYXFZSt", &format!("{begin} A0 C360.\nG43.4 H1 Z100.\nG1 C45. F500.\nM30"), &[]);
+    codes("wCAYXFZSt", &format!("{begin}\nG43.4 H1 Z100.\nM30"), &["E0304:3"]);
+    // A head turns no workpiece.
+    codes("wFXYZCBSt", &format!("{begin} B30. C45.\nG43.4 H1 X0 Y0 Z100.\nM30"), &[]);
+}
+
+#[test]
+fn a_length_along_a_tilted_tool_concerns_all_its_axes() {
+    let begin = "G17 G90 G21 G54\nG0 X0 Y0 Z300. B30. C0\n";
+    // X has another place as soon as the length counts, Y across the tool has not.
+    codes("wFXYZCBSt", &format!("{begin}G43.4 H1 Z100.\nG91 G1 X1. F500.\nM30"), &["E0304:4"]);
+    codes("wFXYZCBSt", &format!("{begin}G43.4 H1 X0 Z100.\nG91 G1 X1. Y1. F500.\nM30"), &[]);
+    codes("wFXYZCBSt", &format!("{begin}G43.4 H1 X0 Y0 Z100.\nG49\nG91 G1 X1. F500.\nM30"), &["E0304:5"]);
+}
