@@ -94,6 +94,11 @@ fn coordinates_begin_on_the_table_as_it_stands() {
     codes("wCAYXFZSt", &format!("{begin} A0 C0\nG43.4 H1 X0 Y0 Z100. C45.\nM30"), &["E0201:3"]);
     codes("wCAYXFZSt", &format!("{begin} A0 C360.\nG43.4 H1 Z100.\nG1 C45. F500.\nM30"), &[]);
     codes("wCAYXFZSt", &format!("{begin}\nG43.4 H1 Z100.\nM30"), &["E0304:3"]);
+    // A corrected program, which is looked at but not corrected again, may be off by its correction.
+    let text = format!("{begin} A0.002 C359.99\nG43.4 H1 Z100.\nM30");
+    codes("wCAYXFZSt", &text, &["E0201:3"]);
+    let found = elements("fanuc", &text, &machine("wCAYXFZSt"), Box::new(NoLibrary), Options::default()).1;
+    assert_eq!(found, [""; 0]);
     // A head turns no workpiece.
     codes("wFXYZCBSt", &format!("{begin} B30. C45.\nG43.4 H1 X0 Y0 Z100.\nM30"), &[]);
 }
