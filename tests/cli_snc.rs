@@ -68,3 +68,11 @@ fn a_flat_stream_is_read_and_printed_again() {
     let bad = shop.run(["snc", "bad.snc", "--machine", &demo]).exits(3);
     assert!(bad.stderr.contains("bad.snc:3:1"), "{}", bad.stderr);
 }
+
+#[test]
+fn the_first_arc_begins_at_the_given_start() {
+    // G54 lies at X-60 Y-40, so the start is X60 Y50 there.
+    let shop = Shop::new().file("arc.ngc", "G21 G17 G90\nG2 X80 Y50 I10 J0 F100\nM2\n");
+    let run = shop.run(["snc", "arc.ngc", "--machine", &machine("knee_mill"), "--start", "X0,Y10,Z5,A0"]).exits(0);
+    assert!(run.stdout.contains("G2 X20 Y10 Z5 A0 I10 J0"), "{}", run.stdout);
+}

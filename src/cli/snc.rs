@@ -47,10 +47,11 @@ fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> 
         Running::start(opened, &arguments.input, &arguments.program, &chosen.machine, false, RapidOrder::All);
     if target == Target::Standard {
         let out = BufWriter::new(io::stdout().lock());
-        return stream(out, &mut running, &chosen, findings).map_err(|error| Stop::output(&error));
+        return stream(out, &mut running, &chosen, arguments.program.start, findings)
+            .map_err(|error| Stop::output(&error));
     }
     let mut spool = Spool::new(target)?;
-    if let Err(error) = stream(spool.writer(), &mut running, &chosen, findings) {
+    if let Err(error) = stream(spool.writer(), &mut running, &chosen, arguments.program.start, findings) {
         return Err(spool.fault(&error));
     }
     program::protect(spool.target(), &running.files(), findings);
@@ -98,10 +99,19 @@ fn print_again(source: &Source, target: Target, chosen: &Chosen, findings: &mut 
 }
 
 /// Writes the elements and gathers the findings.
-fn stream(out: impl Write, running: &mut Running, chosen: &Chosen, findings: &mut Findings) -> io::Result<()> {
+fn stream(
+    out: impl Write,
+    running: &mut Running,
+    chosen: &Chosen,
+    start: Option<AxisVector>,
+    findings: &mut Findings,
+) -> io::Result<()> {
     let machine = &chosen.machine;
     let turned = |command: &AxisVector, tool_mm: &Vector| machine.turned_tool_mm(command, tool_mm);
     let mut writer = TextWriter::new(out, &machine.name, machine.axis_set(), turned)?;
+    if let Some(start) = start {
+        writer.start_at(start);
+    }
     while let Some(item) = running.next() {
         match item {
             Ok(element) if element.origin.calls == 0 => writer.write(&element, &[])?,
