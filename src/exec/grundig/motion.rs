@@ -160,6 +160,13 @@ impl Channel<'_> {
         self.modal.command = target;
         self.modal.known = self.modal.known.union(named);
         let shape = found?;
+        let (moving, stated) = (self.shown_axes(named, true), self.shown_axes(self.modal.known, false));
+        // A turned axis moves two of the output: where the other one stands decides where both end.
+        if let Some(axis) = moving.difference(stated).iter().next().filter(|_| self.strict) {
+            let message = format!("where {axis} goes depends on an axis that the program has not stated yet");
+            let help = "begin with a block that names all axes of the rotation, or give --start";
+            return Err(fault(Code::UNKNOWN_START, span, message, help));
+        }
         if std::mem::replace(&mut self.has_moved, true) {
             self.outlet.begin_line();
         }
@@ -168,8 +175,8 @@ impl Channel<'_> {
             rapid,
             arc: None,
             target,
-            named: self.shown_axes(named, true),
-            known: self.shown_axes(self.modal.known, false),
+            named: moving,
+            known: stated,
             feed,
             feed_named: std::mem::take(&mut self.feed_named),
             inverse_time: false,

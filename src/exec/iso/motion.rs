@@ -191,6 +191,10 @@ impl Channel<'_> {
             named = inner.inverse().mixed_with(setup.frame.mixed_with(named));
             known = known_behind(known, &setup.frame, inner);
             begun = known_behind(begun, &setup.frame, inner);
+            // A turned axis moves two of the output: where the other one stands decides where both end.
+            if let Some(axis) = named.difference(known).iter().next().filter(|_| self.strict) {
+                return Err(unknown_mixed(step.span, axis));
+            }
         }
         // What the spindle drives has no feed of its own.
         let is_driven = matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven());
@@ -268,6 +272,11 @@ impl Channel<'_> {
 /// Which axes of a new frame are stated, where those in `known` of an old one are.
 pub(super) fn known_behind(known: AxisSet, old: &Frame, new: &Frame) -> AxisSet {
     new.known_across(old.known_across(known, false), true)
+}
+
+fn unknown_mixed(span: Span, axis: Axis) -> Fault {
+    let message = format!("where {axis} goes depends on an axis that the program has not stated yet");
+    fault(Code::UNKNOWN_START, span, message, "begin with a block that names all axes of the rotation, or give --start")
 }
 
 pub(super) fn unknown_start(span: Span, axis: Axis) -> Fault {
