@@ -140,6 +140,7 @@ impl Drill {
             dwell_s: self.dwell_s,
             q: self.q,
             clearance: call.clearance,
+            slack: 1e-6,
             aside: call.aside,
         };
         let steps = fanuc::steps(call.code, &hole)?;
@@ -202,7 +203,7 @@ impl Drill {
             (old, above) = (r, r);
         }
         let clear = if call.to_r { r } else { old };
-        let hole = Hole { r, bottom, clear, dwell_s, q, clearance: call.clearance, aside: None };
+        let hole = Hole { r, bottom, clear, dwell_s, q, clearance: call.clearance, slack: 0.0, aside: None };
         let steps = rs274::steps(code, &hole, call.spindle)?;
         limit(repeats, &steps)?;
         let mut plane = call.from.plane;

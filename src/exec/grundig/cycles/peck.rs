@@ -6,6 +6,8 @@ use super::{At, CycleFault, CycleWords, Heights, Step, dwell, fault};
 
 /// More pecks than this are a slip of the pen.
 const MOST_PECKS: u32 = 10_000;
+/// What is left of a depth by the rounding of sums is no peck.
+const HAIR_MM: f64 = 1e-6;
 
 pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault> {
     let heights = Heights::of(words, at)?;
@@ -24,7 +26,10 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
         if count > MOST_PECKS {
             return Err(fault(format!("more than {MOST_PECKS} pecks"), "correct K or I"));
         }
-        depth = (depth - peck).max(heights.bottom);
+        depth -= peck;
+        if depth < heights.bottom + HAIR_MM {
+            depth = heights.bottom;
+        }
         steps.push(Step::to_height(depth, Feed::Cut));
         if depth <= heights.bottom {
             break;

@@ -97,6 +97,7 @@ mod tests {
         dwell_s: None,
         q: Some(8.0),
         clearance: 1.0,
+        slack: 0.0,
         aside: Some([-1.0, 0.0]),
     };
 

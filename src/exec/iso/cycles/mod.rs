@@ -77,6 +77,8 @@ pub(super) struct Hole {
     pub(super) q: Option<f64>,
     /// How far a peck cycle keeps away from, or draws back from, the material that is there, mm.
     pub(super) clearance: f64,
+    /// A rest of the depth that is no peck, mm: what the rounding of sums leaves where the control counts increments.
+    pub(super) slack: f64,
     /// How far and where the tool steps aside with its spindle oriented.
     pub(super) aside: Option<[f64; 2]>,
 }
@@ -109,7 +111,7 @@ fn depths(hole: &Hole) -> Result<Vec<f64>, HoleFault> {
     let mut depths = Vec::new();
     // Added up one by one, as the controls do.
     let mut depth = hole.r + towards * peck;
-    while (hole.bottom - depth) * towards > 0.0 {
+    while (hole.bottom - depth) * towards > hole.slack {
         depths.push(depth);
         depth += towards * peck;
     }

@@ -71,6 +71,7 @@ mod tests {
         dwell_s: Some(0.5),
         q: Some(8.0),
         clearance: CLEARANCE_MM,
+        slack: 0.0,
         aside: None,
     };
 
