@@ -56,6 +56,7 @@ mod positioning;
 mod programs;
 mod reference_points;
 mod rotary;
+mod rounding_and_turns;
 mod rs274_flow;
 mod rs274_splines;
 mod saved_data;
