@@ -145,6 +145,25 @@ fn compensation_of_rs274_begins_square_to_the_first_motion() {
 }
 
 #[test]
+fn a_tool_change_behind_g40_leaves_the_program_beside_the_contour() {
+    for change in ["T1 M6", "M61 Q1"] {
+        check_on(
+            "rs274",
+            &format!("G21 G17 G90 G0 X0 Y0 Z0\nG41.1 D10\nF500 G1 X30 Y40\nX60 Y80\nG40\n{change}\nZ5\nX100\nM2"),
+            &machine(),
+            &[
+                "G0 X0 Y0 Z0",
+                "G1 X26 Y43 Z0 F500",
+                "G1 X56 Y83 Z0 F500",
+                // Y is not named: it stays 5 mm beside the contour.
+                "G1 X56 Y83 Z5 F500",
+                "G1 X100 Y83 Z5 F500",
+            ],
+        );
+    }
+}
+
+#[test]
 fn what_compensation_refuses() {
     let rs274 = |text: &str| format!("G21 G17 G90 G0 X0 Y0 Z0\nF500\n{text}\nM2");
     check_codes("rs274", &rs274("G41.1 D10 G1 X3\nX40\nG40 Y40"), &["E0232:3"]);

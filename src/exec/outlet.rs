@@ -117,6 +117,15 @@ impl<'a> Outlet<'a> {
         self.release(released);
     }
 
+    /// The control looks where the axes are: where the tool center is if radius compensation by the rules of RS274/NGC has ended and nothing
+    /// has led back to the contour yet. From here on it is where the program is.
+    pub(super) fn settle(&mut self) -> Option<AxisVector> {
+        let mut released = std::mem::take(&mut self.released);
+        let place = self.contour.settle(&mut released);
+        self.release(released);
+        place
+    }
+
     /// Puts an item into the stage and takes out what is final.
     fn through_contour(&mut self, item: Item) {
         let mut released = std::mem::take(&mut self.released);

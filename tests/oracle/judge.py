@@ -20,7 +20,7 @@ text in between. The answer is one object:
 The module always counts lengths in inches. It reads tools from memory shared between processes, kept in the home folder: hence
 a home folder of our own.
 
-Behind a tool change, a probing move and an input (M66) the interpreter asks where the machine is. The module answers with the end of the last
+Behind a tool change and a probing move the interpreter asks where the machine is. The module answers with the end of the last
 straight move, in the coordinates that were in force then: wrong behind an arc, and where a length offset or zero offset has changed
 meanwhile, as in `T1 M6 G43`. A machine knows better; so the answer is put right here (class Memory).
 """

@@ -175,6 +175,14 @@ impl Compensation {
         }));
     }
 
+    /// Compensation by the rules of RS274/NGC has ended and nothing leads back to the contour: gives what is held, and where the tool
+    /// center is if it is beside the contour.
+    pub(super) fn settle(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) -> Option<AxisVector> {
+        let mut tracking = self.tracking.take()?;
+        tracking.finish(out, findings);
+        Some(tracking.position)
+    }
+
     /// Gives everything that is held: the program has ended, or waits here.
     pub(super) fn finish(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         if let Some(tracking) = &mut self.tracking {

@@ -37,7 +37,7 @@ pub(super) use wish::{
 };
 
 use super::fault::Fault;
-use crate::geometry::AxisSet;
+use crate::geometry::{AxisSet, AxisVector};
 use crate::machine::Control;
 use angle::OpenLine;
 use compensation::Compensation;
@@ -83,6 +83,13 @@ impl Contour {
         self.transitions.finish(&mut self.between, &mut self.findings);
         self.compensate(out);
         self.compensation.finish(out, &mut self.findings);
+    }
+
+    /// The control looks where the axes are: gives what is held, and where the tool center is if it is beside the contour.
+    pub(super) fn settle(&mut self, out: &mut Vec<Item>) -> Option<AxisVector> {
+        self.transitions.finish(&mut self.between, &mut self.findings);
+        self.compensate(out);
+        self.compensation.settle(out, &mut self.findings)
     }
 
     fn compensate(&mut self, out: &mut Vec<Item>) {

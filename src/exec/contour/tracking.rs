@@ -129,7 +129,9 @@ impl Tracking {
                 line(place, before).crossings(&line(beside, next.direction)).iter().next()
             }
             (None, Some((center, radius, _, is_inside))) => {
-                let height = dot(sub(place, center), left(before));
+                // As LinuxCNC does: with the radius to the end of the arc, even where that to its start is a little another.
+                let wide = if is_inside { radius + self.distance.abs() } else { radius - self.distance.abs() };
+                let height = wide * dot(unit(sub(self.point, center)), left(before)) + self.distance;
                 let square = radius * radius - height * height;
                 let along = sign(is_inside) * checked_root(square)?;
                 Some(add(center, add(scaled(left(before), height), scaled(before, along))))

@@ -136,6 +136,17 @@ impl Channel<'_> {
         }
     }
 
+    /// LinuxCNC asks where the machine is behind M6 and M61. Behind G40 that is beside the contour until a motion has
+    /// left it, and then axes which that motion does not name stay there.
+    fn look_where_axes_are(&mut self, gathered: &Gathered) {
+        if self.modal.contour.compensates() || gathered.has_any(b"XYZABC") {
+            return;
+        }
+        if let Some(place) = self.outlet.settle() {
+            self.modal.command = place;
+        }
+    }
+
     fn note_spindle(&mut self, number: u32) {
         match number {
             3 => self.modal.spindle = 3,
@@ -179,6 +190,7 @@ impl Channel<'_> {
                     return Err(bad_value(span, message, "program T before it or in its block"));
                 }
                 self.before.push(word(number));
+                self.look_where_axes_are(gathered);
                 self.change_tool();
             }
             61 => {
@@ -188,6 +200,7 @@ impl Channel<'_> {
                 };
                 self.modal.active = Some(tool);
                 self.modal.selected = Some(tool);
+                self.look_where_axes_are(gathered);
                 self.m_with_words(gathered, number, b"Q");
             }
             70 => self.save_state(false),

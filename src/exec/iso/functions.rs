@@ -4,8 +4,8 @@ use crate::dialect::Language;
 use crate::syntax::words::{Function, Operator};
 use crate::units::sin_deg;
 
-/// Values of RS274/NGC that differ by less are equal.
-const EQUAL: f64 = 1e-6;
+/// Values that differ by less are equal for EQ and NE of RS274/NGC, as LinuxCNC has them; its other comparisons allow for nothing.
+const EQUAL: f64 = 1e-4;
 /// Bits of the integers that Fanuc's logic works on.
 const BITS: f64 = 2_147_483_647.0;
 /// The largest number of eight binary-coded decimal digits.
@@ -101,9 +101,9 @@ impl Arithmetic {
             Operator::Equal => truth(self.equal(a, b)),
             Operator::NotEqual => truth(!self.equal(a, b)),
             Operator::Greater => truth(a > b),
-            Operator::GreaterEqual => truth(a > b || self.equal(a, b)),
+            Operator::GreaterEqual => truth(a >= b),
             Operator::Less => truth(a < b),
-            Operator::LessEqual => truth(a < b || self.equal(a, b)),
+            Operator::LessEqual => truth(a <= b),
         };
         finite(value)
     }
