@@ -34,6 +34,7 @@ mod grundig;
 mod grundig_contours;
 mod grundig_hostile;
 mod grundig_laws;
+mod grundig_output;
 mod grundig_requirements;
 mod hostile;
 mod iso;

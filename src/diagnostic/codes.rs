@@ -290,7 +290,8 @@ axes _deg.";
 calls them. Put each main program into a file of its own.";
     LEFT_OUT = "W0204" "statement left out of the output"
 "WRITE and DELETE access files of the control. They are not carried out here and not written to the output; their result variable counts
-as 0, no error. Nothing about the motion changes.";
+as 0, no error. Nothing about the motion changes. Tables of tools and zero offsets in the transfer of a Grundig program (%TM, %ZO) hold for
+the run and are not written either: the control must have the same tables before it runs the output.";
     NOT_CORRECTED = "W0205" "moves that are not corrected"
 "SETINT lets an input of the control interrupt the program and start another one, which is run as it lies on the control. Its moves are
 not corrected, unless that program has been corrected too.";

@@ -59,7 +59,8 @@ impl Active {
         } else if moving.wish.soft.is_some_and(|soft| soft.retracts == moving.wish.compensates()) {
             return Some(soft_alone(moving));
         } else if moving.wish.soft.is_some() && !moving.names_plane() {
-            let help = "program the end in the plane in the block of G148, G248 or G348";
+            let help =
+                "program the end in the plane in the block of the retraction (Sinumerik G148, G248, G348; Grundig G62)";
             (Code::NOT_SUPPORTED, "a soft retraction without an end in the plane", help)
         } else if moving.wish.soft.is_none() && moving.curve(&self.basis).is_none() {
             let help = "program lines and arcs, without unequal SCALE";
@@ -91,7 +92,7 @@ pub(super) fn soft_alone(moving: &Moving) -> Fault {
     moving.fault(
         Code::NOT_SUPPORTED,
         "a soft approach or retraction is supported where radius compensation begins or ends only",
-        "program G147, G247, G347 with G41 or G42, and G148, G248, G348 with G40",
+        "program it where G41, G42 or G40 takes effect (Sinumerik G147, G247, G347 and G148, G248, G348; Grundig G61 and G62)",
     )
 }
 

@@ -22,6 +22,9 @@ use crate::units::MM_PER_INCH;
 /// M functions that act behind the motion of their block.
 const BEHIND: &[u16] = &[0, 1, 2, 5, 9, 30];
 
+/// G codes that say what a block does with its words, beside the cycles; one of them a block.
+const ACTIONS: &[u16] = &[4, 9, 11, 61, 62, 74, 77, 78, 79, 149, 150];
+
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
     pub(super) machine: &'a Machine,
@@ -118,6 +121,7 @@ impl<'a> Channel<'a> {
         self.frame_codes(gathered)?;
         self.tool(gathered)?;
         self.compensation_codes(gathered)?;
+        self.check_supported(gathered)?;
         self.feed_and_speed(gathered)?;
         let behind = self.functions(gathered)?;
         self.comment(comment);
@@ -147,16 +151,20 @@ impl<'a> Channel<'a> {
             self.outlet.push(Kind::After(behind));
         }
         if let Some(code) = gathered.codes.first() {
-            let known = self.codes.g(usize::from(code.number)).map_or("no known code", |entry| entry.meaning);
-            let message = format!("G{} ({known}) is not supported", code.number);
-            return Err(fault(
-                Code::NOT_SUPPORTED,
-                code.span,
-                message,
-                "the program cannot be corrected with it; program what it does directly",
-            ));
+            let message = format!("G{} beside another code that takes the words of the block", code.number);
+            return Err(fault(Code::NOT_SUPPORTED, code.span, message, "write each in a block of its own"));
         }
         gathered.check_all_used()
+    }
+
+    /// A code that nothing carries out is said before what its words would mean to the motion in force.
+    fn check_supported(&self, gathered: &Gathered) -> Result<(), Fault> {
+        let is_left = |number: u16| !ACTIONS.contains(&number) && super::cycles::find(number).is_none();
+        let Some(code) = gathered.codes.iter().find(|code| is_left(code.number)) else { return Ok(()) };
+        let known = self.codes.g(usize::from(code.number)).map_or("no known code", |entry| entry.meaning);
+        let message = format!("G{} ({known}) is not supported", code.number);
+        let help = "the program cannot be corrected with it; program what it does directly";
+        Err(fault(Code::NOT_SUPPORTED, code.span, message, help))
     }
 
     /// Two codes of one group in a block exclude each other.

@@ -64,6 +64,10 @@ pub(super) struct Defined {
     words: CycleWords,
     /// Its feed, where its block names one.
     feed: Option<f64>,
+    /// Pitch of G84, mm.
+    pitch: Option<f64>,
+    /// Whether it was defined under G95, in whose unit its feeds are.
+    per_turn: bool,
 }
 
 impl std::fmt::Debug for Defined {
@@ -113,7 +117,8 @@ impl Channel<'_> {
             let message = format!("G{} ({}) needs {}", cycle.number, cycle.title, char::from(missing));
             return Err(fault(Code::CYCLE_ALARM, span, message, "add the word"));
         }
-        let mut feed = self.feed_named.then_some(self.modal.feed);
+        let feed = self.feed_named.then_some(self.modal.feed);
+        let mut pitch = None;
         if cycle.number == 84 {
             let message = "tapping becomes feed moves with the spindle reversed between them";
             let help = "the tap needs a chuck that gives way; keep the override at 100 %";
@@ -123,16 +128,10 @@ impl Channel<'_> {
                 let help = "program I1=0 and use such a chuck; elementary moves cannot say more";
                 return Err(fault(Code::NOT_SUPPORTED, span, message, help));
             }
-            if let Some(pitch) = words.get(b'J', 0).filter(|pitch| *pitch > 0.0) {
-                let Some(speed) = self.modal.speed.filter(|speed| *speed > 0.0) else {
-                    let message = "G84 with the pitch J needs the speed S";
-                    return Err(fault(Code::CYCLE_ALARM, span, message, "program S before"));
-                };
-                feed = Some(pitch * speed);
-            }
+            pitch = words.get(b'J', 0).filter(|pitch| *pitch > 0.0);
         }
         self.feed_named = false;
-        self.modal.cycle = Some(Defined { cycle, words, feed });
+        self.modal.cycle = Some(Defined { cycle, words, feed, pitch, per_turn: self.modal.per_turn });
         Ok(())
     }
 
@@ -232,13 +231,37 @@ impl Channel<'_> {
             let message = "the cycles of this block make more than 100 000 moves";
             return Err(fault(Code::CYCLE_ALARM, span, message, "check infeeds, pecks and the number of positions"));
         }
-        let cutting = defined.feed.unwrap_or(self.modal.feed);
+        let cutting = self.cutting_feed(defined, span)?;
         let plunging = defined.words.get(b'F', 2).unwrap_or(cutting);
         for step in steps {
             self.modal.feed = cutting;
             self.step(step, plunging)?;
         }
         Ok(())
+    }
+
+    /// The feed of a cycle where it is carried out: that of a pitch belongs to the speed and the feed mode there.
+    fn cutting_feed(&self, defined: &Defined, span: Span) -> Result<f64, Fault> {
+        let per_turn = self.modal.per_turn;
+        if let Some(pitch) = defined.pitch {
+            if per_turn {
+                return Ok(pitch);
+            }
+            return match self.modal.speed {
+                Some(speed) if speed > 0.0 && !self.modal.constant_cutting_speed => Ok(pitch * speed),
+                _ => {
+                    let message = "G84 with the pitch J needs the speed S in turns per minute";
+                    Err(fault(Code::CYCLE_ALARM, span, message, "program S before, and G97 where G96 is in force"))
+                }
+            };
+        }
+        let has_own = defined.feed.is_some() || defined.words.get(b'F', 2).is_some();
+        if has_own && defined.per_turn != per_turn {
+            let (then, now) = if per_turn { ("G94", "G95") } else { ("G95", "G94") };
+            let message = format!("the cycle was defined with its feed under {then}, and is carried out under {now}");
+            return Err(fault(Code::CYCLE_ALARM, span, message, "define it again behind the feed mode"));
+        }
+        Ok(defined.feed.unwrap_or(self.modal.feed))
     }
 
     fn step(&mut self, step: Step, plunging: f64) -> Result<(), Fault> {

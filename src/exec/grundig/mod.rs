@@ -83,6 +83,7 @@ impl<'a> Interpreter<'a> {
         channel.take_tables(tables::read(&program));
         let mut ledger = Ledger::new(source, program.blocks.len(), &options);
         ledger.findings.extend(left_out(&program, main));
+        ledger.findings.extend(tables_left_out(&program));
         Interpreter {
             library,
             ledger,
@@ -217,6 +218,20 @@ fn left_out(program: &Program, main: usize) -> Option<Diagnostic> {
     let message = "this program is left out: only the first one of a transfer is executed, and nothing calls another";
     let place = Place { file: program.source.id(), span: other.headers.first().copied().unwrap_or_default() };
     Some(Diagnostic::at(Code::MORE_PROGRAMS, place, message, "put each program into a file of its own"))
+}
+
+/// The finding about tables of the transfer that the output needs and does not have.
+fn tables_left_out(program: &Program) -> Option<Diagnostic> {
+    let is_table = |part: &&words::Part| matches!(part.kind, PartKind::Tools | PartKind::ZeroOffsets);
+    let table = program.parts.iter().filter(|part| !part.blocks.is_empty()).find(is_table)?;
+    let message = "the tables of tools and zero offsets in this transfer are used, and left out of the output";
+    let place = Place { file: program.source.id(), span: table.headers.first().copied().unwrap_or_default() };
+    Some(Diagnostic::at(
+        Code::LEFT_OUT,
+        place,
+        message,
+        "the control must have them before it runs the output: send it the tables as they are",
+    ))
 }
 
 /// `E1=…`, from left to right, before everything else in the block.

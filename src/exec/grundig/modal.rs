@@ -65,6 +65,10 @@ pub(super) struct Modal {
     pub(super) inch: bool,
     /// mm/min, mm per turn behind G95; 0 for none yet.
     pub(super) feed: f64,
+    /// G95: feeds are per turn.
+    pub(super) per_turn: bool,
+    /// G96: S is the cutting speed.
+    pub(super) constant_cutting_speed: bool,
     /// Last speed of the spindle.
     pub(super) speed: Option<f64>,
     /// Whether rapid moves go to the tool axis and the plane one behind the other.
@@ -93,6 +97,8 @@ impl Modal {
             incremental: false,
             inch: false,
             feed: 0.0,
+            per_turn: false,
+            constant_cutting_speed: false,
             speed: None,
             positioning_logic: control.grundig.positioning_logic,
             geometry: false,
@@ -103,7 +109,7 @@ impl Modal {
             contour: ContourModal::grundig(control),
             cycle: None,
             command: start.unwrap_or(AxisVector::ZERO),
-            known: if start.is_some() { AxisSet::ALL } else { AxisSet::EMPTY },
+            known: if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY },
         }
     }
 

@@ -11,8 +11,7 @@ use crate::snc::Kind;
 use crate::source::Span;
 
 /// Modal codes without motion that the control must see.
-const KEPT: &[(u16, &str)] =
-    &[(25, "G25"), (26, "G26"), (27, "G27"), (94, "G94"), (95, "G95"), (96, "G96"), (97, "G97")];
+const KEPT: &[(u16, &str)] = &[(25, "G25"), (26, "G26"), (27, "G27"), (94, "G94"), (95, "G95")];
 
 impl Channel<'_> {
     /// Codes that no position depends on: those of the screen are left out with their words, others passed on with theirs.
@@ -27,6 +26,9 @@ impl Channel<'_> {
                 continue;
             };
             gathered.codes.remove(at);
+            if let 96 | 97 = code.number {
+                self.modal.constant_cutting_speed = code.number == 96;
+            }
             let mut text = format!("G{}", code.number);
             for item in gathered.take_used_by(entry) {
                 text.push_str(&format!(" {}{}", name(item.letter, item.index), item.value));
@@ -76,8 +78,10 @@ impl Channel<'_> {
         for &(number, word) in KEPT {
             if gathered.take_code(number).is_some() {
                 self.outlet.push(Kind::Keep(word));
-                if number == 27 {
-                    self.modal.positioning_logic = true;
+                match number {
+                    27 => self.modal.positioning_logic = true,
+                    94 | 95 => self.modal.per_turn = number == 95,
+                    _ => {}
                 }
             }
         }

@@ -32,9 +32,11 @@ impl Channel<'_> {
         if let Some(span) = gathered.take_code(39) {
             self.allowances(gathered, span)?;
         }
-        for (number, reversed) in [(66, true), (67, false)] {
+        for (number, word, reversed) in [(66, "G66", true), (67, "G67", false)] {
             if gathered.take_code(number).is_some() {
                 self.modal.tool.reversed = reversed;
+                // The control adds the length itself, and must know in which direction.
+                self.outlet.push(Kind::Keep(word));
                 self.refresh_setup()?;
             }
         }
@@ -82,6 +84,11 @@ impl Channel<'_> {
             if let Some((value, _)) = word {
                 *place = value * scale;
             }
+        }
+        if words[0].is_some() {
+            // The control adds the length itself; the radius goes into the path.
+            let length = (self.modal.tool.allowance_mm[0] * 1e9).round() / 1e9;
+            self.outlet.push(Kind::Verbatim(format!("G39 L{length}").into_bytes()));
         }
         self.refresh_setup()
     }

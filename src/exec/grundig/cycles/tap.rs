@@ -1,4 +1,4 @@
-//! G84: down with feed, the spindle reverses, out to the first clearance with feed, and the spindle turns again as before.
+//! G84: down with feed, dwell, the spindle reverses, out to the first clearance with feed, and the spindle turns again as before.
 
 use super::step::Feed;
 use super::{At, CycleFault, CycleWords, Heights, Step, dwell};
@@ -8,8 +8,8 @@ pub(super) fn steps(words: &CycleWords, at: &At) -> Result<Vec<Step>, CycleFault
     let mut steps = Vec::new();
     heights.approach(at, &mut steps);
     steps.push(Step::to_height(heights.bottom, Feed::Cut));
-    steps.push(Step::Reverse);
     dwell(words, &mut steps);
+    steps.push(Step::Reverse);
     steps.push(Step::to_height(heights.clearance, Feed::Cut));
     steps.push(Step::Resume);
     if heights.retract > heights.clearance {
