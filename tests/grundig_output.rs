@@ -222,3 +222,16 @@ fn a_limit_of_the_spindle_stands_beside_g96() {
     assert!(out.contains("G97"), "{out}");
     check("N1 G17 G90 F100\nN2 G96 D3000 S120\nN3 G1 X5", "G1 X5 Y0 Z0");
 }
+
+#[test]
+fn no_move_is_added_where_the_length_has_changed() {
+    let on = machine("universal_mill");
+    for change in ["G66", "G39 L1", "T9 M67", "T9 M66"] {
+        let shop = Shop::new().file("a.pm", format!("{HEAD}N3 G0 X0 Y0 Z150\nN4 {change}\nN5 G1 Z20 F100\n"));
+        shop.run(["fix", "a.pm", "--machine", &on, "-o", "o.pm"]).exits(0);
+        let out = shop.text("o.pm");
+        // One move behind it, from wherever the axis is.
+        let behind = out.lines().skip_while(|line| !line.contains(change)).skip(1);
+        assert_eq!(behind.filter(|line| line.contains('Z')).count(), 1, "{out}");
+    }
+}

@@ -13,7 +13,7 @@ use crate::exec::contour::{Corner, Soft};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::outlet::Outlet;
 use crate::exec::{Options, RapidOrder};
-use crate::geometry::{AxisSet, Frame, LINEAR_AXES, Vector};
+use crate::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Vector};
 use crate::machine::{Machine, Tool};
 use crate::snc::{Dwell, Kind, Setup, Word, WordValue};
 use crate::source::Span;
@@ -294,10 +294,12 @@ impl<'a> Channel<'a> {
         let assumed = frames.assumed || tool.assumed;
         let plane = self.modal.plane;
         let setup = Setup { frame, tool_mm, plane, transform: None, assumed };
-        for axis in LINEAR_AXES.into_iter().take(3) {
-            if setup.tool_mm[axis.slot()] != self.setup.tool_mm[axis.slot()] {
-                self.modal.known.remove(axis);
-            }
+        let changes = |axis: &Axis| setup.tool_mm[axis.slot()] != self.setup.tool_mm[axis.slot()];
+        let lost: AxisSet = LINEAR_AXES.into_iter().take(3).filter(changes).collect();
+        if !lost.is_empty() {
+            // The length that the control has may differ: nothing must lead to where the tip would be by this one.
+            self.modal.known = self.modal.known.difference(lost);
+            self.outlet.push(Kind::Lost(lost));
         }
         if setup.frame.linear() != self.setup.frame.linear() {
             let machine = self.setup.frame.known_across(self.modal.known, false);
