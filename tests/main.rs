@@ -41,6 +41,7 @@ mod iso;
 mod iso_compensation;
 mod iso_core;
 mod iso_cycles;
+mod iso_findings;
 mod iso_frames;
 mod iso_hostile;
 mod iso_macros;

@@ -169,7 +169,7 @@ the called program changes.
 
   PROC HOLE(REAL DEPTH, VAR INT COUNT)      called as HOLE(-5, N_1) with DEF INT N_1";
     BAD_SWIVEL = "E0235" "plane that cannot be swivelled"
-"CYCLE800 tilts the plane in a way that is not followed here, the rotary axes cannot put the tool on it, or it is not known where the
+"CYCLE800 (Sinumerik) or G53.1 (Fanuc) tilts the plane in a way that is not followed here, the rotary axes cannot put the tool on it, or it is not known where the
 axes retract to. The message says which. The rotary axes and the frame that a swivel results in can always be programmed directly.";
     BAD_POLAR = "E0230" "polar position that is not clear"
 "A polar position (AP=, RP=) shares its block with an axis of the plane, angle or radius was never given since the pole was set, the
@@ -299,7 +299,7 @@ not corrected, unless that program has been corrected too.";
 "A synchronised action without ID acts while the next block is executed. Where the correction cuts the move of that block into pieces, the
 action is watched during the first piece only.";
     TAPPING_BY_FEED = "W0207" "tapping by feed moves"
-"A tapping cycle (Grundig G84) becomes a move with feed into the hole, the other sense of the spindle, and a move out. Spindle and axis do
+"A tapping cycle (G84, G74) becomes a move with feed into the hole, the other sense of the spindle, and a move out. Spindle and axis do
 not go in step as they may in the cycle of the control, so the tap needs a chuck that gives way, as older controls always do.";
     CORNER_LEFT_OUT = "W0231" "no rounding or chamfer made"
 "RND, CHF or CHR stand in a block behind which no motion in the working plane follows within three blocks, or a motion of other axes comes

@@ -19,7 +19,7 @@ use super::rotary_word;
 use super::route::Route;
 use super::treatment::{Treatment, is_pushed_out};
 use super::trial::{Bench, Standing, Trial};
-use super::{Arcs, Options, Output, Piece, Prediction, Subdivision, lost_axes};
+use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, lost_axes};
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -163,7 +163,8 @@ where
         let is_placed = self.placing.difference(motion.known).is_empty();
         standing.written = standing.written.intersection(motion.known);
         self.ever_named = self.ever_named.union(motion.named);
-        let treatment = Treatment::of(motion.rapid, self.options.rapids, starts_at_known && is_placed);
+        let rapids = if motion.manner == Manner::Reference { Rapids::None } else { self.options.rapids };
+        let treatment = Treatment::of(motion.rapid, rapids, starts_at_known && is_placed);
         let route = Route::new(standing.nominal, motion.target, motion.arc);
         let feed = self.placer.feed(&standing.nominal, motion);
         self.prediction.moves += 1;
@@ -209,6 +210,9 @@ where
         };
         let (standing, scratch) = (&self.standing, &mut self.scratch);
         let from = active.parameter;
+        if active.motion.manner == Manner::Reference {
+            return bench.referenced(standing, active.motion.named);
+        }
         if active.treatment == Treatment::Round {
             return bench.rounded(standing);
         }
@@ -309,7 +313,10 @@ where
         let motion = &active.motion;
         let first = std::mem::take(&mut active.is_first);
         let mut words = if first { motion.named } else { AxisSet::EMPTY };
-        for axis in motion.known.iter() {
+        // The others stay, and what is not written yet is written by a later move.
+        let is_reference = motion.manner == Manner::Reference;
+        let stated = if is_reference { AxisSet::EMPTY } else { motion.known };
+        for axis in stated.iter() {
             let slot = axis.slot();
             if !standing.written.contains(axis) || placed.counts[slot] != standing.counts[slot] {
                 words.insert(axis);
@@ -319,7 +326,7 @@ where
         let rotary_words = rotary_word::words(&self.placer, self.machine, standing, motion, placed);
         standing.counts = placed.counts;
         standing.command = placed.command;
-        standing.written = motion.known;
+        standing.written = if is_reference { standing.written.union(motion.named) } else { motion.known };
         if words.is_empty() && arc.is_none() && !first && !is_last {
             // Shorter than an increment.
             return;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-use crate::geometry::{AXIS_COUNT, Arc, Axis, AxisSet, AxisVector, Plane, Vector};
+use crate::geometry::{AXES, AXIS_COUNT, Arc, Axis, AxisSet, AxisVector, Plane, Vector};
 use crate::machine::{Control, State};
 
 use super::check::Sampler;
@@ -98,6 +98,19 @@ impl Bench<'_, '_> {
     /// The whole move, uncorrected.
     pub(super) fn rounded(&self, standing: &Standing) -> Trial {
         let end = self.placer.round(&self.route.end, self.known);
+        let mut state = standing.state;
+        state.note_motion(&standing.command, &end.command);
+        let emitted = Route::new(standing.command, end.command, None);
+        self.trial([0.0, 1.0], Ends { take_up: None, start: standing.command, end, state }, emitted, None)
+    }
+
+    /// The whole move to the reference point of the axes named, exactly; the others stay where they are.
+    pub(super) fn referenced(&self, standing: &Standing, named: AxisSet) -> Trial {
+        let mut end = self.placer.round(&self.route.end, self.known);
+        for axis in AXES.into_iter().filter(|&axis| !named.contains(axis)) {
+            end.command[axis] = standing.command[axis];
+            end.counts[axis.slot()] = standing.counts[axis.slot()];
+        }
         let mut state = standing.state;
         state.note_motion(&standing.command, &end.command);
         let emitted = Route::new(standing.command, end.command, None);

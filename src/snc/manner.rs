@@ -13,6 +13,8 @@ pub enum Manner {
     Thread(Thread),
     /// Each axis on its own (`POS[X]=`), in one piece.
     Positioning,
+    /// To the reference point of the axes named, which is where it is whatever the errors of the machine.
+    Reference,
     /// Until a probe or a signal ends it, by its code (`G38.2`, `G31`), in one piece.
     Probe(&'static str),
 }

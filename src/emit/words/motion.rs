@@ -46,7 +46,8 @@ impl Words {
             Manner::Thread(Thread { lead: Some((_, lead)), .. }) => {
                 let letter = if self.flavour.language == Language::Rs274 { b"K" } else { b"F" };
                 self.line.word(letter);
-                self.value(*lead);
+                // As fine as controls read it.
+                self.value((lead * 1e6).round() / 1e6);
                 // The feed of the path is another value.
                 self.feed = f64::NAN;
             }
@@ -81,6 +82,7 @@ impl Words {
             (Manner::Thread(thread), _) => self.thread_word(thread, origin),
             (Manner::Probe(word), _) => Ok(*word),
             (Manner::Positioning, _) => Err(self.no_words(origin, "an axis that moves on its own", "use G0")),
+            (Manner::Reference, _) => Ok("G0"),
             (Manner::Path, _) if *rapid => Ok("G0"),
             (Manner::Path, None) => Ok("G1"),
             (Manner::Path, Some(arc)) if arc.clockwise => Ok("G2"),

@@ -154,9 +154,12 @@ impl<'a> Channel<'a> {
         let done = if self.is_rs274() { self.execute_rs274(gathered) } else { self.execute_fanuc(gathered) };
         // Even where the block has a fault, the program ends where it says so.
         done?;
-        match gathered.unused() {
+        let moves = self.has_moved || gathered.has_motion();
+        let found = gathered.unused_of_motion().filter(|_| moves && !self.is_rs274());
+        let is_motion = found.is_some();
+        match found.or_else(|| gathered.unused()) {
             None => Ok(()),
-            Some((letter, span)) if self.is_rs274() => {
+            Some((letter, span)) if self.is_rs274() || is_motion => {
                 let message = format!("no code of the block uses {letter}");
                 Err(fault(Code::BAD_WORD_VALUE, span, message, "take the word out, or add the code that it belongs to"))
             }

@@ -260,7 +260,7 @@ impl Channel<'_> {
     }
 
     /// Refuses what does not go together with a cycle.
-    fn check_cycle(&self, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
+    fn check_cycle(&mut self, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
         let name = name_of(code);
         let refused = if self.modal.contour.compensates() {
             Some(("radius compensation", "end it with G40 first"))
@@ -283,10 +283,22 @@ impl Channel<'_> {
             let message = format!("{name} outside the XY plane: LinuxCNC takes the axes for one another there");
             return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17, or program the motions one by one"));
         }
-        let is_tapping = matches!(code, 740 | 840 | 842 | 843) && !self.is_rs274();
-        if !is_tapping || !self.strict {
+        if !matches!(code, 740 | 840 | 842 | 843) {
             return Ok(());
         }
+        if self.strict && !self.is_rs274() {
+            self.check_rigid(code, &name, span)?;
+        }
+        if self.code_of_motion(gathered) == Some(code) {
+            let message = "tapping becomes feed moves with the spindle reversed between them";
+            let help = "the tap needs a chuck that gives way; keep the override at 100 %";
+            self.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
+        }
+        Ok(())
+    }
+
+    /// Refuses tapping that keeps spindle and axis in step, or may do so.
+    fn check_rigid(&self, code: u16, name: &str, span: Span) -> Result<(), Fault> {
         let rigid = self.machine.control.iso.rigid_tapping;
         let is_rigid = self.cycles.is_rigid || matches!(code, 842 | 843) || rigid == Some(true);
         if is_rigid {

@@ -161,7 +161,7 @@ impl Scope<'_, '_> {
     }
 
     /// The value of a numbered variable.
-    fn parameter(&self, number: i64, span: Span) -> Result<Option<f64>, Fault> {
+    pub(super) fn parameter(&self, number: i64, span: Span) -> Result<Option<f64>, Fault> {
         let known = u32::try_from(number).unwrap_or(u32::MAX);
         match self.channel.variables.place(known) {
             Place::Null => return Ok(None),
@@ -211,6 +211,12 @@ impl Scope<'_, '_> {
         let message = format!("#<{}> has no value yet", text.to_ascii_lowercase());
         let help = "assign it before it is used; a name without _ at its start belongs to its own subroutine";
         Err(fault(Code::UNDEFINED_VARIABLE, span, message, help))
+    }
+
+    /// The value of a name, upper case, where it has one.
+    pub(super) fn value_of_name(&self, name: &str) -> Option<f64> {
+        let value = self.channel.variables.of_name(name).or_else(|| self.in_machine_file(&format!("#<{name}>")));
+        value.or_else(|| self.predefined(name)?.ok())
     }
 
     fn predefined(&self, name: &str) -> Option<Result<f64, Missing>> {

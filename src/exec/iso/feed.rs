@@ -7,8 +7,18 @@ use super::codes::Group;
 use super::gather::whole;
 use super::gathered::Gathered;
 use super::modal::FeedMode;
-use crate::exec::fault::{Fault, bad_value};
+use crate::diagnostic::Code;
+use crate::exec::fault::{Fault, bad_value, fault};
 use crate::snc::{Dwell, Kind, Word, WordValue};
+
+const METERS_PER_FOOT: f64 = 0.3048;
+/// Letters whose values are lengths in codes that are passed on.
+const LENGTHS: &[u8] = b"XYZIJKUVW";
+
+/// A value to six decimals, without the noise of a conversion.
+fn to_places(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
 
 impl Channel<'_> {
     /// G93, G94, G95 and G96, G97.
@@ -23,7 +33,6 @@ impl Channel<'_> {
             let letters: &[u8] = match (self.is_rs274(), code) {
                 (true, 960) => b"D$",
                 (true, _) => b"$",
-                (false, 960) => b"P",
                 (false, _) => b"",
             };
             if gathered.has_any(letters) {
@@ -45,8 +54,8 @@ impl Channel<'_> {
             950 => (FeedMode::PerTurn, "G95"),
             _ => (FeedMode::PerMinute, "G94"),
         };
-        if mode != self.modal.feed_mode {
-            // F meant something else: it must be programmed again.
+        if mode != self.modal.feed_mode || self.is_rs274() {
+            // F meant something else: it must be programmed again. LinuxCNC forgets it at each of these codes.
             self.modal.feed_mode = mode;
             self.modal.feed = 0.0;
         }
@@ -71,8 +80,12 @@ impl Channel<'_> {
             let message = "a speed must not be negative";
             return Err(bad_value(gathered.span_of(b'S'), message, "program S with a positive value"));
         }
+        // A cutting speed is in feet per minute where lengths are in inches, and the output is metric.
+        let is_in_feet = self.modal.spindle_mode == 960 && self.modal.inch;
         self.modal.speed = Some(value);
-        self.before.push(Word { letter: b'S', extension: None, value: WordValue::Number(value) });
+        self.modal.speed_word = if is_in_feet { to_places(value * METERS_PER_FOOT) } else { value };
+        let value = WordValue::Number(self.modal.speed_word);
+        self.before.push(Word { letter: b'S', extension: None, value });
         Ok(())
     }
 
@@ -153,10 +166,19 @@ impl Channel<'_> {
         let Some(entry) = gathered.passed else { return Ok(false) };
         let mut text = entry.name.to_owned();
         for letter in entry.words.split(' ').filter_map(|word| word.bytes().next().filter(|_| word.len() == 1)) {
-            let value =
-                if b"XYZIJKUVW".contains(&letter) { self.length(gathered, letter)? } else { gathered.raw(letter) };
+            let is_length = LENGTHS.contains(&letter);
+            if self.modal.inch && !is_length && gathered.has(letter) && !gathered.is_unpointed(letter) {
+                let message = format!(
+                    "{} with {} under G20: it may be in inches, and the output is metric",
+                    entry.name,
+                    char::from(letter)
+                );
+                let help = "program the code before G20 in mm, or leave it out";
+                return Err(fault(Code::NOT_SUPPORTED, gathered.span_of(letter), message, help));
+            }
+            let value = if is_length { self.length(gathered, letter)? } else { gathered.raw(letter) };
             if let Some(value) = value {
-                let is_count = gathered.is_unpointed(letter) && !b"XYZIJKUVW".contains(&letter);
+                let is_count = gathered.is_unpointed(letter) && !is_length;
                 self.append_plain(&mut text, letter, value, is_count);
             }
         }

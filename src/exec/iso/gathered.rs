@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 
-use super::codes::{GROUPS, Group};
+use super::codes::{G80, GROUPS, Group};
 use crate::dialect::CodeEntry;
 use crate::geometry::{AXES, AxisSet};
 use crate::source::Span;
@@ -111,6 +111,12 @@ impl Gathered {
         (code != NONE).then_some(code)
     }
 
+    /// Whether the block has a code that moves axes or says how fast the tool cuts.
+    pub(super) fn has_motion(&self) -> bool {
+        let has = |group| self.code(group).is_some_and(|code| code != G80);
+        has(Group::Motion) || has(Group::Cycle) || self.code(Group::SpindleMode) == Some(960)
+    }
+
     /// Where the G code of a group stands.
     pub(super) fn code_span(&self, group: Group) -> Span {
         self.code_spans[group as usize]
@@ -171,7 +177,17 @@ impl Gathered {
 
     /// A word that nothing has used: its letter as written, and its place.
     pub(super) fn unused(&self) -> Option<(String, Span)> {
-        let left = self.present & !self.used.get();
+        self.unused_of(u32::MAX)
+    }
+
+    /// The same among words that say how axes move.
+    pub(super) fn unused_of_motion(&self) -> Option<(String, Span)> {
+        let slots = b"IJKRLPQXYZABCUVWcra".iter().filter_map(|&letter| slot_of(letter));
+        self.unused_of(slots.fold(0, |letters, slot| letters | 1 << slot))
+    }
+
+    fn unused_of(&self, letters: u32) -> Option<(String, Span)> {
+        let left = self.present & !self.used.get() & letters;
         if left == 0 {
             return None;
         }

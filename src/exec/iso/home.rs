@@ -7,7 +7,7 @@ use super::motion::Step;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::geometry::{AXES, Axis, AxisSet};
-use crate::snc::Kind;
+use crate::snc::{Kind, Manner};
 use crate::source::Span;
 
 /// First parameter of the position of G28, then of G30; one for each axis X Y Z A B C U V W.
@@ -43,7 +43,8 @@ impl Channel<'_> {
         for axis in homed.iter() {
             end[axis] = self.reference(point, axis, span)?;
         }
-        let step = Step { feed_named: false, ..Step::straight(gathered, true, end, homed) };
+        let manner = Manner::Reference;
+        let step = Step { feed_named: false, manner, ..Step::straight(gathered, true, end, homed) };
         self.machine_step(step)
     }
 
@@ -61,7 +62,8 @@ impl Channel<'_> {
             None if point == 1 => Ok(0.0),
             None => {
                 let message = format!("where reference point {point} of {axis} is, the machine file does not say");
-                let help = format!("set control.reference_point_{point} there");
+                let unit = if axis.is_rotary() { "deg" } else { "mm" };
+                let help = format!("set control.reference_point_{point}_{axis}_{unit} there");
                 Err(fault(Code::NO_SYSTEM_VALUE, span, message, help))
             }
         }
@@ -72,6 +74,11 @@ impl Channel<'_> {
         self.no_compensation(span, &name_of(code))?;
         if let Some(axis) = AxisSet::XYZ.iter().find(|&axis| self.strict && !self.modal.known.contains(axis)) {
             return Err(super::motion::unknown_start(span, axis));
+        }
+        if self.strict {
+            let message = format!("{} would store where the axes stand with their correction", name_of(code));
+            let help = "leave it out, and move there with G53 G0 instead of G28 or G30";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
         }
         let first = PARAMETERS[usize::from(code == 301)];
         for axis in AXES {

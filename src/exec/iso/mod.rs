@@ -27,6 +27,7 @@ mod length;
 mod level;
 mod library;
 mod loaded;
+mod message;
 mod modal;
 mod motion;
 mod nurbs;
@@ -62,6 +63,7 @@ use crate::source::Span;
 use crate::syntax::words::{PartKind, Program};
 
 use channel::Channel;
+use expression::Scope;
 use level::Level;
 use loaded::Loaded;
 
@@ -154,7 +156,9 @@ impl<'a> Interpreter<'a> {
         self.channel.begin_block(origin, number);
         if loaded.takes_comments(index, &block) {
             for comment in loaded.program.comments_of(&block) {
-                self.channel.push(Kind::Comment(loaded.program.source.slice(comment.span).to_vec()));
+                let scope = Scope { program: &loaded.program, index: level.program, channel: &self.channel };
+                let kind = scope.comment(comment);
+                self.channel.push(kind);
             }
         }
         let cut = block.inner_skip.filter(|skip| self.ledger.skips(skip.level, file, block.span));

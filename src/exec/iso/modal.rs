@@ -36,6 +36,8 @@ pub(super) struct Modal {
     pub(super) feed: f64,
     pub(super) feed_mode: FeedMode,
     pub(super) speed: Option<f64>,
+    /// The same as the output has it: of G96, m/min.
+    pub(super) speed_word: f64,
     /// M3, M4 or M5.
     pub(super) spindle: u8,
     /// M7 and M8.
@@ -99,6 +101,7 @@ impl Modal {
             feed: 0.0,
             feed_mode: FeedMode::PerMinute,
             speed: None,
+            speed_word: 0.0,
             spindle: 5,
             coolant: [false; 2],
             overrides: [true, true, false, true],

@@ -141,8 +141,8 @@ impl Channel<'_> {
 
     fn bring_back_auxiliaries(&mut self, saved: &Modal) {
         let mut aux: Vec<(u8, f64)> = Vec::new();
-        if let Some(speed) = saved.speed.filter(|_| self.modal.speed != saved.speed) {
-            aux.push((b'S', speed));
+        if saved.speed.is_some() && self.modal.speed_word != saved.speed_word {
+            aux.push((b'S', saved.speed_word));
         }
         if self.modal.spindle != saved.spindle {
             aux.push((b'M', f64::from(saved.spindle)));
@@ -163,6 +163,7 @@ impl Channel<'_> {
         }
         self.modal.overrides = saved.overrides;
         self.modal.speed = saved.speed;
+        self.modal.speed_word = saved.speed_word;
         self.modal.spindle = saved.spindle;
         self.modal.coolant = saved.coolant;
         let word = |(letter, value)| Word { letter, extension: None, value: WordValue::Number(value) };

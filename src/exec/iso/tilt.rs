@@ -100,7 +100,8 @@ impl Channel<'_> {
         let unstated = |axis: &Axis| self.machine.axis(*axis).is_some() && !self.modal.known.contains(*axis);
         let unknown = AxisSet::XYZ.iter().chain(kinematics.rotary_axes()).find(unstated);
         if let Some(axis) = unknown.filter(|_| self.strict) {
-            return Err(unknown_start(span, axis));
+            // The plane comes into force all the same, so that what follows is not refused for its lack.
+            self.outlet.warnings.push(unknown_start(span, axis));
         }
         let below = self.modal.below_transforms();
         let tool_mm = self.setup.tool_mm;

@@ -148,6 +148,11 @@ impl Variables {
         self.programs.get(program)?.get(name.index()).copied()
     }
 
+    /// The value of a name, upper case.
+    pub(super) fn of_name(&self, name: &str) -> Option<f64> {
+        self.symbols.get(name).and_then(|&id| self.named(Symbol(id)))
+    }
+
     /// The name, upper case.
     pub(super) fn text(&self, symbol: Symbol) -> &str {
         self.texts.get(symbol.0 as usize).map_or("", |text| text)

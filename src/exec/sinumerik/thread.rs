@@ -82,7 +82,7 @@ impl Channel<'_> {
     /// Refuses threads and positioning axes where they cannot be followed, and takes the feed from what the spindle drives.
     pub(super) fn check_manner(&mut self, path: &mut Path) -> Result<(), Fault> {
         let (what, help) = match path.motion.manner {
-            Manner::Path | Manner::Probe(_) => return Ok(()),
+            Manner::Path | Manner::Reference | Manner::Probe(_) => return Ok(()),
             Manner::Thread(thread) => {
                 if thread.code.is_spindle_driven() {
                     path.motion.feed = 0.0;
