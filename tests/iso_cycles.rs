@@ -101,7 +101,7 @@ G86 X2. Z-5.
 G88 X3. P1000
 G80 M30",
     );
-    assert!(codes.is_empty(), "{codes:?}");
+    assert_eq!(codes, ["W0207:2"]);
     let wanted = [
         "S500 M3",
         "G0 X0 Y0 Z10",
@@ -228,10 +228,10 @@ fn tapping_is_refused_for_a_correction_where_it_may_be_rigid() {
     let run = |program: &str, machine: &ncfix::machine::Machine, strict: bool| {
         run_with("fanuc", program, machine, Box::new(NoLibrary), Options { strict, ..Options::default() }).1
     };
-    assert!(run(program, &machine, false).is_empty());
+    assert_eq!(run(program, &machine, false), ["W0207:2"]);
     assert_eq!(run(program, &machine, true), ["E0201:2"]);
     machine.control.iso.rigid_tapping = Some(false);
-    assert!(run(program, &machine, true).is_empty());
+    assert_eq!(run(program, &machine, true), ["W0207:2"]);
     assert_eq!(run(rigid, &machine, true), ["E0201:3"]);
     machine.control.iso.rigid_tapping = Some(true);
     assert_eq!(run(program, &machine, true), ["E0201:2"]);
@@ -267,7 +267,7 @@ G91 X1 L2
 G90 G1 X0
 M2",
     );
-    assert!(codes.is_empty(), "{codes:?}");
+    assert_eq!(codes, ["W0207:5"]);
     let wanted = [
         "S500 M3",
         "G0 X0 Y40 Z1",

@@ -39,6 +39,10 @@ fn is_cycle(code: u16, is_rs274: bool) -> bool {
     }
 }
 
+fn is_tapping(code: u16) -> bool {
+    matches!(code, 740 | 840 | 842 | 843)
+}
+
 impl Channel<'_> {
     /// The code of motion of a block, in tenths. A Fanuc ends its cycles with any other motion, and G80 brings back what was in force
     /// before them.
@@ -131,6 +135,11 @@ impl Channel<'_> {
         })?;
         if actions.is_empty() {
             return Ok(());
+        }
+        if is_tapping(code) && self.code_of_motion(gathered) == Some(code) {
+            let message = "tapping becomes feed moves with the spindle reversed between them";
+            let help = "the tap needs a chuck that gives way; keep the override at 100 %";
+            self.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
         }
         self.stop_exactly();
         let mut feed_named = gathered.has(b'F');
@@ -260,7 +269,7 @@ impl Channel<'_> {
     }
 
     /// Refuses what does not go together with a cycle.
-    fn check_cycle(&mut self, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
+    fn check_cycle(&self, gathered: &Gathered, code: u16, span: Span) -> Result<(), Fault> {
         let name = name_of(code);
         let refused = if self.modal.contour.compensates() {
             Some(("radius compensation", "end it with G40 first"))
@@ -283,16 +292,8 @@ impl Channel<'_> {
             let message = format!("{name} outside the XY plane: LinuxCNC takes the axes for one another there");
             return Err(fault(Code::NOT_SUPPORTED, span, message, "select G17, or program the motions one by one"));
         }
-        if !matches!(code, 740 | 840 | 842 | 843) {
-            return Ok(());
-        }
-        if self.strict && !self.is_rs274() {
+        if is_tapping(code) && self.strict && !self.is_rs274() {
             self.check_rigid(code, &name, span)?;
-        }
-        if self.code_of_motion(gathered) == Some(code) {
-            let message = "tapping becomes feed moves with the spindle reversed between them";
-            let help = "the tap needs a chuck that gives way; keep the override at 100 %";
-            self.outlet.warnings.push(fault(Code::TAPPING_BY_FEED, span, message, help));
         }
         Ok(())
     }

@@ -33,6 +33,7 @@ impl Channel<'_> {
             let letters: &[u8] = match (self.is_rs274(), code) {
                 (true, 960) => b"D$",
                 (true, _) => b"$",
+                (false, 960) => b"P",
                 (false, _) => b"",
             };
             if gathered.has_any(letters) {
