@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-/// Number of a name in [`super::Program::names`]; equal ids are equal names, whatever their case.
+/// Number of a name in the table of names of a program; equal ids are equal names, whatever their case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct NameId(pub(super) u32);
 

@@ -3,7 +3,7 @@
 use crate::source::Span;
 use crate::syntax::names::NameId;
 
-/// Number of an expression in [`Program::exprs`].
+/// Number of an expression in [`super::Program::exprs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ExprId(pub(super) u32);
 
