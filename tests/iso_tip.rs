@@ -111,3 +111,94 @@ fn a_length_along_a_tilted_tool_concerns_all_its_axes() {
     codes("wFXYZCBSt", &format!("{begin}G43.4 H1 X0 Z100.\nG91 G1 X1. Y1. F500.\nM30"), &[]);
     codes("wFXYZCBSt", &format!("{begin}G43.4 H1 X0 Y0 Z100.\nG49\nG91 G1 X1. F500.\nM30"), &["E0304:5"]);
 }
+
+/// The direction of the tool that a program asks for, on the head and on the table.
+fn direction_of_head(command: &AxisVector) -> Vector {
+    turned(2, command[Axis::C].to_degrees()) * turned(1, command[Axis::B].to_degrees()) * Vector::z()
+}
+
+fn direction_on_table(command: &AxisVector) -> Vector {
+    turned(2, command[Axis::C].to_degrees()) * turned(0, command[Axis::A].to_degrees()) * Vector::z()
+}
+
+#[test]
+fn directions_of_the_tool_turn_the_axes() {
+    type Of<T> = fn(&AxisVector) -> T;
+    for (topology, first, tip, direction) in [
+        ("wFXYZCBSt", 'B', tip_of_head as Of<Vector>, direction_of_head as Of<Vector>),
+        ("wCAYXFZSt", 'A', tip_on_table, direction_on_table),
+    ] {
+        let text = format!(
+            "G17 G90 G21 G54\nG0 X0 Y0 Z300. {first}0 C0\nG43.5 H1 Z100.\nG1 X10. Y20. Z30. I0.3 J0.2 K0.9 F500.\n\
+             X-5. J-2. K4.\nX-8.\nI.1 J.1 K1.\nG2 X-4. Y24. R4. I-1. J.5 K3.\nG91 G1 Z5. K1.\nM30"
+        );
+        let found = ends(topology, &text, &[4, 5, 6, 7, 8, 9]);
+        let expected = [
+            ([10.0, 20.0, 30.0], [0.3, 0.2, 0.9]),
+            ([-5.0, 20.0, 30.0], [0.0, -2.0, 4.0]),
+            ([-8.0, 20.0, 30.0], [0.0, -2.0, 4.0]),
+            ([-8.0, 20.0, 30.0], [0.1, 0.1, 1.0]),
+            ([-4.0, 24.0, 30.0], [-1.0, 0.5, 3.0]),
+            ([-4.0, 24.0, 35.0], [0.0, 0.0, 1.0]),
+        ];
+        for (command, (point, wanted)) in found.iter().zip(expected) {
+            let off = (tip(command) - Vector::from(point) - G54).norm();
+            assert!(off < 1e-9, "{topology} {point:?}: {off}");
+            let off = (direction(command) - Vector::from(wanted).normalize()).norm();
+            assert!(off < 1e-9, "{topology} {wanted:?}: {off}");
+        }
+    }
+}
+
+#[test]
+fn the_tip_stays_on_its_line_while_the_direction_changes() {
+    let text = "G17 G90 G21 G54\nG0 X0 Y0 Z300. B0 C0\nG43.5 H1 Z100.\nG1 X50. I1. J1. K2. F500.\nM30";
+    let (elements, codes) = elements("fanuc", text, &machine("wFXYZCBSt"), Box::new(NoLibrary), strict());
+    assert!(codes.is_empty(), "{codes:?}");
+    let on_line =
+        elements.iter().filter(|element| element.origin.line == 4).filter_map(|element| match &element.kind {
+            Kind::Move(step) => Some(tip_of_head(&step.target) - G54),
+            _ => None,
+        });
+    let points: Vec<Vector> = on_line.collect();
+    assert!(points.len() > 10, "{}", points.len());
+    assert!(points.iter().all(|tip| tip.y.abs() < 1e-9 && (tip.z - 100.0).abs() < 1e-9), "{points:?}");
+}
+
+/// Positions of B and C in degrees that the control takes for a direction, from where they stand. The first two are examples of the
+/// manual of the control (series 30i, tool center point control of type 2: master axis C, slave axis B).
+#[test]
+fn of_two_ways_the_control_takes_the_one_with_less_motion_of_its_first_axis() {
+    let (sine, cosine) = 60.0_f64.to_radians().sin_cos();
+    for (start, direction, wanted) in [
+        ([180.0, 90.0], [-1.0, 0.0, 0.0], [270.0, 0.0]),
+        ([45.0, 90.0], [0.0, 0.0, 1.0], [0.0, 90.0]),
+        // C 180 with B 60 would turn both together less, and C more.
+        ([10.0, 85.0], [-sine, 0.0, cosine], [-60.0, 0.0]),
+    ] {
+        let ([b, c], [i, j, k]) = (start, direction);
+        let text = format!(
+            "G17 G90 G21 G54\nG0 X0 Y0 Z300. B{b:.3} C{c:.3}\nG43.5 H1 X0 Y0 Z100.\nG1 I{i:.12} J{j:.12} K{k:.12} F500.\nM30"
+        );
+        let found = ends("wFXYZCBSt", &text, &[4]);
+        let angles = [Axis::B, Axis::C].map(|axis| found[0][axis].to_degrees());
+        assert!(angles.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6), "{start:?}: {angles:?}");
+    }
+}
+
+#[test]
+fn directions_that_the_control_refuses() {
+    let head = "G17 G90 G21 G54\nG0 X0 Y0 Z300. B0 C0\n";
+    let table = "G17 G90 G21 G54\nG0 X0 Y0 Z300. A0 C0\n";
+    // In the block of G43.5 only heads may turn.
+    codes("wFXYZCBSt", &format!("{head}G43.5 H1 X0 Y0 Z100. I1. K3.\nM30"), &[]);
+    codes("wCAYXFZSt", &format!("{table}G43.5 H1 X0 Y0 Z100. I1. K3.\nM30"), &["E0210:3"]);
+    codes("wFXYZCBSt", &format!("{head}G43.5 H1 Z100.\nG1 X1. B5. F500.\nM30"), &["E0210:4"]);
+    codes("wFXYZCBSt", &format!("{head}G43.5 H1 Z100.\nG1 X1. I0 F500.\nM30"), &["E0210:4"]);
+    codes("wFXYZCBSt", &format!("{head}G43.5 H1 Z100. Q2.\nM30"), &["E0201:3"]);
+    codes("wFXYZCBSt", &format!("{head}G43.5 H1 Z100.\nG2 X10. I5. F500.\nM30"), &["E0202:4"]);
+    // Which way the axes go depends on where they stand.
+    codes("wFXYZCBSt", "G17 G90 G21 G54\nG0 X0 Y0 Z300.\nG43.5 H1 X0 Y0 Z100. I1. K3.\nM30", &["E0304:3"]);
+    // A is the only axis that turns: no way to a direction beside its plane.
+    codes("wAYXFZSt", &format!("{}G43.5 H1 Z100.\nG1 I1. K1. F500.\nM30", table.replace(" C0", "")), &["E0240:4"]);
+}

@@ -44,7 +44,8 @@ impl Channel<'_> {
         let across = b"IJK"[applicate.slot()];
         let has_center = gathered.has_any(&center_letters);
         let radius = self.length(gathered, b'R')?;
-        if let Some(value) = gathered.raw(across).filter(|&value| value != 0.0 || self.is_rs274()) {
+        let has_across = !self.has_directions();
+        if let Some(value) = gathered.raw(across).filter(|&value| has_across && (value != 0.0 || self.is_rs274())) {
             let message =
                 format!("{}{value} lies outside the working plane G{}", char::from(across), self.modal.plane.number());
             return Err(fault(Code::BAD_ARC, gathered.span_of(across), message, "select the plane of the arc"));

@@ -21,7 +21,7 @@ use crate::exec::Options;
 use crate::exec::contour::Corner;
 use crate::exec::fault::{Fault, fault};
 use crate::exec::outlet::Outlet;
-use crate::geometry::{AxisSet, AxisVector, FrameParts, LINEAR_AXES, Plane};
+use crate::geometry::{AxisSet, AxisVector, FrameParts, LINEAR_AXES, Plane, Vector};
 use crate::machine::{DecimalPoint, Machine};
 use crate::snc::{BlockNumber, Kind, Origin, Setup, Word};
 use crate::source::Span;
@@ -64,6 +64,8 @@ pub(super) struct Channel<'a> {
     /// What of it the control that runs the output knows; the same one where there is nothing else.
     pub(super) shown: Arc<Setup>,
     pub(super) setup_changed: bool,
+    /// The direction of the tool at the end of the motion at hand, and where it stands.
+    pub(super) direction: Option<(Vector, Span)>,
     pub(super) feed_warned: bool,
     /// The zero offset whose missing value was reported.
     pub(super) offset_warned: Option<System>,
@@ -99,6 +101,7 @@ impl<'a> Channel<'a> {
             setup: Arc::default(),
             shown: Arc::default(),
             setup_changed: true,
+            direction: None,
             feed_warned: false,
             offset_warned: None,
             point_warned: false,
@@ -250,7 +253,7 @@ impl<'a> Channel<'a> {
 
     /// Whether a block has words for a line or an arc.
     fn has_way(&self, gathered: &Gathered, code: u16) -> bool {
-        let is_arc = matches!(code, 20 | 30);
+        let is_arc = matches!(code, 20 | 30) || self.has_directions();
         !gathered.axes.is_empty() || gathered.has_any(b"@^") || is_arc && gathered.has_any(b"IJKR")
     }
 

@@ -159,8 +159,8 @@ impl Channel<'_> {
         match code {
             430 => self.push(Kind::Keep("G43")),
             440 => self.push(Kind::Keep("G44")),
-            434 => self.push(Kind::Keep("G43.4")),
-            435 => self.push(Kind::Keep("G43.5")),
+            // The output gives positions of the rotary axes, also where the program gives directions.
+            434 | 435 => self.push(Kind::Keep("G43.4")),
             _ => self.push(Kind::Keep("G49")),
         }
         if gathered.has(b'H') {

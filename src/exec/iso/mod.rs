@@ -14,6 +14,7 @@ mod compensation;
 mod cycle;
 mod cycles;
 mod data;
+mod direction;
 mod drill;
 mod expression;
 mod feed;

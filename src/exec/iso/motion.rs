@@ -44,6 +44,13 @@ impl Channel<'_> {
         if let Some(span) = gathered.machine_frame {
             return self.machine_motion(gathered, code, span);
         }
+        self.direction = self.tool_direction(gathered, code)?;
+        let done = self.way(gathered, code);
+        self.direction = None;
+        done
+    }
+
+    fn way(&mut self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
         match code {
             0 | 10 => {
                 let (end, named) = self.end(gathered)?;
@@ -211,7 +218,10 @@ impl Channel<'_> {
             in_machine_frame,
             manner: step.manner,
         };
-        let path = Path { motion, start, start_known: begun, basis, shape, setup, span: step.span };
+        let mut path = Path { motion, start, start_known: begun, basis, shape, setup, span: step.span };
+        if let Some((direction, span)) = self.direction {
+            self.orient(&mut path, direction, span)?;
+        }
         self.has_moved = true;
         self.pass(path);
         Ok(())
@@ -263,7 +273,7 @@ impl Channel<'_> {
         if let Some(code) = self.code_of_motion(gathered) {
             return Some(code);
         }
-        let is_arc = matches!(self.modal.motion, 20 | 30);
+        let is_arc = matches!(self.modal.motion, 20 | 30) || self.has_directions();
         let moves = !gathered.axes.is_empty() || gathered.has_any(b"@^") || is_arc && gathered.has_any(b"IJKR");
         moves.then_some(self.modal.motion)
     }

@@ -25,11 +25,7 @@ impl Channel<'_> {
     /// Switches it by the code of length compensation, in tenths.
     pub(super) fn switch_tip(&mut self, code: u16, gathered: &Gathered, span: Span) -> Result<(), Fault> {
         let turning = match code {
-            434 => Some(Turning::Axes),
-            435 => {
-                let message = "G43.5 gives directions of the tool with I J K and is not supported";
-                return Err(fault(Code::NOT_SUPPORTED, span, message, "program G43.4 with rotary axes"));
-            }
+            434 | 435 => Some(Turning::Axes),
             _ => None,
         };
         if turning == self.modal.turning {
