@@ -26,6 +26,7 @@ pub(crate) fn xyz_machine() -> Machine {
         topology: "wFXYZSt".parse::<Topology>().unwrap(),
         controller: "sinumerik".into(),
         reference_temperature_c: 20.0,
+        sensor_references_c: Default::default(),
         axes,
         spindle: Spindle { origin_mm: Vector::zeros(), axis: Vector::z() },
         control: Control::default(),

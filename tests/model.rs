@@ -170,7 +170,7 @@ fn sensitivities_are_the_finite_differences_of_the_forward_function() {
             let name = ErrorName::spindle(*direction);
             let command = random.command(3.0);
             let with = |value: f64| {
-                let errors = ErrorModel { location: vec![LocationError { name, value }], motion: Vec::new() };
+                let errors = ErrorModel { location: vec![LocationError { name, value }], ..ErrorModel::default() };
                 Model::new(&machine, &errors).volumetric_error(&command, &tool, &State::default())
             };
             let slope = ideal.sensitivity(name, &command, &tool);
@@ -270,7 +270,7 @@ fn a_machine_with_two_linear_axes_corrects_their_directions() {
             LocationError { name: "EX0S".parse().unwrap(), value: 0.02 },
             LocationError { name: "EY0S".parse().unwrap(), value: 0.03 },
         ],
-        motion: Vec::new(),
+        ..ErrorModel::default()
     };
     let model = Model::new(&machine, &errors);
     let nominal = AxisVector([10.0, 0.0, 5.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -301,7 +301,7 @@ fn values_that_are_no_numbers_do_not_pass() {
 #[test]
 fn what_cannot_be_reached_is_said() {
     let machine = machine("wFXYZSt");
-    let errors = ErrorModel { location: Vec::new(), motion: vec![polynomial("EXX".parse().unwrap(), &[5.0, -1.0])] };
+    let errors = ErrorModel { motion: vec![polynomial("EXX".parse().unwrap(), &[5.0, -1.0])], ..ErrorModel::default() };
     let model = Model::new(&machine, &errors);
     let nominal = AxisVector::ZERO;
     assert!(model.solve(&nominal, &Vector::zeros(), &State::default(), &nominal, Solve::Full).is_err());
@@ -311,7 +311,7 @@ fn what_cannot_be_reached_is_said() {
 #[test]
 fn the_lever_carries_the_error_or_stays_where_it_is() {
     let mut machine = machine("wFYSt");
-    let errors = ErrorModel { location: Vec::new(), motion: vec![polynomial("ECY".parse().unwrap(), &[1e-3])] };
+    let errors = ErrorModel { motion: vec![polynomial("ECY".parse().unwrap(), &[1e-3])], ..ErrorModel::default() };
     let mut command = AxisVector::ZERO;
     command[Axis::Y] = 400.0;
     let tool = Vector::new(0.0, 50.0, 0.0);
@@ -343,7 +343,7 @@ fn the_arms_of_a_chain_are_those_of_spaan() {
     for letter in ['X', 'Y', 'Z'] {
         for (name, rotation) in [('A', Vector::x()), ('B', Vector::y()), ('C', Vector::z())] {
             let motion = vec![polynomial(format!("E{name}{letter}").parse().unwrap(), &[1e-6])];
-            let model = Model::new(&machine, &ErrorModel { location: Vec::new(), motion });
+            let model = Model::new(&machine, &ErrorModel { motion, ..ErrorModel::default() });
             let error = model.tip_error_mm(&command, &command, &tool, &State::default());
             assert!((error - rotation.cross(&arm(letter)) * 1e-6).norm() < 1e-9, "E{name}{letter}");
         }
@@ -354,7 +354,7 @@ fn the_arms_of_a_chain_are_those_of_spaan() {
 fn an_error_of_the_table_is_that_of_the_table() {
     // The table goes 10 µm too far in +X of F: the tool is 10 µm short in the workpiece.
     let machine = machine("wXFYZSt");
-    let errors = ErrorModel { location: Vec::new(), motion: vec![polynomial("EXX".parse().unwrap(), &[0.01])] };
+    let errors = ErrorModel { motion: vec![polynomial("EXX".parse().unwrap(), &[0.01])], ..ErrorModel::default() };
     let model = Model::new(&machine, &errors);
     let command = AxisVector([100.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let error = model.tip_error_mm(&command, &command, &Vector::zeros(), &State::default());
@@ -424,7 +424,7 @@ fn corrections_of_the_45_degree_table_are_the_closed_forms() {
                 let location = parts
                     .iter()
                     .map(|(name, share)| LocationError { name: name.parse().unwrap(), value: share * value });
-                let model = Model::new(&machine, &ErrorModel { location: location.collect(), motion: Vec::new() });
+                let model = Model::new(&machine, &ErrorModel { location: location.collect(), ..ErrorModel::default() });
                 let tool = Vector::new(0.0, 0.0, -200.0);
                 model.solve(&nominal, &tool, &State::default(), &nominal, Solve::Full).unwrap()
             };

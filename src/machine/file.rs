@@ -21,7 +21,7 @@ pub const DEMO: &str = include_str!("../../samples/machines/demo.toml");
 
 /// Top-level sections that describe the machine.
 pub const SECTIONS: &[&str] =
-    &["machine", "axis", "spindle", "control", "opaque", "zero_offset", "tool", "system", "gud"];
+    &["machine", "axis", "spindle", "control", "opaque", "zero_offset", "tool", "sensor", "system", "gud"];
 
 /// How far the direction of a linear axis may be off its direction of F.
 const PARALLEL_LIMIT: f64 = 1e-9;
@@ -45,6 +45,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
     let zero_offsets = read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
     let tools = read_tools(&mut root, &mut findings);
+    let sensor_references_c = read_sensors(root.section("sensor"), &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);
     // Other rooms have sections of their own; who reads the last one reports the unknown ones.
@@ -60,6 +61,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         topology,
         controller,
         reference_temperature_c,
+        sensor_references_c,
         axes,
         spindle,
         control,
@@ -71,6 +73,22 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         gud,
     };
     (sound.then_some(machine), findings)
+}
+
+/// `[sensor.NAME]`: the temperature of each sensor at which the model holds.
+fn read_sensors(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> BTreeMap<String, f64> {
+    let Some(mut section) = section else { return BTreeMap::new() };
+    let mut references = BTreeMap::new();
+    let keys: Vec<&str> = section.keys().collect();
+    for key in keys {
+        if let Some(mut sensor) = section.section(key) {
+            let reference_c = sensor.required("reference_C", "20.4", Section::number);
+            references.extend(reference_c.map(|value| (key.to_owned(), value)));
+            sensor.finish(findings);
+        }
+    }
+    section.finish(findings);
+    references
 }
 
 /// Lays a set-up file over a machine: `[zero_offset.*]` and `[[tool]]` replace those of the same name, number and edge or add to them.

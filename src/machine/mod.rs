@@ -4,6 +4,7 @@
 
 mod axis_name;
 mod chain;
+pub mod condition;
 mod contour_control;
 mod document;
 pub mod file;
@@ -21,6 +22,7 @@ mod state;
 mod zero_offset;
 
 pub use chain::{Branch, Topology, TopologyFault};
+pub use condition::{Condition, Load};
 pub use contour_control::{CompensationCorner, CompensationStart};
 pub use grundig_control::{GrundigControl, ScaledAxes};
 pub use iso_control::{DecimalPoint, IsoControl, LengthAxis};
@@ -45,6 +47,8 @@ pub struct Machine {
     pub controller: String,
     /// Temperature at which the model holds, °C.
     pub reference_temperature_c: f64,
+    /// Temperatures of sensors at which the model holds, °C, where they are others than [`Self::reference_temperature_c`].
+    pub sensor_references_c: BTreeMap<String, f64>,
     /// Axes by slot; `None` where the machine lacks the axis.
     pub axes: [Option<AxisData>; crate::geometry::AXIS_COUNT],
     /// Spindle.
@@ -292,6 +296,13 @@ impl Machine {
     #[must_use]
     pub fn axis_set(&self) -> AxisSet {
         self.axes.iter().flatten().map(|axis| axis.axis).collect()
+    }
+
+    /// How much warmer a sensor is than where the model holds, K, for a body that follows it with `lag_s`; `None` without a reading.
+    #[must_use]
+    pub fn rise_k(&self, condition: &Condition, sensor: &str, lag_s: f64) -> Option<f64> {
+        let reference_c = self.sensor_references_c.get(sensor).copied().unwrap_or(self.reference_temperature_c);
+        Some(condition.temperature_c(sensor, lag_s)? - reference_c)
     }
 
     /// Data of an axis that the machine has.

@@ -3,7 +3,7 @@
 use crate::geometry::{AXES, AXIS_COUNT};
 use crate::machine::Machine;
 
-use super::ErrorModel;
+use super::MotionError;
 
 /// Length over which an axis without error functions is called smooth, mm.
 const LINEAR_LENGTH_MM: f64 = 500.0;
@@ -47,7 +47,7 @@ impl Features {
 }
 
 /// The features of every axis by slot; also of axes that the machine lacks.
-pub(super) fn of(machine: &Machine, errors: &ErrorModel) -> [Features; AXIS_COUNT] {
+pub(super) fn of(machine: &Machine, motion: &[MotionError]) -> [Features; AXIS_COUNT] {
     let limit = AXES.map(|axis| if axis.is_rotary() { ROTARY_LENGTH_RAD } else { LINEAR_LENGTH_MM });
     let travels = AXES.map(|axis| {
         let travel = machine.axis(axis).and_then(|data| data.travel);
@@ -56,7 +56,7 @@ pub(super) fn of(machine: &Machine, errors: &ErrorModel) -> [Features; AXIS_COUN
         travel.map_or(unlimited, |[low, high]| high - low)
     });
     let mut features = limit.map(|length| Features { length, knots: Vec::new(), backlash: false });
-    for error in errors.motion.iter().filter(|error| !error.function.is_zero()) {
+    for error in motion.iter().filter(|error| !error.function.is_zero()) {
         if let Some(axis) = error.name.axis() {
             error.function.note_features(axis, &travels, &mut features);
         }

@@ -1,4 +1,4 @@
-//! The machine file: what it says of the errors, `[location]` and `[[motion]]`, and reading the file as a whole.
+//! The machine file: what it says of the errors, source by source, and reading the file as a whole.
 //!
 //! Displacements are µm and rotations µrad in the file; polynomial coefficients are mm and rad per power of mm or rad.
 
@@ -11,6 +11,7 @@ use crate::units::{mm_from_um, rad_from_urad};
 
 use super::motion::{Entry, KINDS};
 use super::name::{ErrorKind, ErrorName};
+use super::source::{Reading, SOURCES};
 use super::{ErrorModel, LocationError, MotionError};
 
 /// Reads a machine file. All findings are reported in one run, in the order of the file; there is a machine only where none of
@@ -27,13 +28,14 @@ pub fn load(source: &Source) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>)
         root.accept(section);
     }
     let axes = axes_in(file.root());
-    let location = root.section("location").map(|section| read_location(section, axes, &mut findings));
-    let sections = root.sections("motion");
-    let motion = sections.into_iter().filter_map(|section| read_motion(section, axes, &mut findings)).collect();
+    let mut errors = ErrorModel::default();
+    for source in SOURCES {
+        let mut reading = Reading { root: &mut root, axes, machine: machine.as_ref(), findings: &mut findings };
+        (source.read)(&mut reading, &mut errors);
+    }
     root.finish(&mut findings);
     findings.sort_by_key(|finding| (finding.place, finding.code));
     let sound = !findings.iter().any(Diagnostic::is_error);
-    let errors = ErrorModel { location: location.unwrap_or_default(), motion };
     (machine.filter(|_| sound).map(|machine| (machine, errors)), findings)
 }
 
@@ -49,7 +51,11 @@ fn axes_in(mut root: Section<'_>) -> AxisSet {
         .collect()
 }
 
-fn read_location(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<Diagnostic>) -> Vec<LocationError> {
+pub(super) fn read_location(
+    mut section: Section<'_>,
+    axes: AxisSet,
+    findings: &mut Vec<Diagnostic>,
+) -> Vec<LocationError> {
     let mut errors = Vec::new();
     let keys: Vec<&str> = section.keys().collect();
     for key in keys {
@@ -66,7 +72,11 @@ fn read_location(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<Dia
     errors
 }
 
-fn read_motion(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<Diagnostic>) -> Option<MotionError> {
+pub(super) fn read_motion(
+    mut section: Section<'_>,
+    axes: AxisSet,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<MotionError> {
     let component = section.required("component", "\"EXX\"", Section::text);
     let place = section.place_of("component");
     let help = "write E, a direction and an axis of the machine, for example EXX or EAY";
@@ -97,7 +107,7 @@ fn read_motion(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<Diagn
 }
 
 /// The component of a name; reports `E0406` where it is none of this machine or not of this kind.
-fn known_component(
+pub(super) fn known_component(
     section: &mut Section<'_>,
     text: &str,
     place: Place,

@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 
 use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, ROTARY_AXES, Vector};
-use crate::machine::{AxisData, Machine, State};
+use crate::machine::{AxisData, Condition, Machine, State};
 
 use super::body::{Body, Place, Pointer, Witness};
 use super::linear::LinearAxes;
@@ -15,7 +15,7 @@ use super::link::{Displacement, Link};
 use super::motion::Functions;
 use super::name::{Carrier, ErrorKind, ErrorName};
 use super::rotation::vector_of;
-use super::{ErrorModel, Features, Pose, features, location};
+use super::{Accumulator, ErrorModel, Features, Pose, features};
 
 /// A machine and its errors, prepared for fast evaluation.
 #[derive(Clone, Debug)]
@@ -47,18 +47,30 @@ pub struct Twist {
 }
 
 impl Model {
-    /// Prepares a machine and its errors. Errors of axes that the machine lacks have no effect.
+    /// Prepares a machine and its errors in the reference condition. Errors of axes that the machine lacks have no effect.
     #[must_use]
     pub fn new(machine: &Machine, errors: &ErrorModel) -> Model {
+        Model::at(machine, errors, &Condition::default())
+    }
+
+    /// Prepares a machine and its errors in a condition.
+    #[must_use]
+    pub fn at(machine: &Machine, errors: &ErrorModel, condition: &Condition) -> Model {
+        Model::summed(&Accumulator::sum(machine, errors, condition, |_| true))
+    }
+
+    /// Prepares a machine and errors that were added up.
+    #[must_use]
+    pub fn summed(sum: &Accumulator<'_>) -> Model {
+        let machine = sum.machine();
         let link = |data: &AxisData| {
-            let location = location::components(&errors.location, Carrier::Axis(data.axis));
-            Link::new(data, &location, Functions::of(data.axis, &errors.motion))
+            Link::new(data, &sum.location(Carrier::Axis(data.axis)), Functions::of(data.axis, sum.motion()))
         };
         let branch = |axes: &[Axis]| axes.iter().filter_map(|&axis| machine.axis(axis)).map(link).collect::<Vec<_>>();
         let mut tool_side = branch(&machine.topology.tool);
         tool_side.reverse();
         let workpiece_side = branch(&machine.topology.workpiece);
-        let spindle_error = Displacement::unless_zero(&location::components(&errors.location, Carrier::Spindle));
+        let spindle_error = Displacement::unless_zero(&sum.location(Carrier::Spindle));
         let axes: AxisSet = tool_side.iter().chain(&workpiece_side).map(|link| link.axis).collect();
         let is_empty = spindle_error.is_none() && tool_side.iter().chain(&workpiece_side).all(Link::is_ideal);
         Model {
@@ -69,7 +81,7 @@ impl Model {
             spindle_error,
             linear: LinearAxes::of(axes),
             rotary: axes.intersection(ROTARY_AXES.into_iter().collect()),
-            features: features::of(machine, errors),
+            features: features::of(machine, sum.motion()),
             modulo: machine.axes.iter().flatten().filter(|data| data.modulo).map(|data| data.axis).collect(),
             is_empty,
         }

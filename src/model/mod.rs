@@ -1,9 +1,11 @@
 //! The error model of a machine: forward kinematics with errors, and the commands that cancel them.
 //!
-//! [`ErrorModel`] is what the file says: location errors ([`location`]) and motion errors ([`motion`], one file per kind of
-//! function), named as in ISO 230-1 ([`name`]). [`Model`] is machine and errors prepared for evaluation; [`Model::actual`] is the only
+//! [`ErrorModel`] is what the file says: location errors ([`location`]), motion errors ([`motion`], one file per kind of
+//! function), named as in ISO 230-1 ([`name`]), and the effects of other sources ([`source`], one file each). The [`Accumulator`] adds up what
+//! they contribute in one condition of the machine. [`Model`] is machine and sum prepared for evaluation; [`Model::actual`] is the only
 //! forward function, and [`Model::solve`] inverts it. Nothing here knows of programs or instruments.
 
+mod accumulator;
 mod body;
 mod features;
 pub mod file;
@@ -16,7 +18,9 @@ pub mod motion;
 pub mod name;
 mod orientation;
 mod rotation;
+pub mod source;
 
+pub use accumulator::Accumulator;
 pub use body::Pose;
 pub use features::Features;
 pub use forward::{Model, Twist};
@@ -24,6 +28,7 @@ pub use inverse::{NotConverged, Solve};
 pub use location::LocationError;
 pub use motion::MotionError;
 pub use name::ErrorName;
+pub use source::{Effect, SOURCES, Source};
 
 /// The errors of a machine as its file gives them, in mm and rad.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,4 +37,31 @@ pub struct ErrorModel {
     pub location: Vec<LocationError>,
     /// Position-dependent errors; entries of one component add up.
     pub motion: Vec<MotionError>,
+    /// What other sources do: workpiece weight, temperature, …
+    pub effects: Vec<Box<dyn Effect>>,
+}
+
+impl ErrorModel {
+    /// Everything that contributes, as effects of their sources.
+    pub fn effects(&self) -> impl Iterator<Item = &dyn Effect> {
+        let location = self.location.iter().map(|error| error as &dyn Effect);
+        let motion = self.motion.iter().map(|error| error as &dyn Effect);
+        location.chain(motion).chain(self.effects.iter().map(|effect| &**effect))
+    }
+
+    /// The same, to be changed.
+    pub fn effects_mut(&mut self) -> impl Iterator<Item = &mut dyn Effect> {
+        let location = self.location.iter_mut().map(|error| error as &mut dyn Effect);
+        let motion = self.motion.iter_mut().map(|error| error as &mut dyn Effect);
+        location.chain(motion).chain(self.effects.iter_mut().map(|effect| &mut **effect as &mut dyn Effect))
+    }
+
+    /// The sensors that the model needs, sorted, each once.
+    #[must_use]
+    pub fn sensors(&self) -> Vec<&str> {
+        let mut sensors: Vec<&str> = self.effects().flat_map(Effect::sensors).collect();
+        sensors.sort_unstable();
+        sensors.dedup();
+        sensors
+    }
 }

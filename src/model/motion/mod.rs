@@ -95,6 +95,36 @@ impl Function {
         }
     }
 
+    /// Shows every value that the function is proportional to, with its name.
+    pub fn visit_values(&mut self, visit: &mut dyn FnMut(&str, &mut f64)) {
+        let mut list = |name: &str, values: &mut [f64]| {
+            for (index, value) in values.iter_mut().enumerate() {
+                visit(&format!("{name}[{index}]"), value);
+            }
+        };
+        match self {
+            Function::Polynomial(polynomial) => list("coefficients", &mut polynomial.coefficients),
+            Function::Table(table) => list("values", &mut table.values),
+            Function::Piecewise(piecewise) => {
+                list("coefficients", &mut piecewise.coefficients);
+                for (index, knot) in piecewise.knots.iter_mut().enumerate() {
+                    list(&format!("knots[{index}].coefficients"), &mut knot.coefficients);
+                }
+            }
+            Function::Periodic(periodic) => visit("amplitude", &mut periodic.amplitude),
+            Function::Backlash(backlash) => visit("value", &mut backlash.value),
+            Function::Cross(cross) => list("coefficients", &mut cross.coefficients),
+        }
+    }
+
+    /// The function times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Function {
+        let mut scaled = self.clone();
+        scaled.visit_values(&mut |_, value| *value *= factor);
+        scaled
+    }
+
     /// Notes in the features of `axis`, whose function this is, and of the axes that it depends on besides, how finely it must be
     /// sampled. `travels` are the lengths of travel, mm or rad, by slot.
     pub(super) fn note_features(&self, axis: Axis, travels: &[f64], features: &mut [Features]) {

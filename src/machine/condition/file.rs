@@ -1,0 +1,110 @@
+//! The state file: `[temperature_C]`, `[[load]]` and `[zero]` in TOML.
+//!
+//! ```toml
+//! [temperature_C]
+//! T_head = 27.4
+//!
+//! [[load]]
+//! force_N = 1700
+//! position_mm = [0, 0, -280]   # from the center of the table, F's directions; the center where it is left out
+//!
+//! [zero.temperature_C]         # temperatures when the zero point of the workpiece was set
+//! T_head = 24.0
+//! ```
+
+use super::{Condition, Load};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::machine::file::{MachineFile, Section};
+use crate::source::Source;
+
+/// No sensor of a machine reads beyond these, °C: a value there is a fault or in another unit.
+pub const PLAUSIBLE_C: [f64; 2] = [-30.0, 150.0];
+
+/// Reads a state file. All findings are reported in one run; there is a condition only where none of them is an error.
+#[must_use]
+pub fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
+    let file = match MachineFile::parse(source) {
+        Ok(file) => file,
+        Err(findings) => return (None, findings),
+    };
+    let mut findings = Vec::new();
+    let mut root = file.root();
+    let mut condition = Condition::default();
+    if let Some(section) = root.section("temperature_C") {
+        read_temperatures(section, &mut condition, &mut findings);
+    }
+    for section in root.sections("load") {
+        condition.loads.extend(read_load(section, &mut findings));
+    }
+    if let Some(mut section) = root.section("zero") {
+        let mut zero = Condition::default();
+        if let Some(temperatures) = section.required("temperature_C", "{ T_head = 21.5 }", Section::section) {
+            read_temperatures(temperatures, &mut zero, &mut findings);
+        }
+        section.finish(&mut findings);
+        condition.set_zero(zero);
+    }
+    root.finish(&mut findings);
+    findings.sort_by_key(|finding| (finding.place, finding.code));
+    let sound = !findings.iter().any(Diagnostic::is_error);
+    (sound.then_some(condition), findings)
+}
+
+fn read_temperatures(mut section: Section<'_>, condition: &mut Condition, findings: &mut Vec<Diagnostic>) {
+    let [low, high] = PLAUSIBLE_C;
+    let keys: Vec<&str> = section.keys().collect();
+    for key in keys {
+        let expected = "a temperature from -30 to 150 °C";
+        if let Some(value) = section.number_where(key, expected, |value| (low..=high).contains(&value)) {
+            condition.add_reading(key, 0.0, value);
+        }
+    }
+    section.finish(findings);
+}
+
+fn read_load(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<Load> {
+    let force_n = section.required("force_N", "1700", |section, key| {
+        section.number_where(key, "a weight in N that is not negative", |value| value >= 0.0)
+    });
+    let position_mm = section.vector("position_mm").unwrap_or_default();
+    if section.has("mass_kg") {
+        section.accept("mass_kg");
+        let place = section.place_of_key("mass_kg");
+        section.report(Code::WRONG_UNIT, place, "mass_kg: a load is a weight", "write force_N, 9.81 N for each kg");
+    }
+    section.finish(findings);
+    Some(Load { force_n: force_n?, position_mm })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vector;
+    use crate::source::FileId;
+
+    fn read(text: &str) -> (Option<Condition>, Vec<&'static str>) {
+        let (condition, findings) = load(&Source::new(FileId(0), "state.toml", text.as_bytes().to_vec()).unwrap());
+        (condition, findings.iter().map(|finding| finding.code.as_str()).collect())
+    }
+
+    #[test]
+    fn temperatures_loads_and_the_zero_are_read() {
+        let text = "[temperature_C]\nT_head = 27.5\n[[load]]\nforce_N = 1700\nposition_mm = [0, 0, -280]\n[[load]]\nforce_N = 5\n\
+                    [zero.temperature_C]\nT_head = 24\n";
+        let (condition, findings) = read(text);
+        let condition = condition.unwrap();
+        assert!(findings.is_empty(), "{findings:?}");
+        assert_eq!(condition.temperature_c("T_head", 0.0), Some(27.5));
+        assert_eq!(condition.temperature_c("T_bed", 0.0), None);
+        assert_eq!(condition.loads()[0], Load { force_n: 1700.0, position_mm: Vector::new(0.0, 0.0, -280.0) });
+        assert_eq!(condition.loads()[1].position_mm, Vector::zeros());
+        assert_eq!(condition.zero().unwrap().temperature_c("T_head", 60.0), Some(24.0));
+    }
+
+    #[test]
+    fn faults_are_reported_together() {
+        let text = "temp = 1\n[temperature_C]\nT_head = 300\nT_b = \"x\"\n[[load]]\nmass_kg = 3\n[zero]\n";
+        assert_eq!(read(text).1, ["E0402", "E0404", "E0404", "E0403", "E0407", "E0403"]);
+        assert!(read(text).0.is_none());
+    }
+}

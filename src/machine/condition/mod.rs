@@ -1,0 +1,100 @@
+//! The slow state of a machine: temperatures of its sensors, workpieces on its table, and when.
+//!
+//! What changes from move to move is [`super::State`]. A condition is one instant of a log of readings, or a single reading; sources of
+//! error ask it for temperatures, with a lag where they follow slowly, and for loads.
+
+pub mod file;
+mod trace;
+
+pub use trace::Trace;
+
+use std::collections::BTreeMap;
+
+use crate::geometry::Vector;
+
+/// A weight on the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Its weight, N.
+    pub force_n: f64,
+    /// Where it stands, from the center of the table along the axes of F at the zero pose, mm.
+    pub position_mm: Vector,
+}
+
+/// The slow state at one instant. The default is the reference state: no load, no deviation of any temperature.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Condition {
+    sensors: BTreeMap<String, Trace>,
+    loads: Vec<Load>,
+    time_s: f64,
+    zero: Option<Box<Condition>>,
+}
+
+impl Condition {
+    /// Adds a reading of a sensor, °C; readings of one sensor come in the order of time.
+    pub fn add_reading(&mut self, sensor: &str, time_s: f64, temperature_c: f64) {
+        if let Some(trace) = self.sensors.get_mut(sensor) {
+            trace.add(time_s, temperature_c);
+        } else {
+            let mut trace = Trace::default();
+            trace.add(time_s, temperature_c);
+            self.sensors.insert(sensor.to_owned(), trace);
+        }
+    }
+
+    /// Puts a workpiece on the table, beside those that are there.
+    pub fn add_load(&mut self, load: Load) {
+        self.loads.push(load);
+    }
+
+    /// Takes all workpieces off the table.
+    pub fn clear_loads(&mut self) {
+        self.loads.clear();
+    }
+
+    /// Moves to another instant of the readings.
+    pub fn set_time(&mut self, time_s: f64) {
+        self.time_s = time_s;
+    }
+
+    /// Notes in which condition the zero point of the workpiece was set: sources that drift count from there.
+    pub fn set_zero(&mut self, zero: Condition) {
+        self.zero = Some(Box::new(zero));
+    }
+
+    /// The instant, s.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// The workpieces on the table.
+    #[must_use]
+    pub fn loads(&self) -> &[Load] {
+        &self.loads
+    }
+
+    /// The condition in which the zero point was set, where that is known.
+    #[must_use]
+    pub fn zero(&self) -> Option<&Condition> {
+        self.zero.as_deref()
+    }
+
+    /// Names of the sensors that have readings.
+    pub fn sensors(&self) -> impl Iterator<Item = &str> {
+        self.sensors.keys().map(String::as_str)
+    }
+
+    /// Whether there is any reading of a temperature.
+    #[must_use]
+    pub fn has_temperatures(&self) -> bool {
+        !self.sensors.is_empty()
+    }
+
+    /// The temperature of a sensor now, °C, as a body reads it that follows with a time constant of `lag_s` (0: the sensor itself);
+    /// `None` where the sensor has no reading.
+    #[must_use]
+    pub fn temperature_c(&self, sensor: &str, lag_s: f64) -> Option<f64> {
+        self.sensors.get(sensor)?.lagged(self.time_s, lag_s)
+    }
+}

@@ -1,0 +1,95 @@
+//! Readings of one sensor over time, linear between readings, constant outside.
+
+/// Readings in the order of time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trace {
+    /// Time, s, and temperature, °C.
+    points: Vec<(f64, f64)>,
+}
+
+impl Trace {
+    /// Adds a reading; one that is older than the last is left out, one at the same time replaces it.
+    pub fn add(&mut self, time_s: f64, temperature_c: f64) {
+        match self.points.last_mut() {
+            Some(last) if time_s < last.0 => {}
+            Some(last) if time_s <= last.0 => last.1 = temperature_c,
+            _ => self.points.push((time_s, temperature_c)),
+        }
+    }
+
+    /// The readings: time, s, and temperature, °C.
+    #[must_use]
+    pub fn points(&self) -> &[(f64, f64)] {
+        &self.points
+    }
+
+    /// What follows the readings with a time constant τ: τ dT′/dt = T − T′, in equilibrium at the first reading, exact for the straight
+    /// lines between readings (with T = a + b s and s from the beginning of a line, T′ = a + b (s − τ) + (T′₀ − a + b τ) exp(−s/τ)).
+    /// `None` without readings.
+    #[must_use]
+    pub fn lagged(&self, time_s: f64, lag_s: f64) -> Option<f64> {
+        let mut follower = self.points.first()?.1;
+        for pair in self.points.windows(2) {
+            let [(from_s, from), (to_s, to)] = [pair[0], pair[1]];
+            if from_s >= time_s {
+                break;
+            }
+            let (passed_s, slope) = (time_s.min(to_s) - from_s, (to - from) / (to_s - from_s));
+            follower = follow(follower, from, slope, passed_s, lag_s);
+        }
+        let &(last_s, last) = self.points.last()?;
+        Some(if time_s > last_s { follow(follower, last, 0.0, time_s - last_s, lag_s) } else { follower })
+    }
+}
+
+/// The follower after `passed_s` of a line.
+fn follow(start: f64, from: f64, slope: f64, passed_s: f64, lag_s: f64) -> f64 {
+    if lag_s > 0.0 {
+        from + slope * (passed_s - lag_s) + (start - from + slope * lag_s) * (-passed_s / lag_s).exp()
+    } else {
+        from + slope * passed_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trace(points: &[(f64, f64)]) -> Trace {
+        let mut trace = Trace::default();
+        points.iter().for_each(|&(time_s, value)| trace.add(time_s, value));
+        trace
+    }
+
+    #[test]
+    fn without_a_lag_it_is_linear_between_readings() {
+        let trace = trace(&[(0.0, 20.0), (10.0, 30.0), (20.0, 26.0)]);
+        for (time_s, value) in [(-5.0, 20.0), (0.0, 20.0), (5.0, 25.0), (15.0, 28.0), (20.0, 26.0), (99.0, 26.0)] {
+            assert_eq!(trace.lagged(time_s, 0.0), Some(value), "{time_s}");
+        }
+        assert_eq!(Trace::default().lagged(0.0, 0.0), None);
+    }
+
+    #[test]
+    fn a_lag_follows_the_differential_equation() {
+        let trace = trace(&[(0.0, 20.0), (100.0, 40.0), (400.0, 40.0)]);
+        let (lag_s, step_s) = (60.0, 1e-3);
+        let mut follower: f64 = 20.0;
+        let mut time_s = 0.0;
+        for at in [50.0, 100.0, 250.0, 600.0] {
+            while time_s < at - 0.5 * step_s {
+                // Midpoint rule.
+                let input = |time_s: f64| trace.lagged(time_s, 0.0).unwrap();
+                let middle = follower + 0.5 * step_s * (input(time_s) - follower) / lag_s;
+                follower += step_s * (input(time_s + 0.5 * step_s) - middle) / lag_s;
+                time_s += step_s;
+            }
+            assert!((trace.lagged(at, lag_s).unwrap() - follower).abs() < 1e-6, "{at}");
+        }
+    }
+
+    #[test]
+    fn older_readings_are_left_out() {
+        assert_eq!(trace(&[(0.0, 1.0), (5.0, 2.0), (3.0, 9.0), (5.0, 4.0)]).points(), [(0.0, 1.0), (5.0, 4.0)]);
+    }
+}

@@ -1,0 +1,105 @@
+//! The accumulator: adds up what all sources of error contribute to the location and motion errors of the axes.
+//!
+//! Sources know nothing of each other; the chain ([`super::link`]), correction and prediction know only the sum (Spaan 1995, ch. 2 and 6).
+
+use crate::geometry::{AXIS_COUNT, Axis, Vector};
+use crate::machine::{Branch, Condition, Machine};
+
+use super::ErrorModel;
+use super::motion::{Function, MotionError};
+use super::name::{Carrier, DIRECTIONS, Direction, ErrorName};
+use super::source::Effect;
+
+/// The errors of a machine in one condition.
+#[derive(Clone, Debug)]
+pub struct Accumulator<'a> {
+    machine: &'a Machine,
+    /// By slot.
+    location: [[f64; 6]; AXIS_COUNT],
+    spindle: [f64; 6],
+    motion: Vec<MotionError>,
+    /// What the contribution at hand counts: −1 where it is taken away.
+    sign: f64,
+}
+
+impl<'a> Accumulator<'a> {
+    /// The sum of the effects of a model that are `wanted`.
+    ///
+    /// Drifting effects count from the condition in which the zero point was set, where that is known.
+    #[must_use]
+    pub fn sum(
+        machine: &'a Machine,
+        errors: &ErrorModel,
+        condition: &Condition,
+        wanted: impl Fn(&dyn Effect) -> bool,
+    ) -> Accumulator<'a> {
+        let mut sum =
+            Accumulator { machine, location: [[0.0; 6]; AXIS_COUNT], spindle: [0.0; 6], motion: Vec::new(), sign: 1.0 };
+        for effect in errors.effects().filter(|&effect| wanted(effect)) {
+            effect.contribute(condition, &mut sum);
+            if let Some(zero) = condition.zero().filter(|_| effect.drifts()) {
+                sum.sign = -1.0;
+                effect.contribute(zero, &mut sum);
+                sum.sign = 1.0;
+            }
+        }
+        sum
+    }
+
+    /// The machine.
+    #[must_use]
+    pub fn machine(&self) -> &'a Machine {
+        self.machine
+    }
+
+    /// Adds to a location error, mm or rad. Errors of axes that the machine lacks have no effect.
+    pub fn add_location(&mut self, name: ErrorName, value: f64) {
+        let components = match name.carrier {
+            Carrier::Axis(axis) => &mut self.location[axis.slot()],
+            Carrier::Spindle => &mut self.spindle,
+        };
+        components[name.direction.index()] += self.sign * value;
+    }
+
+    /// Adds a function times a factor to a motion error.
+    pub fn add_motion(&mut self, name: ErrorName, function: &Function, factor: f64) {
+        let factor = self.sign * factor;
+        if factor != 0.0 && !function.is_zero() {
+            let function = if factor == 1.0 { function.clone() } else { function.scaled(factor) };
+            self.motion.push(MotionError { name, function });
+        }
+    }
+
+    /// Adds a displacement of the tool relative to the workpiece along F's axes, the same at every position, mm.
+    pub fn add_offset(&mut self, offset_mm: &Vector) {
+        // The axis on the foundation displaces all that it carries, and no rotary axis turns that.
+        let topology = &self.machine.topology;
+        let (axis, sense) = match (topology.tool.first(), topology.workpiece.first()) {
+            (Some(&axis), _) => (axis, 1.0),
+            (None, Some(&axis)) => (axis, -1.0),
+            (None, None) => return,
+        };
+        for (direction, value) in DIRECTIONS.into_iter().zip(offset_mm.iter()) {
+            self.add_location(ErrorName::location(direction, axis), sense * value);
+        }
+    }
+
+    /// Adds a displacement of the tool relative to the workpiece along an axis of F that depends on the position of an axis, mm.
+    pub fn add_relative(&mut self, direction: Direction, over: Axis, function: &Function) {
+        let sense = if self.machine.topology.branch(over) == Some(Branch::Workpiece) { -1.0 } else { 1.0 };
+        self.add_motion(ErrorName::motion(direction, over), function, sense);
+    }
+
+    /// Location errors of a carrier: EX EY EZ (mm), EA EB EC (rad).
+    pub(super) fn location(&self, carrier: Carrier) -> [f64; 6] {
+        match carrier {
+            Carrier::Axis(axis) => self.location[axis.slot()],
+            Carrier::Spindle => self.spindle,
+        }
+    }
+
+    /// Motion errors; entries of one component add up.
+    pub(super) fn motion(&self) -> &[MotionError] {
+        &self.motion
+    }
+}

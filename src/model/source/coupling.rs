@@ -1,0 +1,21 @@
+//! Cross-coupling: motion errors that depend on the position of another axis too (Spaan 1995, ch. 4, fig. 4.1).
+//!
+//! They stand in `[[motion]]` with the kinds of functions of two axes.
+
+use super::Source;
+
+/// The source.
+pub(super) const SOURCE: Source = Source {
+    name: "coupling",
+    title: "cross-coupling of two axes",
+    sections: &[],
+    read: |_, _| {},
+    example: "\
+[[motion]]
+component = \"EAY\"
+kind = \"cross\"
+coefficients = [0, 1e-9]
+with = \"X\"
+with_coefficients = [0, 1.0]
+",
+};

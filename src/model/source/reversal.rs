@@ -1,0 +1,23 @@
+//! Reversal: backlash, lateral play and turning play, which depend on the sense of the last motion of the axis.
+//!
+//! They stand in `[[motion]]` with `kind = "backlash"`.
+
+use super::Source;
+
+/// The source.
+pub(super) const SOURCE: Source = Source {
+    name: "reversal",
+    title: "backlash and lateral play",
+    sections: &[],
+    read: |_, _| {},
+    example: "\
+[[motion]]
+component = \"EYY\"
+kind = \"backlash\"
+value_um = 6.0
+[[motion]]
+component = \"EZX\"
+kind = \"backlash\"
+value_um = 2.0
+",
+};
