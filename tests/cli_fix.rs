@@ -77,6 +77,7 @@ fn json_has_the_documented_keys() {
         "max_correction",
         "blocks_in",
         "blocks_out",
+        "remaining",
         "seconds",
         "max_at_line",
         "max_at_file",

@@ -63,6 +63,7 @@ mod rs274_flow;
 mod rs274_splines;
 mod saved_data;
 mod snc_text;
+mod sources;
 mod splines;
 mod stock;
 mod support;

@@ -1,5 +1,9 @@
 //! The command line: commands, options and their help.
 
+mod machine;
+
+pub(super) use machine::{MachineArguments, MachineCommand, ShowArguments, StateChoice};
+
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -17,6 +21,8 @@ Examples:
   ncfix check part.mpf
   ncfix snc part.mpf | head
   ncfix verify part.mpf part_corrected.mpf --machine mill.toml
+  ncfix part.mpf -o out.mpf --machine mill.toml --state warm.toml --load 1700
+  ncfix machine show mill.toml --at X100,Y50,Z-20 --tool 120
   ncfix explain E0203
 
 Machine: --machine, else the nearest ncfix.toml in the folder of the program or above it, else in the working folder or above it, \
@@ -192,6 +198,9 @@ pub(super) struct FixArguments {
     /// Which machine.
     pub(super) machine: MachineChoice,
     #[command(flatten)]
+    /// The condition of the machine.
+    pub(super) state: StateChoice,
+    #[command(flatten)]
     /// How the program is executed.
     pub(super) program: ProgramChoice,
     /// Largest deviation of an emitted piece from the exactly corrected path, with its unit
@@ -274,31 +283,14 @@ pub(super) struct VerifyArguments {
     /// Which machine.
     pub(super) machine: MachineChoice,
     #[command(flatten)]
+    /// The condition of the machine.
+    pub(super) state: StateChoice,
+    #[command(flatten)]
     /// How the programs are executed.
     pub(super) program: ProgramChoice,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
-}
-
-/// `ncfix machine`.
-#[derive(Clone, Debug, Subcommand)]
-pub(super) enum MachineCommand {
-    /// Report every fault of a machine file
-    Check(MachineArguments),
-    /// Show the machine that a file describes
-    Show(MachineArguments),
-}
-
-/// `ncfix machine check`, `ncfix machine show`.
-#[derive(Clone, Debug, Args)]
-pub(super) struct MachineArguments {
-    /// Machine file
-    #[arg(value_name = "M.toml")]
-    pub(super) file: PathBuf,
-    /// Set-up file with zero offsets and tools: TOML, or data as the control saves them; may be given several times
-    #[arg(long, value_name = "FILE")]
-    pub(super) setup: Vec<PathBuf>,
 }
 
 /// `ncfix explain`.

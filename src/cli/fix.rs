@@ -10,13 +10,13 @@ use super::input::is_standard_stream;
 use super::machine_choice::{self, Chosen};
 use super::output::{Spool, Target};
 use super::program::{self, Opened, Running};
+use super::state;
 use super::stop::Stop;
 use super::{print, tell};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::emit;
 use crate::exec::RapidOrder;
 use crate::geometry::AXES;
-use crate::model::Model;
 use crate::path::{self, Corrector, Increments, Prediction};
 use crate::report::correction::Correction;
 use crate::report::json;
@@ -81,6 +81,9 @@ impl<'a> Job<'a> {
         let Some(mut chosen) = machine_choice::choose(&arguments.machine, &arguments.input, findings)? else {
             return Ok(());
         };
+        if !state::apply(&arguments.state, &mut chosen, findings)? {
+            return Ok(());
+        }
         report.machine.clone_from(&chosen.machine.name);
         if emit::is_stamped(self.source.bytes()) {
             findings.add(corrected_before(&self.source), std::slice::from_ref(&self.source));
@@ -118,7 +121,7 @@ impl<'a> Job<'a> {
     ) -> Result<(), Stop> {
         let arguments = self.arguments;
         let machine = &chosen.machine;
-        let model = Model::new(machine, &chosen.errors);
+        let model = chosen.model();
         let dialect = opened.dialect.name;
         let entry = emit::entry(dialect)
             .ok_or_else(|| Stop::Usage(format!("programs in the dialect '{dialect}' cannot be written")))?;
@@ -158,6 +161,9 @@ impl<'a> Job<'a> {
             findings.add(corrected_before(stamped), sources);
         }
         note(corrector.prediction(), running, report);
+        let rotary = rotary(arguments);
+        let left = path::remaining(machine, &chosen.errors, &chosen.condition, corrector.poses(), rotary);
+        report.remaining = left.iter().map(remaining).collect();
         Ok(())
     }
 }
@@ -203,13 +209,27 @@ fn options(arguments: &FixArguments) -> path::Options {
             FiveAxisChoice::Axes => path::FiveAxis::Axes,
         },
         max_correction_mm: arguments.max_correction,
-        rotary: match arguments.rotary {
-            RotaryChoice::Correct => path::Rotary::Correct,
-            RotaryChoice::Hold => path::Rotary::Hold,
-        },
+        rotary: rotary(arguments),
         sample_mm: SAMPLE_MM,
         start: arguments.program.start,
         ..path::Options::default()
+    }
+}
+
+fn rotary(arguments: &FixArguments) -> path::Rotary {
+    match arguments.rotary {
+        RotaryChoice::Correct => path::Rotary::Correct,
+        RotaryChoice::Hold => path::Rotary::Hold,
+    }
+}
+
+/// What is left of a source, in the units of reports.
+fn remaining(left: &path::Remaining) -> json::Remaining {
+    json::Remaining {
+        source: left.source,
+        position_um: um_from_mm(left.position_mm),
+        tilt_urad: urad_from_rad(left.tilt_rad),
+        roll_urad: urad_from_rad(left.roll_rad),
     }
 }
 

@@ -1,25 +1,68 @@
-//! `ncfix machine check` and `ncfix machine show`: one machine file on its own.
+//! `ncfix machine check` and `ncfix machine show`: one machine file on its own, and its errors at a pose.
 
-use super::arguments::{MachineArguments, MachineCommand};
+use super::arguments::{MachineArguments, MachineCommand, ShowArguments};
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
+use super::state;
 use super::stop::Stop;
+use super::value::ToolVector;
 use super::{input, print, tell};
+use crate::geometry::{AxisVector, Vector};
+use crate::report::json;
 use crate::report::machine::table;
+use crate::report::shares::Shares;
 use crate::source::FileId;
 
 /// Checks or shows a machine file.
 pub(super) fn run(command: &MachineCommand) -> Result<ExitCode, Stop> {
-    let (MachineCommand::Check(arguments) | MachineCommand::Show(arguments)) = command;
+    match command {
+        MachineCommand::Check(arguments) => check(arguments),
+        MachineCommand::Show(arguments) => show(arguments),
+    }
+}
+
+fn check(arguments: &MachineArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
-    let chosen = read(arguments, &mut findings)?;
+    read(arguments, &mut findings)?;
     findings.draw();
-    match (command, chosen) {
-        (MachineCommand::Show(_), Some(chosen)) => print(&table(&chosen.machine, &chosen.errors))?,
-        _ => tell(&format!("{}: {}\n", arguments.file.display(), findings.count())),
+    tell(&format!("{}: {}\n", arguments.file.display(), findings.count()));
+    Ok(findings.exit_code())
+}
+
+fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
+    let mut findings = Findings::default();
+    let mut chosen = read(&arguments.file, &mut findings)?;
+    if let Some(found) = &mut chosen
+        && arguments.at.is_some()
+        && !state::apply(&arguments.state, found, &mut findings)?
+    {
+        chosen = None;
+    }
+    let shares = chosen.as_ref().zip(arguments.at).map(|(chosen, at)| shares(chosen, at, arguments));
+    if let (Some(mut shares), true) = (shares.clone(), arguments.json) {
+        shares.diagnostics = findings.json();
+        print(&json::line(&shares).map_err(Stop::Usage)?)?;
+        return Ok(findings.exit_code());
+    }
+    findings.draw();
+    match (chosen, shares) {
+        (_, Some(shares)) => print(&shares.table())?,
+        (Some(chosen), None) => print(&table(&chosen.machine, &chosen.errors))?,
+        (None, None) => tell(&format!("{}: {}\n", arguments.file.file.display(), findings.count())),
     }
     Ok(findings.exit_code())
+}
+
+/// What each source does to the tool at a pose.
+fn shares(chosen: &Chosen, at: AxisVector, arguments: &ShowArguments) -> Shares {
+    let machine = &chosen.machine;
+    let tool_mm = match arguments.tool {
+        Some(ToolVector::Tip(tip_mm)) => tip_mm,
+        Some(ToolVector::Length(length_mm)) => -machine.spindle.axis * length_mm,
+        None => Vector::zeros(),
+    };
+    Shares::new(machine, &chosen.errors, &chosen.condition, &at, &tool_mm, &arguments.sense.unwrap_or_default())
 }
 
 /// Reads the machine file with its set-up files.

@@ -12,10 +12,10 @@ use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::dialect::{self, Dialect, Effect};
 use crate::exec::apply_archive;
-use crate::machine::Machine;
 use crate::machine::file::{DEMO, apply_setup};
-use crate::model::ErrorModel;
+use crate::machine::{Condition, Machine};
 use crate::model::file::load;
+use crate::model::{ErrorModel, Model};
 use crate::source::{FileId, Source};
 
 /// The machine file that is looked for in the folder of the program and above it.
@@ -27,12 +27,21 @@ pub(super) struct Chosen {
     pub(super) machine: Machine,
     /// Its errors.
     pub(super) errors: ErrorModel,
+    /// Its condition.
+    pub(super) condition: Condition,
     /// Whether it is the embedded demo machine because no other was found.
     pub(super) is_demo: bool,
     /// Hash of machine file and set-up file, 12 hexadecimal digits.
     pub(super) hash: String,
     /// The files that were read: none of them may be overwritten.
     pub(super) files: Vec<PathBuf>,
+}
+
+impl Chosen {
+    /// The error model in the condition of the machine.
+    pub(super) fn model(&self) -> Model {
+        Model::at(&self.machine, &self.errors, &self.condition)
+    }
 }
 
 /// The first 12 hexadecimal digits of SHA-256: enough to tell versions of a file apart, short enough for a comment.
@@ -138,7 +147,7 @@ pub(super) fn read(source: &Source, setups: &[PathBuf], findings: &mut Findings)
     }
     parts.extend(sources.iter().map(Source::bytes));
     let hash = short_hash(parts);
-    Ok(is_usable.then_some(Chosen { machine, errors, is_demo: false, hash, files }))
+    Ok(is_usable.then_some(Chosen { machine, errors, condition: Condition::default(), is_demo: false, hash, files }))
 }
 
 /// Whether a set-up file is in the control's own language rather than TOML.

@@ -18,6 +18,7 @@ mod output;
 mod program;
 mod progress;
 mod snc;
+mod state;
 mod stop;
 mod support_file;
 mod value;

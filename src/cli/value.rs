@@ -1,6 +1,7 @@
 //! Values of options: lengths with units, skip levels, a start position.
 
-use crate::geometry::{Axis, AxisVector};
+use crate::geometry::{Axis, AxisVector, Vector};
+use crate::machine::{Load, State};
 use crate::units::parse_length_mm;
 
 /// Which levels of `/` blocks are skipped; `/` alone is level 0.
@@ -43,13 +44,68 @@ pub(super) fn start(text: &str) -> Result<AxisVector, String> {
         let wrong = || format!("'{part}' is no axis position; write for example X0,Y0,Z100");
         let letter = part.bytes().next().ok_or_else(wrong)?;
         let axis = Axis::from_letter(letter.to_ascii_uppercase()).ok_or_else(wrong)?;
-        let number: f64 = part.get(1..).and_then(|number| number.trim().parse().ok()).ok_or_else(wrong)?;
+        let number = part.get(1..).map(|number| number.trim_start().trim_start_matches('=').trim());
+        let number: f64 = number.and_then(|number| number.parse().ok()).ok_or_else(wrong)?;
         if !number.is_finite() {
             return Err(wrong());
         }
         position[axis] = if axis.is_rotary() { number.to_radians() } else { number };
     }
     Ok(position)
+}
+
+/// A tool vector as a user gives it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum ToolVector {
+    /// Its length along the spindle, mm.
+    Length(f64),
+    /// From the gauge point to the tip, in F at the zero pose, mm.
+    Tip(Vector),
+}
+
+/// `120` or `0,0,-120`.
+pub(super) fn tool(text: &str) -> Result<ToolVector, String> {
+    match numbers(text).as_deref() {
+        Some([length_mm]) => Ok(ToolVector::Length(*length_mm)),
+        Some([x, y, z]) => Ok(ToolVector::Tip(Vector::new(*x, *y, *z))),
+        _ => Err(format!("'{text}' is no length and no vector; write for example 120 or 0,0,-120")),
+    }
+}
+
+/// `1700` or `1700@0,0,-280`.
+pub(super) fn load(text: &str) -> Result<Load, String> {
+    let wrong = || format!("'{text}' is no load; write newtons, and where it stands: 1700 or 1700@0,0,-280");
+    let (force, place) = text.split_once('@').map_or((text, None), |(force, place)| (force, Some(place)));
+    let force = force.trim().trim_end_matches('N');
+    let force_n = numbers(force).and_then(|all| <[f64; 1]>::try_from(all).ok()).map(|[force_n]| force_n);
+    let force_n = force_n.filter(|&force_n| force_n >= 0.0).ok_or_else(wrong)?;
+    let position_mm = match place.map(numbers) {
+        None => Vector::zeros(),
+        Some(Some(place)) if place.len() == 3 => Vector::new(place[0], place[1], place[2]),
+        Some(_) => return Err(wrong()),
+    };
+    Ok(Load { force_n, position_mm })
+}
+
+/// `X+,Y-`.
+pub(super) fn sense(text: &str) -> Result<State, String> {
+    let mut state = State::default();
+    for part in text.split(',').map(str::trim) {
+        let wrong = || format!("'{part}' is no sense of motion; write for example X+,Y-");
+        let (axis, sense) = match *part.as_bytes() {
+            [letter, b'+'] => (Axis::from_letter(letter.to_ascii_uppercase()), 1),
+            [letter, b'-'] => (Axis::from_letter(letter.to_ascii_uppercase()), -1),
+            _ => (None, 0),
+        };
+        state.direction[axis.ok_or_else(wrong)?.slot()] = sense;
+    }
+    Ok(state)
+}
+
+/// Finite numbers, separated by commas.
+fn numbers(text: &str) -> Option<Vec<f64>> {
+    let number = |part: &str| part.trim().parse().ok().filter(|value: &f64| value.is_finite());
+    text.split(',').map(number).collect()
 }
 
 #[cfg(test)]
@@ -64,6 +120,19 @@ mod tests {
         assert!(levels[0] && levels[3]);
         assert!(skip_levels("10").is_err());
         assert!(skip_levels("").is_err());
+    }
+
+    #[test]
+    fn tools_loads_and_senses() {
+        assert_eq!(tool("120"), Ok(ToolVector::Length(120.0)));
+        assert_eq!(tool("0, 1,-120"), Ok(ToolVector::Tip(Vector::new(0.0, 1.0, -120.0))));
+        assert!(tool("1,2").is_err());
+        assert_eq!(load("1700N"), Ok(Load { force_n: 1700.0, position_mm: Vector::zeros() }));
+        assert_eq!(load("5@1,2,-3").unwrap().position_mm, Vector::new(1.0, 2.0, -3.0));
+        assert!(load("-5").is_err() && load("5@1").is_err() && load("x").is_err());
+        assert_eq!(sense("X+,c-").unwrap().direction, [1, 0, 0, 0, 0, 0, 0, 0, -1]);
+        assert!(sense("X").is_err());
+        assert_eq!(start("X=5").unwrap()[Axis::X], 5.0);
     }
 
     #[test]

@@ -8,12 +8,12 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
 use super::program::{self, Running};
+use super::state;
 use super::stop::Stop;
 use super::{fix, print};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit;
 use crate::exec::RapidOrder;
-use crate::model::Model;
 use crate::path::{self, Grouping};
 use crate::report::correction::error_rows;
 use crate::report::json;
@@ -44,9 +44,12 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
 fn compare(arguments: &VerifyArguments, findings: &mut Findings) -> Result<Option<Outcome>, Stop> {
     // Both are read before anything else: a file that is missing is the first thing to know.
     let sources = [program::read(&arguments.original)?, program::read(&arguments.corrected)?];
-    let Some(chosen) = machine_choice::choose(&arguments.machine, &arguments.original, findings)? else {
+    let Some(mut chosen) = machine_choice::choose(&arguments.machine, &arguments.original, findings)? else {
         return Ok(None);
     };
+    if !state::apply(&arguments.state, &mut chosen, findings)? {
+        return Ok(None);
+    }
     let mut opened = Vec::new();
     for source in &sources {
         opened.extend(program::open(source, &arguments.program, Some(&chosen), findings)?);
@@ -80,7 +83,7 @@ fn walk(
     chosen: &Chosen,
     findings: &mut Findings,
 ) -> Option<Outcome> {
-    let model = Model::new(&chosen.machine, &chosen.errors);
+    let model = chosen.model();
     let shared = RefCell::new(std::mem::take(findings));
     let mut original = Clean { running: original, findings: &shared, mark: 0 };
     let mut corrected = Clean { running: corrected, findings: &shared, mark: OF_CORRECTED };

@@ -1,7 +1,7 @@
 //! The register of finding codes: every code once, with its title and the long text that `ncfix explain` prints.
 //!
 //! Groups: `E01` what was written (syntax), `E02` what it means (execution), `E03` safety and machine limits,
-//! `E04` machine file and error model; `W…` the same groups as warnings. Codes are stable: one that is no longer
+//! `E04` machine file and error model, `E05` state of the machine; `W…` the same groups as warnings. Codes are stable: one that is no longer
 //! used stays retired. A test demands a sample file that provokes each code.
 
 use std::fmt;
@@ -279,6 +279,9 @@ EXX, EAY, EC0Y, EX0S.";
 axes _deg.";
     BAD_TABLE = "E0408" "table that does not increase"
 "positions_mm (positions_deg) must increase strictly and have as many entries as the values.";
+    MISSING_SENSOR = "E0501" "temperature of a sensor missing"
+"The error model of the machine file depends on the temperature of this sensor, and the state that was given has temperatures but not
+this one. A drift that is computed without it would be wrong by an unknown amount.";
 
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
@@ -332,4 +335,10 @@ state: the numbers say what this program would do on the machine that was given.
 axes would stop in between. The end of the move is corrected, and on the way the tool is off by more than --tolerance.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be found.";
+    NO_TEMPERATURES = "W0501" "temperatures not given"
+"The error model has sources that depend on temperatures, and no --state gives them. They count as if all sensors were at their
+reference temperature: no drift, no expansion.";
+    NO_LOAD = "W0502" "workpiece weight not given"
+"The error model has effects of the weight on the table, and neither --load nor --state says what stands there. The table counts as
+empty.";
 }

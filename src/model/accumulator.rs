@@ -2,12 +2,12 @@
 //!
 //! Sources know nothing of each other; the chain ([`super::link`]), correction and prediction know only the sum (Spaan 1995, ch. 2 and 6).
 
-use crate::geometry::{AXIS_COUNT, Axis, Vector};
-use crate::machine::{Branch, Condition, Machine};
+use crate::geometry::{AXIS_COUNT, Axis, AxisVector, Vector};
+use crate::machine::{Branch, Condition, Machine, State};
 
 use super::ErrorModel;
 use super::motion::{Function, MotionError};
-use super::name::{Carrier, DIRECTIONS, Direction, ErrorName};
+use super::name::{Carrier, DIRECTIONS, Direction, ErrorKind, ErrorName};
 use super::source::Effect;
 
 /// The errors of a machine in one condition.
@@ -88,6 +88,18 @@ impl<'a> Accumulator<'a> {
     pub fn add_relative(&mut self, direction: Direction, over: Axis, function: &Function) {
         let sense = if self.machine.topology.branch(over) == Some(Branch::Workpiece) { -1.0 } else { 1.0 };
         self.add_motion(ErrorName::motion(direction, over), function, sense);
+    }
+
+    /// The value of a component at a pose, mm or rad.
+    #[must_use]
+    pub fn value(&self, name: ErrorName, command: &AxisVector, state: &State) -> f64 {
+        match (name.kind, name.axis()) {
+            (ErrorKind::Motion, Some(axis)) => {
+                let own = self.motion.iter().filter(|error| error.name == name);
+                own.map(|error| error.function.value(axis, command, state)).sum()
+            }
+            _ => self.location(name.carrier)[name.direction.index()],
+        }
     }
 
     /// Location errors of a carrier: EX EY EZ (mm), EA EB EC (rad).

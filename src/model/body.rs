@@ -5,7 +5,7 @@
 use crate::geometry::{AXIS_COUNT, Axis, Matrix, Vector};
 
 use super::name::Carrier;
-use super::rotation::Rotation;
+use super::rotation::{Rotation, vector_of};
 
 /// A place in the transform of an axis at which a body is watched, see [`super::link`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +61,12 @@ impl Pose {
     /// A tool frame parallel to F with its tip at a point.
     pub(super) fn parallel_at(translation: Vector) -> Pose {
         Pose { rotation: Matrix::identity(), translation }
+    }
+
+    /// The rotation vector from this pose to another one that is turned a little, in this tool frame, rad.
+    #[must_use]
+    pub fn turn_to(&self, other: &Pose) -> Vector {
+        vector_of(&(self.rotation.transpose() * other.rotation))
     }
 
     /// The inverse of this times the other: the other as seen from here.

@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, ROTARY_AXES, Vector};
+use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES, Vector};
 use crate::machine::{AxisData, Condition, Machine, State};
 
 use super::body::{Body, Place, Pointer, Witness};
@@ -116,6 +116,22 @@ impl Model {
     pub fn volumetric_error(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Twist {
         let seen = self.nominal(command, tool_mm).inverse_times(&self.actual(command, tool_mm, state));
         Twist { translation: seen.translation, rotation: vector_of(&seen.rotation) }
+    }
+
+    /// Deviation of the tool from the workpiece point that nominally coincides with its tip, along F's directions: the volumetric error,
+    /// turned from the nominal tool frame into F.
+    #[must_use]
+    pub fn deviation(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Twist {
+        let error = self.volumetric_error(command, tool_mm, state);
+        let turn = self.tool_orientation(command);
+        Twist { translation: turn * error.translation, rotation: turn * error.rotation }
+    }
+
+    /// Directions of the nominal tool frame in F, as columns.
+    fn tool_orientation(&self, command: &AxisVector) -> Matrix {
+        let mut pose = Pose::parallel_at(Vector::zeros());
+        self.tool_side.iter().for_each(|link| link.carry(&mut pose, command, None));
+        pose.rotation
     }
 
     /// The tip at `command` with errors minus the nominal tip at `nominal`, in the workpiece frame, mm.

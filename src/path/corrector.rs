@@ -1,5 +1,7 @@
 //! The adapter: elements in, corrected pieces and the other elements out, in order, one move at a time.
 
+mod write;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -10,16 +12,15 @@ use crate::model::Model;
 use crate::snc::{BlockNumber, Element, Kind, Manner, Move, Origin, Setup};
 
 use super::check::Sampler;
-use super::cut::{fit_arc, next_step, of_share};
+use super::cut::{fit_arc, next_step};
 use super::extend::{Reach, longest};
 use super::findings::{Findings, placing_axes};
-use super::place::{Placed, Placer};
-use super::prediction::{sample_count, sample_place};
-use super::rotary_word;
+use super::place::Placer;
+use super::poses::Poses;
 use super::route::Route;
 use super::treatment::{Treatment, is_pushed_out};
 use super::trial::{Bench, Standing, Trial};
-use super::{Arcs, Options, Output, Piece, Prediction, Rapids, Subdivision, lost_axes};
+use super::{Arcs, Options, Output, PoseSample, Prediction, Rapids, Subdivision, lost_axes};
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -41,6 +42,7 @@ pub struct Corrector<'a, I> {
     pending: VecDeque<Result<Output, Diagnostic>>,
     findings: Findings<'a>,
     prediction: Prediction,
+    poses: Poses,
     scratch: Vec<f64>,
 }
 
@@ -94,6 +96,7 @@ where
             pending: VecDeque::with_capacity(8),
             findings: Findings::new(machine, options.max_correction_mm),
             prediction: Prediction::default(),
+            poses: Poses::default(),
             scratch: Vec::with_capacity(64),
             options,
         }
@@ -103,6 +106,12 @@ where
     #[must_use]
     pub fn prediction(&self) -> &Prediction {
         &self.prediction
+    }
+
+    /// Poses of the corrected moves so far, some of each part of the program.
+    #[must_use]
+    pub fn poses(&self) -> &[PoseSample] {
+        self.poses.kept()
     }
 
     /// The stream of elements, for what it knows beside them.
@@ -298,6 +307,11 @@ where
             self.predict(active, trial);
         }
         self.prediction.note_correction(&nominal, &trial.end.command);
+        if active.is_counted && active.treatment != Treatment::Round {
+            let tool_mm = self.placer.setup.tool_mm;
+            let (command, state) = (trial.end.command, trial.state);
+            self.poses.offer(|| PoseSample { nominal, command, state, tool_mm });
+        }
         let standing = &mut self.standing;
         standing.nominal = nominal;
         standing.correction = trial.end.command - nominal;
@@ -305,68 +319,6 @@ where
         standing.is_doubtful = false;
         active.parameter = to;
         active.length = to - from;
-    }
-
-    /// Puts a piece into the output: of a trial, or a step on the spot. `share` is its share of the time of the move.
-    fn write(&mut self, active: &mut Active, placed: &Placed, trial: Option<&Trial>, share: f64, is_last: bool) {
-        let standing = &mut self.standing;
-        let motion = &active.motion;
-        let first = std::mem::take(&mut active.is_first);
-        let mut words = if first { motion.named } else { AxisSet::EMPTY };
-        // The others stay, and what is not written yet is written by a later move.
-        let is_reference = motion.manner == Manner::Reference;
-        let stated = if is_reference { AxisSet::EMPTY } else { motion.known };
-        for axis in stated.iter() {
-            let slot = axis.slot();
-            if !standing.written.contains(axis) || placed.counts[slot] != standing.counts[slot] {
-                words.insert(axis);
-            }
-        }
-        let arc = trial.and_then(|trial| trial.circle);
-        let rotary_words = rotary_word::words(&self.placer, self.machine, standing, motion, placed);
-        standing.counts = placed.counts;
-        standing.command = placed.command;
-        standing.written = if is_reference { standing.written.union(motion.named) } else { motion.known };
-        if words.is_empty() && arc.is_none() && !first && !is_last {
-            // Shorter than an increment.
-            return;
-        }
-        self.prediction.pieces += 1;
-        let piece = Piece {
-            origin: active.origin,
-            starts_block: first && active.starts_block,
-            number: if first { active.number } else { None },
-            first,
-            last: is_last,
-            take_up: trial.is_none(),
-            rapid: motion.rapid,
-            arc,
-            counts: placed.counts,
-            words,
-            feed: if motion.inverse_time { of_share(motion.feed, share) } else { motion.feed },
-            feed_named: first && motion.feed_named,
-            rotary_words,
-            in_machine_frame: motion.in_machine_frame,
-            manner: motion.manner,
-            command: placed.command,
-        };
-        self.pending.push_back(Ok(Output::Piece(piece)));
-    }
-
-    /// Samples the error along a piece.
-    fn predict(&mut self, active: &Active, trial: &Trial) {
-        let [from, to] = trial.between;
-        let count = sample_count(active.route.size_mm() * (to - from), self.options.sample_mm);
-        for k in 0..count {
-            let fraction = sample_place(k, count);
-            let nominal = active.route.at(from + (to - from) * fraction);
-            let before_mm = self.placer.tip_error_mm(&nominal, &nominal, &self.standing.nominal_state);
-            let after_mm = match trial.middle_mm {
-                Some(middle_mm) if count == 1 => middle_mm,
-                _ => self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &trial.state),
-            };
-            self.prediction.add(active.motion.rapid, before_mm, after_mm, &active.origin);
-        }
     }
 }
 

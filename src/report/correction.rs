@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::json::{Finding, Spread};
+use super::json::{Finding, Remaining, Spread};
 use super::number::{duration, grouped, micrometers, significant};
 
 /// The result of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted on the error model.
@@ -17,6 +17,8 @@ pub struct Correction {
     pub after: Option<Spread>,
     /// Largest correction of each axis by its size: `X_um`, `C_urad`.
     pub max_correction: BTreeMap<String, f64>,
+    /// What no axis can correct, by source.
+    pub remaining: Vec<Remaining>,
     /// Executed blocks.
     pub blocks_in: u64,
     /// Written blocks.
@@ -54,6 +56,17 @@ impl Correction {
             let parts: Vec<String> = sizes.into_iter().map(|(key, &size)| largest(key, size)).collect();
             row("correction", &format!("up to {}", parts.join(", ")));
         }
+        for (name, size) in [
+            ("tool tilt", (|left: &Remaining| left.tilt_urad) as fn(&Remaining) -> f64),
+            ("tool roll", |left| left.roll_urad),
+        ] {
+            if let Some(text) = left_over(&self.remaining, size, 0.05, "µrad") {
+                row(name, &text);
+            }
+        }
+        if let Some(text) = left_over(&self.remaining, |left| left.position_um, 0.005, "µm") {
+            row("uncorrected", &format!("{text}, less than an increment"));
+        }
         row("blocks", &format!("{} in, {} out", grouped(self.blocks_in), grouped(self.blocks_out)));
         row("time", &duration(self.seconds));
         row("machine", &self.machine);
@@ -77,6 +90,16 @@ pub fn error_rows(before: Spread, after: Spread, max_at: Option<(u32, &str)>) ->
     push_row(&mut out, "error after", &format!("{}{place}", columns(after)));
     push_row(&mut out, "improvement", &improvement(before, after));
     out
+}
+
+/// `geometry 12.3 µrad, load 3.1 µrad`; `None` where nothing is left that is worth a line.
+fn left_over(all: &[Remaining], size: fn(&Remaining) -> f64, least: f64, unit: &str) -> Option<String> {
+    let parts: Vec<String> = all
+        .iter()
+        .filter(|&left| size(left) >= least)
+        .map(|left| format!("{} {} {unit}", left.source, significant(size(left))))
+        .collect();
+    (!parts.is_empty()).then(|| format!("left up to {}", parts.join(", ")))
 }
 
 /// One row of a table.
@@ -122,6 +145,7 @@ mod tests {
             before: Some(Spread { mean_um: 25.04, rms_um: 28.1, max_um: 103.2 }),
             after: Some(Spread { mean_um: 0.25, rms_um: 0.31, max_um: 0.98 }),
             max_correction: [("X_um".to_owned(), 41.26), ("C_urad".to_owned(), 3.0)].into(),
+            remaining: Vec::new(),
             blocks_in: 1234,
             blocks_out: 2345,
             seconds: 0.123,

@@ -69,6 +69,19 @@ pub struct Spread {
     pub max_um: f64,
 }
 
+/// What a correction leaves of one source of error: the largest over poses of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Remaining {
+    /// The source.
+    pub source: &'static str,
+    /// Of the tip, because its correction is less than an increment, µm.
+    pub position_um: f64,
+    /// Of the direction of the tool axis, µrad.
+    pub tilt_urad: f64,
+    /// About the tool axis, µrad.
+    pub roll_urad: f64,
+}
+
 /// What `ncfix verify` measured on the error model: distance of the tool tip from the nominal path of the original.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {

@@ -7,4 +7,5 @@ mod excerpt;
 pub mod json;
 pub mod machine;
 pub mod number;
+pub mod shares;
 pub mod terminal;

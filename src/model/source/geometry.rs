@@ -44,6 +44,10 @@ impl Effect for LocationError {
         &SOURCE
     }
 
+    fn label(&self) -> String {
+        self.name.to_string()
+    }
+
     fn contribute(&self, _: &Condition, sum: &mut Accumulator<'_>) {
         sum.add_location(self.name, self.value);
     }
@@ -64,6 +68,10 @@ impl Effect for MotionError {
             Function::Cross(_) => &coupling::SOURCE,
             _ => &SOURCE,
         }
+    }
+
+    fn label(&self) -> String {
+        self.name.to_string()
     }
 
     fn contribute(&self, _: &Condition, sum: &mut Accumulator<'_>) {

@@ -40,6 +40,11 @@ pub trait Effect: Debug + Send + Sync {
     /// The source that it belongs to.
     fn source(&self) -> &'static Source;
 
+    /// The component of the error that it makes, for tables: `EXX`.
+    fn label(&self) -> String {
+        self.source().title.to_owned()
+    }
+
     /// Adds what it does in a condition.
     fn contribute(&self, condition: &Condition, sum: &mut Accumulator<'_>);
 

@@ -1,0 +1,96 @@
+//! The condition of the machine: `--state` and `--load`.
+
+use super::arguments::StateChoice;
+use super::findings::Findings;
+use super::input;
+use super::machine_choice::{Chosen, short_hash};
+use super::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::machine::Condition;
+use crate::machine::condition::file;
+use crate::model::Effect;
+use crate::source::{FileId, Source};
+
+/// Reads the condition into the machine; whether it can be used.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Findings) -> Result<bool, Stop> {
+    let mut condition = Condition::default();
+    let mut parts = vec![chosen.hash.clone()];
+    if let Some(path) = &choice.state {
+        let source = input::read(path, FileId(0))?;
+        let (read, found) = load(&source);
+        findings.extend(found, std::slice::from_ref(&source));
+        let Some(read) = read else { return Ok(false) };
+        condition = read;
+        if let Some(time_s) = choice.time {
+            condition.set_time(time_s);
+        }
+        if let Some(time_s) = choice.zero_time {
+            let mut zero = condition.clone();
+            zero.set_time(time_s);
+            condition.set_zero(zero);
+        }
+        parts.push(short_hash([source.bytes()]));
+        parts.push(format!("{:?} {:?}", choice.time, choice.zero_time));
+        chosen.files.push(path.clone());
+    }
+    if let Some(load) = choice.load {
+        condition.clear_loads();
+        condition.add_load(load);
+        parts.push(format!("{load:?}"));
+    }
+    if parts.len() > 1 {
+        // The same machine in another condition is corrected in another way.
+        chosen.hash = short_hash(parts.iter().map(String::as_bytes));
+    }
+    let is_sound = check(choice, chosen, &condition, findings);
+    chosen.condition = condition;
+    Ok(is_sound)
+}
+
+fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
+    file::load(source)
+}
+
+/// Says what the model needs and the condition lacks; whether the condition can be used.
+fn check(choice: &StateChoice, chosen: &Chosen, condition: &Condition, findings: &mut Findings) -> bool {
+    let sensors = chosen.errors.sensors();
+    let drifting: Vec<&str> =
+        chosen.errors.effects().filter(|effect| effect.drifts()).flat_map(Effect::sensors).collect();
+    let lacks = |condition: &Condition, wanted: &[&str]| -> Vec<String> {
+        let missing = wanted.iter().filter(|sensor| condition.temperature_c(sensor, 0.0).is_none());
+        missing.map(|&sensor| sensor.to_owned()).collect()
+    };
+    if !sensors.is_empty() && !condition.has_temperatures() {
+        let message = format!(
+            "temperatures are not given: the machine is taken as it is at the reference temperatures, and {} of its sensors as {}",
+            sensors.len(),
+            sensors.join(", ")
+        );
+        let help = "give --state with the temperatures of these sensors";
+        findings.add(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help), &[]);
+    } else if !sensors.is_empty() {
+        let mut missing = lacks(condition, &sensors);
+        if let Some(zero) = condition.zero() {
+            missing.extend(lacks(zero, &drifting));
+        }
+        missing.sort_unstable();
+        missing.dedup();
+        if !missing.is_empty() {
+            let message =
+                format!("the state has no temperature of {}, and the error model needs it", missing.join(", "));
+            let help = "add it to --state (and to its [zero]), or correct its name in the machine file";
+            findings.add(Diagnostic::nowhere(Code::MISSING_SENSOR, message, help), &[]);
+            return false;
+        }
+    }
+    let needs_load = chosen.errors.effects().any(Effect::needs_load);
+    if needs_load && condition.loads().is_empty() && choice.state.is_none() {
+        let message = "no workpiece weight is given: the table is taken as empty";
+        let help = "give --load with the weight in N, 0 for none, or --state with [[load]]";
+        findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
+    }
+    true
+}

@@ -1,0 +1,244 @@
+//! Every source of error in the register: its example is read, contributes, follows its parameters, and does not care how an axis counts.
+
+use ncfix::geometry::{Axis, AxisVector, Vector};
+use ncfix::machine::{Condition, Load, Machine, State};
+use ncfix::model::name::{DIRECTIONS, ErrorName};
+use ncfix::model::{Accumulator, ErrorModel, Model, SOURCES, Source as ErrorSource, Twist};
+use ncfix::source::{FileId, Source};
+
+/// A machine with a swiveling rotary table; `sense` is −1 where X counts the other way.
+fn text(sense: i32, errors: &str) -> String {
+    let travel = if sense > 0 { "[-50, 700]" } else { "[-700, 50]" };
+    format!(
+        "[machine]\nname = \"test\"\ntopology = \"wCAYFXZSt\"\n[axis.X]\ndirection = [{sense}, 0, 0]\ntravel_mm = {travel}\n\
+         [axis.Y]\ndirection = [0, -1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-400, 0]\n\
+         [axis.A]\ndirection = [-1, 0, 0]\npoint_mm = [250, -200, -300]\ntravel_deg = [-100, 100]\n\
+         [axis.C]\ndirection = [0, 0, -1]\npoint_mm = [250, -200, -300]\ntravel_deg = [-360, 360]\n{errors}"
+    )
+}
+
+#[track_caller]
+fn load(sense: i32, errors: &str) -> (Machine, ErrorModel) {
+    let source = Source::new(FileId(0), "test.toml", text(sense, errors).into_bytes()).unwrap();
+    let (loaded, findings) = ncfix::model::file::load(&source);
+    assert!(findings.is_empty(), "{errors}\n{findings:?}");
+    loaded.unwrap()
+}
+
+/// Warm sensors, each differently, and a workpiece off the center.
+fn condition(errors: &ErrorModel) -> Condition {
+    let mut condition = Condition::default();
+    for (k, sensor) in errors.sensors().into_iter().enumerate() {
+        condition.add_reading(sensor, 0.0, 22.0 + 1.3 * k as f64);
+    }
+    condition.add_load(Load { force_n: 2300.0, position_mm: Vector::new(40.0, 10.0, -120.0) });
+    condition
+}
+
+const TOOL: Vector = Vector::new(3.0, -2.0, -110.0);
+
+/// Poses with the sense of the last motion; `sense` turns X around.
+fn poses(sense: i32) -> Vec<(AxisVector, State)> {
+    let mut poses = Vec::new();
+    for (x, y, z, a, c, way) in [
+        (30.0, 40.0, -20.0, 0.0, 0.0, 1),
+        (555.5, 120.0, -333.0, -31.0, 77.0, -1),
+        (340.0, 499.0, -210.0, 64.0, -140.0, 1),
+        (660.0, 3.0, -5.0, 12.0, 301.0, -1),
+    ] {
+        let mut command = AxisVector([x, y, z, 0.0, 0.0, 0.0, f64::to_radians(a), 0.0, f64::to_radians(c)]);
+        command[Axis::X] *= f64::from(sense);
+        let mut state = State { direction: [way; 9] };
+        state.direction[Axis::X.slot()] *= sense as i8;
+        poses.push((command, state));
+    }
+    poses
+}
+
+fn deviations(machine: &Machine, errors: &ErrorModel, condition: &Condition, sense: i32) -> Vec<Twist> {
+    let model = Model::at(machine, errors, condition);
+    poses(sense).iter().map(|(command, state)| model.deviation(command, &TOOL, state)).collect()
+}
+
+/// Distance of two deviations: mm, and rad at an arm of 100 mm.
+fn apart(a: &Twist, b: &Twist) -> f64 {
+    (a.translation - b.translation).norm() + 100.0 * (a.rotation - b.rotation).norm()
+}
+
+const NOTHING: Twist = Twist { translation: Vector::new(0.0, 0.0, 0.0), rotation: Vector::new(0.0, 0.0, 0.0) };
+
+fn largest(all: &[Twist]) -> f64 {
+    all.iter().map(|one| apart(one, &NOTHING)).fold(0.0, f64::max)
+}
+
+/// Changes every parameter that the error is proportional to.
+fn change_linear(errors: &mut ErrorModel, mut change: impl FnMut(usize, &mut f64)) -> usize {
+    let mut count = 0;
+    for effect in errors.effects_mut() {
+        effect.visit_parameters(&mut |parameter, value| {
+            if parameter.is_linear {
+                change(count, value);
+                count += 1;
+            }
+        });
+    }
+    count
+}
+
+fn each(check: impl Fn(&'static ErrorSource, &Machine, &ErrorModel, &Condition)) {
+    for &source in SOURCES {
+        let (machine, errors) = load(1, source.example);
+        let condition = condition(&errors);
+        check(source, &machine, &errors, &condition);
+    }
+}
+
+#[test]
+fn every_example_is_read_and_does_something() {
+    each(|source, machine, errors, condition| {
+        assert!(errors.effects().all(|effect| effect.source().name == source.name), "{}", source.name);
+        assert!(errors.effects().count() > 0, "{}", source.name);
+        let found = largest(&deviations(machine, errors, condition, 1));
+        assert!((1e-4..0.5).contains(&found), "{}: {found} mm", source.name);
+        assert!(
+            source.sections.iter().all(|section| source.example.contains(&format!("[{section}"))),
+            "{}",
+            source.name
+        );
+    });
+    let mut names: Vec<&str> = SOURCES.iter().map(|source| source.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), SOURCES.len());
+}
+
+#[test]
+fn zero_parameters_are_no_error() {
+    each(|source, machine, errors, condition| {
+        let mut errors = errors.clone();
+        assert!(change_linear(&mut errors, |_, value| *value = 0.0) > 0, "{}", source.name);
+        assert!(deviations(machine, &errors, condition, 1).iter().all(|found| *found == NOTHING), "{}", source.name);
+    });
+}
+
+#[test]
+fn half_the_parameters_are_half_the_error() {
+    each(|source, machine, errors, condition| {
+        let whole = deviations(machine, errors, condition, 1);
+        let mut errors = errors.clone();
+        change_linear(&mut errors, |_, value| *value *= 0.5);
+        for (half, whole) in deviations(machine, &errors, condition, 1).iter().zip(&whole) {
+            let twice = Twist { translation: half.translation * 2.0, rotation: half.rotation * 2.0 };
+            // To second order: products of errors.
+            assert!(
+                apart(&twice, whole) < 2e-3 * apart(whole, &NOTHING) + 1e-9,
+                "{}: {twice:?} {whole:?}",
+                source.name
+            );
+        }
+    });
+}
+
+/// What a parameter does to the error components, carried to the tool by the analytic sensitivities, is what finite differences of the
+/// whole chain give.
+#[test]
+fn finite_differences_are_the_sensitivities() {
+    each(|source, machine, errors, condition| {
+        let count = change_linear(&mut errors.clone(), |_, _| {});
+        for index in 0..count {
+            let at = |sign: f64| {
+                let mut errors = errors.clone();
+                let mut step = 0.0;
+                change_linear(&mut errors, |k, value| {
+                    if k == index {
+                        step = if *value == 0.0 { 1e-9 } else { 1e-3 * value.abs() };
+                        *value += sign * step;
+                    }
+                });
+                (errors, step)
+            };
+            let [(above, step), (below, _)] = [at(1.0), at(-1.0)];
+            let models = [Model::at(machine, &above, condition), Model::at(machine, &below, condition)];
+            let [more, less] = [&above, &below].map(|errors| Accumulator::sum(machine, errors, condition, |_| true));
+            for (command, state) in poses(1) {
+                let [one, other] = models.each_ref().map(|model| model.volumetric_error(&command, &TOOL, &state));
+                let mut expected = NOTHING;
+                for name in names(machine) {
+                    let change = more.value(name, &command, &state) - less.value(name, &command, &state);
+                    let unit = models[0].sensitivity(name, &command, &TOOL);
+                    expected.translation += unit.translation * change;
+                    expected.rotation += unit.rotation * change;
+                }
+                let found =
+                    Twist { translation: one.translation - other.translation, rotation: one.rotation - other.rotation };
+                let size = apart(&expected, &NOTHING);
+                assert!(
+                    apart(&found, &expected) < 2e-3 * size + 1e-12,
+                    "{} parameter {index} (step {step}): {found:?} {expected:?}",
+                    source.name
+                );
+            }
+        }
+    });
+}
+
+/// All components of a machine.
+fn names(machine: &Machine) -> Vec<ErrorName> {
+    let of = |axis: Axis| {
+        DIRECTIONS.into_iter().flat_map(move |way| [ErrorName::location(way, axis), ErrorName::motion(way, axis)])
+    };
+    machine.axis_set().iter().flat_map(of).chain(DIRECTIONS.into_iter().map(ErrorName::spindle)).collect()
+}
+
+/// The same errors in the file of a machine whose X counts the other way: functions of X are mirrored, what is fixed to the machine stays.
+fn mirrored(source: &ErrorSource) -> String {
+    let swap = |pairs: &[(&str, &str)]| {
+        pairs.iter().fold(source.example.to_owned(), |text, (from, to)| {
+            assert!(text.contains(from), "{}: {from}", source.name);
+            text.replace(from, to)
+        })
+    };
+    match source.name {
+        "geometry" => swap(&[
+            ("[0.0, 1.2e-5, -3e-8]", "[0.0, -1.2e-5, -3e-8]"),
+            ("[0, 350, 700]", "[-700, -350, 0]"),
+            ("[0, 12, -8]", "[-8, 12, 0]"),
+        ]),
+        "coupling" => swap(&[("with_coefficients = [0, 1.0]", "with_coefficients = [0, -1.0]")]),
+        "reversal" => swap(&[("value_um = 2.0", "value_um = -2.0")]),
+        other => panic!("write here how the example of {other} looks where X counts the other way"),
+    }
+}
+
+#[test]
+fn it_does_not_matter_how_an_axis_counts() {
+    each(|source, machine, errors, condition| {
+        let (turned, turned_errors) = load(-1, &mirrored(source));
+        let one = deviations(machine, errors, condition, 1);
+        let other = deviations(&turned, &turned_errors, condition, -1);
+        for (one, other) in one.iter().zip(&other) {
+            assert!(apart(one, other) < 1e-12, "{}: {one:?} {other:?}", source.name);
+        }
+    });
+}
+
+#[test]
+fn the_sum_is_that_of_all_sources() {
+    let examples: Vec<&str> = SOURCES.iter().map(|source| source.example).collect();
+    let (machine, all) = load(1, &examples.join("\n"));
+    let condition = condition(&all);
+    let sum = deviations(&machine, &all, &condition, 1);
+    let mut parts = vec![NOTHING; sum.len()];
+    for &source in SOURCES {
+        let own = Accumulator::sum(&machine, &all, &condition, |effect| effect.source().name == source.name);
+        let model = Model::summed(&own);
+        for (part, (command, state)) in parts.iter_mut().zip(poses(1)) {
+            let found = model.deviation(&command, &TOOL, &state);
+            part.translation += found.translation;
+            part.rotation += found.rotation;
+        }
+    }
+    for (sum, parts) in sum.iter().zip(&parts) {
+        assert!(apart(sum, parts) < 3e-3 * apart(sum, &NOTHING), "{sum:?} {parts:?}");
+    }
+}
