@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""judge.py FILE [--block-delete] [--tools FILE]: what LinuxCNC's interpreter makes of a program, as JSON on standard output.
+"""judge.py FILE [--block-delete] [--tools FILE] [--any-feed]: what LinuxCNC's interpreter makes of a program, as JSON on standard output.
 
 Needs the Python module `gcode` of Debian's linuxcnc-uspace, which brings the interpreter in as a library: full precision and no
 text in between. The answer is one object:
@@ -237,6 +237,7 @@ def main():
     arguments.add_argument("--block-delete", action="store_true")
     arguments.add_argument("--tools", help="JSON: list of objects with number, length_mm, diameter_mm")
     arguments.add_argument("--parameter", action="append", default=[], help="5221=100: persistent parameter before the start")
+    arguments.add_argument("--any-feed", action="store_true", help="G1 without F is no error")
     arguments.add_argument("--append-end", action="store_true", help="for programs that do not say where they end")
     options = arguments.parse_args()
     tools = []
@@ -274,7 +275,8 @@ def main():
         listener.memory = Memory(gcode.__file__)
         answer = {"elements": listener.elements, "error": None}
         try:
-            result, line = gcode.parse(program, listener, "G21", "")
+            # The module begins with a feed of one, a machine with none, and then G1 without F is an error.
+            result, line = gcode.parse(program, listener, "G21", "" if options.any_feed else "F0")
             if result > gcode.MIN_ERROR:
                 answer["error"] = {"line": line, "text": gcode.strerror(result)}
         except Exception as error:  # what the module raises is no more precise
