@@ -144,12 +144,12 @@ def turned(point, angle):
     return [cos * point[0] - sin * point[1], sin * point[0] + cos * point[1], *point[2:]]
 
 
-def sampled(step, start):
-    """Points of an arc from `start`, without its first one."""
+def sampled(step, start, sagitta=math.inf):
+    """Points of an arc from `start`, without its first one; the lines between them are off it by no more than `sagitta`."""
     if step.tilt and step.plane != 17:
         # The arc lies in a plane that the rotation of the zero offset tilts.
         place, center = turned(step.place, -step.tilt), turned(step.center, -step.tilt)
-        flat = sampled(step._replace(place=place, center=center, tilt=0.0), turned(start, -step.tilt))
+        flat = sampled(step._replace(place=place, center=center, tilt=0.0), turned(start, -step.tilt), sagitta)
         return [turned(point, step.tilt) for point in flat]
     first, second = {17: (0, 1), 18: (2, 0), 19: (1, 2)}[step.plane]
     center = step.center
@@ -164,7 +164,7 @@ def sampled(step, start):
         angle += 2 * math.pi * (step.turns - 1)
     radius = math.hypot(start[first] - center[first], start[second] - center[second])
     end_radius = math.hypot(step.place[first] - center[first], step.place[second] - center[second])
-    count = max(8, int(abs(angle) * 60))
+    count = max(8, int(abs(angle) * max(60, math.sqrt(max(radius, end_radius) / (8 * sagitta)))))
     points = []
     for index in range(1, count + 1):
         share = index / count
@@ -356,6 +356,25 @@ def unequal_radii(step, start):
     return abs(one - other)
 
 
+def length_of(points):
+    return sum(math.dist(a[:3], b[:3]) for a, b in zip(points, points[1:]))
+
+
+def beside(points, reals, tolerance):
+    """How far the first of `reals` that is further beside the line of `points` than `tolerance` is, or 0."""
+    window = 4 + 4 * len(points) // len(reals)
+    for number, real in enumerate(reals):
+        # Both go the same way: look near the same share of it first.
+        about = number * len(points) // len(reals)
+        around = points[max(0, about - window) : about + window + 1]
+        off = min((distance(real, a, b) for a, b in zip(around, around[1:])), default=math.inf)
+        if off > tolerance:
+            off = min(distance(real, a, b) for a, b in zip(points, points[1:]))
+        if off > tolerance:
+            return off
+    return 0.0
+
+
 def moving(steps):
     """Without what moves nothing."""
     out, at = [], [0.0] * 9
@@ -410,7 +429,7 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
             shifts = step.tool[:3]
             if step.kind == "ARC":
                 tip = [value - shift for value, shift in zip(points[-1], shifts)] + [0.0] * 6
-                points += [[v + t for v, t in zip(point, shifts)] for point in sampled(step, tip)]
+                points += [[v + t for v, t in zip(point, shifts)] for point in sampled(step, tip, 3e-4)]
             else:
                 points.append(axis_command(step)[:3])
             next_i += 1
@@ -421,13 +440,14 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
         wanted = command_for(end, model)
         done, next_j, path = False, j, [actual]
         sweep = swept(points, theirs.plane, [v + t for v, t in zip(theirs.center, theirs.tool)]) if theirs.kind == "ARC" else 0.0
-        shortest, travel = 0.98 * sum(math.dist(a, b) for a, b in zip(points, points[1:])) - CURVE_TOLERANCE, 0.0
+        length, travel, seconds = length_of(points), 0.0, 0.0
         while next_j < len(after) and not done:
             step = after[next_j]
             if step.kind == "DWELL" or (step.kind == "G0") != (theirs.kind == "G0"):
                 break
             if not spline and theirs.kind == "G1" and step.kind != "G1":
                 break
+            count = len(path)
             if step.kind == "ARC":
                 tip = [value - shift for value, shift in zip(path[-1], step.tool)]
                 path += [[v + t for v, t in zip(point, step.tool)] for point in sampled(step, tip)]
@@ -436,26 +456,25 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
             if theirs.kind != "G0" and not feed_agrees(theirs, step, inverse_time):
                 return f"feed: line {theirs.line}: {theirs.text} | output line {step.line}: {step.text}"
             next_j += 1
-            travel += math.dist(path[-1][:3], path[-2][:3])
+            travel += length_of(path[count - 1 :])
+            seconds += 60 * length_of(path[count - 1 :]) / step.feed if step.feed else 0.0
             # A closed spline is where it ends from its start.
-            done = same_place(wanted, path[-1], model, end) and not (spline and travel < shortest)
+            done = same_place(wanted, path[-1], model, end) and not (spline and travel < 0.98 * length - CURVE_TOLERANCE)
             if theirs.kind == "ARC" and done:
                 center = [v + t for v, t in zip(theirs.center, theirs.tool)]
                 done = swept([place_at(point, model) for point in path], theirs.plane, center) > sweep - 0.05
         if not done:
             return f"end point {show(wanted)} is not reached: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
+        if inverse_time and theirs.feed and length > 1 and near(end[3:], nominal[3:]):
+            # In G93 each piece has its own feed: together they must last as long.
+            wanted_seconds = 60 * length / theirs.feed
+            if abs(seconds - wanted_seconds) > 0.02 * wanted_seconds + 0.001:
+                return f"{seconds:.6g} s instead of {wanted_seconds:.6g} s: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
         if theirs.kind != "G0" and not (any(abs(v) < 1e-9 for v in actual[:3]) and model):
-            tolerance = 10 * CURVE_TOLERANCE if spline else 0.003 + unequal_radii(theirs, points[0])
-            for number, point in enumerate(path[1:], 1):
-                real = place_at(point, model)
-                # Both go the same way: look near the same share of it first.
-                about = number * len(points) // len(path)
-                around = points[max(0, about - 4) : about + 5]
-                off = min((distance(real, a, b) for a, b in zip(around, around[1:])), default=math.inf)
-                if off > tolerance:
-                    off = min(distance(real, a, b) for a, b in zip(points, points[1:]))
-                if off > tolerance:
-                    return f"{off:.6f} mm off the path: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
+            reals = [place_at(point, model)[:3] for point in path]
+            off = beside(points, reals, 0.003 + unequal_radii(theirs, points[0])) if not spline else not polylines_agree(points, reals)
+            if off:
+                return f"{off:.6f} mm off the path: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
         nominal, actual = end, path[-1]
         i, j = next_i, next_j
     while j < len(after) and stands_at(after[j], nominal, model):

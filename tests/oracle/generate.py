@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""generate.py SEED [FOLDER COUNT]: a random RS274/NGC program from a seed on standard output, or COUNT of them into FOLDER.
+"""generate.py SEED [FOLDER COUNT [correctable]]: a random RS274/NGC program from a seed on standard output, or COUNT of them into FOLDER.
 
 For differential testing with compare.py. The programs are meant to be valid, but need not be: what the interpreter does not accept is not
-compared. Each piece begins where the program knows its position, and leads back to such a place.
+compared. Each piece begins where the program knows its position, and leads back to such a place. With `correctable` they keep away from
+G28.1 and G30.1, which a correction refuses.
 """
 
 import math
@@ -12,8 +13,9 @@ import sys
 
 
 class Generator:
-    def __init__(self, seed):
+    def __init__(self, seed, correctable=False):
         self.random = random.Random(seed)
+        self.correctable = correctable
         self.lines = []
         self.depth = 0
         self.labels = 100
@@ -228,7 +230,7 @@ class Generator:
                 self.put(f"G53 G{r.choice([0, 1])} X{self.coordinate()} Z{self.coordinate(0, 40)}")
             else:
                 code = r.choice(["28", "30"])
-                if r.random() < 0.5:
+                if r.random() < 0.5 and not self.correctable:
                     self.put(f"G{code}.1")
                 self.put(f"G{code}" + (f" Z{self.coordinate(10, 40)}" if r.random() < 0.6 else ""))
             if r.random() < 0.5:
@@ -483,7 +485,7 @@ def main():
     os.makedirs(folder, exist_ok=True)
     for index in range(seed, seed + count):
         with open(os.path.join(folder, f"random_{index}.ngc"), "w", encoding="ascii") as out:
-            out.write(Generator(index).program())
+            out.write(Generator(index, "correctable" in sys.argv[4:]).program())
 
 
 main()

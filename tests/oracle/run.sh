@@ -22,7 +22,8 @@ if [ "$profile" = release ]; then cargo build --locked --release --quiet; else c
 ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-python3 tests/oracle/generate.py "${NCFIX_ORACLE_SEED:-1}" "$folder" "${NCFIX_ORACLE_COUNT:-60}"
+python3 tests/oracle/generate.py "${NCFIX_ORACLE_SEED:-1}" "$folder/any" "${NCFIX_ORACLE_COUNT:-60}"
+python3 tests/oracle/generate.py "${NCFIX_ORACLE_SEED:-1}" "$folder/correctable" "${NCFIX_ORACLE_COUNT:-60}" correctable
 
 status=0
 compare() {
@@ -33,9 +34,12 @@ compare() {
 compare 100 snc samples/programs/rs274 tests/oracle/programs
 compare 100 roundtrip samples/programs/rs274
 compare 100 model samples/programs/rs274
-compare 99 snc "$folder"
+compare 99 snc "$folder/any"
+compare 99 roundtrip "$folder/correctable"
+compare 99 model "$folder/correctable"
 if [ -n "${NCFIX_ORACLE_CORPUS:-}" ]; then
     compare 99 snc "$NCFIX_ORACLE_CORPUS"
     compare 99 roundtrip "$NCFIX_ORACLE_CORPUS"
+    compare 99 model "$NCFIX_ORACLE_CORPUS"
 fi
 exit $status
