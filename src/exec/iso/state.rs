@@ -147,18 +147,18 @@ impl Channel<'_> {
         if self.modal.spindle != saved.spindle {
             aux.push((b'M', f64::from(saved.spindle)));
         }
+        let word = |(letter, value)| Word { letter, extension: None, value: WordValue::Number(value) };
         if self.modal.coolant != saved.coolant {
-            aux.push((b'M', 9.0));
-            if saved.coolant[0] {
-                aux.push((b'M', 7.0));
-            }
-            if saved.coolant[1] {
-                aux.push((b'M', 8.0));
+            let [mist, flood] = saved.coolant;
+            for (code, is_wanted) in [(9.0, true), (7.0, mist), (8.0, flood)] {
+                if is_wanted {
+                    self.on_its_own(Kind::Before(vec![word((b'M', code))]));
+                }
             }
         }
         for (number, (was, is)) in (50..).zip(saved.overrides.into_iter().zip(self.modal.overrides)) {
             if was != is {
-                self.push(Kind::Verbatim(format!("M{number} P{}", u8::from(was)).into_bytes()));
+                self.on_its_own(Kind::Verbatim(format!("M{number} P{}", u8::from(was)).into_bytes()));
             }
         }
         self.modal.overrides = saved.overrides;
@@ -166,7 +166,13 @@ impl Channel<'_> {
         self.modal.speed_word = saved.speed_word;
         self.modal.spindle = saved.spindle;
         self.modal.coolant = saved.coolant;
-        let word = |(letter, value)| Word { letter, extension: None, value: WordValue::Number(value) };
         self.before.extend(aux.into_iter().map(word));
+    }
+
+    /// Puts an M code on a line of its own: LinuxCNC takes one code of a group and one P in a block.
+    fn on_its_own(&mut self, kind: Kind) {
+        self.outlet.begin_line();
+        self.push(kind);
+        self.outlet.begin_line();
     }
 }
