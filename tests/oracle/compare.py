@@ -209,12 +209,12 @@ def off_line(points, line, allowance):
     return None
 
 
-def polylines_agree(theirs, mine):
+def polylines_agree(theirs, mine, tolerance=POSITION_TOLERANCE):
     """The corners of the interpreter's pieces lie on the curve, the pieces may be off it by a share of their length."""
     return (
         off_line(theirs, mine, lambda _: CURVE_TOLERANCE) is None
         and off_line(mine, theirs, lambda length: 10 * CURVE_TOLERANCE + PIECE_SHARE * length) is None
-        and near(theirs[-1], mine[-1])
+        and near(theirs[-1], mine[-1], tolerance)
     )
 
 
@@ -472,9 +472,9 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
                 return f"{seconds:.6g} s instead of {wanted_seconds:.6g} s: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
         if theirs.kind != "G0" and not (any(abs(v) < 1e-9 for v in actual[:3]) and model):
             reals = [place_at(point, model)[:3] for point in path]
-            off = beside(points, reals, 0.003 + unequal_radii(theirs, points[0])) if not spline else not polylines_agree(points, reals)
+            off = beside(points, reals, 0.003 + unequal_radii(theirs, points[0])) if not spline else not polylines_agree(points, reals, 5e-4)
             if off:
-                return f"{off:.6f} mm off the path: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
+                return f"{'spline' if spline else f'{off:.6f} mm'} off the path: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
         nominal, actual = end, path[-1]
         i, j = next_i, next_j
     while j < len(after) and stands_at(after[j], nominal, model):
