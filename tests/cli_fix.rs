@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{Run, Shop, machine};
+use crate::support::{Run, Shop, dialects, machine};
 
 /// A program with header, comments, an arc and a block number on every line.
 const PART: &str = "\
@@ -228,6 +228,24 @@ fn options_change_the_output() {
     assert!(shop.text("machine.mpf").contains("G153"));
     fix(&shop, &["part.mpf", "-o", "none.mpf", "--rapids", "none"]).exits(0);
     assert!(shop.text("none.mpf").contains("N60 G0 X-20 Y-10\n"), "{}", shop.text("none.mpf"));
+}
+
+#[test]
+fn word_languages_have_no_machine_frame_in_the_output() {
+    for (dialect, machine_name) in dialects().into_iter().filter(|(dialect, _)| *dialect != "sinumerik") {
+        let shop = Shop::new().file("a.nc", "%\nN10 G90 G54 G0 X0. Y0. Z50.\nN20 M30\n");
+        let machine = machine(machine_name);
+        for option in [["--frame", "machine"], ["--five-axis", "axes"]] {
+            let run =
+                shop.run(["a.nc", "-o", "b.nc", "--dialect", dialect, "--machine", &machine].iter().chain(&option));
+            let run = run.exits(2);
+            assert!(run.stderr.contains(&format!("in the dialect '{dialect}'")), "{}", run.stderr);
+            assert!(run.stderr.contains("leave out --frame machine and --five-axis axes"), "{}", run.stderr);
+            assert_eq!(shop.names(), ["a.nc"]);
+        }
+        // Nothing else is wrong with the program.
+        shop.run(["a.nc", "-o", "b.nc", "--dialect", dialect, "--machine", &machine]).exits(0);
+    }
 }
 
 #[test]

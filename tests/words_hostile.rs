@@ -1,5 +1,7 @@
 //! Whatever comes in as a program of a word language: no panic, no endless run, findings with places in the file.
 
+use std::time::{Duration, Instant};
+
 use ncfix::dialect;
 use ncfix::source::{FileId, Source};
 use ncfix::syntax::words::{self, Body, Program};
@@ -183,4 +185,34 @@ fn lines_and_files_of_any_length() {
     assert_eq!(program.blocks.len(), 100_000);
     let breaks = "o1 do\n".repeat(2000) + &"o2 break\n".repeat(2000);
     assert!(parse("rs274", breaks.into_bytes()).blocks.iter().all(|block| block.body != Body::Faulty));
+}
+
+#[test]
+fn names_in_angle_brackets_that_end_nowhere() {
+    for (dialect, text, wanted) in [
+        ("fanuc", "N1 <A", "E0105"),
+        ("fanuc", "N1 <>", "E0101"),
+        ("fanuc", "N1 M98 < >", "E0101"),
+        ("rs274", "X#<a", "E0105"),
+        ("rs274", "#<>=1", "E0101"),
+        ("rs274", "o<a sub", "E0105"),
+        ("rs274", "o<> sub", "E0101"),
+    ] {
+        assert_eq!(code(dialect, text), wanted, "{dialect}: {text}");
+    }
+}
+
+#[test]
+fn angle_brackets_without_end_take_time_in_proportion_to_the_file() {
+    let started = Instant::now();
+    for dialect in DIALECTS {
+        for piece in ["<", "#<", "O<", "o<", "X#<", "<a>", "#<a>", "O<a>", "#<a", "(DEBUG,#<"] {
+            // One line of any length, and many of the longest that are read.
+            parse(dialect, piece.repeat(1_000_000 / piece.len()).into_bytes());
+            parse(dialect, (piece.repeat(4000 / piece.len()) + "\n").repeat(250).into_bytes());
+            parse(dialect, format!("{}\n", piece.repeat(1)).repeat(20_000).into_bytes());
+        }
+    }
+    // 90 MB: a second where each byte is looked at a few times, hours where it is for each bracket.
+    assert!(started.elapsed() < Duration::from_secs(60), "{:?}", started.elapsed());
 }
