@@ -86,6 +86,33 @@ fn texts_show_the_values_that_are_executed_away() {
     assert!(lines.contains("(MSG, v #1)"), "{lines}");
 }
 
+/// LinuxCNC shows `pass 1.000000`, `pass 2.000000`, `pass 3.000000`, and three times `turn`.
+#[test]
+fn texts_in_a_loop_show_the_values_of_each_pass() {
+    let text = "#1=0\no1 repeat [3]\n#1=[#1+1] (plain)\n(debug,pass #1)\n(MSG,turn)\n(LOG,a #1)\no1 endrepeat\nM2";
+    let lines = fixed("knee_mill", "a.ngc", text);
+    let shown = |part: &str| lines.iter().filter_map(|line| line.find(part).map(|at| line[at..].to_owned())).collect();
+    let debug: Vec<String> = shown("(DEBUG");
+    assert_eq!(debug, [1, 2, 3].map(|pass| format!("(DEBUG,pass {pass}.000000)")), "{lines:#?}");
+    let log: Vec<String> = shown("(LOG");
+    assert_eq!(log, [1, 2, 3].map(|pass| format!("(LOG,a {pass}.000000)")), "{lines:#?}");
+    assert_eq!(lines.iter().filter(|line| line.contains("(MSG,turn)")).count(), 3, "{lines:#?}");
+    assert_eq!(lines.iter().filter(|line| line.contains("(plain)")).count(), 1, "{lines:#?}");
+}
+
+#[test]
+fn texts_with_values_are_bounded_and_searched_once() {
+    // 2000 openings without end, and values of 300 digits each, twenty thousand times.
+    let openings = "#<".repeat(2000);
+    let long = "%.9f#1 ".repeat(500);
+    let started = std::time::Instant::now();
+    let text = format!("#1=[10**300]\no1 repeat [20000]\n(debug,{openings})\n(debug,{long})\no1 endrepeat\nM2");
+    let lines = fixed("knee_mill", "a.ngc", &text);
+    assert!(lines.iter().all(|line| line.len() <= 250), "{}", lines.len());
+    assert!(lines.iter().filter(|line| line.contains("(DEBUG,100000000")).count() == 20_000, "{}", lines.len());
+    assert!(started.elapsed() < std::time::Duration::from_secs(10), "{:?}", started.elapsed());
+}
+
 #[test]
 fn a_corrected_position_is_not_stored() {
     let text = "G21 G90 G0 X1 Y2 Z3\nG28.1\nG30.1\nM2";

@@ -19,7 +19,8 @@ impl Loaded {
         Loaded { program, commented, loops }
     }
 
-    /// Whether the comments of a block are to be passed on: the first time it is executed, a loop does not repeat them.
+    /// Whether the comments of a block that only explain the program are to be passed on: the first time it is executed, a loop does
+    /// not repeat them.
     pub(super) fn takes_comments(&mut self, index: usize, block: &Block) -> bool {
         if self.program.comments_of(block).is_empty() {
             return false;

@@ -61,7 +61,7 @@ use crate::exec::{Executor, Library, Options};
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, Element, Kind, Origin};
 use crate::source::Span;
-use crate::syntax::words::{PartKind, Program};
+use crate::syntax::words::{Comment, CommentKind, PartKind, Program};
 
 use channel::Channel;
 use expression::Scope;
@@ -155,12 +155,13 @@ impl<'a> Interpreter<'a> {
         let origin = Origin { file, line: block.line, span: block.span, calls: level.calls };
         let number = block.number.map(|number| BlockNumber { main: false, number });
         self.channel.begin_block(origin, number);
-        if loaded.takes_comments(index, &block) {
-            for comment in loaded.program.comments_of(&block) {
-                let scope = Scope { program: &loaded.program, index: level.program, channel: &self.channel };
-                let kind = scope.comment(comment);
-                self.channel.push(kind);
-            }
+        let takes_all = loaded.takes_comments(index, &block);
+        // What shows or writes something does so with each pass of a loop, with the values of that pass.
+        let acts = |comment: &&Comment| comment.kind != CommentKind::Plain;
+        for comment in loaded.program.comments_of(&block).iter().filter(|comment| takes_all || acts(comment)) {
+            let scope = Scope { program: &loaded.program, index: level.program, channel: &self.channel };
+            let kind = scope.comment(comment);
+            self.channel.push(kind);
         }
         let cut = block.inner_skip.filter(|skip| self.ledger.skips(skip.level, file, block.span));
         let program = &loaded.program;
