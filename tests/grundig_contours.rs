@@ -100,3 +100,13 @@ G3/17 X48 Y13 Z0 I0 J8
 G1 X60 Y40 Z0",
     );
 }
+
+#[test]
+fn an_approach_or_retraction_without_a_motion_is_a_finding() {
+    let text = |lines: &str| format!("N1 G17 G90 F100\nN2 G1 X10 Y0\n{lines}");
+    check_codes(&text("N3 G62 I2=1 R8\nN4 M30"), &["E0210:3"]);
+    check_codes(&text("N3 G62 I2=1 R8\nN4 G40\nN5 G0\nN6 M30"), &["E0210:3"]);
+    check_codes(&text("N3 G41 G61 R8\nN4 G40"), &["E0210:3"]);
+    // The second takes the place of the first.
+    check_codes(&text("N3 G62 R8\nN4 G62 R8\nN5 M30"), &["E0210:3", "E0210:4"]);
+}

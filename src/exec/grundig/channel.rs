@@ -52,7 +52,7 @@ pub(super) struct Channel<'a> {
     feed_warned: bool,
     /// What the motion to come wants of the contour stage.
     pub(super) corner: Option<Corner>,
-    pub(super) soft: Option<Soft>,
+    pub(super) soft: Option<(Soft, Span)>,
     /// A motion whose end the next one tells.
     pub(super) open: Option<Open>,
     /// Whether the motion that is put into the stream is such a one.
@@ -352,6 +352,7 @@ impl<'a> Channel<'a> {
     /// Ends what is held back.
     pub(super) fn finish(&mut self) {
         self.end_open();
+        self.end_soft();
         self.outlet.finish();
     }
 }

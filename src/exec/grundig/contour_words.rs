@@ -319,7 +319,9 @@ impl Channel<'_> {
             let message = "a tangential approach without radius compensation";
             return Err(fault(Code::NOT_SUPPORTED, span, message, "program G41 or G42 in the block or before it"));
         }
-        self.soft = Some(Soft {
+        // One that still waits for its motion gets none.
+        self.end_soft();
+        let soft = Soft {
             form,
             retracts,
             side: SoftSide::Compensation,
@@ -329,8 +331,18 @@ impl Channel<'_> {
             infeed: 0.0,
             feed_before: self.modal.feed,
             rapid_before: self.modal.motion == MotionKind::Rapid,
-        });
+        };
+        self.soft = Some((soft, span));
         Ok(())
+    }
+
+    /// Says of G61 or G62 that still wait that nothing moves onto the contour or off it.
+    pub(super) fn end_soft(&mut self) {
+        if let Some((soft, span)) = self.soft.take() {
+            let message = if soft.retracts { "no motion follows this G62" } else { "no motion follows this G61" };
+            let help = "write where it leads, for example G61 X0 Y0 R8";
+            self.outlet.warnings.push(bad_value(span, message, help));
+        }
     }
 }
 

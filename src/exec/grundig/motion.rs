@@ -191,7 +191,7 @@ impl Channel<'_> {
 
     /// Puts a motion into the stream, through the contour stage where it must.
     fn put(&mut self, path: Path) {
-        let (contour, corner, soft) = (self.modal.contour, self.corner.take(), self.soft.take());
+        let (contour, corner, soft) = (self.modal.contour, self.corner.take(), self.soft.take().map(|(soft, _)| soft));
         let is_free = corner.is_none() && soft.is_none() && !self.is_open;
         if is_free && contour.is_plain() && !self.outlet.is_holding() {
             let element = self.outlet.element(Kind::Empty);
