@@ -235,3 +235,13 @@ fn no_move_is_added_where_the_length_has_changed() {
         assert_eq!(behind.filter(|line| line.contains('Z')).count(), 1, "{out}");
     }
 }
+
+#[test]
+fn a_feed_of_one_mode_is_none_of_the_other() {
+    // Equal numbers of different units.
+    let out = written(&format!("{HEAD}N3 G94 G1 X10 F1\nN4 G95 X20 F1\nN5 X30\nN6 G94 X40 F1\n"), None);
+    let feeds = |line: &&str| line.contains("G1 X") && line.contains(" F1");
+    assert_eq!(out.lines().filter(feeds).count(), 3, "{out}");
+    check_codes("N1 G17 G90 G94 F100\nN2 G1 X10 Y0 Z0\nN3 G95 X20\nN4 M30", &["W0202:3"]);
+    check_codes("N1 G17 G90 G94 F100\nN2 G1 X10 Y0 Z0\nN3 G94 X20\nN4 M30", &[]);
+}

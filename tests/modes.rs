@@ -305,6 +305,19 @@ fn the_time_of_a_block_is_shared_by_its_pieces() {
 #[test]
 fn behind_a_change_of_the_feed_mode_the_feed_must_be_programmed_again() {
     assert_eq!(codes("G90 G0 X0\nG93 G1 X1 F2\nG94 X2\nM30"), ["W0202"]);
+    // Millimeters per minute are none per turn.
+    for (mode, other) in
+        [("G94", "G95"), ("G95", "G94"), ("G94", "G96 S100"), ("G961 S100", "G97"), ("G96 S100", "G971")]
+    {
+        let text = |feed| format!("G90 G0 X0\n{mode}\nG1 X1 F2\n{other}\nX2{feed}\nM30");
+        assert_eq!(codes(&text("")), ["W0202"], "{mode} {other}");
+        assert!(codes(&text(" F2")).is_empty(), "{mode} {other}");
+    }
+    for (mode, other) in
+        [("G95", "G96 S100"), ("G96 S100", "G97"), ("G94", "G961 S100"), ("G95", "G962 S100"), ("G94", "G972")]
+    {
+        assert!(codes(&format!("G90 G0 X0\n{mode}\nG1 X1 F2\n{other}\nX2\nM30")).is_empty(), "{mode} {other}");
+    }
     check("G90 G700 G0 X0\nG93 G1 X1 F2\nM30", &["G90 G710 G0 X0", "G93 G1 X25.4 F2", "M30"]);
 }
 

@@ -12,6 +12,10 @@ const SUPPRESSING: [&str; 3] = ["G53", "G153", "SUPA"];
 /// arithmetic.
 const VALUE_PARTS: f64 = 1e9;
 
+/// What F counts changes with these.
+const FEED_MODES: [&str; 13] =
+    ["G93", "G94", "G95", "G96", "G97", "G961", "G962", "G971", "G972", "G973", "G942", "G952", "G931"];
+
 impl Sinumerik {
     pub(super) fn element(&mut self, element: &Element, out: &mut Vec<u8>) {
         if let Kind::Header(bytes) = &element.kind {
@@ -38,7 +42,13 @@ impl Sinumerik {
                 self.has_assumed = true;
                 self.word(word.as_bytes());
             }
-            Kind::Keep(word) => self.stops.keep(&mut self.line, word),
+            Kind::Keep(word) => {
+                if FEED_MODES.contains(word) {
+                    // A feed of one mode is none of the other.
+                    self.feed = f64::NAN;
+                }
+                self.stops.keep(&mut self.line, word);
+            }
             Kind::Frame(words) => self.frame(words),
             Kind::Tool(value) => self.auxiliary(b'T', None, value),
             Kind::Before(words) => {

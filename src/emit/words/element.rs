@@ -82,7 +82,7 @@ impl Words {
         }
         match kind {
             Kind::Keep(word) => {
-                if ["G93", "G94", "G95"].contains(word) && self.flavour.language != Language::Grundig {
+                if ["G93", "G94", "G95"].contains(word) {
                     self.is_inverse_time = *word == "G93";
                     // A feed of one mode is none of the other.
                     self.feed = f64::NAN;

@@ -276,6 +276,24 @@ fn inverse_time_says_its_feed_on_every_feed_move() {
 }
 
 #[test]
+fn behind_a_change_of_the_feed_mode_an_equal_feed_is_written_again() {
+    let at = |x, feed| piece(Piece { feed, ..line(&[(X, x)]) });
+    let stream = [
+        at(1000, 0.5),
+        block(Kind::Keep("G95")),
+        at(2000, 0.5),
+        at(3000, 0.5),
+        block(Kind::Keep("G94")),
+        at(4000, 0.5),
+    ];
+    for dialect in LANGUAGES {
+        let feeds: Vec<bool> =
+            body(dialect, &stream).iter().filter(|line| line.contains('X')).map(|line| line.contains('F')).collect();
+        assert_eq!(feeds, [true, true, false, true], "{dialect}");
+    }
+}
+
+#[test]
 fn words_and_dwells_between_two_motions_of_a_block_stay_between_them() {
     let stream = [
         piece(line(&[(Z, -9000)])),

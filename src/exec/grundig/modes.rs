@@ -80,7 +80,11 @@ impl Channel<'_> {
                 self.outlet.push(Kind::Keep(word));
                 match number {
                     27 => self.modal.positioning_logic = true,
-                    94 | 95 => self.modal.per_turn = number == 95,
+                    94 | 95 if self.modal.per_turn != (number == 95) => {
+                        // F meant something else: it must be programmed again.
+                        self.modal.per_turn = number == 95;
+                        self.modal.feed = 0.0;
+                    }
                     _ => {}
                 }
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::angle::OpenAngle;
 use super::frames;
 use super::gathered::Gathered;
-use super::modal::{Modal, initial_zero_offset};
+use super::modal::{FeedUnit, Modal, initial_zero_offset};
 use super::motion::{MotionContext, motion};
 use super::spline::{self, Splines};
 use super::system::System;
@@ -202,11 +202,10 @@ impl<'a> Channel<'a> {
         for &(is_end, end) in &gathered.curve.ends {
             self.modal.spline_ends[usize::from(is_end)] = end;
         }
-        if let Some(inverse_time) = gathered.inverse_time
-            && inverse_time != self.modal.inverse_time
-        {
+        let unit = gathered.feed_mode.map_or(self.modal.feed_unit, |word| self.modal.feed_unit.behind(word));
+        if unit != self.modal.feed_unit {
             // F meant something else: it must be programmed again.
-            self.modal.inverse_time = inverse_time;
+            self.modal.feed_unit = unit;
             self.modal.feed = 0.0;
         }
         if let Some(incremental) = gathered.incremental {
@@ -224,7 +223,7 @@ impl<'a> Channel<'a> {
     fn feed_and_speed(&mut self, gathered: &mut Gathered) {
         self.lead_change(gathered);
         if let Some((feed, _)) = gathered.feed {
-            let is_inch = self.modal.inch_feed && !self.modal.inverse_time;
+            let is_inch = self.modal.inch_feed && self.modal.feed_unit != FeedUnit::InverseTime;
             self.modal.feed = if is_inch { feed * MM_PER_INCH } else { feed };
         }
         if let Some((speed, _)) = gathered.speed {

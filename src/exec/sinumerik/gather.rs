@@ -238,7 +238,7 @@ impl Gatherer<'_> {
             Effect::Pole => out.pole = PoleBase::of(entry.name).map(|base| (base, span)),
             Effect::Keep => out.keep.push(entry.name),
             Effect::FeedMode => {
-                out.inverse_time = Some(entry.name == "G93");
+                out.feed_mode = Some(entry.name);
                 out.keep.push(entry.name);
             }
             Effect::Transform => out.transform.switch = Some((entry.name, span)),

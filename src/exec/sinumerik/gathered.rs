@@ -92,8 +92,8 @@ pub(super) struct Gathered {
     pub(super) limits: Option<Span>,
     /// Diameter programming on or off.
     pub(super) diameter: Option<(bool, Span)>,
-    /// Feed mode: whether it is G93.
-    pub(super) inverse_time: Option<bool>,
+    /// Code of the feed mode.
+    pub(super) feed_mode: Option<&'static str>,
     /// FB, mm/min.
     pub(super) block_feed: Option<f64>,
     pub(super) warning: Option<Fault>,
@@ -147,7 +147,7 @@ impl Gathered {
             is_reference: false,
             limits: None,
             diameter: None,
-            inverse_time: None,
+            feed_mode: None,
             block_feed: None,
             warning: None,
             call: None,

@@ -58,6 +58,32 @@ impl MotionKind {
     }
 }
 
+/// What F counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum FeedUnit {
+    /// mm/min
+    #[default]
+    PerMinute,
+    /// mm per turn of the spindle
+    PerTurn,
+    /// The reciprocal of the time of a block (G93).
+    InverseTime,
+}
+
+impl FeedUnit {
+    /// What F counts behind a code of the feed mode.
+    pub(super) fn behind(self, word: &str) -> FeedUnit {
+        match word {
+            "G93" => FeedUnit::InverseTime,
+            "G94" | "G942" | "G961" | "G971" => FeedUnit::PerMinute,
+            "G95" | "G952" | "G96" | "G97" | "G973" => FeedUnit::PerTurn,
+            // The others keep it.
+            _ if self == FeedUnit::InverseTime => FeedUnit::PerMinute,
+            _ => self,
+        }
+    }
+}
+
 /// G group of the feed modes.
 const FEED_MODES: u8 = 15;
 
@@ -78,10 +104,9 @@ pub(super) struct Modal {
     pub(super) inch_feed: bool,
     /// G700 or G710, which also mean feeds and data, and not G70 or G71.
     pub(super) technological: bool,
-    /// mm/min, 0 for none yet.
+    /// In units of `feed_unit`, 0 for none yet.
     pub(super) feed: f64,
-    /// G93: F is the reciprocal of the time of a block.
-    pub(super) inverse_time: bool,
+    pub(super) feed_unit: FeedUnit,
     /// Where diameter programming was turned on, if it is.
     pub(super) diameter: Option<Span>,
     /// Last speed of the spindle.
@@ -142,7 +167,7 @@ impl Modal {
             inch_feed: false,
             technological: false,
             feed: 0.0,
-            inverse_time: false,
+            feed_unit: FeedUnit::default(),
             diameter: None,
             speed: None,
             base: Frame::identity(),
