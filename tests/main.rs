@@ -74,6 +74,7 @@ mod system;
 mod texts;
 mod threads;
 mod tolerance;
+mod undefined;
 mod variables;
 mod words;
 mod words_hostile;

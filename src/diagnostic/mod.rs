@@ -46,19 +46,24 @@ pub struct Diagnostic {
     pub message: String,
     /// What to do about it: one sentence in the same manner.
     pub help: String,
+    /// The variable without a value that this is about.
+    pub variable: Option<String>,
+    /// Variables that get no value because of this.
+    pub unset: Vec<String>,
 }
 
 impl Diagnostic {
     /// A finding at a place.
     #[must_use]
     pub fn at(code: Code, place: Place, message: impl Into<String>, help: impl Into<String>) -> Self {
-        Diagnostic { code, place: Some(place), message: message.into(), help: help.into() }
+        Diagnostic { place: Some(place), ..Diagnostic::nowhere(code, message, help) }
     }
 
     /// A finding that has no place in a file.
     #[must_use]
     pub fn nowhere(code: Code, message: impl Into<String>, help: impl Into<String>) -> Self {
-        Diagnostic { code, place: None, message: message.into(), help: help.into() }
+        let (message, help) = (message.into(), help.into());
+        Diagnostic { code, place: None, message, help, variable: None, unset: Vec::new() }
     }
 
     /// Its weight, which follows from the code.

@@ -15,11 +15,16 @@ pub(super) struct FaultData {
     pub(super) file: Option<FileId>,
     pub(super) message: String,
     pub(super) help: String,
+    /// The variable without a value that this is about.
+    variable: Option<String>,
+    /// Variables that get no value because of this.
+    unset: Vec<String>,
 }
 
 /// Makes a finding.
 pub(super) fn fault(code: Code, span: Span, message: impl Into<String>, help: impl Into<String>) -> Fault {
-    Box::new(FaultData { code, span, file: None, message: message.into(), help: help.into() })
+    let (message, help) = (message.into(), help.into());
+    Box::new(FaultData { code, span, file: None, message, help, variable: None, unset: Vec::new() })
 }
 
 impl FaultData {
@@ -29,10 +34,24 @@ impl FaultData {
         self
     }
 
+    /// The same finding about a variable without a value: what comes of it elsewhere is no finding of its own.
+    pub(super) fn of_variable(mut self: Box<Self>, name: impl Into<String>) -> Fault {
+        self.variable = Some(name.into());
+        self
+    }
+
+    /// The same finding in a block that would have given a variable its value.
+    pub(super) fn leaves_unset(mut self: Box<Self>, name: impl Into<String>) -> Fault {
+        self.unset.push(name.into());
+        self
+    }
+
     /// The finding with its file.
     pub(super) fn in_file(self, file: FileId) -> Diagnostic {
         let file = self.file.unwrap_or(file);
-        Diagnostic::at(self.code, Place { file, span: self.span }, self.message, self.help)
+        let place = Place { file, span: self.span };
+        let found = Diagnostic::at(self.code, place, self.message, self.help);
+        Diagnostic { variable: self.variable, unset: self.unset, ..found }
     }
 }
 

@@ -35,6 +35,8 @@ pub(super) struct Ledger {
     pub(super) stage: Stage,
     skip_levels: [bool; 10],
     reported: HashSet<(Code, Option<Place>)>,
+    /// Variables without a value that a finding was about, or that have none because of it, by the file.
+    without_value: HashSet<(FileId, String)>,
     errors: usize,
     executed: u64,
     limit: u64,
@@ -52,6 +54,7 @@ impl Ledger {
             stage: Stage::Runs,
             skip_levels: options.skip_levels,
             reported: HashSet::new(),
+            without_value: HashSet::new(),
             errors: 0,
             executed: 0,
             limit: options.max_blocks.unwrap_or_else(|| MAX_BLOCKS.max(blocks as u64 * 20)),
@@ -112,7 +115,7 @@ impl Ledger {
         {
             place.span = source.in_file(place.span);
         }
-        if !self.reported.insert((finding.code, finding.place)) {
+        if self.is_known_variable(&mut finding) || !self.reported.insert((finding.code, finding.place)) {
             return;
         }
         if finding.is_error() {
@@ -125,6 +128,15 @@ impl Ledger {
             }
         }
         self.findings.push_back(finding);
+    }
+
+    /// Whether a finding is about a variable without a value, and an earlier one in the file was too: that one says it all. Other
+    /// variables that have no value because of it are known from here on.
+    fn is_known_variable(&mut self, finding: &mut Diagnostic) -> bool {
+        let Some(file) = finding.place.map(|place| place.file) else { return false };
+        let is_known = finding.variable.take().is_some_and(|name| !self.without_value.insert((file, name)));
+        self.without_value.extend(finding.unset.drain(..).map(|name| (file, name)));
+        is_known
     }
 
     /// The number of the next file; `None` where there are too many.

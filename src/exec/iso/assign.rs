@@ -4,14 +4,14 @@
 //! computed before the first of its assignments takes effect, and these come before anything else that the block does.
 
 use super::channel::Channel;
-use super::expression::{Scope, no_variable};
+use super::expression::{Scope, name_of, no_variable};
 use super::loaded::Loaded;
 use super::variables::{Place, Symbol};
 use crate::diagnostic::Code;
 use crate::dialect::Language;
 use crate::exec::fault::{Fault, at, fault};
 use crate::source::Span;
-use crate::syntax::words::{Address, Block, Node, Value, Word};
+use crate::syntax::words::{Address, Block, Node, Program, Value, Word};
 
 /// What an assignment changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +36,18 @@ pub(super) fn is_assignment(word: &Word) -> bool {
 /// Evaluates the assignments among these words.
 pub(super) fn evaluate(scope: &Scope<'_, '_>, words: &[Word]) -> Result<Vec<Assignment>, Fault> {
     words.iter().filter(|word| is_assignment(word)).map(|word| one(scope, word)).collect()
+}
+
+/// The finding of a block whose assignments are not carried out.
+pub(super) fn leaves_unset(program: &Program, words: &[Word], found: Fault) -> Fault {
+    let names = words.iter().filter_map(|word| match word.address {
+        Address::Variable(target) => match program.expr(target).node {
+            Node::Named(name) => Some(name_of(program.names.text(name))),
+            _ => None,
+        },
+        _ => None,
+    });
+    names.fold(found, |found, name| found.leaves_unset(name))
 }
 
 fn one(scope: &Scope<'_, '_>, word: &Word) -> Result<Assignment, Fault> {

@@ -170,7 +170,7 @@ impl Scope<'_, '_> {
                 let message =
                     format!("#{number} keeps its value when the power is off, and the program has not set it");
                 let help = format!("set it in the program, or add \"#{number}\" = … to [system] of the machine file");
-                return Err(fault(Code::NO_SYSTEM_VALUE, span, message, help));
+                return Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(format!("#{number}")));
             }
             Place::Variable | Place::System => {}
         }
@@ -210,7 +210,7 @@ impl Scope<'_, '_> {
         }
         let message = format!("#<{}> has no value yet", text.to_ascii_lowercase());
         let help = "assign it before it is used; a name without _ at its start belongs to its own subroutine";
-        Err(fault(Code::UNDEFINED_VARIABLE, span, message, help))
+        Err(fault(Code::UNDEFINED_VARIABLE, span, message, help).of_variable(name_of(text)))
     }
 
     /// The value of a name, upper case, where it has one.
@@ -286,7 +286,12 @@ impl Scope<'_, '_> {
 fn no_value(key: &str, span: Span) -> Fault {
     let message = format!("{key} is read, and only the machine knows its value");
     let help = format!("add \"{key}\" = … to [system] of the machine file");
-    fault(Code::NO_SYSTEM_VALUE, span, message, help)
+    fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(key)
+}
+
+/// A named variable as findings know it.
+pub(super) fn name_of(text: &str) -> String {
+    format!("#<{text}>")
 }
 
 /// A number that is no variable.

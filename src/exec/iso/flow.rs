@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::assign::{check_beside, evaluate, is_assignment};
+use super::assign::{check_beside, evaluate, is_assignment, leaves_unset};
 use super::call::Call;
 use super::channel::Channel;
 use super::expression::Scope;
@@ -201,7 +201,7 @@ fn run(
         found.map(|()| Vec::new())
     };
     channel.outlet.warnings.append(&mut warnings);
-    let assignments = assignments?;
+    let assignments = assignments.map_err(|found| leaves_unset(&loaded.program, words, found))?;
     channel.assign(&assignments, loaded, block)?;
     if is_silent { Ok(()) } else { channel.execute(gathered) }
 }

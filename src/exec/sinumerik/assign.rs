@@ -79,7 +79,8 @@ pub(super) fn assign_name(
         Code::UNDEFINED_VARIABLE,
         format!("{text} is not defined"),
         "define it with DEF at the start of this program",
-    ))
+    )
+    .of_variable(text))
 }
 
 /// Assigns one value to the left side of an assignment.

@@ -97,7 +97,11 @@ pub(super) fn block(
         Body::Define { start, count } => {
             for place in start as usize..start as usize + usize::from(count) {
                 let definition = loaded.program.definitions[place];
-                define(loaded, channel, &definition)?;
+                // A definition that fails is no reason why the others of its block are missing.
+                if let Err(found) = define(loaded, channel, &definition) {
+                    let name = loaded.program.names.text(definition.name);
+                    channel.outlet.warnings.push(found.leaves_unset(name));
+                }
             }
             Action::Next
         }

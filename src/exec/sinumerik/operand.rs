@@ -126,5 +126,5 @@ pub(super) fn undefined(message: String, name: &str, span: Span) -> Fault {
     let help = format!(
         "define it with DEF at the start of this program, or give its value as {name} = … in [gud] of the machine file"
     );
-    fault(Code::UNDEFINED_VARIABLE, span, message, help)
+    fault(Code::UNDEFINED_VARIABLE, span, message, help).of_variable(name)
 }

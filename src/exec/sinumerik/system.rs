@@ -130,7 +130,7 @@ impl Scope<'_> {
         }
         let message = format!("{key} is read, and only the machine knows its value");
         let help = format!("add \"{}\" = … to [system] of the machine file", key.replace('"', "\\\""));
-        Err(fault(Code::NO_SYSTEM_VALUE, span, message, help))
+        Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(key))
     }
 
     /// What the execution itself knows.
