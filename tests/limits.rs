@@ -21,7 +21,28 @@ fn positions_outside_the_travel_are_found_once_a_line() {
     let circle =
         correct("G0 X60 Y0 Z0\nG3 X60 Y0 Z0 I-40 J0 P17 F500\n", &machine, &ErrorModel::default(), Options::default());
     assert_eq!(circle.findings.len(), 1);
-    assert_eq!(circle.findings[0].message, "X -20.0000 mm is below the limit of 0 mm");
+    assert_eq!(circle.findings[0].message, "X -20.0000 mm on the way is below the limit of 0 mm");
+}
+
+#[test]
+fn a_move_in_pieces_that_ends_outside_is_said_with_its_end() {
+    let mut machine = xyz_machine();
+    machine.axes[0].as_mut().unwrap().travel = Some([0.0, 100.0]);
+    // 1 µm per mm², so that the moves are cut.
+    let errors = ErrorModel { motion: vec![motion("EYX", polynomial(&[0.0, 0.0, 1e-6]))], ..ErrorModel::default() };
+    let message = |text: &str| {
+        let run = correct(text, &machine, &errors, Options { tolerance_mm: 0.0005, ..Options::default() });
+        assert!(run.pieces.len() > 3, "{}", run.pieces.len());
+        assert_eq!(run.findings.len(), 1, "{:?}", run.findings);
+        run.findings[0].message.clone()
+    };
+    assert_eq!(message("G0 X0 Y0 Z0\nG1 X180 F500\n"), "X 180.0000 mm is above the limit of 100 mm");
+    // Three quarters of a circle of radius 40 about (90, 0): past X130 and X50 to (90, -40).
+    let arc = "G0 X90 Y40 Z0\nG2 X50 Y0 I0 J-40 P17 F500\n";
+    assert_eq!(message(arc), "X 130.0000 mm on the way is above the limit of 100 mm");
+    // About (110, 0) with radius 40, from (70, 0) over the top to (150, 0), and on to (110, -40).
+    let over = "G0 X70 Y0 Z0\nG2 X110 Y-40 I40 J0 P17 F500\n";
+    assert_eq!(message(over), "X 110.0000 mm is above the limit of 100 mm");
 }
 
 #[test]

@@ -220,8 +220,9 @@ Move around the pole, end a block at it, or program ORIAXES: rotary axes then mo
     ALREADY_CORRECTED = "E0301" "this program was corrected before"
 "The first comment says that ncfix made this file. Correcting it again would add the corrections twice. Correct the original.";
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
-"A corrected position lies beyond axis.….travel_mm (travel_deg). The message gives the axis, the position and the limit. Check zero
-offset and tool length first: a wrong one moves the whole program.";
+"A corrected position lies beyond axis.….travel_mm (travel_deg). The message gives the axis, the limit and the position: the end of the
+move where that is outside, else the farthest place on the way. Check zero offset and tool length first: a wrong one moves the whole
+program.";
     CORRECTION_TOO_LARGE = "E0303" "correction larger than allowed"
 "A correction exceeds --max-correction (default 0.2 mm; rotary axes are judged by the arc at the tool). Geometric errors of a machine in
 working order are smaller: check the units in the machine file before raising the limit.";

@@ -283,14 +283,15 @@ where
         let stated = if self.placer.is_parallel() { known } else { frame.known_across(known, false) };
         if let Some(start) = &trial.take_up {
             let way = Route::new(self.standing.command, start.command, None);
-            let nominal = active.route.at(from);
-            self.findings.check(&active.origin, stated, &nominal, &way, &self.placer.setup.tool_mm);
+            let piece = (&active.route, from);
+            self.findings.check(&active.origin, stated, piece, &way, &self.placer.setup.tool_mm);
             // Such a step takes the time that its length takes on the way.
             let share = way.size_mm() / active.route.size_mm();
             self.write(active, start, None, share, false);
         }
         let nominal = active.route.at(to);
-        self.findings.check(&active.origin, stated, &nominal, &trial.emitted, &self.placer.setup.tool_mm);
+        let piece = (&active.route, to);
+        self.findings.check(&active.origin, stated, piece, &trial.emitted, &self.placer.setup.tool_mm);
         if let Some(failure) = trial.end.failure.or(trial.take_up.and_then(|start| start.failure)) {
             self.findings.not_converged(&active.origin, failure);
         }

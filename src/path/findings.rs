@@ -43,37 +43,35 @@ impl<'a> Findings<'a> {
         self.new.is_empty()
     }
 
-    /// Checks travel and correction of a piece along `emitted`; `nominal` is its programmed end.
+    /// Checks travel and correction of a piece along `emitted`, which ends at this parameter of the programmed move.
     pub(super) fn check(
         &mut self,
         origin: &Origin,
         known: AxisSet,
-        nominal: &AxisVector,
+        (whole, parameter): (&Route, f64),
         emitted: &Route,
         tool_mm: &Vector,
     ) {
         let machine = self.machine;
+        let nominal = &whole.at(parameter);
         for data in machine.axes.iter().flatten().filter(|data| known.contains(data.axis)) {
             let end = emitted.end[data.axis];
             if let Some([low, high]) = data.travel {
-                let (mut least, mut most) = (end, end);
-                if emitted.arc().is_some() {
-                    let mut at = 0.0;
-                    loop {
-                        at = emitted.next_turning([data.axis].into_iter().collect(), at);
-                        if at >= 1.0 {
-                            break;
-                        }
-                        let turning = emitted.at(at)[data.axis];
-                        (least, most) = (least.min(turning), most.max(turning));
-                    }
-                }
+                let [least, most] = span_of(emitted, data.axis);
+                // The end of the whole move, corrected where this is its last piece.
+                let whole_end = if parameter >= 1.0 { end } else { whole.end[data.axis] };
                 // Ranges, so that a position that is no number is outside.
-                if !(low - ON_LIMIT..).contains(&least) {
-                    self.out_of_travel(origin, data.axis, least, low, "below");
+                let is_below = |position: f64| !(low - ON_LIMIT..).contains(&position);
+                if is_below(least) {
+                    let on_the_way = [span_of(whole, data.axis)[0], least];
+                    let (position, place) = place_outside(whole_end, on_the_way, is_below);
+                    self.out_of_travel(origin, data.axis, position, place, ("below", low));
                 }
-                if !(..=high + ON_LIMIT).contains(&most) {
-                    self.out_of_travel(origin, data.axis, most, high, "above");
+                let is_above = |position: f64| !(..=high + ON_LIMIT).contains(&position);
+                if is_above(most) {
+                    let on_the_way = [span_of(whole, data.axis)[1], most];
+                    let (position, place) = place_outside(whole_end, on_the_way, is_above);
+                    self.out_of_travel(origin, data.axis, position, place, ("above", high));
                 }
             }
             let correction = end - nominal[data.axis];
@@ -139,10 +137,11 @@ impl<'a> Findings<'a> {
         }
     }
 
-    fn out_of_travel(&mut self, origin: &Origin, axis: Axis, position: f64, limit: f64, side: &str) {
+    fn out_of_travel(&mut self, origin: &Origin, axis: Axis, position: f64, place: &str, (side, limit): (&str, f64)) {
         let unit = if axis.is_rotary() { "deg" } else { "mm" };
         let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
-        let message = format!("{axis} {:.4} {unit} is {side} the limit of {} {unit}", shown(position), shown(limit));
+        let message =
+            format!("{axis} {:.4} {unit}{place} is {side} the limit of {} {unit}", shown(position), shown(limit));
         let help = format!("check zero offset and tool length, or axis.{axis}.travel_{unit} in the machine file");
         self.report(origin, Code::OUT_OF_TRAVEL, message, help);
     }
@@ -154,6 +153,34 @@ impl<'a> Findings<'a> {
             self.new.push(Diagnostic::at(code, place, message, help));
         }
     }
+}
+
+/// Least and greatest position of an axis at the end of a way and where the axis turns on it.
+fn span_of(way: &Route, axis: Axis) -> [f64; 2] {
+    let end = way.end[axis];
+    let (mut least, mut most) = (end, end);
+    if way.arc().is_some() {
+        let mut at = 0.0;
+        loop {
+            at = way.next_turning([axis].into_iter().collect(), at);
+            if at >= 1.0 {
+                break;
+            }
+            let turning = way.at(at)[axis];
+            (least, most) = (least.min(turning), most.max(turning));
+        }
+    }
+    [least, most]
+}
+
+/// Which position of a move that leads outside a person looks for: the end, which the program states; else the farthest one on the way,
+/// programmed if that is outside, or corrected.
+fn place_outside(end: f64, on_the_way: [f64; 2], is_outside: impl Fn(f64) -> bool) -> (f64, &'static str) {
+    if is_outside(end) {
+        return (end, "");
+    }
+    let [programmed, corrected] = on_the_way;
+    (if is_outside(programmed) { programmed } else { corrected }, " on the way")
 }
 
 /// A length for a sentence.
