@@ -1,6 +1,6 @@
 //! `ncfix check`: what it understands, what it reports, how it exits.
 
-use crate::support::{Shop, machine};
+use crate::support::{Shop, dialects, machine, repository};
 
 /// A program that every machine with X Y Z can run.
 const GOOD: &str = "N10 G90 G71 G54 G0 X10 Y10 Z100\nN20 G1 X20 F500\nN30 G4 F1\nN40 M30\n";
@@ -117,4 +117,43 @@ fn subprograms_are_found_beside_the_program_and_findings_point_into_them() {
         .file("parts/l12.spf", "N10 G1 X10 F500\nN20 X=1/R9\nN30 M17\n");
     let run = shop.run(["check", "parts/main.mpf", "--machine", &machine("demo")]).exits(4);
     run.says("error[E0209]").says("l12.spf:2:");
+}
+
+#[test]
+fn a_program_of_another_control_is_told_what_it_reads_like() {
+    let fanuc = "%\nO0001 (PART)\nG90 G54 G43 H1 Z50.\n#100=5\nG0 X[#100+1] Y0.\nM30\n%\n";
+    let rs274 = "o<hole> sub\nG1 Z-1 F100\no<hole> endsub\n#<depth>=5\nG90 G54 G0 X#<depth>\nM2\n";
+    let grundig = "%PM9001\nN9001 (PART)\nN1 G17 G90 T1 M67\nN2 E1=5\nN3 G0 X=E1+1 Y0 Z5\nN4 M30\n";
+    let sinumerik = "%_N_A_MPF\nN10 DEF REAL DEPTH=5\nN20 G90 G54 G0 X=DEPTH\nN30 M30\n";
+    let programs = [("fanuc", fanuc), ("rs274", rs274), ("grundig", grundig), ("sinumerik", sinumerik)];
+    for (own, text) in programs {
+        for (other, machine_name) in dialects().into_iter().filter(|(other, _)| *other != own) {
+            let shop = Shop::new().file("a.nc", text);
+            let run = shop.run(["check", "a.nc", "--machine", &machine(machine_name)]);
+            assert_ne!(run.code, 0, "{own} on {other}: {}", run.stderr);
+            let hint = format!("try --dialect {own} ");
+            assert_eq!(run.stderr.matches("reads like").count(), 1, "{own} on {other}: {}", run.stderr);
+            // With the first of the errors.
+            let first = run.stderr.split("\n\n").next().unwrap();
+            assert!(first.contains(&hint), "{own} on {other}: {}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn no_sample_reads_like_another_dialect() {
+    for (dialect, machine_name) in dialects() {
+        let folder = repository(&format!("samples/programs/{dialect}"));
+        let mut files = Vec::new();
+        for folder in [folder.clone(), folder.join("bad")] {
+            files.extend(
+                std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_file()),
+            );
+        }
+        assert!(files.len() > 10, "{}", files.len());
+        for file in files.iter().filter(|file| file.extension().is_none_or(|extension| extension != "md")) {
+            let run = Shop::new().run(["check", file.to_str().unwrap(), "--machine", &machine(machine_name)]);
+            assert!(!run.stderr.contains("reads like"), "{}: {}", file.display(), run.stderr);
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! The findings of a run: gathered from all rooms with the file each belongs to, drawn at the end, turned into the exit status.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::io::Write as _;
 
 use super::exit_code::ExitCode;
@@ -25,11 +25,13 @@ pub(super) struct Findings {
     errors: usize,
     warnings: usize,
     has_language_error: bool,
+    /// What helps with the first error in the language of a file, by the name of the file.
+    hints: HashMap<String, String>,
 }
 
 impl Findings {
     /// Adds a finding whose place, if any, is in one of `sources`.
-    pub(super) fn add(&mut self, diagnostic: Diagnostic, sources: &[Source]) {
+    pub(super) fn add(&mut self, mut diagnostic: Diagnostic, sources: &[Source]) {
         let source = diagnostic.place.and_then(|place| sources.iter().find(|source| source.id() == place.file));
         let name = source.map_or(diagnostic.message.as_str(), Source::name);
         let identity = (diagnostic.code, name.to_owned(), diagnostic.place);
@@ -38,6 +40,11 @@ impl Findings {
             return;
         }
         if diagnostic.is_error() {
+            if matches!(diagnostic.code.as_str().get(..3), Some("E01" | "E02"))
+                && let Some(hint) = self.hints.remove(name)
+            {
+                diagnostic.help = format!("{hint}; else {}", diagnostic.help);
+            }
             self.errors += 1;
             self.has_language_error |= diagnostic.code.is_language();
         } else {
@@ -47,6 +54,11 @@ impl Findings {
             self.seen.insert(identity);
             self.kept.push((diagnostic, source.cloned()));
         }
+    }
+
+    /// Says beforehand what helps where the language of a file turns out to be wrong.
+    pub(super) fn hint(&mut self, source: &Source, hint: String) {
+        self.hints.insert(source.name().to_owned(), hint);
     }
 
     /// Adds findings whose places are in `sources`.

@@ -57,6 +57,12 @@ pub(super) fn open(
         );
         return Ok(None);
     }
+    if let Some(other) = dialect::guess(source.name(), source.bytes()).filter(|other| other.name != dialect.name) {
+        // Where the program is understood all the same nothing is said.
+        let hint =
+            format!("the file reads like {}: try --dialect {} and a machine file of it", other.title, other.name);
+        findings.hint(source, hint);
+    }
     let path = Path::new(source.name());
     let search_path = chosen.map_or(&[][..], |chosen| &chosen.machine.control.search_path);
     let (mut library, _) = library_of((source.name() != STANDARD_INPUT).then_some(path), search_path);
