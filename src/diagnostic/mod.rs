@@ -46,10 +46,17 @@ pub struct Diagnostic {
     pub message: String,
     /// What to do about it: one sentence in the same manner.
     pub help: String,
-    /// The variable without a value that this is about.
-    pub variable: Option<String>,
-    /// Variables that get no value because of this.
-    pub unset: Vec<String>,
+    /// Where it has to do with variables without a value.
+    pub unset: Option<Box<Unset>>,
+}
+
+/// Variables without a value that a finding has to do with: others about them would only follow from it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Unset {
+    /// The one that is read.
+    pub read: Option<String>,
+    /// Those that get none because of this.
+    pub left: Vec<String>,
 }
 
 impl Diagnostic {
@@ -63,7 +70,7 @@ impl Diagnostic {
     #[must_use]
     pub fn nowhere(code: Code, message: impl Into<String>, help: impl Into<String>) -> Self {
         let (message, help) = (message.into(), help.into());
-        Diagnostic { code, place: None, message, help, variable: None, unset: Vec::new() }
+        Diagnostic { code, place: None, message, help, unset: None }
     }
 
     /// Its weight, which follows from the code.

@@ -1,6 +1,6 @@
 //! A finding while it still lacks its file.
 
-use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::diagnostic::{Code, Diagnostic, Place, Unset};
 use crate::source::{FileId, Span};
 
 /// A finding in the program that is being executed. Boxed, because it travels through every result.
@@ -15,16 +15,13 @@ pub(super) struct FaultData {
     pub(super) file: Option<FileId>,
     pub(super) message: String,
     pub(super) help: String,
-    /// The variable without a value that this is about.
-    variable: Option<String>,
-    /// Variables that get no value because of this.
-    unset: Vec<String>,
+    unset: Option<Box<Unset>>,
 }
 
 /// Makes a finding.
 pub(super) fn fault(code: Code, span: Span, message: impl Into<String>, help: impl Into<String>) -> Fault {
     let (message, help) = (message.into(), help.into());
-    Box::new(FaultData { code, span, file: None, message, help, variable: None, unset: Vec::new() })
+    Box::new(FaultData { code, span, file: None, message, help, unset: None })
 }
 
 impl FaultData {
@@ -36,13 +33,13 @@ impl FaultData {
 
     /// The same finding about a variable without a value: what comes of it elsewhere is no finding of its own.
     pub(super) fn of_variable(mut self: Box<Self>, name: impl Into<String>) -> Fault {
-        self.variable = Some(name.into());
+        self.unset.get_or_insert_default().read = Some(name.into());
         self
     }
 
     /// The same finding in a block that would have given a variable its value.
     pub(super) fn leaves_unset(mut self: Box<Self>, name: impl Into<String>) -> Fault {
-        self.unset.push(name.into());
+        self.unset.get_or_insert_default().left.push(name.into());
         self
     }
 
@@ -51,7 +48,7 @@ impl FaultData {
         let file = self.file.unwrap_or(file);
         let place = Place { file, span: self.span };
         let found = Diagnostic::at(self.code, place, self.message, self.help);
-        Diagnostic { variable: self.variable, unset: self.unset, ..found }
+        Diagnostic { unset: self.unset, ..found }
     }
 }
 

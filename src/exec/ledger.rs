@@ -133,9 +133,9 @@ impl Ledger {
     /// Whether a finding is about a variable without a value, and an earlier one in the file was too: that one says it all. Other
     /// variables that have no value because of it are known from here on.
     fn is_known_variable(&mut self, finding: &mut Diagnostic) -> bool {
-        let Some(file) = finding.place.map(|place| place.file) else { return false };
-        let is_known = finding.variable.take().is_some_and(|name| !self.without_value.insert((file, name)));
-        self.without_value.extend(finding.unset.drain(..).map(|name| (file, name)));
+        let (Some(unset), Some(place)) = (finding.unset.take(), finding.place) else { return false };
+        let is_known = unset.read.is_some_and(|name| !self.without_value.insert((place.file, name)));
+        self.without_value.extend(unset.left.into_iter().map(|name| (place.file, name)));
         is_known
     }
 
