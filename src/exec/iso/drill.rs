@@ -260,6 +260,19 @@ mod tests {
     };
     const WORDLESS: Call = Call { r: None, bottom: None, ..CALL };
 
+    /// Holes at X10 and X20 from Z2 to Z-10, the way there from Z50.
+    fn two_holes() -> [Action; 7] {
+        [
+            Rapid(at(10.0, 0.0, 50.0)),
+            Rapid(at(10.0, 0.0, 2.0)),
+            Feed(at(10.0, 0.0, -10.0)),
+            Rapid(at(10.0, 0.0, 2.0)),
+            Rapid(at(20.0, 0.0, 2.0)),
+            Feed(at(20.0, 0.0, -10.0)),
+            Rapid(at(20.0, 0.0, 2.0)),
+        ]
+    }
+
     fn at(x: f64, y: f64, z: f64) -> Place {
         Place { plane: [x, y], height: z }
     }
@@ -276,19 +289,8 @@ mod tests {
         let last = Call { from: here, to_r: false, ..WORDLESS };
         let here = drill.run(Language::Fanuc, &last, to(30.0, 0.0), &mut out).unwrap();
         assert_eq!(here, at(30.0, 0.0, 50.0));
-        let wanted = [
-            Rapid(at(10.0, 0.0, 50.0)),
-            Rapid(at(10.0, 0.0, 2.0)),
-            Feed(at(10.0, 0.0, -10.0)),
-            Rapid(at(10.0, 0.0, 2.0)),
-            Rapid(at(20.0, 0.0, 2.0)),
-            Feed(at(20.0, 0.0, -10.0)),
-            Rapid(at(20.0, 0.0, 2.0)),
-            Rapid(at(30.0, 0.0, 2.0)),
-            Feed(at(30.0, 0.0, -10.0)),
-            Rapid(at(30.0, 0.0, 50.0)),
-        ];
-        assert_eq!(out, wanted);
+        let third = [Rapid(at(30.0, 0.0, 2.0)), Feed(at(30.0, 0.0, -10.0)), Rapid(at(30.0, 0.0, 50.0))];
+        assert_eq!(out, [&two_holes()[..], &third].concat());
         drill.end(Language::Fanuc);
         assert!(drill.run(Language::Fanuc, &Call { from: here, ..WORDLESS }, to(0.0, 0.0), &mut out).is_err());
     }
@@ -299,16 +301,7 @@ mod tests {
         let call = Call { r: Some(-48.0), bottom: Some(-12.0), repeats: Some(2), incremental: true, ..CALL };
         let further = |plane: [f64; 2]| Ok([plane[0] + 10.0, plane[1]]);
         drill.run(Language::Fanuc, &call, further, &mut out).unwrap();
-        let wanted = [
-            Rapid(at(10.0, 0.0, 50.0)),
-            Rapid(at(10.0, 0.0, 2.0)),
-            Feed(at(10.0, 0.0, -10.0)),
-            Rapid(at(10.0, 0.0, 2.0)),
-            Rapid(at(20.0, 0.0, 2.0)),
-            Feed(at(20.0, 0.0, -10.0)),
-            Rapid(at(20.0, 0.0, 2.0)),
-        ];
-        assert_eq!(out, wanted);
+        assert_eq!(out, two_holes());
         // K0 notes the words alone.
         let (mut drill, mut out) = (Drill::default(), Vec::new());
         let noted = drill.run(Language::Fanuc, &Call { repeats: Some(0), ..CALL }, to(9.0, 9.0), &mut out).unwrap();

@@ -51,8 +51,8 @@ const GRUNDIG_OPERATORS: &[(&str, Operator)] = &[
     ("OR", Operator::Or),
 ];
 
-/// Functions of Fanuc and RS274/NGC.
-const ISO_FUNCTIONS: &[(&str, Function)] = &[
+/// Functions of all these languages.
+const FUNCTIONS: &[(&str, Function)] = &[
     ("SIN", Function::Sin),
     ("COS", Function::Cos),
     ("TAN", Function::Tan),
@@ -62,11 +62,12 @@ const ISO_FUNCTIONS: &[(&str, Function)] = &[
     ("SQRT", Function::Sqrt),
     ("ABS", Function::Abs),
     ("ROUND", Function::Round),
-    ("FIX", Function::Fix),
-    ("FUP", Function::Fup),
     ("LN", Function::Ln),
     ("EXP", Function::Exp),
 ];
+
+/// Functions that Fanuc and RS274/NGC share beside them.
+const ISO_FUNCTIONS: &[(&str, Function)] = &[("FIX", Function::Fix), ("FUP", Function::Fup)];
 
 /// Functions that only RS274/NGC has.
 const RS274_FUNCTIONS: &[(&str, Function)] = &[("EXISTS", Function::Exists)];
@@ -80,23 +81,9 @@ const FANUC_FUNCTIONS: &[(&str, Function)] = &[
     ("PRM", Function::Prm),
 ];
 
-const GRUNDIG_FUNCTIONS: &[(&str, Function)] = &[
-    ("SIN", Function::Sin),
-    ("COS", Function::Cos),
-    ("TAN", Function::Tan),
-    ("ASIN", Function::Asin),
-    ("ACOS", Function::Acos),
-    ("ATAN", Function::Atan),
-    ("SQRT", Function::Sqrt),
-    ("ABS", Function::Abs),
-    ("INT", Function::Int),
-    ("RND", Function::Round),
-    ("ROUND", Function::Round),
-    ("EXP", Function::Exp),
-    ("LN", Function::Ln),
-    ("DEG", Function::Deg),
-    ("RAD", Function::Rad),
-];
+/// Functions that only Grundig has.
+const GRUNDIG_FUNCTIONS: &[(&str, Function)] =
+    &[("INT", Function::Int), ("RND", Function::Round), ("DEG", Function::Deg), ("RAD", Function::Rad)];
 
 /// How strongly the operator of a power binds: more than any other.
 const POWER_STRENGTH: u8 = 6;
@@ -324,10 +311,10 @@ impl Parser {
 
     fn find_function(&self, word: &[u8]) -> Option<Function> {
         let (tables, is_short): (&[&[(&str, Function)]], bool) = match self.language {
-            Language::Grundig => (&[GRUNDIG_FUNCTIONS], false),
-            Language::Rs274 => (&[ISO_FUNCTIONS, RS274_FUNCTIONS], false),
+            Language::Grundig => (&[FUNCTIONS, GRUNDIG_FUNCTIONS], false),
+            Language::Rs274 => (&[FUNCTIONS, ISO_FUNCTIONS, RS274_FUNCTIONS], false),
             // Fanuc takes the first two letters for the whole name.
-            _ => (&[ISO_FUNCTIONS, FANUC_FUNCTIONS], true),
+            _ => (&[FUNCTIONS, ISO_FUNCTIONS, FANUC_FUNCTIONS], true),
         };
         let fits = |name: &str| {
             let is_prefix = name.len() >= word.len() && name.as_bytes()[..word.len()].eq_ignore_ascii_case(word);
