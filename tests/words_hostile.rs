@@ -211,8 +211,8 @@ fn angle_brackets_without_end_take_time_in_proportion_to_the_file() {
             parse(dialect, piece.repeat(1_000_000 / piece.len()).into_bytes());
             parse(dialect, (piece.repeat(4000 / piece.len()) + "\n").repeat(250).into_bytes());
             parse(dialect, format!("{piece}\n").repeat(20_000).into_bytes());
+            // 60 MB in all: a second where each byte is looked at a few times, hours where it is for each bracket.
+            assert!(started.elapsed() < Duration::from_secs(60), "{:?}", started.elapsed());
         }
     }
-    // 90 MB: a second where each byte is looked at a few times, hours where it is for each bracket.
-    assert!(started.elapsed() < Duration::from_secs(60), "{:?}", started.elapsed());
 }
