@@ -1,7 +1,5 @@
 //! The error model as a whole: forward against hand arithmetic, sensitivities against finite differences, inverse against forward.
 
-use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
-
 use ncfix::geometry::{AXES, Axis, AxisVector, Matrix, Vector};
 use ncfix::machine::file::DEMO;
 use ncfix::machine::{Lever, Machine, State};
@@ -43,7 +41,7 @@ fn machine(topology: &str) -> Machine {
     read(&text).0
 }
 
-fn read(text: &str) -> (Machine, ErrorModel) {
+pub(crate) fn read(text: &str) -> (Machine, ErrorModel) {
     let source = Source::new(FileId(0), "test.toml", text.as_bytes().to_vec()).unwrap();
     let (result, findings) = file::load(&source);
     assert!(findings.is_empty(), "{findings:#?}");
@@ -384,117 +382,6 @@ fn mirrored_directions_and_commands_are_the_same_machine() {
         assert!((a.translation - b.translation).norm() < 1e-10);
         assert!((a.rotation - b.rotation).norm() < 1e-13);
     }
-}
-
-/// Components in F, with their shares, that make up one parameter of the thesis.
-type Parts = &'static [(&'static str, f64)];
-
-/// Closed forms of the corrections of the 45° machine (Esmaeili 2021, chapter 7, derived anew with the roll of the tool left free),
-/// per unit of each parameter and with the sign of J⁺E: the correction is the negative. Commands and results in the senses of
-/// the thesis; X Y Z are positions of the machine, c and s cosine and sine of A. The thesis turns EC0A about the z of a frame that
-/// lies with the A axis, which is (−1, 0, 1)/√2 in F.
-fn closed_forms(x: f64, y: f64, a: f64) -> [(Parts, [f64; 5]); 10] {
-    let (s, c) = a.sin_cos();
-    let cot = c / s;
-    [
-        (&[("EC0X", 1.0)], [0.0, -x, 0.0, 0.0, 0.0]),
-        (&[("EA0Z", 1.0)], [-y, x, y, -SQRT_2, 0.0]),
-        (&[("EA0A", -FRAC_1_SQRT_2), ("EC0A", FRAC_1_SQRT_2)], [-SQRT_2 * y, SQRT_2 * x, 0.0, -1.0, 0.0]),
-        (&[("EB0Z", 1.0)], [SQRT_2 * y * cot, -SQRT_2 * x * cot, x, (c - 1.0) / s, SQRT_2 / s]),
-        (&[("EB0A", 1.0)], [-SQRT_2 * y * cot, SQRT_2 * x * cot, 0.0, -(c - 1.0) / s, -SQRT_2 / s]),
-        (&[("EA0C", 1.0)], [0.0, 0.0, 0.0, SQRT_2, -1.0]),
-        (&[("EB0C", 1.0)], [-SQRT_2 * y / s, SQRT_2 * x / s, 0.0, (c - 1.0) / s, -SQRT_2 * cot]),
-        (&[("EX0S", 1.0)], [1.0, 0.0, 0.0, 0.0, 0.0]),
-        (&[("EY0S", 1.0)], [0.0, -1.0, 0.0, 0.0, 0.0]),
-        (&[("EY0C", 1.0)], [FRAC_1_SQRT_2 * s, c, -FRAC_1_SQRT_2 * s, 0.0, 0.0]),
-    ]
-}
-
-#[test]
-fn corrections_of_the_45_degree_table_are_the_closed_forms() {
-    let (machine, _) = sample("esmaeili_huron");
-    let mut random = Random(7);
-    for _ in 0..40 {
-        // A between 20° and 160°; the thesis counts Y, A and C the other way.
-        let (x, y, z) = (200.0 * random.symmetric(), 200.0 * random.symmetric(), 250.0 + 100.0 * random.symmetric());
-        let (a, c) = (1.57 + 1.2 * random.symmetric(), 3.0 * random.symmetric());
-        let nominal = AxisVector([x, -y, z, 0.0, 0.0, 0.0, -a, 0.0, -c]);
-        for (parts, thesis) in closed_forms(x, y, a) {
-            let command_with = |value: f64| {
-                let location = parts
-                    .iter()
-                    .map(|(name, share)| LocationError { name: name.parse().unwrap(), value: share * value });
-                let model = Model::new(&machine, &ErrorModel { location: location.collect(), ..ErrorModel::default() });
-                let tool = Vector::new(0.0, 0.0, -200.0);
-                model.solve(&nominal, &tool, &State::default(), &nominal, Solve::Full).unwrap()
-            };
-            // Half the difference of both signs is free of the second order, which the closed forms leave out.
-            let value = 1e-4;
-            let correction = command_with(value) - command_with(-value);
-            let senses = [1.0, -1.0, 1.0, -1.0, -1.0];
-            for ((axis, sense), thesis) in
-                [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C].into_iter().zip(senses).zip(thesis)
-            {
-                let found = correction[axis] * sense / (2.0 * value);
-                let limit = if axis.is_rotary() { 1e-4 } else { 5e-3 };
-                assert!((found + thesis).abs() < limit, "{parts:?} {axis}: {found} instead of {}", -thesis);
-            }
-        }
-    }
-}
-
-#[test]
-fn the_published_parameters_fall_from_tens_of_micrometers_to_nothing() {
-    let (machine, errors) = sample("esmaeili_huron");
-    let model = Model::new(&machine, &errors);
-    let mut random = Random(8);
-    let (mut before_mm, mut after_mm, mut first_order_mm, mut tilt_rad) = (0.0, 0.0, 0.0, 0.0_f64);
-    const POSES: usize = 400;
-    for _ in 0..POSES {
-        let mut nominal =
-            AxisVector([150.0, 150.0, 100.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.1].map(|reach| reach * random.symmetric()));
-        nominal[Axis::Z] += 250.0;
-        nominal[Axis::A] = -1.57 + 1.2 * random.symmetric();
-        let tool = Vector::new(0.0, 0.0, -200.0);
-        let state = State::default();
-        before_mm += model.tip_error_mm(&nominal, &nominal, &tool, &state).norm() / POSES as f64;
-        let command = model.solve(&nominal, &tool, &state, &nominal, Solve::Full).unwrap();
-        after_mm += model.tip_error_mm(&nominal, &command, &tool, &state).norm() / POSES as f64;
-        let (reached, target) = (model.actual(&command, &tool, &state), model.nominal(&nominal, &tool));
-        tilt_rad = tilt_rad.max((reached.rotation.column(2) - target.rotation.column(2)).norm());
-        // One step with the Jacobian by differences of the actual forward function.
-        let step = first_order(&model, &nominal, &tool);
-        first_order_mm += model.tip_error_mm(&nominal, &(nominal + step), &tool, &state).norm() / POSES as f64;
-        assert!((command - nominal - step).max_abs(&[Axis::X, Axis::Y, Axis::Z]) < 1e-3);
-        assert!((command - nominal - step).max_abs(&[Axis::A, Axis::C]) < 1e-6);
-    }
-    assert!((0.03..0.09).contains(&before_mm), "mean before {before_mm} mm");
-    assert!(after_mm < 1e-6, "mean after {after_mm} mm");
-    assert!(first_order_mm < 2e-4, "mean after one step {first_order_mm} mm");
-    assert!(tilt_rad < 1e-8, "tilt {tilt_rad} rad");
-}
-
-/// The correction to first order: five rows (tip, two components of the tool axis), solved by elimination.
-fn first_order(model: &Model, nominal: &AxisVector, tool: &Vector) -> AxisVector {
-    let axes = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::C];
-    let target = model.nominal(nominal, tool);
-    let (u, v) = (target.rotation.column(0), target.rotation.column(1));
-    let rows = |command: &AxisVector| {
-        let pose = model.actual(command, tool, &State::default());
-        let (tip, axis) = (pose.translation - target.translation, pose.rotation.column(2).clone_owned());
-        nalgebra::SVector::<f64, 5>::new(tip.x, tip.y, tip.z, u.dot(&axis), v.dot(&axis))
-    };
-    let columns = axes.map(|axis| {
-        let (mut plus, mut minus) = (*nominal, *nominal);
-        let step = if axis.is_rotary() { 1e-4 } else { 1e-2 };
-        plus[axis] += step;
-        minus[axis] -= step;
-        (rows(&plus) - rows(&minus)) / (2.0 * step)
-    });
-    let solution = nalgebra::SMatrix::<f64, 5, 5>::from_columns(&columns).lu().solve(&-rows(nominal)).unwrap();
-    let mut step = AxisVector::ZERO;
-    axes.into_iter().zip(solution.iter()).for_each(|(axis, value)| step[axis] = *value);
-    step
 }
 
 #[test]

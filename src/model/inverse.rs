@@ -76,6 +76,12 @@ impl Model {
             Solve::PositionOnly => search.position(target.tip, command),
         }
     }
+
+    /// Whether the rotary axes stand so near to a singularity that [`Solve::Full`] damps the orientation.
+    #[must_use]
+    pub fn is_near_singularity(&self, command: &AxisVector, tool_mm: &Vector) -> bool {
+        !self.rotary.is_empty() && Orientation::at(&self.pointer(command, tool_mm, None), self.rotary).is_damped()
+    }
 }
 
 /// What stays the same while one solution is looked for.

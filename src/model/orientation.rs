@@ -74,6 +74,13 @@ impl Orientation {
         &self.rotary[..self.count]
     }
 
+    /// Whether a direction that these axes could turn the tool to is damped. One rotary axis alone turns it in one direction only: that
+    /// it cannot in the other is no singularity.
+    pub(super) fn is_damped(&self) -> bool {
+        let [first, second] = self.gains;
+        damping(if self.count > 1 { first.min(second) } else { first.max(second) }) > 0.0
+    }
+
     /// The y that gives the rotary corrections of a start; zero where the start is no use.
     pub(super) fn dual_of(&self, nominal: &AxisVector, start: &AxisVector) -> [f64; 2] {
         let near = self.axes().iter().all(|&axis| (start[axis] - nominal[axis]).abs() < START_LIMIT_RAD);

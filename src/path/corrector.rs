@@ -12,8 +12,8 @@ use crate::model::Model;
 use crate::snc::{BlockNumber, Element, Kind, Manner, Move, Origin, Setup};
 
 use super::check::Sampler;
-use super::cut::{fit_arc, next_step};
-use super::extend::{Reach, longest};
+use super::cut::{fit_arc, fit_line, next_step};
+use super::extend::Reach;
 use super::findings::{Findings, placing_axes};
 use super::place::Placer;
 use super::poses::Poses;
@@ -216,6 +216,7 @@ where
             known: active.motion.known,
             tolerance_mm: self.options.tolerance_mm,
             takes_up: active.treatment == Treatment::Way && active.motion.manner == Manner::Path,
+            limits_turns: active.treatment == Treatment::Way,
         };
         let (standing, scratch) = (&self.standing, &mut self.scratch);
         let from = active.parameter;
@@ -270,8 +271,7 @@ where
             floor: SHORTEST_MM / size_mm,
             order: 2.0,
         };
-        let trial = longest(reach, |between| Some(bench.straight(standing, between, scratch)));
-        trial.unwrap_or_else(|| bench.unmeasured(standing, [from, turning]))
+        fit_line(&bench, standing, reach, scratch).unwrap_or_else(|| bench.unmeasured(standing, [from, turning]))
     }
 
     /// Makes a tried piece real.

@@ -10,6 +10,8 @@ const MOST_SWEEP: f64 = 330.0 * std::f64::consts::PI / 180.0;
 const SAME_ANGLE: f64 = 1e-7;
 /// An arc piece that saves fewer chords than this is not worth its words.
 const USEFUL_CHORDS: f64 = 3.0;
+/// Halvings of a piece that turns rotary corrections too far.
+const MOST_HALVINGS: u32 = 8;
 /// Parameters nearer than this to each other are one place.
 const SAME_PARAMETER: f64 = 1e-9;
 
@@ -49,6 +51,26 @@ pub(super) fn fit_arc(
         order: 3.0,
     };
     longest(reach, |between| bench.arc(standing, between, scratch)).filter(Trial::fits)
+}
+
+/// The longest straight piece that fits. Where it turns rotary corrections too far for one block, it is a shorter one that does not; where
+/// none does, as behind a step of the errors, length is not the reason.
+pub(super) fn fit_line(
+    bench: &Bench<'_, '_>,
+    standing: &Standing,
+    reach: Reach,
+    scratch: &mut Vec<f64>,
+) -> Option<Trial> {
+    let found = longest(reach, |between| Some(bench.straight(standing, between, scratch)))?;
+    let mut shorter = found;
+    for _ in 0..MOST_HALVINGS {
+        let half = 0.5 * (shorter.between[1] - reach.from);
+        if !shorter.end.is_held_back || half < reach.floor {
+            break;
+        }
+        shorter = bench.straight(standing, [reach.from, reach.from + half], scratch);
+    }
+    Some(if shorter.end.is_held_back { found } else { shorter })
 }
 
 /// The end of a piece of fixed length along the axis that moves farthest.

@@ -22,6 +22,7 @@ mod prediction;
 mod remaining;
 mod rotary_word;
 mod route;
+mod singularity;
 mod treatment;
 mod trial;
 

@@ -24,6 +24,8 @@ pub(super) struct Placed {
     pub(super) command: AxisVector,
     /// Why the position is not corrected.
     pub(super) failure: Option<NotConverged>,
+    /// Whether a rotary axis is not where its full correction would have it ([`super::singularity`]).
+    pub(super) is_held_back: bool,
 }
 
 /// Corrects and rounds positions.
@@ -123,9 +125,16 @@ impl<'a> Placer<'a> {
     }
 
     /// The command on the grid that brings the tip to where it is nominally at `nominal`. Axes outside `known` stay there.
-    /// `guess` is a correction nearby.
-    pub(super) fn place(&self, nominal: &AxisVector, known: AxisSet, state: &State, guess: &AxisVector) -> Placed {
-        match self.exact(nominal, known, state, guess) {
+    /// `guess` is a correction nearby; those of rotary axes differ from it by at most `most_turn_rad`.
+    pub(super) fn place(
+        &self,
+        nominal: &AxisVector,
+        known: AxisSet,
+        state: &State,
+        guess: &AxisVector,
+        most_turn_rad: f64,
+    ) -> Placed {
+        match self.exact(nominal, known, state, guess, most_turn_rad) {
             Ok(exact) => self.round(&exact, known),
             Err(failure) => Placed { failure: Some(failure), ..self.round(nominal, known) },
         }
@@ -138,6 +147,7 @@ impl<'a> Placer<'a> {
         known: AxisSet,
         state: &State,
         guess: &AxisVector,
+        most_turn_rad: f64,
     ) -> Result<AxisVector, NotConverged> {
         if self.is_empty {
             return Ok(*nominal);
@@ -145,7 +155,11 @@ impl<'a> Placer<'a> {
         let tool_mm = &self.setup.tool_mm;
         let mut start = *nominal + *guess;
         if self.turns_rotary {
-            let turned = self.model.solve(nominal, tool_mm, state, &start, Solve::Full)?;
+            let mut turned = self.model.solve(nominal, tool_mm, state, &start, Solve::Full)?;
+            for axis in ROTARY_AXES {
+                let near = nominal[axis] + guess[axis];
+                turned[axis] = turned[axis].max(near - most_turn_rad).min(near + most_turn_rad);
+            }
             start = self.round_axes(&self.keep_unknown(turned, nominal, known), &ROTARY_AXES, known);
         } else if self.has_rotary {
             for axis in ROTARY_AXES {
@@ -169,7 +183,12 @@ impl<'a> Placer<'a> {
                 programmed[axis] = self.increments.position(axis, count);
             }
         }
-        Placed { counts, command: self.keep_unknown(self.command(&programmed), command, known), failure: None }
+        Placed {
+            counts,
+            command: self.keep_unknown(self.command(&programmed), command, known),
+            failure: None,
+            is_held_back: false,
+        }
     }
 
     fn round_axes(&self, command: &AxisVector, axes: &[Axis], known: AxisSet) -> AxisVector {

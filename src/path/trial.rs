@@ -57,6 +57,8 @@ pub(super) struct Bench<'a, 'm> {
     pub(super) tolerance_mm: f64,
     /// Whether a piece may begin with a step on the spot.
     pub(super) takes_up: bool,
+    /// Whether rotary corrections change by little in a piece near a singularity.
+    pub(super) limits_turns: bool,
 }
 
 /// A piece that was tried.
@@ -143,6 +145,9 @@ impl Bench<'_, '_> {
         let arc = *self.route.arc()?;
         let (plane, clockwise) = self.emitted_plane(arc.plane, arc.clockwise)?;
         let ends = self.ends(standing, between);
+        if ends.end.is_held_back {
+            return None;
+        }
         let [abscissa, ordinate, _] = arc.plane.axes();
         let flat = |position: &AxisVector| [position[abscissa], position[ordinate]];
         let (start, end) = (flat(&ends.start), flat(&ends.end.command));
@@ -204,8 +209,8 @@ impl Bench<'_, '_> {
     /// guessed from the program and tried again where the guess was wrong.
     fn ends(&self, standing: &Standing, between: [f64; 2]) -> Ends {
         let nominal_end = self.route.at(between[1]);
-        let place = |nominal: &AxisVector, state: &State| {
-            let mut placed = self.placer.place(nominal, self.known, state, &standing.correction);
+        let place = |nominal: &AxisVector, state: &State, correction: &AxisVector| {
+            let mut placed = self.place(between, nominal, state, correction);
             // An axis whose word does not change is not written and does not move, though a new frame has another grid. Where the
             // frame turns or scales, a word is no axis; the grids differ by noise only then.
             let is_parallel = self.placer.is_parallel();
@@ -217,7 +222,7 @@ impl Bench<'_, '_> {
             placed
         };
         if self.sampler.backlash.is_empty() && !standing.is_doubtful {
-            let end = place(&nominal_end, &standing.state);
+            let end = place(&nominal_end, &standing.state, &standing.correction);
             return Ends { take_up: None, start: standing.command, end, state: standing.state };
         }
         let nominal_start = self.route.at(between[0]);
@@ -231,13 +236,14 @@ impl Bench<'_, '_> {
                 && (standing.is_doubtful || turns)
                 && self.placer.tip_error_mm(&nominal_start, &standing.command, &sense) > self.tolerance_mm
             {
-                let start = place(&nominal_start, &sense);
+                let start = place(&nominal_start, &sense, &standing.correction);
                 if distance_mm(&start.command, &standing.command) > SAME_PLACE_MM {
                     take_up = Some(start);
                 }
             }
             let start = take_up.map_or(standing.command, |placed| placed.command);
-            let end = place(&nominal_end, &sense);
+            let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal_start);
+            let end = place(&nominal_end, &sense, &correction);
             // What the machine will do: an axis that does not move keeps the sense that it has, not the one that was guessed.
             let mut state = standing.state;
             state.note_motion(&standing.command, &start);
@@ -247,12 +253,7 @@ impl Bench<'_, '_> {
                 return Ends { take_up, start, end, state };
             }
             if tries == MOST_TRIES {
-                return self.held(standing, [&nominal_start, &nominal_end], &state, &sense).unwrap_or(Ends {
-                    take_up,
-                    start,
-                    end,
-                    state,
-                });
+                return self.held(standing, between, &state, &sense).unwrap_or(Ends { take_up, start, end, state });
             }
             sense = state;
         }
@@ -260,18 +261,20 @@ impl Bench<'_, '_> {
 
     /// The ends where an axis that the program does not move is asked to go one way by the errors of the other: it stays, and is off
     /// by what its correction changes along the piece instead of by its backlash. `None` where the program moves all such axes.
-    fn held(&self, standing: &Standing, nominal: [&AxisVector; 2], state: &State, sense: &State) -> Option<Ends> {
+    fn held(&self, standing: &Standing, between: [f64; 2], state: &State, sense: &State) -> Option<Ends> {
+        let nominal = between.map(|parameter| self.route.at(parameter));
         let undecided = self.sampler.backlash.iter().filter(|&axis| state.direction(axis) != sense.direction(axis));
         let held: AxisSet = undecided.filter(|&axis| nominal[0][axis] == nominal[1][axis]).collect();
         if held.is_empty() {
             return None;
         }
-        let free = self.placer.place(nominal[1], self.known, &standing.state, &standing.correction);
+        let free = self.place(between, &nominal[1], &standing.state, &standing.correction);
         let mut command = free.command;
         for axis in held.iter() {
             command[axis] = standing.command[axis];
         }
-        let end = Placed { failure: free.failure, ..self.placer.round(&command, self.known) };
+        let Placed { failure, is_held_back, .. } = free;
+        let end = Placed { failure, is_held_back, ..self.placer.round(&command, self.known) };
         let mut state = standing.state;
         state.note_motion(&standing.command, &end.command);
         Some(Ends { take_up: None, start: standing.command, end, state })
@@ -326,7 +329,7 @@ impl Bench<'_, '_> {
         let correction = ends.end.command - self.route.at(to);
         for (k, point) in (1..=count).zip(&mut points) {
             let nominal = self.route.at(from + (to - from) * f64::from(k) / f64::from(count + 1));
-            let exact = self.placer.exact(&nominal, self.known, &ends.state, &correction).ok()?;
+            let exact = self.placer.exact(&nominal, self.known, &ends.state, &correction, f64::INFINITY).ok()?;
             *point = flat(&exact);
             let straight = flat(&nominal);
             shift[0] += (point[0] - straight[0]) / f64::from(count);
