@@ -72,9 +72,6 @@ fn the_kinematic_correction_removes_each_of_the_ten_errors() {
                 tilt_rad = tilt_rad.max((reached.rotation.column(2) - target.rotation.column(2)).norm());
             }
         }
-        println!(
-            "{name}: mean {before_mm:.4}, most {most_before_mm:.4} mm before; {after_mm:.1e} mm, {tilt_rad:.1e} rad after"
-        );
         // 0.4 mrad over about 100 mm, or 40 µm/m; 10 µm.
         assert!((0.003..0.1).contains(&before_mm), "{name}: {before_mm} mm before");
         assert!(after_mm < 1e-5, "{name}: {after_mm} mm after");
@@ -344,7 +341,6 @@ fn equation_59_is_right_with_ten_entries_and_its_sign_corrected() {
     let corrected = left(|_, pose, c, _| pose.command(c, &pose.corrected(), -1.0));
     let printed = left(|_, pose, c, _| pose.command(c, &pose.printed(), -1.0));
     let with_plus = left(|_, pose, c, _| pose.command(c, &pose.corrected(), 1.0));
-    println!("before {before:?}\nsolved {solved:?}\ncorrected {corrected:?}\nprinted {printed:?}\nplus {with_plus:?}");
     // 55.7 µm and 84.6 µrad; 44 µm were measured.
     assert!((0.050..0.062).contains(&before.mean_mm) && (70e-6..100e-6).contains(&before.mean_tilt_rad), "{before:?}");
     assert!(solved.max_mm < 1e-6 && solved.max_tilt_rad < 5e-8, "{solved:?}");

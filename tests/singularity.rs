@@ -125,7 +125,6 @@ fn through_the_pole_the_position_is_exact_and_rotary_corrections_are_limited() {
             .map(|block| block.correction[Axis::C])
             .fold((0.0_f64, 0.0_f64), |(a, b), c| (a.min(c), b.max(c)));
         let change = largest_change(&blocks);
-        println!("{} blocks, C from {least:.1e} to {most:.1e} rad, at most {change:.1e} rad a block", blocks.len());
         assert!(most - least > 4.0 * LIMIT_RAD, "the limit has work to do: {least} to {most}");
         assert!(change < LIMIT_RAD + NOISE_RAD, "{path}: {change}");
         for block in &blocks {
