@@ -1,13 +1,15 @@
 //! Paths through the singularity of a five-axis machine, where a small tilt takes a large motion of C (Lei & Hsu 2003, 4.1): the position is
 //! exact, and rotary corrections change little from block to block.
 
+use std::f64::consts::PI;
+
 use ncfix::geometry::{Axis, AxisVector, ROTARY_AXES, Vector};
 use ncfix::machine::{Machine, State};
 use ncfix::model::{ErrorModel, LocationError, Model};
 use ncfix::path::{Options, Piece, Rapids, Rotary, Subdivision};
 use ncfix::snc::{Element, Kind, TextReader};
 
-use crate::bench_machine::{Replay, Run, backlash, correct, motion};
+use crate::bench_machine::{Replay, Run, backlash, correct, motion, polynomial};
 use crate::lei_hsu::machine;
 use crate::support::Shop;
 
@@ -52,12 +54,23 @@ struct Block {
     take_up: bool,
 }
 
-/// The blocks of the feed moves of a run. The place on the programmed line that belongs to a command is the one whose nominal tip is
-/// nearest to its actual tip.
+/// The blocks of the feed moves of a run of straight moves.
 fn blocks(run: &Run, text: &str, machine: &Machine, errors: &ErrorModel) -> Vec<Block> {
+    let ends = ends(text);
+    blocks_along(run, machine, errors, |number, share| ends[number - 1].lerp(&ends[number], share))
+}
+
+/// The blocks of the feed moves of a run. The place on the programmed path that belongs to a command is the one whose nominal tip is
+/// nearest to its actual tip.
+fn blocks_along(
+    run: &Run,
+    machine: &Machine,
+    errors: &ErrorModel,
+    path: impl Fn(usize, f64) -> AxisVector,
+) -> Vec<Block> {
     let (ideal, model) = (Model::new(machine, &ErrorModel::default()), Model::new(machine, errors));
     let tool = Vector::zeros();
-    let (ends, mut replay, mut out) = (ends(text), Replay::new(machine), Vec::new());
+    let (mut replay, mut out) = (Replay::new(machine), Vec::new());
     let (mut moves, mut at) = (0, 0.0);
     for piece in &run.pieces {
         if piece.first {
@@ -67,8 +80,8 @@ fn blocks(run: &Run, text: &str, machine: &Machine, errors: &ErrorModel) -> Vec<
         if piece.rapid {
             continue;
         }
-        let [start, end] = [ends[moves - 2], ends[moves - 1]];
-        let tip_at = |share: f64| ideal.nominal(&start.lerp(&end, share), &tool).translation;
+        let place = |share: f64| path(moves - 1, share);
+        let tip_at = |share: f64| ideal.nominal(&place(share), &tool).translation;
         let mut block = None;
         for (command, state) in follow {
             let tip = model.actual(&command, &tool, &state).translation;
@@ -76,7 +89,7 @@ fn blocks(run: &Run, text: &str, machine: &Machine, errors: &ErrorModel) -> Vec<
                 let slope = (tip_at(at + 1e-6) - tip_at(at - 1e-6)) / 2e-6;
                 at += slope.dot(&(tip - tip_at(at))) / slope.norm_squared();
             }
-            let nominal = start.lerp(&end, at);
+            let nominal = place(at);
             let (target, reached) = (ideal.nominal(&nominal, &tool), model.actual(&command, &tool, &state));
             let off_mm = (reached.translation - target.translation).norm();
             let block = block.get_or_insert(Block {
@@ -145,6 +158,27 @@ fn through_the_pole_the_position_is_exact_and_rotary_corrections_are_limited() {
             }
         }
     }
+}
+
+/// C turns along an arc while A stands at 2°: arcs become shorter arcs.
+#[test]
+fn arcs_are_limited_too() {
+    let machine = machine();
+    // A tilt of the face of the table goes round with C.
+    let errors = ErrorModel { motion: vec![motion("EBC", polynomial(&[150e-6]))], ..errors() };
+    let text = "G0 X60 Y0 Z150 A2 C0\nG3 X-60 Y0 Z150 A2 C150 I-60 J0 P17 F500\n";
+    let run = correct(text, &machine, &errors, options());
+    assert!(run.findings.is_empty() && run.prediction.after().max_mm <= 1e-3);
+    let blocks = blocks_along(&run, &machine, &errors, |_, share| {
+        let (sine, cosine) = (PI * share).sin_cos();
+        let turns = [2.0, 0.0, 150.0 * share].map(f64::to_radians);
+        AxisVector([60.0 * cosine, 60.0 * sine, 150.0, 0.0, 0.0, 0.0, turns[0], turns[1], turns[2]])
+    });
+    let way = blocks[blocks.len() - 1].correction[Axis::C] - blocks[0].correction[Axis::C];
+    assert!(way.abs() > 4.0 * LIMIT_RAD, "{way}");
+    assert!(largest_change(&blocks) < LIMIT_RAD + NOISE_RAD, "{blocks:#?}");
+    assert!(blocks.iter().all(|block| block.off_mm < 1e-3), "{blocks:#?}");
+    assert!(run.pieces[1..].iter().any(|piece| piece.arc.is_some()));
 }
 
 /// A reverses at 1.5° with a lateral play: the correction of C would jump. It is limited on the spot and in the blocks behind it.
