@@ -206,6 +206,8 @@ fn mirrored(source: &ErrorSource) -> String {
         ]),
         "coupling" => swap(&[("with_coefficients = [0, 1.0]", "with_coefficients = [0, -1.0]")]),
         "reversal" => swap(&[("value_um = 2.0", "value_um = -2.0")]),
+        // Segments stand in F; the slide on one is where it was.
+        "structure" => source.example.to_owned(),
         other => panic!("write here how the example of {other} looks where X counts the other way"),
     }
 }

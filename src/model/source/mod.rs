@@ -6,6 +6,7 @@
 mod coupling;
 mod geometry;
 mod reversal;
+mod structure;
 
 use std::fmt::Debug;
 
@@ -33,7 +34,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which tables show them.
-pub const SOURCES: &[&Source] = &[&geometry::SOURCE, &coupling::SOURCE, &reversal::SOURCE];
+pub const SOURCES: &[&Source] = &[&geometry::SOURCE, &coupling::SOURCE, &reversal::SOURCE, &structure::SOURCE];
 
 /// One effect of a source.
 pub trait Effect: Debug + Send + Sync {
