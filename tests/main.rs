@@ -70,6 +70,7 @@ mod sources;
 mod spaan;
 mod splines;
 mod stock;
+mod structure;
 mod support;
 mod surface;
 mod swivel;
