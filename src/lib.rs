@@ -48,7 +48,7 @@
 //! | a cycle of the Grundig | `exec/grundig/cycles/x.rs`, pure steps at a position | `CYCLES` there |
 //! | an address with a value | an arm in `exec/` | `exec/sinumerik/address.rs` |
 //! | a word that is passed on | – | `exec/sinumerik/kept.rs` |
-//! | a kind of motion error | `model/motion/x.rs` with formula and source | the register of kinds there |
+//! | a kind of motion error | `model/motion/x.rs` with formula, source and example; `docs/motion.md` | the register of kinds there |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |
 //! | a command | `cli/x.rs` | `cli/mod.rs` |
 //!

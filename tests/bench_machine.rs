@@ -50,7 +50,7 @@ pub(crate) fn table(positions: &[f64], values_um: &[f64]) -> Function {
 }
 
 pub(crate) fn backlash(value_um: f64) -> Function {
-    Function::Backlash(Backlash { value: value_um * 1e-3 })
+    Function::Backlash(Backlash::constant(value_um * 1e-3))
 }
 
 /// All 21 errors of three axes as cubic polynomials of the size of a tired machine over 500 mm: up to some tens of µm and µrad.

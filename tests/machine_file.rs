@@ -12,7 +12,7 @@ fn source(bytes: &[u8]) -> Source {
     Source::new(FileId(0), "machine.toml", bytes.to_vec()).unwrap()
 }
 
-fn load(text: &str) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>) {
+pub(crate) fn load(text: &str) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>) {
     file::load(&source(text.as_bytes()))
 }
 
@@ -177,7 +177,7 @@ fn units_become_millimeters_and_radians() {
     let Function::Piecewise(piecewise) = &errors.motion[2].function else { panic!("{:?}", errors.motion[2]) };
     assert!((piecewise.value(200.0) - (2e-3 + 3e-4)).abs() < 1e-17);
     let Function::Backlash(backlash) = &errors.motion[3].function else { panic!("{:?}", errors.motion[3]) };
-    assert_eq!(backlash.value(-1), -3e-3);
+    assert_eq!(backlash.value(0.0, -1), -3e-3);
 }
 
 #[test]
@@ -192,6 +192,35 @@ fn tables_and_knots_must_fit() {
     assert_eq!(with(knots)[0], ("E0407".to_owned(), "at_deg".to_owned()));
     assert_eq!(with("kind = \"backlash\"\nvalue_um = 1\nvalue_urad = 1\n"), one("E0407", "value_urad"));
     assert_eq!(with("kind = \"backlash\"\nvalue_um = 1\nextra = 1\n"), one("E0402", "extra"));
+}
+
+#[test]
+fn backlash_and_grids_must_fit() {
+    let with = |entry: &str| seen(&format!("{SMALL}[[motion]]\ncomponent = \"EXX\"\n{entry}"));
+    let one = |code: &str, at: &str| vec![(code.to_owned(), at.to_owned())];
+    let ends = |values: &str| with(&format!("kind = \"backlash\"\npositions_mm = [0, 700]\n{values}\n"));
+    assert_eq!(ends("values_um = [4, 6]"), []);
+    assert_eq!(ends("values_um = [4]"), one("E0408", "[4]"));
+    assert_eq!(ends("values_urad = [4, 6]"), one("E0407", "values_urad"));
+    assert_eq!(ends("values_um = [4, 6]\nvalue_um = 5"), one("E0402", "value_um"));
+    assert_eq!(
+        with("kind = \"backlash\"\npositions_deg = [0, 9]\nvalues_um = [4, 6]\n"),
+        one("E0407", "positions_deg")
+    );
+    let grid = |rest: &str| with(&format!("kind = \"grid\"\npositions_mm = [0, 700]\n{rest}\n"));
+    let on_c = |rest: &str| grid(&format!("with = \"C\"\nwith_positions_deg = [-90, 0, 90]\n{rest}"));
+    assert_eq!(on_c("values_um = [[1, 2, 3], [4, 5, 6]]"), []);
+    assert_eq!(on_c("values_um = [[1, 2, 3], [4, 5]]"), one("E0408", "[4, 5]"));
+    assert_eq!(on_c("values_um = [[1, 2, 3]]"), one("E0408", "[[1, 2, 3]]"));
+    assert_eq!(on_c("values_um = [1, 2, 3]"), one("E0404", "[1, 2, 3]"));
+    assert_eq!(on_c("values_um = [[1, 2, 3], [4, 5, nan]]"), one("E0404", "[[1, 2, 3], [4, 5, nan]]"));
+    assert_eq!(
+        grid("with = \"C\"\nwith_positions_mm = [0, 9]\nvalues_um = [[1, 2], [3, 4]]"),
+        one("E0407", "with_positions_mm")
+    );
+    assert_eq!(grid("with = \"C\"\nwith_positions_deg = [9, 9]\nvalues_um = [[1, 2], [3, 4]]"), one("E0408", "9"));
+    assert_eq!(grid("with = \"C\"\nwith_positions_deg = []\nvalues_um = [[], []]"), one("E0408", "[]"));
+    assert_eq!(grid("with = \"X\"\nwith_positions_mm = [0, 9]\nvalues_um = [[1, 2], [3, 4]]"), one("E0404", "\"X\""));
 }
 
 #[test]

@@ -56,6 +56,7 @@ mod machines;
 mod milling;
 mod model;
 mod modes;
+mod motion_kinds;
 mod positioning;
 mod programs;
 mod reference_points;

@@ -427,7 +427,7 @@ fn features_say_where_to_sample() {
 #[test]
 fn the_kinds_are_those_of_the_documentation() {
     let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
-    assert_eq!(names, ["polynomial", "table", "piecewise", "periodic", "backlash", "cross"]);
+    assert_eq!(names, ["polynomial", "table", "piecewise", "periodic", "backlash", "cross", "grid"]);
 }
 
 #[test]

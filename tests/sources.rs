@@ -204,8 +204,12 @@ fn mirrored(source: &ErrorSource) -> String {
             ("[0, 350, 700]", "[-700, -350, 0]"),
             ("[0, 12, -8]", "[-8, 12, 0]"),
         ]),
-        "coupling" => swap(&[("with_coefficients = [0, 1.0]", "with_coefficients = [0, -1.0]")]),
-        "reversal" => swap(&[("value_um = 2.0", "value_um = -2.0")]),
+        "coupling" => swap(&[
+            ("with_coefficients = [0, 1.0]", "with_coefficients = [0, -1.0]"),
+            ("with_positions_mm = [0, 700]", "with_positions_mm = [-700, 0]"),
+            ("[[0, 2], [6, 3], [4, -1]]", "[[2, 0], [3, 6], [-1, 4]]"),
+        ]),
+        "reversal" => swap(&[("[0, 700]", "[-700, 0]"), ("[2.0, 5.0]", "[-5.0, -2.0]")]),
         // Segments stand in F; the slide on one is where it was.
         "structure" => source.example.to_owned(),
         other => panic!("write here how the example of {other} looks where X counts the other way"),

@@ -146,6 +146,20 @@ impl<'a> Section<'a> {
         })
     }
 
+    /// A list of lists of finite numbers.
+    pub fn rows(&mut self, key: &str) -> Option<Vec<Vec<f64>>> {
+        self.value(key, "a list of lists of finite numbers", |item| match &item.value {
+            Value::Items(items) => items
+                .iter()
+                .map(|item| match &item.value {
+                    Value::Items(items) => items.iter().map(Item::number).collect(),
+                    _ => None,
+                })
+                .collect(),
+            _ => None,
+        })
+    }
+
     /// A list of texts.
     pub fn texts(&mut self, key: &str) -> Option<Vec<String>> {
         self.value(key, "a list of texts in quotation marks", |item| match &item.value {

@@ -5,9 +5,7 @@
 
 use super::polynomial::evaluate;
 use super::{Entry, Function};
-use crate::diagnostic::Code;
 use crate::geometry::Axis;
-use crate::machine::file::Section;
 
 /// A product of two polynomials.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,24 +26,15 @@ impl Cross {
     }
 }
 
+/// An entry of this kind.
+pub(super) const EXAMPLE: &str = "component = \"EAY\"\nkind = \"cross\"\n\
+    coefficients = [0, 1e-9]\nwith = \"X\"\nwith_coefficients = [0, 1.0]\n";
+
 /// Reads `coefficients`, `with` and `with_coefficients`.
 pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     let coefficients = entry.coefficients("coefficients");
     let with_coefficients = entry.coefficients("with_coefficients");
-    let letter = entry.section.required("with", "\"X\"", Section::text)?;
-    let axis = match letter.as_bytes() {
-        [byte @ b'A'..=b'Z'] => Axis::from_letter(*byte),
-        _ => None,
-    };
-    let own = entry.name.axis();
-    let Some(with) = axis.filter(|&axis| entry.axes.contains(axis) && Some(axis) != own) else {
-        let place = entry.section.place_of("with");
-        let message = format!("with must be another axis of the machine, found \"{letter}\"");
-        let others: Vec<String> =
-            entry.axes.iter().filter(|&axis| Some(axis) != own).map(|axis| axis.to_string()).collect();
-        entry.section.report(Code::BAD_VALUE, place, message, format!("write one of {}", others.join(" ")));
-        return None;
-    };
+    let with = entry.other_axis("with")?;
     Some(Function::Cross(Cross { coefficients: coefficients?, with, with_coefficients: with_coefficients? }))
 }
 

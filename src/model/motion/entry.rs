@@ -1,13 +1,22 @@
 //! One `[[motion]]` entry while it is read: its keys carry units that follow from the component and its axis.
 
 use crate::diagnostic::Code;
-use crate::geometry::AxisSet;
+use crate::geometry::{Axis, AxisSet};
 use crate::machine::file::Section;
 use crate::model::name::ErrorName;
 use crate::units::{mm_from_um, rad_from_urad};
 
 /// Units that a key may carry by mistake.
 const UNITS: [&str; 9] = ["um", "mm", "urad", "mrad", "rad", "deg", "arcsec", "nm", "in"];
+
+fn is_rotary(axis: Option<Axis>) -> bool {
+    axis.is_some_and(|axis| axis.is_rotary())
+}
+
+/// The key of a position of an axis.
+pub(super) fn position_key_of(stem: &str, axis: Option<Axis>) -> String {
+    format!("{stem}_{}", if is_rotary(axis) { "deg" } else { "mm" })
+}
 
 /// An entry whose component is known.
 #[derive(Debug)]
@@ -22,7 +31,7 @@ pub struct Entry<'a> {
 
 impl Entry<'_> {
     fn is_rotary(&self) -> bool {
-        self.name.axis().is_some_and(|axis| axis.is_rotary())
+        is_rotary(self.name.axis())
     }
 
     /// The key of a deviation: `values` as `values_um` or `values_urad`.
@@ -32,7 +41,7 @@ impl Entry<'_> {
 
     /// The key of a position: `positions` as `positions_mm` or `positions_deg`.
     pub(super) fn position_key(&self, stem: &str) -> String {
-        format!("{stem}_{}", if self.is_rotary() { "deg" } else { "mm" })
+        position_key_of(stem, self.name.axis())
     }
 
     /// The factor from the unit of deviations to mm or rad.
@@ -48,14 +57,14 @@ impl Entry<'_> {
     /// A deviation, mm or rad.
     pub(super) fn deviation(&mut self, stem: &str) -> Option<f64> {
         let key = self.deviation_key(stem);
-        self.check_unit(stem, &key)?;
+        self.check_deviation_unit(stem, &key)?;
         Some(self.section.required(&key, "6.0", Section::number)? * self.deviation_factor())
     }
 
     /// Deviations, mm or rad.
     pub(super) fn deviations(&mut self, stem: &str) -> Option<Vec<f64>> {
         let key = self.deviation_key(stem);
-        self.check_unit(stem, &key)?;
+        self.check_deviation_unit(stem, &key)?;
         let values = self.section.required(&key, "[0, 4, -1]", Section::numbers)?;
         Some(values.into_iter().map(|value| value * self.deviation_factor()).collect())
     }
@@ -63,7 +72,7 @@ impl Entry<'_> {
     /// A position, mm or rad.
     pub(super) fn position(&mut self, stem: &str) -> Option<f64> {
         let key = self.position_key(stem);
-        self.check_unit(stem, &key)?;
+        self.check_position_unit(stem, &key, self.name.axis())?;
         let value = self.section.required(&key, "100", Section::number)?;
         Some(self.position_from_file(value))
     }
@@ -71,7 +80,7 @@ impl Entry<'_> {
     /// A length along the axis above zero, mm or rad.
     pub(super) fn length(&mut self, stem: &str) -> Option<f64> {
         let key = self.position_key(stem);
-        self.check_unit(stem, &key)?;
+        self.check_position_unit(stem, &key, self.name.axis())?;
         let value = self.section.required(&key, "10.0", |section, key| {
             section.number_where(key, "a number above 0", |length| length > 0.0)
         })?;
@@ -80,35 +89,79 @@ impl Entry<'_> {
 
     /// Positions, mm or rad.
     pub(super) fn positions(&mut self, stem: &str) -> Option<Vec<f64>> {
-        let key = self.position_key(stem);
-        self.check_unit(stem, &key)?;
-        let values = self.section.required(&key, "[0, 350, 700]", Section::numbers)?;
-        Some(values.into_iter().map(|value| self.position_from_file(value)).collect())
+        self.positions_of(stem, self.name.axis())
     }
 
-    /// Reports the key with another unit than its component or axis has.
-    fn check_unit(&mut self, stem: &str, key: &str) -> Option<()> {
+    /// Positions of an axis, mm or rad.
+    pub(super) fn positions_of(&mut self, stem: &str, axis: Option<Axis>) -> Option<Vec<f64>> {
+        let key = position_key_of(stem, axis);
+        self.check_position_unit(stem, &key, axis)?;
+        let mut values = self.section.required(&key, "[0, 350, 700]", Section::numbers)?;
+        if is_rotary(axis) {
+            values.iter_mut().for_each(|value| *value = value.to_radians());
+        }
+        Some(values)
+    }
+
+    /// Rows of deviations, mm or rad.
+    pub(super) fn deviation_rows(&mut self, stem: &str) -> Option<Vec<Vec<f64>>> {
+        let key = self.deviation_key(stem);
+        self.check_deviation_unit(stem, &key)?;
+        let mut rows = self.section.required(&key, "[[0, 4], [1, 5]]", Section::rows)?;
+        rows.iter_mut().flatten().for_each(|value| *value *= self.deviation_factor());
+        Some(rows)
+    }
+
+    /// Another axis of the machine than that of the component.
+    pub(super) fn other_axis(&mut self, key: &str) -> Option<Axis> {
+        let letter = self.section.required(key, "\"X\"", Section::text)?;
+        let axis = match letter.as_bytes() {
+            [byte @ b'A'..=b'Z'] => Axis::from_letter(*byte),
+            _ => None,
+        };
+        let own = self.name.axis();
+        let found = axis.filter(|&axis| self.axes.contains(axis) && Some(axis) != own);
+        if found.is_none() {
+            let place = self.section.place_of(key);
+            let message = format!("{key} must be another axis of the machine, found \"{letter}\"");
+            let others: Vec<String> =
+                self.axes.iter().filter(|&axis| Some(axis) != own).map(|axis| axis.to_string()).collect();
+            self.section.report(Code::BAD_VALUE, place, message, format!("write one of {}", others.join(" ")));
+        }
+        found
+    }
+
+    /// Reports the key of a deviation with another unit than its component has.
+    fn check_deviation_unit(&mut self, stem: &str, key: &str) -> Option<()> {
+        let kind = if self.name.direction.is_rotation() { "rotation" } else { "displacement" };
+        let reason = format!("{} is a {kind}", self.name);
+        self.check_unit(stem, key, &reason)
+    }
+
+    /// Reports the key of a position with another unit than its axis has.
+    fn check_position_unit(&mut self, stem: &str, key: &str, axis: Option<Axis>) -> Option<()> {
+        let kind = if is_rotary(axis) { "rotary" } else { "linear" };
+        let reason = match axis {
+            Some(axis) if self.name.axis() != Some(axis) => format!("the axis {axis} is {kind}"),
+            _ => format!("the axis of {} is {kind}", self.name),
+        };
+        self.check_unit(stem, key, &reason)
+    }
+
+    /// Reports the key with another unit than it should have.
+    fn check_unit(&mut self, stem: &str, key: &str, reason: &str) -> Option<()> {
         let Some(wrong) =
             UNITS.iter().map(|unit| format!("{stem}_{unit}")).find(|wrong| wrong != key && self.section.has(wrong))
         else {
             return Some(());
         };
         let place = self.section.place_of_key(&wrong);
-        let kind = if key.ends_with("um") || key.ends_with("urad") {
-            format!(
-                "{} is a {}",
-                self.name,
-                if self.name.direction.is_rotation() { "rotation" } else { "displacement" }
-            )
-        } else {
-            format!("the axis of {} is {}", self.name, if self.is_rotary() { "rotary" } else { "linear" })
-        };
         self.section.accept(&wrong);
         self.section.accept(key);
         self.section.report(
             Code::WRONG_UNIT,
             place,
-            format!("{wrong}: {kind}"),
+            format!("{wrong}: {reason}"),
             format!("write {key}, with values in that unit"),
         );
         None
@@ -117,6 +170,11 @@ impl Entry<'_> {
     /// Coefficients, mm and rad as they are.
     pub(super) fn coefficients(&mut self, key: &str) -> Option<Vec<f64>> {
         self.section.required(key, "[0, 1e-5]", Section::numbers)
+    }
+
+    /// Whether there is a key of this stem, whatever its unit.
+    pub(super) fn has_stem(&self, stem: &str) -> bool {
+        UNITS.iter().any(|unit| self.section.has(&format!("{stem}_{unit}")))
     }
 
     /// Reports `E0408` where positions do not increase strictly.

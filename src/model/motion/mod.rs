@@ -1,11 +1,12 @@
 //! Position-dependent errors: one file per kind of function, and their sum per axis.
 //!
-//! A function gives one component (mm or rad) from the actual commands of its axis, of another axis ([`cross`]) or from the
+//! A function gives one component (mm or rad) from the actual commands of its axis, of another axis ([`cross`], [`grid`]) or from the
 //! sense of the last motion ([`backlash`]). A kind is a file here and a line in [`KINDS`].
 
 pub mod backlash;
 pub mod cross;
 mod entry;
+pub mod grid;
 pub mod periodic;
 pub mod piecewise;
 pub mod polynomial;
@@ -43,6 +44,8 @@ pub enum Function {
     Backlash(backlash::Backlash),
     /// See [`cross`].
     Cross(cross::Cross),
+    /// See [`grid`].
+    Grid(grid::Grid),
 }
 
 /// A kind of function as the machine file names it.
@@ -52,16 +55,19 @@ pub struct Kind {
     pub name: &'static str,
     /// Reads the keys of the kind; what is wrong is reported in the entry.
     pub read: fn(&mut Entry<'_>) -> Option<Function>,
+    /// The lines of an entry below its `[[motion]]`, for a machine with the axes X, Y and Z.
+    pub example: &'static str,
 }
 
 /// All kinds.
 pub const KINDS: &[Kind] = &[
-    Kind { name: "polynomial", read: polynomial::read },
-    Kind { name: "table", read: table::read },
-    Kind { name: "piecewise", read: piecewise::read },
-    Kind { name: "periodic", read: periodic::read },
-    Kind { name: "backlash", read: backlash::read },
-    Kind { name: "cross", read: cross::read },
+    Kind { name: "polynomial", read: polynomial::read, example: polynomial::EXAMPLE },
+    Kind { name: "table", read: table::read, example: table::EXAMPLE },
+    Kind { name: "piecewise", read: piecewise::read, example: piecewise::EXAMPLE },
+    Kind { name: "periodic", read: periodic::read, example: periodic::EXAMPLE },
+    Kind { name: "backlash", read: backlash::read, example: backlash::EXAMPLE },
+    Kind { name: "cross", read: cross::read, example: cross::EXAMPLE },
+    Kind { name: "grid", read: grid::read, example: grid::EXAMPLE },
 ];
 
 impl Function {
@@ -74,8 +80,9 @@ impl Function {
             Function::Table(table) => table.value(own),
             Function::Piecewise(piecewise) => piecewise.value(own),
             Function::Periodic(periodic) => periodic.value(own),
-            Function::Backlash(backlash) => backlash.value(state.direction(axis)),
+            Function::Backlash(backlash) => backlash.value(own, state.direction(axis)),
             Function::Cross(cross) => cross.value(own, command[cross.with]),
+            Function::Grid(grid) => grid.value(own, command[grid.with]),
         }
     }
 
@@ -90,8 +97,9 @@ impl Function {
                 all_zero(&piecewise.coefficients) && piecewise.knots.iter().all(|knot| all_zero(&knot.coefficients))
             }
             Function::Periodic(periodic) => periodic.amplitude == 0.0,
-            Function::Backlash(backlash) => backlash.value == 0.0,
+            Function::Backlash(backlash) => all_zero(&backlash.reversal.values),
             Function::Cross(cross) => all_zero(&cross.coefficients) || all_zero(&cross.with_coefficients),
+            Function::Grid(grid) => grid.values.iter().all(|row| all_zero(row)),
         }
     }
 
@@ -112,8 +120,16 @@ impl Function {
                 }
             }
             Function::Periodic(periodic) => visit("amplitude", &mut periodic.amplitude),
-            Function::Backlash(backlash) => visit("value", &mut backlash.value),
+            Function::Backlash(backlash) => match backlash.reversal.values.as_mut_slice() {
+                [value] => visit("value", value),
+                values => list("values", values),
+            },
             Function::Cross(cross) => list("coefficients", &mut cross.coefficients),
+            Function::Grid(grid) => {
+                for (index, row) in grid.values.iter_mut().enumerate() {
+                    list(&format!("values[{index}]"), row);
+                }
+            }
         }
     }
 
@@ -132,17 +148,25 @@ impl Function {
         let own = &mut features[axis.slot()];
         match self {
             Function::Polynomial(polynomial) => own.note_degree(polynomial::degree(&polynomial.coefficients), travel),
-            Function::Table(table) => own.note_knots(table.positions.iter().copied()),
+            Function::Table(table) => own.note_knots(table.knots().iter().copied()),
             Function::Piecewise(piecewise) => {
                 own.note_degree(piecewise.degree(), travel);
                 own.note_knots(piecewise.knots.iter().map(|knot| knot.at));
             }
             Function::Periodic(periodic) => own.note_length(periodic.period / 2.0),
-            Function::Backlash(_) => own.backlash = true,
+            Function::Backlash(backlash) => {
+                own.backlash = true;
+                own.note_knots(backlash.reversal.knots().iter().copied());
+            }
             Function::Cross(cross) => {
                 own.note_degree(polynomial::degree(&cross.coefficients), travel);
                 let with = cross.with.slot();
                 features[with].note_degree(polynomial::degree(&cross.with_coefficients), travels[with]);
+            }
+            Function::Grid(grid) => {
+                let [along, across] = grid.knots();
+                own.note_knots(along.iter().copied());
+                features[grid.with.slot()].note_knots(across.iter().copied());
             }
         }
     }
@@ -221,7 +245,7 @@ mod tests {
             MotionError { name: exx, function: polynomial(&[1.0, 2.0]) },
             MotionError { name: exx, function: polynomial(&[0.5, 0.0, 0.25, 0.125]) },
             MotionError { name: eax, function: polynomial(&[0.0, 1.0]) },
-            MotionError { name: exx, function: Function::Backlash(backlash::Backlash { value: 6.0 }) },
+            MotionError { name: exx, function: Function::Backlash(backlash::Backlash::constant(6.0)) },
             MotionError { name: ErrorName::motion(Direction::X, Axis::Y), function: polynomial(&[100.0]) },
         ];
         let functions = Functions::of(Axis::X, &errors);

@@ -26,6 +26,10 @@ impl Periodic {
     }
 }
 
+/// An entry of this kind.
+pub(super) const EXAMPLE: &str = "component = \"EXX\"\nkind = \"periodic\"\n\
+    period_mm = 10.0\namplitude_um = 1.5\nphase_deg = 30.0\n";
+
 /// Reads `period_mm` or `period_deg`, `amplitude_um` or `amplitude_urad`, and the optional `phase_deg`.
 pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     let period = entry.length("period");

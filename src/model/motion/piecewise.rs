@@ -42,6 +42,10 @@ impl Piecewise {
     }
 }
 
+/// An entry of this kind.
+pub(super) const EXAMPLE: &str = "component = \"EZY\"\nkind = \"piecewise\"\ndegree = 2\n\
+    coefficients = [0.0, 1e-5, 2e-8]\nknots = [{ at_mm = 100, coefficients = [0, 0, 3e-8] }]\n";
+
 /// Reads `coefficients`, `knots` (`at_mm` or `at_deg` and `coefficients` each) and the optional `degree`, which they must not exceed.
 pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     let highest = entry.section.integer("degree");

@@ -30,6 +30,10 @@ pub(super) fn degree(coefficients: &[f64]) -> usize {
     coefficients.iter().rposition(|&coefficient| coefficient != 0.0).unwrap_or(0)
 }
 
+/// An entry of this kind.
+pub(super) const EXAMPLE: &str = "component = \"EXX\"\nkind = \"polynomial\"\n\
+    coefficients = [0.0, -3.13e-4, 7.53e-8, 1.35e-10]\n";
+
 /// Reads `coefficients`.
 pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     Some(Function::Polynomial(Polynomial { coefficients: entry.coefficients("coefficients")? }))

@@ -18,21 +18,56 @@ impl Table {
     /// The value at a command, mm or rad.
     #[must_use]
     pub fn value(&self, command: f64) -> f64 {
-        let next = self.positions.partition_point(|&position| position <= command);
-        match (next.checked_sub(1).and_then(|i| self.point(i)), self.point(next)) {
-            (Some((left, low)), Some((right, high))) => low + (high - low) * ((command - left) / (right - left)),
-            (Some((_, value)), None) | (None, Some((_, value))) => value,
-            (None, None) => 0.0,
-        }
+        let cell = Cell::around(&self.positions, command);
+        cell.blend(|index| self.values.get(index).copied().unwrap_or_default())
     }
 
-    fn point(&self, index: usize) -> Option<(f64, f64)> {
-        Some((*self.positions.get(index)?, *self.values.get(index)?))
+    /// The kinks: none where a single point makes it constant.
+    pub(super) fn knots(&self) -> &[f64] {
+        if self.positions.len() > 1 { &self.positions } else { &[] }
     }
 }
 
+/// The points of a table around a command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cell {
+    lower: usize,
+    upper: usize,
+    /// Share of the way from the lower to the upper, 0 … 1.
+    share: f64,
+}
+
+impl Cell {
+    /// In increasing positions; outside them both points are the outermost.
+    pub(super) fn around(positions: &[f64], command: f64) -> Cell {
+        let upper = positions.partition_point(|&position| position <= command);
+        let lower = upper.saturating_sub(1);
+        match (positions.get(lower), positions.get(upper)) {
+            (Some(&left), Some(&right)) if lower < upper => {
+                Cell { lower, upper, share: (command - left) / (right - left) }
+            }
+            _ => Cell { lower, upper: lower, share: 0.0 },
+        }
+    }
+
+    /// The value between those of the two points.
+    pub(super) fn blend(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let low = value(self.lower);
+        if self.lower == self.upper { low } else { low + (value(self.upper) - low) * self.share }
+    }
+}
+
+/// An entry of this kind.
+pub(super) const EXAMPLE: &str = "component = \"EYX\"\nkind = \"table\"\n\
+    positions_mm = [0, 350, 700]\nvalues_um = [0, 4, -1]\n";
+
 /// Reads `positions_mm` or `positions_deg` and `values_um` or `values_urad`.
 pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
+    read_points(entry).map(Function::Table)
+}
+
+/// The points of a table.
+pub(super) fn read_points(entry: &mut Entry<'_>) -> Option<Table> {
     let positions_key = entry.position_key("positions");
     let values_key = entry.deviation_key("values");
     let positions = entry.positions("positions");
@@ -45,7 +80,7 @@ pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
         return None;
     }
     entry.demand_increase(&positions_key, &positions)?;
-    Some(Function::Table(Table { positions, values }))
+    Some(Table { positions, values })
 }
 
 #[cfg(test)]

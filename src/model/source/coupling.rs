@@ -17,5 +17,12 @@ kind = \"cross\"
 coefficients = [0, 1e-9]
 with = \"X\"
 with_coefficients = [0, 1.0]
+[[motion]]
+component = \"EAY\"
+kind = \"grid\"
+positions_mm = [0, 250, 500]
+with = \"X\"
+with_positions_mm = [0, 700]
+values_urad = [[0, 2], [6, 3], [4, -1]]
 ",
 };

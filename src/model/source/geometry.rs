@@ -65,7 +65,7 @@ impl Effect for MotionError {
     fn source(&self) -> &'static Source {
         match self.function {
             Function::Backlash(_) => &reversal::SOURCE,
-            Function::Cross(_) => &coupling::SOURCE,
+            Function::Cross(_) | Function::Grid(_) => &coupling::SOURCE,
             _ => &SOURCE,
         }
     }

@@ -18,6 +18,7 @@ value_um = 6.0
 [[motion]]
 component = \"EZX\"
 kind = \"backlash\"
-value_um = 2.0
+positions_mm = [0, 700]
+values_um = [2.0, 5.0]
 ",
 };
