@@ -8,6 +8,7 @@ mod axis_names;
 mod bad;
 mod bench_machine;
 mod bottleneck;
+mod by_hand;
 mod cli_check;
 mod cli_explain;
 mod cli_fix;

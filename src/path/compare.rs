@@ -125,6 +125,8 @@ struct Step {
     is_counted: bool,
     /// Whether it is marked as a further piece of the move above it.
     continues: bool,
+    /// Whether it is marked as a step on the spot.
+    on_the_spot: bool,
 }
 
 impl Step {
@@ -133,6 +135,12 @@ impl Step {
         let mut state = self.state;
         state.note_motion(&self.route.at(parameter - SENSE_STEP), &self.route.at(parameter + SENSE_STEP));
         state
+    }
+
+    /// Sense of motion before the end, where rounding does not turn an arc that ends at a turning point of an axis.
+    fn state_before_end(&self) -> State {
+        let share = (ON_THE_SPOT_MM / self.route.size_mm().max(ON_THE_SPOT_MM)).clamp(SENSE_STEP, 0.5);
+        self.state_at(1.0 - share)
     }
 
     fn mismatch(&self, message: &str) -> Diagnostic {
@@ -153,6 +161,7 @@ struct Walk<'a, I> {
     known: AxisSet,
     ever_named: AxisSet,
     continues: bool,
+    on_the_spot: bool,
 }
 
 impl<'a, I> Walk<'a, I> {
@@ -167,6 +176,7 @@ impl<'a, I> Walk<'a, I> {
             known: AxisSet::EMPTY,
             ever_named: AxisSet::EMPTY,
             continues: false,
+            on_the_spot: false,
         }
     }
 }
@@ -180,13 +190,15 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
             if element.starts_block {
                 // A mark belongs to its own line, which may move nothing.
                 self.continues = false;
+                self.on_the_spot = false;
             }
             self.known = self.known.difference(lost_axes(&element, self.machine));
             let motion = match element.kind {
                 Kind::Comment(text) => {
                     let text = text.strip_prefix(b";").or_else(|| text.strip_prefix(b"(")?.strip_suffix(b")"));
-                    self.continues =
-                        [CONTINUES, CONTINUES_ON_THE_SPOT].iter().any(|mark| text == Some(mark.as_bytes()));
+                    let is_one_of = |marks: [&str; 2]| marks.iter().any(|mark| text == Some(mark.as_bytes()));
+                    self.continues = is_one_of([CONTINUES, CONTINUES_ON_THE_SPOT]);
+                    self.on_the_spot = is_one_of([ON_THE_SPOT, CONTINUES_ON_THE_SPOT]);
                     continue;
                 }
                 Kind::Setup(setup) => {
@@ -206,6 +218,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 is_counted: motion.named.difference(self.known).is_empty()
                     && self.ever_named.difference(motion.known).is_empty(),
                 continues: std::mem::take(&mut self.continues),
+                on_the_spot: std::mem::take(&mut self.on_the_spot),
             };
             if self.has_backlash {
                 self.state.note_motion(&step.route.at(0.0), &step.route.at(SENSE_STEP));
@@ -277,9 +290,13 @@ impl Group<'_> {
             self.length_mm += piece.route.size_mm();
             let offset = self.offset(&piece, 1.0);
             let is_complete = self.is_complete(&offset, corrected.peek());
-            let to = if is_complete { 1.0 } else { self.nearest(&piece) };
-            self.sample(&piece, to, prediction);
-            self.parameter = to;
+            // Lateral play leads across the path on such a step, so that nearness does not tell its place.
+            let stands = self.grouping == Grouping::ByMarks && piece.on_the_spot;
+            if !stands || is_complete {
+                let to = if is_complete { 1.0 } else { self.nearest(&piece) };
+                self.sample(&piece, to, prediction);
+                self.parameter = to;
+            }
             if is_complete && self.off_mm(&offset) > MEANT_END_MM {
                 return Err(self
                     .step
@@ -315,7 +332,7 @@ impl Group<'_> {
     /// How far the tool is from the place of the original move at `parameter` when a piece has ended.
     fn offset(&self, piece: &Step, parameter: f64) -> Offset {
         let command = piece.route.end;
-        let state = if self.has_backlash { piece.state_at(1.0) } else { piece.state };
+        let state = if self.has_backlash { piece.state_before_end() } else { piece.state };
         let nominal = self.step.route.at(parameter);
         let tip = self.model.tip_error_mm(&nominal, &command, &piece.tool_mm, &state);
         let turned = ROTARY_AXES.map(|axis| ROTARY_ARM_MM * (command[axis] - nominal[axis]));
