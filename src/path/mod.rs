@@ -15,6 +15,7 @@ mod corrector;
 mod cut;
 mod extend;
 mod findings;
+mod held;
 mod increment;
 mod place;
 mod poses;

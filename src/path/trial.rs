@@ -21,7 +21,7 @@ const SAME_ANGLE: f64 = 1e-7;
 /// Guesses of the sense of motion before an axis that is asked to go both ways is held.
 const MOST_TRIES: u32 = 3;
 /// Commands nearer than this are the same place on the grid, mm.
-const SAME_PLACE_MM: f64 = 1e-9;
+pub(super) const SAME_PLACE_MM: f64 = 1e-9;
 
 /// Where program and machine stand between two pieces.
 #[derive(Clone, Copy, Debug, Default)]
@@ -83,11 +83,11 @@ pub(super) struct Trial {
 }
 
 /// The ends of a piece.
-struct Ends {
-    take_up: Option<Placed>,
-    start: AxisVector,
-    end: Placed,
-    state: State,
+pub(super) struct Ends {
+    pub(super) take_up: Option<Placed>,
+    pub(super) start: AxisVector,
+    pub(super) end: Placed,
+    pub(super) state: State,
 }
 
 impl Trial {
@@ -252,7 +252,7 @@ impl Bench<'_, '_> {
 
     /// An axis whose word does not change is not written and does not move, though a new frame has another grid. Where the frame turns or
     /// scales, a word is no axis; the grids differ by noise only then.
-    fn unmoved(&self, standing: &Standing, mut placed: Placed) -> Placed {
+    pub(super) fn unmoved(&self, standing: &Standing, mut placed: Placed) -> Placed {
         let is_parallel = self.placer.is_parallel();
         for axis in standing.written.iter().filter(|axis| is_parallel || axis.slot() > 2) {
             if placed.counts[axis.slot()] == standing.counts[axis.slot()] {
@@ -262,52 +262,7 @@ impl Bench<'_, '_> {
         placed
     }
 
-    /// The ends where an axis that the program does not move is asked to go one way by the errors of the other: it stays through the piece,
-    /// and is off by what its correction changes along it instead of by its backlash. It stays where a step on the spot leads it, to the
-    /// one side or the other, or else where it is. `None` where the program moves all such axes.
-    fn held(&self, standing: &Standing, between: [f64; 2], state: &State, sense: &State) -> Option<Ends> {
-        let nominal = between.map(|parameter| self.route.at(parameter));
-        let undecided = self.sampler.backlash.iter().filter(|&axis| state.direction(axis) != sense.direction(axis));
-        let held: AxisSet = undecided.filter(|&axis| nominal[0][axis] == nominal[1][axis]).collect();
-        if held.is_empty() {
-            return None;
-        }
-        let hold = |placed: Placed, at: &AxisVector| {
-            let mut command = placed.command;
-            held.iter().for_each(|axis| command[axis] = at[axis]);
-            let Placed { failure, is_held_back, .. } = placed;
-            self.unmoved(standing, Placed { failure, is_held_back, ..self.placer.round(&command, self.known) })
-        };
-        let mut at_rest = *state;
-        held.iter().for_each(|axis| at_rest.direction[axis.slot()] = standing.state.direction(axis));
-        let mut ends = None;
-        for (sense, moves) in [(sense, true), (state, true), (&at_rest, false)] {
-            let place = |nominal, correction: &AxisVector| self.place(between, nominal, sense, correction);
-            let mut take_up = None;
-            if self.takes_up
-                && (standing.is_doubtful || !self.same_sense(sense, &standing.state))
-                && self.placer.tip_error_mm(&nominal[0], &standing.command, sense) > self.tolerance_mm
-            {
-                let free = place(&nominal[0], &standing.correction);
-                let start = if moves { free } else { hold(free, &standing.command) };
-                take_up = Some(start).filter(|start| distance_mm(&start.command, &standing.command) > SAME_PLACE_MM);
-            }
-            let start = take_up.map_or(standing.command, |placed| placed.command);
-            let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal[0]);
-            let end = hold(place(&nominal[1], &correction), &start);
-            let mut state = standing.state;
-            state.note_motion(&standing.command, &start);
-            state.note_motion(&start, &end.command);
-            let is_found = self.same_sense(&state, sense);
-            ends = Some(Ends { take_up, start, end, state });
-            if is_found {
-                break;
-            }
-        }
-        ends
-    }
-
-    fn same_sense(&self, a: &State, b: &State) -> bool {
+    pub(super) fn same_sense(&self, a: &State, b: &State) -> bool {
         self.sampler.backlash.iter().all(|axis| a.direction(axis) == b.direction(axis))
     }
 

@@ -1,0 +1,55 @@
+//! Axes at rest whose backlash the errors of other axes would turn to and fro.
+
+use crate::geometry::{AxisSet, AxisVector};
+use crate::machine::State;
+
+use super::place::Placed;
+use super::route::distance_mm;
+use super::trial::{Bench, Ends, SAME_PLACE_MM, Standing};
+
+impl Bench<'_, '_> {
+    /// The ends where an axis that the program does not move is asked to go one way by the errors of the other: it stays through the piece,
+    /// and is off by what its correction changes along it instead of by its backlash. It stays where a step on the spot leads it, to the
+    /// one side or the other, or else where it is. `None` where the program moves all such axes.
+    pub(super) fn held(&self, standing: &Standing, between: [f64; 2], state: &State, sense: &State) -> Option<Ends> {
+        let nominal = between.map(|parameter| self.route.at(parameter));
+        let undecided = self.sampler.backlash.iter().filter(|&axis| state.direction(axis) != sense.direction(axis));
+        let held: AxisSet = undecided.filter(|&axis| nominal[0][axis] == nominal[1][axis]).collect();
+        if held.is_empty() {
+            return None;
+        }
+        let hold = |placed: Placed, at: &AxisVector| {
+            let mut command = placed.command;
+            held.iter().for_each(|axis| command[axis] = at[axis]);
+            let Placed { failure, is_held_back, .. } = placed;
+            self.unmoved(standing, Placed { failure, is_held_back, ..self.placer.round(&command, self.known) })
+        };
+        let mut at_rest = *state;
+        held.iter().for_each(|axis| at_rest.direction[axis.slot()] = standing.state.direction(axis));
+        let mut ends = None;
+        for (sense, moves) in [(sense, true), (state, true), (&at_rest, false)] {
+            let place = |nominal, correction: &AxisVector| self.place(between, nominal, sense, correction);
+            let mut take_up = None;
+            if self.takes_up
+                && (standing.is_doubtful || !self.same_sense(sense, &standing.state))
+                && self.placer.tip_error_mm(&nominal[0], &standing.command, sense) > self.tolerance_mm
+            {
+                let free = place(&nominal[0], &standing.correction);
+                let start = if moves { free } else { hold(free, &standing.command) };
+                take_up = Some(start).filter(|start| distance_mm(&start.command, &standing.command) > SAME_PLACE_MM);
+            }
+            let start = take_up.map_or(standing.command, |placed| placed.command);
+            let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal[0]);
+            let end = hold(place(&nominal[1], &correction), &start);
+            let mut state = standing.state;
+            state.note_motion(&standing.command, &start);
+            state.note_motion(&start, &end.command);
+            let is_found = self.same_sense(&state, sense);
+            ends = Some(Ends { take_up, start, end, state });
+            if is_found {
+                break;
+            }
+        }
+        ends
+    }
+}
