@@ -1,4 +1,4 @@
-//! `ncfix machine check` and `ncfix machine show`.
+//! `ncfix machine check`, `ncfix machine show` and `ncfix machine presets`.
 
 use crate::support::{Shop, machine};
 
@@ -40,4 +40,51 @@ fn a_set_up_file_brings_offsets_and_tools() {
     let shop = Shop::new().file("s.toml", setup);
     let run = shop.run(["machine", "show", &machine("demo"), "--setup", "s.toml"]).exits(0);
     assert!(run.stdout.contains("G54   X123.5 Y1 Z2"), "{}", run.stdout);
+}
+
+#[test]
+fn presets_are_listed() {
+    let run = Shop::new().run(["machine", "presets"]).exits(0);
+    for name in ["spaan-18", "spaan-21", "mayer-13", "84", "12", "81", "10"] {
+        assert!(run.stdout.lines().any(|line| line.starts_with(&format!("{name} "))), "{name}: {}", run.stdout);
+    }
+    assert!(run.stdout.contains("Tables 4-3 and 7-1") && run.stderr.is_empty(), "{}", run.stdout);
+    // On a machine: how many parameters, or why none.
+    let run = Shop::new().run(["machine", "presets", "--machine", &machine("esmaeili_xyz5")]).exits(0);
+    for (name, count) in [("mayer-13", "13"), ("84", "84"), ("81", "81"), ("12", "12"), ("10", "10")] {
+        let line = run.stdout.lines().find(|line| line.starts_with(&format!("{name} "))).unwrap();
+        assert_eq!(line.split_whitespace().nth(1), Some(count), "{line}");
+    }
+    let run = Shop::new().run(["machine", "presets", "--machine", &machine("demo")]).exits(0);
+    assert!(run.stdout.contains("not here: it is for machines with two rotary axes"), "{}", run.stdout);
+}
+
+#[test]
+fn a_preset_shows_its_parameters_and_what_else_the_file_has() {
+    // Table 4-3: EX0C = -0.0956 mm, EA0Y = -0.000038 rad, EYY1 = -0.000023 mm/mm.
+    let run = Shop::new().run(["machine", "presets", "mayer-13", "--machine", &machine("esmaeili_xyz5")]).exits(0);
+    let row = |stdout: &str, name: &str| -> Vec<String> {
+        let line = stdout.lines().find(|line| line.starts_with(&format!("{name} ")));
+        line.unwrap_or_else(|| panic!("{name}: {stdout}")).split_whitespace().skip(1).map(str::to_owned).collect()
+    };
+    assert_eq!(row(&run.stdout, "EX0C"), ["-95.60", "µm"]);
+    assert_eq!(row(&run.stdout, "EA0Y"), ["-38.00", "µrad"]);
+    assert_eq!(row(&run.stdout, "EYY1"), ["-2.300e-2", "µm/mm"]);
+    assert!(run.stdout.contains("no other errors"), "{}", run.stdout);
+    // 10 lacks the spindle offsets and the gain of X.
+    let run = Shop::new().run(["machine", "presets", "10", "--machine", &machine("esmaeili_xyz5")]).exits(0);
+    let (own, others) = run.stdout.split_once("The file also has:").unwrap();
+    assert_eq!(row(others, "EX0S"), ["-100.0", "µm"]);
+    assert_eq!(row(others, "EXX1"), ["1.700e-2", "µm/mm"]);
+    assert!(!own.contains("EX0S") && !others.contains("EYY1"), "{}", run.stdout);
+    // Functions that are no parameters are named with their kind.
+    let run = Shop::new().run(["machine", "presets", "spaan-21", "--machine", &machine("demo")]).exits(0);
+    assert!(run.stdout.contains("The file also has:"), "{}", run.stdout);
+}
+
+#[test]
+fn a_preset_that_makes_no_sense_says_why() {
+    let run = Shop::new().run(["machine", "presets", "mayer-13", "--machine", &machine("demo")]).exits(2);
+    run.says("mayer-13").says("two rotary axes, and this one has none");
+    Shop::new().run(["machine", "presets", "13", "--machine", &machine("demo")]).exits(2).says("mayer-13, 84, 12");
 }

@@ -59,6 +59,7 @@ mod model;
 mod modes;
 mod motion_kinds;
 mod positioning;
+mod presets;
 mod programs;
 mod reference_points;
 mod rotary;

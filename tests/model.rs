@@ -28,7 +28,7 @@ impl Random {
 }
 
 /// A machine with every axis of the topology along its direction of F; table-side axes move the other way.
-fn machine(topology: &str) -> Machine {
+pub(crate) fn machine(topology: &str) -> Machine {
     let mut text = format!("[machine]\nname = \"test\"\ntopology = \"{topology}\"\n");
     let foundation = topology.find('F').unwrap();
     for (at, letter) in topology.char_indices().filter(|(_, letter)| "XYZUVWABC".contains(*letter)) {

@@ -2,7 +2,7 @@
 
 mod machine;
 
-pub(super) use machine::{MachineArguments, MachineCommand, ShowArguments, StateChoice};
+pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -7,18 +7,19 @@ use super::machine_choice::{self, Chosen};
 use super::state;
 use super::stop::Stop;
 use super::value::ToolVector;
-use super::{input, print, tell};
+use super::{input, presets, print, tell};
 use crate::geometry::{AxisVector, Vector};
 use crate::report::json;
 use crate::report::machine::table;
 use crate::report::shares::Shares;
 use crate::source::FileId;
 
-/// Checks or shows a machine file.
+/// Checks or shows a machine file, or what its error model may have.
 pub(super) fn run(command: &MachineCommand) -> Result<ExitCode, Stop> {
     match command {
         MachineCommand::Check(arguments) => check(arguments),
         MachineCommand::Show(arguments) => show(arguments),
+        MachineCommand::Presets(arguments) => presets::run(arguments),
     }
 }
 

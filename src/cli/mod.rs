@@ -15,6 +15,7 @@ mod library;
 mod machine;
 mod machine_choice;
 mod output;
+mod presets;
 mod program;
 mod progress;
 mod snc;

@@ -3,7 +3,8 @@
 //! [`ErrorModel`] is what the file says: location errors ([`location`]), motion errors ([`motion`], one file per kind of
 //! function), named as in ISO 230-1 ([`name`]), and the effects of other sources ([`source`], one file each). The [`Accumulator`] adds up what
 //! they contribute in one condition of the machine. [`Model`] is machine and sum prepared for evaluation; [`Model::actual`] is the only
-//! forward function, and [`Model::solve`] inverts it. Nothing here knows of programs or instruments.
+//! forward function, and [`Model::solve`] inverts it. [`preset`] names which parameters ([`parameter`]) a model has. Nothing here knows of
+//! programs or instruments.
 
 mod accumulator;
 mod body;
@@ -17,6 +18,8 @@ pub mod location;
 pub mod motion;
 pub mod name;
 mod orientation;
+pub mod parameter;
+pub mod preset;
 mod rotation;
 pub mod source;
 
@@ -28,6 +31,7 @@ pub use inverse::{NotConverged, Solve};
 pub use location::LocationError;
 pub use motion::MotionError;
 pub use name::ErrorName;
+pub use parameter::ParameterName;
 pub use source::{Effect, SOURCES, Source};
 
 /// The errors of a machine as its file gives them, in mm and rad.

@@ -7,5 +7,6 @@ mod excerpt;
 pub mod json;
 pub mod machine;
 pub mod number;
+pub mod presets;
 pub mod shares;
 pub mod terminal;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::MachineChoice;
 use crate::cli::value;
 use crate::geometry::AxisVector;
 use crate::machine::{Load, State};
@@ -33,6 +34,19 @@ pub(in crate::cli) enum MachineCommand {
     Check(MachineArguments),
     /// Show the machine that a file describes, or with --at its errors at a pose, source by source
     Show(Box<ShowArguments>),
+    /// List the choices of parameters for an error model, or show one of them with its values in a machine file
+    Presets(PresetArguments),
+}
+
+/// `ncfix machine presets`.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct PresetArguments {
+    /// Preset, such as mayer-13; without it all are listed
+    #[arg(value_name = "NAME")]
+    pub(in crate::cli) name: Option<String>,
+    #[command(flatten)]
+    /// Which machine.
+    pub(in crate::cli) machine: MachineChoice,
 }
 
 /// `ncfix machine show`.
