@@ -1,6 +1,6 @@
 //! Presets: which parameters an error model has on a given machine, as the literature prints them for particular ones.
 //!
-//! A preset is found by the roles of the axes ([`roles`]), not by their letters, and gives exactly the printed list for the
+//! A preset is found by the roles of the axes (`roles`), not by their letters, and gives exactly the printed list for the
 //! printed topology. Every set is free of redundancy under its assumptions about the set-up, which its file names: what is left
 //! out moves the tool just as a combination of what is in it, or as the unknown place of the workpiece or the tool.
 //! A preset is a file here and a line in [`PRESETS`].
