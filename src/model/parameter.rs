@@ -147,7 +147,7 @@ impl ParameterName {
         let changed = match self.term {
             Term::Whole => None,
             Term::Coefficient(degree) => functions.find_map(global_part_mut).map(|part| add(part, degree, change)),
-            Term::Backlash => functions.find(|function| matches!(function, Function::Backlash(_))).map(|function| {
+            Term::Backlash => functions.find(|function| is_constant_backlash(function)).map(|function| {
                 *function = backlash(self.backlash_of(function) + change);
             }),
             Term::Knot { degree, at } => functions
@@ -184,7 +184,7 @@ impl ParameterName {
     /// The deviation behind a positive motion if the function is a backlash, else 0.
     fn backlash_of(&self, function: &Function) -> f64 {
         match (function, self.component.axis()) {
-            (Function::Backlash(_), Some(axis)) => {
+            (Function::Backlash(_), Some(axis)) if is_constant_backlash(function) => {
                 let mut forward = State::default();
                 forward.direction.fill(1);
                 function.value(axis, &AxisVector::ZERO, &forward)
@@ -220,9 +220,14 @@ fn global_part_mut(function: &mut Function) -> Option<&mut Vec<f64>> {
     }
 }
 
+/// Whether it is a backlash that is the same everywhere; one that changes along the axis is no single parameter.
+fn is_constant_backlash(function: &Function) -> bool {
+    matches!(function, Function::Backlash(backlash) if backlash.reversal.positions.len() == 1)
+}
+
 /// A backlash by its coefficient of the sense.
 fn backlash(half: f64) -> Function {
-    Function::Backlash(Backlash { value: 2.0 * half })
+    Function::Backlash(Backlash::constant(2.0 * half))
 }
 
 fn add(coefficients: &mut Vec<f64>, degree: u8, change: f64) {

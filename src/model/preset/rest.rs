@@ -39,7 +39,10 @@ fn parts(error: &MotionError) -> Vec<Rest> {
     };
     let kind = match &error.function {
         Function::Polynomial(polynomial) => return global(&polynomial.coefficients),
-        Function::Backlash(_) => return vec![Rest::Parameter(ParameterName::backlash(component))],
+        Function::Backlash(backlash) if backlash.reversal.positions.len() == 1 => {
+            return vec![Rest::Parameter(ParameterName::backlash(component))];
+        }
+        Function::Backlash(_) => "backlash along the axis",
         Function::Piecewise(piecewise) => {
             let mut parts = global(&piecewise.coefficients);
             for knot in &piecewise.knots {
@@ -59,6 +62,7 @@ fn parts(error: &MotionError) -> Vec<Rest> {
         Function::Table(_) => "table",
         Function::Periodic(_) => "periodic",
         Function::Cross(_) => "cross",
+        Function::Grid(_) => "grid",
     };
     vec![Rest::Function(component, kind)]
 }
