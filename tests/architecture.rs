@@ -20,10 +20,11 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("snc", &["geometry"]),
     ("exec", &["syntax", "dialect", "machine", "geometry", "snc"]),
     ("model", &["machine", "geometry"]),
+    ("measure", &["model", "machine", "geometry"]),
     ("path", &["snc", "model", "machine", "geometry"]),
     ("emit", &["dialect", "path", "snc", "geometry", "machine"]),
     ("report", &["geometry", "path", "emit", "machine", "model", "snc"]),
-    ("cli", &["geometry", "dialect", "syntax", "machine", "snc", "exec", "model", "path", "emit", "report"]),
+    ("cli", &["geometry", "dialect", "syntax", "machine", "snc", "exec", "model", "measure", "path", "emit", "report"]),
 ];
 
 /// A file longer than this says why in its first comment with the words "long because".

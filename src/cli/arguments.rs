@@ -1,8 +1,12 @@
 //! The command line: commands, options and their help.
 
 mod machine;
+mod measured;
+mod steps;
 
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
+pub(super) use measured::MeasuredArguments;
+pub(super) use steps::StepsArguments;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -93,6 +97,12 @@ pub(super) enum Command {
     Snc(SncArguments),
     /// Compare the errors of an original and a corrected program on the error model
     Verify(VerifyArguments),
+    /// Subtract the corrections from positions that were read on the machine (measurement mode)
+    #[command(after_help = measured::AFTER_HELP)]
+    Measured(MeasuredArguments),
+    /// Find the largest fixed step that keeps a residual, and draw residual over step
+    #[command(after_help = steps::AFTER_HELP)]
+    Steps(StepsArguments),
     /// Check or show a machine file
     #[command(subcommand)]
     Machine(MachineCommand),

@@ -14,12 +14,14 @@ mod input;
 mod library;
 mod machine;
 mod machine_choice;
+mod measured;
 mod output;
 mod presets;
 mod program;
 mod progress;
 mod snc;
 mod state;
+mod steps;
 mod stop;
 mod support_file;
 mod value;
@@ -60,6 +62,8 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Check(arguments) => check::run(arguments),
         Command::Snc(arguments) => snc::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
+        Command::Measured(arguments) => measured::run(arguments),
+        Command::Steps(arguments) => steps::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),
     }

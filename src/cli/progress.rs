@@ -44,6 +44,16 @@ impl Progress {
         }
     }
 
+    /// Notes that a share (0 … 1) of `what` is done.
+    pub(super) fn share(&mut self, what: &str, share: f64) {
+        // The clock is cheap beside what callers do between two notes.
+        if self.is_wanted && Instant::now() >= self.next {
+            self.next = Instant::now() + REFRESH;
+            self.is_shown = true;
+            let _ = write!(std::io::stderr(), "\r{what}: {:.0} % \u{1b}[K", 100.0 * share);
+        }
+    }
+
     /// Takes the line away before anything else is printed.
     pub(super) fn clear(&mut self) {
         if std::mem::take(&mut self.is_shown) {

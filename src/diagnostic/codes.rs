@@ -1,8 +1,8 @@
 //! The register of finding codes: every code once, with its title and the long text that `ncfix explain` prints.
 //!
 //! Groups: `E01` what was written (syntax), `E02` what it means (execution), `E03` safety and machine limits,
-//! `E04` machine file and error model, `E05` state of the machine; `W…` the same groups as warnings. Codes are stable: one that is no longer
-//! used stays retired. A test demands a sample file that provokes each code.
+//! `E04` machine file and error model, `E05` state of the machine, `E06` measured data; `W…` the same groups as warnings. Codes are stable:
+//! one that is no longer used stays retired. A test demands a sample file that provokes each code.
 
 use std::fmt;
 
@@ -283,6 +283,20 @@ axes _deg.";
     MISSING_SENSOR = "E0501" "temperature of a sensor missing"
 "The error model of the machine file depends on the temperature of this sensor, and the state that was given has temperatures but not
 this one. A drift that is computed without it would be wrong by an unknown amount.";
+
+    DATA_NO_TABLE = "E0601" "measured data that are no table"
+"Measured data are CSV: a line of column names, then rows with a cell for each of them. Cells are separated by commas, by semicolons or
+by tabs; a text that contains the separator has quotation marks. UTF-8, with or without byte order mark, and any line ends will do; UTF-16
+and workbooks (XLSX) have to be saved as CSV first.
+
+  run,X,Y,Z,dx_um
+  1,100,50,0,-3.2";
+    DATA_COLUMN = "E0602" "column that does not fit the machine"
+"Every axis of the machine needs a column of its name (X, Y, Z, C …) with positions in mm or degrees. A column named like an axis that
+the machine lacks, or a name that is there twice, is refused: something else was measured, or on another machine.";
+    DATA_CELL = "E0603" "cell that is no number"
+"A position or a tool length is a plain number: 12.5 or, where the separator is no comma, 12,5; the same decimal sign in all cells, no
+unit, no separators of thousands. Cells must not be empty. The sense of motion (X_dir …) is -1, 0 or 1, or empty.";
 
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";

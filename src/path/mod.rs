@@ -17,6 +17,7 @@ mod extend;
 mod findings;
 mod held;
 mod increment;
+mod moves;
 mod place;
 mod poses;
 mod prediction;
@@ -24,15 +25,20 @@ mod remaining;
 mod rotary_word;
 mod route;
 mod singularity;
+mod steps;
 mod treatment;
 mod trial;
+mod volume;
 
 pub use compare::{CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Grouping, ON_THE_SPOT, compare};
 pub use corrector::Corrector;
 pub use increment::Increments;
+pub use moves::Moves;
 pub use poses::PoseSample;
 pub use prediction::{Prediction, Spread};
 pub use remaining::{Remaining, remaining};
+pub use steps::{Answer, Line, Residual, Row, StepTrial, Steps};
+pub use volume::volume;
 
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector, Plane};
 use crate::machine::{Machine, ToolChange};

@@ -1,0 +1,157 @@
+//! `ncfix measured`: takes the corrections out of positions that were read on the machine.
+
+use super::arguments::{MeasuredArguments, RotaryChoice};
+use super::exit_code::ExitCode;
+use super::findings::Findings;
+use super::machine_choice::{self, Chosen};
+use super::output::{Spool, Target};
+use super::program::protect;
+use super::progress::Progress;
+use super::state;
+use super::stop::Stop;
+use super::{input, tell};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::measure::csv::{Row, Table, number_text};
+use crate::measure::mode;
+use crate::measure::reading::{Reading, Readings};
+use crate::model::{Model, NotConverged, Solve};
+use crate::report::measured::Measured;
+use crate::report::number::micrometers;
+use crate::source::{FileId, Source};
+use crate::units::um_from_mm;
+
+/// Decimals of mm: a hundredth of what a correction promises.
+const DECIMALS_MM: usize = 8;
+/// Decimals of degrees: 1e-7 mm at an arm of 500 mm.
+const DECIMALS_DEG: usize = 10;
+
+/// Corrects a table of readings.
+pub(super) fn run(arguments: &MeasuredArguments) -> Result<ExitCode, Stop> {
+    let mut findings = Findings::default();
+    let result = correct(arguments, &mut findings);
+    findings.draw();
+    match result? {
+        Some(report) => tell(&report.table()),
+        None => tell(&format!("{}; nothing was written\n", findings.count())),
+    }
+    Ok(findings.exit_code())
+}
+
+/// Reads the table and writes its copy; `None` where findings forbid it.
+fn correct(arguments: &MeasuredArguments, findings: &mut Findings) -> Result<Option<Measured>, Stop> {
+    let source = input::read(&arguments.data, FileId(0))?;
+    let target = Target::new(&arguments.output)?;
+    let Some(mut chosen) = machine_choice::choose(&arguments.machine, &arguments.data, findings)? else {
+        return Ok(None);
+    };
+    if !state::apply(&arguments.state, &mut chosen, findings)? {
+        return Ok(None);
+    }
+    protect(&target, chosen.files.iter().chain([&arguments.data]), findings);
+    let (table, found) = Table::read(&source);
+    findings.extend(found, std::slice::from_ref(&source));
+    let Some(table) = table.filter(|_| !findings.has_errors()) else { return Ok(None) };
+    let readings = match Readings::new(&table, &chosen.machine) {
+        Ok(readings) => readings,
+        Err(found) => {
+            findings.extend(found, std::slice::from_ref(&source));
+            return Ok(None);
+        }
+    };
+    let mut spool = Spool::new(target)?;
+    let job = Job { arguments, source: &source, chosen: &chosen, table: &table };
+    let report = job.write(readings, &mut spool, findings)?;
+    if findings.has_errors() {
+        return Ok(None);
+    }
+    spool.publish(false)?;
+    Ok(Some(report))
+}
+
+/// One table on its way.
+struct Job<'a> {
+    arguments: &'a MeasuredArguments,
+    source: &'a Source,
+    chosen: &'a Chosen,
+    table: &'a Table,
+}
+
+impl Job<'_> {
+    /// Writes the copy. Behind the first error it is of no use, but all findings are gathered.
+    fn write(&self, mut readings: Readings, spool: &mut Spool, findings: &mut Findings) -> Result<Measured, Stop> {
+        let model = self.chosen.model();
+        let solve = match self.arguments.rotary {
+            RotaryChoice::Correct => Solve::Full,
+            RotaryChoice::Hold => Solve::PositionOnly,
+        };
+        let mut report = Measured {
+            axes: readings.axes().iter().map(|&(axis, _)| axis).collect(),
+            machine: self.chosen.machine.name.clone(),
+            output: self.arguments.output.display().to_string(),
+            ..Measured::default()
+        };
+        let mut progress = Progress::new();
+        let mut fault = None;
+        let mut copy = self.table.copy(spool.writer());
+        let count = self.table.row_count().max(1) as f64;
+        for (index, row) in self.table.rows().enumerate() {
+            progress.share("rows", index as f64 / count);
+            let found = match readings.read(&row) {
+                Ok(reading) => match mode::nominal(&model, &reading, solve) {
+                    Ok(nominal) => {
+                        report.note(&(reading.position - nominal));
+                        report.without_sense += u64::from(lacks_sense(&model, &reading, &readings));
+                        fault = fault.or(put(&mut copy, &row, &readings, &reading, &nominal).err());
+                        continue;
+                    }
+                    Err(failure) => vec![not_converged(failure, &row, &readings)],
+                },
+                Err(found) => found,
+            };
+            findings.extend(found, std::slice::from_ref(self.source));
+            if findings.is_hopeless() {
+                break;
+            }
+        }
+        let fault = fault.or(copy.finish().err());
+        fault.map_or(Ok(report), |error| Err(spool.fault(&error)))
+    }
+}
+
+/// Writes the positions of a row. A position without a correction stays as it was written.
+fn put<W: std::io::Write>(
+    copy: &mut crate::measure::csv::Copy<W>,
+    row: &Row,
+    readings: &Readings,
+    reading: &Reading,
+    nominal: &crate::geometry::AxisVector,
+) -> std::io::Result<()> {
+    let mut columns = readings.axes().to_vec();
+    columns.sort_by_key(|&(_, column)| column);
+    for (axis, column) in columns {
+        let value = nominal[axis];
+        if value == reading.position[axis] {
+            continue;
+        }
+        let (value, decimals) =
+            if axis.is_rotary() { (value.to_degrees(), DECIMALS_DEG) } else { (value, DECIMALS_MM) };
+        copy.replace(row.place(column), &number_text(value, decimals, row.text(column), readings.sign()))?;
+    }
+    Ok(())
+}
+
+/// Whether an axis whose error depends on the sense of its motion has none.
+fn lacks_sense(model: &Model, reading: &Reading, readings: &Readings) -> bool {
+    readings.axes().iter().any(|&(axis, _)| model.features(axis).backlash && reading.state.direction(axis) == 0)
+}
+
+/// The finding for a row without a solution.
+fn not_converged(failure: NotConverged, row: &Row, readings: &Readings) -> Diagnostic {
+    let column = readings.axes().first().map_or(0, |&(_, column)| column);
+    let mut message = "no position is corrected to this reading".to_owned();
+    if failure.residual_mm.is_finite() {
+        message.push_str(&format!("; {} are left", micrometers(um_from_mm(failure.residual_mm))));
+    }
+    let help = "check the error model; next to a pole of the rotary axes try --rotary hold";
+    Diagnostic::at(Code::NOT_CONVERGED, row.place(column), message, help)
+}

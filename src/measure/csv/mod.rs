@@ -1,0 +1,230 @@
+//! Tables of text: rows of cells behind a header, each cell a place in its file, so that findings have line and column and a copy of the
+//! table changes nothing but the cells that it means to.
+//!
+//! Separators are commas, semicolons (as spreadsheets write where the comma is the decimal sign) or tabs; cells may be quoted (RFC 4180).
+//! The reader is our own because it must give the bytes of every cell; it decodes nothing, so cells that nobody asks for may be in any
+//! encoding that keeps ASCII.
+
+mod reader;
+
+use std::io::{self, Write};
+
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::source::{Source, Span};
+
+use reader::Reader;
+
+/// A table: a header and rows that are as wide.
+#[derive(Clone, Debug)]
+pub struct Table {
+    source: Source,
+    names: Vec<String>,
+    header: Vec<Span>,
+    /// Contents of the cells, row by row.
+    cells: Vec<Span>,
+    separator: u8,
+}
+
+/// The sign in front of decimals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DecimalSign {
+    /// `1.5`
+    Point,
+    /// `1,5`
+    Comma,
+}
+
+/// A row of a table.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<'a> {
+    table: &'a Table,
+    cells: &'a [Span],
+}
+
+impl Table {
+    /// Reads a table; without one there is at least one finding that is an error.
+    #[must_use]
+    pub fn read(source: &Source) -> (Option<Table>, Vec<Diagnostic>) {
+        Reader::read(source)
+    }
+
+    /// Names of the columns, in order.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The column of a name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| known == name)
+    }
+
+    /// Where the name of a column stands; the whole header for a column that there is not.
+    #[must_use]
+    pub fn header_place(&self, column: Option<usize>) -> Place {
+        let all = || {
+            let first = self.header.first().copied().unwrap_or_default();
+            self.header.last().map_or(first, |&last| first.to(last))
+        };
+        let span = column.and_then(|column| self.header.get(column)).copied().unwrap_or_else(all);
+        Place { file: self.source.id(), span }
+    }
+
+    /// The rows, in order; rows without any content are left out.
+    pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        let cells = self.cells.chunks_exact(self.names.len().max(1));
+        cells.map(|cells| Row { table: self, cells })
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn row_count(&self) -> usize {
+        self.cells.len() / self.names.len().max(1)
+    }
+
+    /// The decimal sign of the numbers in some columns. Where no number has decimals it is the comma in tables with semicolons: that is
+    /// why they have them.
+    ///
+    /// # Errors
+    /// A finding where both signs occur: one of them would be a separator of thousands, and nobody knows which.
+    pub fn decimal_sign(&self, columns: &[usize]) -> Result<DecimalSign, Diagnostic> {
+        let mut found: Option<(DecimalSign, Place)> = None;
+        for row in self.rows() {
+            for &column in columns {
+                let text = row.text(column);
+                let sign = match (text.contains(&b'.'), text.contains(&b',')) {
+                    (true, false) => DecimalSign::Point,
+                    (false, true) => DecimalSign::Comma,
+                    // With both it is no number in either manner, which is found where it is read.
+                    _ => continue,
+                };
+                match found {
+                    None => found = Some((sign, row.place(column))),
+                    Some((other, place)) if other != sign => {
+                        let (line, _) = self.source.line_column(place.span.start);
+                        let message = format!(
+                            "'{}' has another decimal sign than '{}' in line {line}",
+                            shown(text),
+                            shown(self.source.slice(place.span))
+                        );
+                        let help = "write all numbers with the same decimal sign and without separators of thousands";
+                        return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), message, help));
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        let usual = if self.separator == b';' { DecimalSign::Comma } else { DecimalSign::Point };
+        Ok(found.map_or(usual, |(sign, _)| sign))
+    }
+
+    /// A copy of the table, byte by byte, in which single cells may be replaced.
+    pub fn copy<W: Write>(&self, out: W) -> Copy<'_, W> {
+        Copy { bytes: self.source.bytes(), done: 0, out }
+    }
+}
+
+impl<'a> Row<'a> {
+    /// The content of a cell without its quotation marks; empty for a column that there is not.
+    #[must_use]
+    pub fn text(&self, column: usize) -> &'a [u8] {
+        self.cells.get(column).map_or(&[], |&span| self.table.source.slice(span))
+    }
+
+    /// Where the content of a cell stands.
+    #[must_use]
+    pub fn place(&self, column: usize) -> Place {
+        let span = self.cells.get(column).copied().unwrap_or_default();
+        Place { file: self.table.source.id(), span }
+    }
+
+    /// The number in a cell.
+    ///
+    /// # Errors
+    /// A finding where the cell is empty or no finite number.
+    pub fn number(&self, column: usize, sign: DecimalSign) -> Result<f64, Diagnostic> {
+        let text = self.text(column);
+        parse_number(text, sign).ok_or_else(|| {
+            let name = self.table.names.get(column).map_or("", String::as_str);
+            let mut place = self.place(column);
+            let (message, help) = if text.is_empty() {
+                // An empty place could not be drawn.
+                place.span.end = place.span.end.saturating_add(1);
+                (format!("the cell of {name} is empty"), "write the number, or take the row out".to_owned())
+            } else {
+                let example = if sign == DecimalSign::Comma { "12,5" } else { "12.5" };
+                (
+                    format!("'{}' in the column {name} is no number", shown(text)),
+                    format!("write a plain number such as {example}, without unit and separators of thousands"),
+                )
+            };
+            Diagnostic::at(Code::DATA_CELL, place, message, help)
+        })
+    }
+}
+
+/// A copy on its way; what was not replaced is written as it is.
+#[derive(Debug)]
+pub struct Copy<'a, W> {
+    bytes: &'a [u8],
+    done: usize,
+    out: W,
+}
+
+impl<W: Write> Copy<'_, W> {
+    /// Writes everything up to a place and a text instead of it. Places come in order.
+    ///
+    /// # Errors
+    /// What the writer says.
+    pub fn replace(&mut self, place: Place, text: &str) -> io::Result<()> {
+        let range = place.span.range();
+        self.out.write_all(self.bytes.get(self.done..range.start).unwrap_or_default())?;
+        self.done = range.end;
+        self.out.write_all(text.as_bytes())
+    }
+
+    /// Writes the rest.
+    ///
+    /// # Errors
+    /// What the writer says.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.out.write_all(self.bytes.get(self.done..).unwrap_or_default())?;
+        self.out.flush()
+    }
+}
+
+/// A number as it stands in a cell, with at least `decimals` decimals and at least as many as `like` has.
+#[must_use]
+pub fn number_text(value: f64, decimals: usize, like: &[u8], sign: DecimalSign) -> String {
+    // More digits than a double has say nothing.
+    const MOST_DECIMALS: usize = 15;
+    let mut parts = like.splitn(2, |byte| matches!(byte, b'.' | b','));
+    let behind = parts.nth(1).unwrap_or_default();
+    let digits = behind.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let decimals = decimals.max(digits).min(MOST_DECIMALS);
+    let text = format!("{value:.decimals$}");
+    if sign == DecimalSign::Comma { text.replace('.', ",") } else { text }
+}
+
+/// Digits with sign, decimals and exponent; nothing else that a language might take for a number.
+fn parse_number(text: &[u8], sign: DecimalSign) -> Option<f64> {
+    let mark = if sign == DecimalSign::Comma { b',' } else { b'.' };
+    let is_fit = |byte: &u8| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'e' | b'E') || *byte == mark;
+    if !text.iter().all(is_fit) {
+        return None;
+    }
+    let plain: String = text.iter().map(|&byte| if byte == mark { '.' } else { char::from(byte) }).collect();
+    plain.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// Bytes for a sentence, cut where they are long.
+fn shown(bytes: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    let text = String::from_utf8_lossy(bytes);
+    let mut short: String = text.chars().take(LONGEST).collect();
+    if short.len() < text.len() {
+        short.push('…');
+    }
+    short
+}
