@@ -32,7 +32,7 @@
 //! | [`snc`] | elements of the flat stream, their text form, provenance | dialects, the model |
 //! | [`exec`] | one executor per family of languages (modal state, variables, flow, frames, cycles) over one outlet (contours, transformation) → SNC | the error model |
 //! | [`model`] | error functions, forward kinematics with errors, the inverse | programs, instruments |
-//! | [`measure`] | tables of measured data, readings in them, measurement mode | programs, fitting |
+//! | [`measure`] | tables of measured data, readings in them, measurement mode, what load made a strain | programs |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
 //! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |

@@ -22,6 +22,9 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0601", "measured: tables_that_are_none_are_refused_at_their_place"),
     ("E0602", "measured: columns_must_fit_the_machine"),
     ("E0603", "measured: cells_must_be_numbers"),
+    ("E0604", "strain: readings_that_tell_no_load_are_refused"),
+    ("W0601", "strain: places_that_the_signals_do_not_tell_are_assumed"),
+    ("W0602", "strain: the_command_writes_a_state_file"),
     ("W0306", "cli_verify: a_correction_for_another_machine_is_pointed_out"),
 ];
 

@@ -35,6 +35,7 @@ pub(crate) fn xyz_machine() -> Machine {
         parameters: BTreeMap::new(),
         system: BTreeMap::new(),
         gud: BTreeMap::new(),
+        strain: None,
         tools: Vec::new(),
     }
 }

@@ -212,6 +212,11 @@ fn mirrored(source: &ErrorSource) -> String {
         "reversal" => swap(&[("[0, 700]", "[-700, 0]"), ("[2.0, 5.0]", "[-5.0, -2.0]")]),
         // Segments stand in F; the slide on one is where it was.
         "structure" => source.example.to_owned(),
+        "load" => swap(&[
+            ("[-8.575e-5, 4.9e-7, -7e-10]", "[8.575e-5, 4.9e-7, 7e-10]"),
+            ("at_mm = 350", "at_mm = -350"),
+            ("[0, 0, 1.4e-9]", "[0, 0, -1.4e-9]"),
+        ]),
         other => panic!("write here how the example of {other} looks where X counts the other way"),
     }
 }

@@ -1,5 +1,6 @@
 //! The command line: commands, options and their help.
 
+mod load;
 mod machine;
 mod measured;
 mod steps;
@@ -7,6 +8,7 @@ mod steps;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
 pub(super) use steps::StepsArguments;
+pub(super) use load::LoadArguments;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -103,6 +105,9 @@ pub(super) enum Command {
     /// Find the largest fixed step that keeps a residual, and draw residual over step
     #[command(after_help = steps::AFTER_HELP)]
     Steps(StepsArguments),
+    /// Weigh the workpiece: weight and place from readings of a strain gauge
+    #[command(after_help = load::AFTER_HELP)]
+    Load(LoadArguments),
     /// Check or show a machine file
     #[command(subcommand)]
     Machine(MachineCommand),

@@ -12,6 +12,7 @@ mod findings;
 mod fix;
 mod input;
 mod library;
+mod load;
 mod machine;
 mod machine_choice;
 mod measured;
@@ -64,6 +65,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Verify(arguments) => verify::run(arguments),
         Command::Measured(arguments) => measured::run(arguments),
         Command::Steps(arguments) => steps::run(arguments),
+        Command::Load(arguments) => load::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),
     }

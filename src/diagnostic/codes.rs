@@ -298,6 +298,12 @@ the machine lacks, or a name that is there twice, is refused: something else was
 "A position or a tool length is a plain number: 12.5 or, where the separator is no comma, 12,5; the same decimal sign in all cells, no
 unit, no separators of thousands. Cells must not be empty. The sense of motion (X_dir …) is -1, 0 or 1, or empty.";
 
+    LOAD_NOT_TOLD = "E0604" "strain readings that tell no load"
+"ncfix load weighs a workpiece by the change of a strain along an axis. The readings must lie where [strain] of the machine file knows the
+gauge, at enough positions to tell the weight from the offset (and the drift, where there is a column t_s) of each run, and there must be more
+of them than unknowns, or nothing says how uncertain the result is: measure every position twice. A negative weight means a wrong sign in [strain] or
+in the readings.";
+
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"
@@ -356,4 +362,10 @@ reference temperature: no drift, no expansion.";
     NO_LOAD = "W0502" "workpiece weight not given"
 "The error model has effects of the weight on the table, and neither --load nor --state says what stands there. The table counts as
 empty.";
+    LOAD_ASSUMED = "W0601" "load with a reservation"
+"The readings tell the weight, but not all that is wanted: the place of the load along an axis, whose signal is like that of the weight itself
+(give it with --known Z-280), a load that the noise hides, a disturbed reading that too few others check, or a scatter above sigma_um_per_m.";
+    READING_LEFT_OUT = "W0602" "reading left out"
+"The strain is disturbed for a moment by every pulse of lubricant. A reading (or two) without which the others agree far better than by chance (1 %)
+is left out of the weighing.";
 }

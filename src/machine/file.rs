@@ -11,7 +11,7 @@ use crate::source::Source;
 
 use super::zero_offset::{check_name, read_zero_offsets};
 use super::{AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
-use super::{opaque, orientation, setting};
+use super::{opaque, orientation, setting, strain};
 
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
@@ -21,7 +21,7 @@ pub const DEMO: &str = include_str!("../../samples/machines/demo.toml");
 
 /// Top-level sections that describe the machine.
 pub const SECTIONS: &[&str] =
-    &["machine", "axis", "spindle", "control", "opaque", "zero_offset", "tool", "sensor", "system", "gud"];
+    &["machine", "axis", "spindle", "control", "opaque", "zero_offset", "tool", "sensor", "strain", "system", "gud"];
 
 /// How far the direction of a linear axis may be off its direction of F.
 const PARALLEL_LIMIT: f64 = 1e-9;
@@ -48,6 +48,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let sensor_references_c = read_sensors(root.section("sensor"), &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);
+    let strain = root.section("strain").and_then(|section| strain::read(section, axis_set, &mut findings));
     // Other rooms have sections of their own; who reads the last one reports the unknown ones.
     let keys: Vec<&str> = root.keys().collect();
     keys.into_iter().for_each(|key| root.accept(key));
@@ -71,6 +72,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         parameters: BTreeMap::new(),
         system,
         gud,
+        strain,
     };
     (sound.then_some(machine), findings)
 }

@@ -19,6 +19,7 @@ mod output_control;
 mod section;
 mod setting;
 mod state;
+mod strain;
 mod zero_offset;
 
 pub use chain::{Branch, Topology, TopologyFault};
@@ -31,6 +32,7 @@ pub use macro_control::MacroControl;
 pub use opaque::Opaque;
 pub use setting::Setting;
 pub use state::State;
+pub use strain::StrainGauge;
 
 use std::collections::BTreeMap;
 
@@ -67,6 +69,8 @@ pub struct Machine {
     pub system: BTreeMap<String, Setting>,
     /// Global variables that only the machine knows, by name.
     pub gud: BTreeMap<String, Setting>,
+    /// The strain gauge that weighs workpieces.
+    pub strain: Option<StrainGauge>,
 }
 
 /// One axis.

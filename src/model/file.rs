@@ -9,7 +9,7 @@ use crate::machine::file::{MachineFile, SECTIONS, Section, nearest, read_machine
 use crate::source::Source;
 use crate::units::{mm_from_um, rad_from_urad};
 
-use super::motion::{Entry, KINDS};
+use super::motion::{Entry, KINDS, Kind};
 use super::name::{ErrorKind, ErrorName};
 use super::source::{Reading, SOURCES};
 use super::{ErrorModel, LocationError, MotionError};
@@ -81,18 +81,7 @@ pub(super) fn read_motion(
     let place = section.place_of("component");
     let help = "write E, a direction and an axis of the machine, for example EXX or EAY";
     let name = component.and_then(|text| known_component(&mut section, text, place, axes, ErrorKind::Motion, help));
-    let kind = section.required("kind", "\"polynomial\"", Section::text).and_then(|text| {
-        let kind = KINDS.iter().find(|kind| kind.name == text);
-        if kind.is_none() {
-            let known: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
-            let help = match nearest(text, known.iter().copied()) {
-                Some(near) => format!("did you mean \"{near}\"?"),
-                None => format!("write one of {}", known.join(", ")),
-            };
-            section.report(Code::BAD_VALUE, section.place_of("kind"), format!("unknown kind \"{text}\""), help);
-        }
-        kind
-    });
+    let kind = read_kind(&mut section);
     let (Some(name), Some(kind)) = (name, kind) else {
         // Without component and kind the other keys cannot be judged.
         let keys: Vec<&str> = section.keys().collect();
@@ -104,6 +93,21 @@ pub(super) fn read_motion(
     let function = (kind.read)(&mut entry);
     entry.section.finish(findings);
     Some(MotionError { name, function: function? })
+}
+
+/// The kind of a function; reports where it is missing or unknown.
+pub(super) fn read_kind(section: &mut Section<'_>) -> Option<&'static Kind> {
+    let text = section.required("kind", "\"polynomial\"", Section::text)?;
+    let kind = KINDS.iter().find(|kind| kind.name == text);
+    if kind.is_none() {
+        let known: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+        let help = match nearest(text, known.iter().copied()) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => format!("write one of {}", known.join(", ")),
+        };
+        section.report(Code::BAD_VALUE, section.place_of("kind"), format!("unknown kind \"{text}\""), help);
+    }
+    kind
 }
 
 /// The component of a name; reports `E0406` where it is none of this machine or not of this kind.

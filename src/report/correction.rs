@@ -103,7 +103,7 @@ fn left_over(all: &[Remaining], size: fn(&Remaining) -> f64, least: f64, unit: &
 }
 
 /// One row of a table.
-fn push_row(out: &mut String, name: &str, text: &str) {
+pub(super) fn push_row(out: &mut String, name: &str, text: &str) {
     // Writing into a String cannot fail.
     let _ = writeln!(out, "{name:<13}{text}");
 }

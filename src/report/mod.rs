@@ -5,6 +5,7 @@
 pub mod correction;
 mod excerpt;
 pub mod json;
+pub mod load;
 pub mod machine;
 pub mod measured;
 pub mod number;

@@ -50,6 +50,13 @@ pub fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
     (sound.then_some(condition), findings)
 }
 
+/// A load as its section of a state file.
+#[must_use]
+pub fn load_text(load: &Load) -> String {
+    let [x, y, z]: [f64; 3] = load.position_mm.into();
+    format!("[[load]]\nforce_N = {:.2}\nposition_mm = [{x:.2}, {y:.2}, {z:.2}]\n", load.force_n)
+}
+
 fn read_temperatures(mut section: Section<'_>, condition: &mut Condition, findings: &mut Vec<Diagnostic>) {
     let [low, high] = PLAUSIBLE_C;
     let keys: Vec<&str> = section.keys().collect();

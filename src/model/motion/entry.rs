@@ -55,7 +55,7 @@ impl Entry<'_> {
     }
 
     /// A deviation, mm or rad.
-    pub(super) fn deviation(&mut self, stem: &str) -> Option<f64> {
+    pub(in crate::model) fn deviation(&mut self, stem: &str) -> Option<f64> {
         let key = self.deviation_key(stem);
         self.check_deviation_unit(stem, &key)?;
         Some(self.section.required(&key, "6.0", Section::number)? * self.deviation_factor())

@@ -5,6 +5,7 @@
 
 mod coupling;
 mod geometry;
+mod load;
 mod reversal;
 mod structure;
 
@@ -34,7 +35,8 @@ pub struct Source {
 }
 
 /// All sources, in the order in which tables show them.
-pub const SOURCES: &[&Source] = &[&geometry::SOURCE, &coupling::SOURCE, &reversal::SOURCE, &structure::SOURCE];
+pub const SOURCES: &[&Source] =
+    &[&geometry::SOURCE, &coupling::SOURCE, &reversal::SOURCE, &load::SOURCE, &structure::SOURCE];
 
 /// One effect of a source.
 pub trait Effect: Debug + Send + Sync {

@@ -1,0 +1,119 @@
+//! `ncfix load`: weighs the workpiece from readings of a strain gauge.
+
+use std::fmt::Write as _;
+
+use super::arguments::LoadArguments;
+use super::exit_code::ExitCode;
+use super::findings::Findings;
+use super::input::is_standard_stream;
+use super::output::{Spool, Target};
+use super::program::protect;
+use super::stop::Stop;
+use super::{input, machine_choice, print, tell};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::machine::condition::file::load_text;
+use crate::measure::csv::Table;
+use crate::measure::strain;
+use crate::measure::weighing::{self, Coordinate, Weighing};
+use crate::report::{json, load};
+use crate::source::FileId;
+
+/// Weighs.
+pub(super) fn run(arguments: &LoadArguments) -> Result<ExitCode, Stop> {
+    let goes_out = arguments.output.as_deref().is_some_and(is_standard_stream);
+    if arguments.json && goes_out {
+        return Err(Stop::Usage("--json and the state cannot both go to standard output; give -o a file".into()));
+    }
+    let mut findings = Findings::default();
+    let mut report = load::Load::default();
+    let result = weigh(arguments, &mut findings, &mut report);
+    if result.is_ok() && arguments.json {
+        report.diagnostics = findings.json();
+        print(&json::line(&report).map_err(Stop::Usage)?)?;
+        return Ok(findings.exit_code());
+    }
+    findings.draw();
+    result?;
+    if findings.has_errors() {
+        tell(&format!("{}; nothing was written\n", findings.count()));
+    } else if goes_out {
+        tell(&report.table());
+    } else {
+        print(&report.table())?;
+    }
+    Ok(findings.exit_code())
+}
+
+fn weigh(arguments: &LoadArguments, findings: &mut Findings, report: &mut load::Load) -> Result<(), Stop> {
+    let source = input::read(&arguments.data, FileId(0))?;
+    let sources = std::slice::from_ref(&source);
+    let target = arguments.output.as_deref().map(Target::new).transpose()?;
+    let Some(chosen) = machine_choice::choose(&arguments.machine, &arguments.data, findings)? else { return Ok(()) };
+    report.machine.clone_from(&chosen.machine.name);
+    if let Some(target) = &target {
+        protect(target, chosen.files.iter().chain([&arguments.data]), findings);
+    }
+    let Some(gauge) = &chosen.machine.strain else {
+        let message = format!("the machine {} has no section [strain]", chosen.machine.name);
+        let help = "give the signals of the strain gauge in [strain] of the machine file, or the load itself";
+        findings.add(Diagnostic::nowhere(Code::MISSING_KEY, message, help), &[]);
+        return Ok(());
+    };
+    let (table, found) = Table::read(&source);
+    findings.extend(found, sources);
+    let Some(table) = table else { return Ok(()) };
+    let readings = match strain::read(&table, gauge) {
+        Ok(readings) => readings,
+        Err(found) => {
+            findings.extend(found, sources);
+            return Ok(());
+        }
+    };
+    let (weighing, found) = weighing::weigh(&readings, gauge, arguments.known.unwrap_or_default());
+    findings.extend(found, sources);
+    let Some(weighing) = weighing.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    fill(report, &weighing);
+    if let (Some(target), Some(path)) = (target, &arguments.output) {
+        let mut spool = Spool::new(target)?;
+        let text = state(&weighing, source.name(), &chosen.machine.name);
+        if let Err(error) = spool.writer().write_all(text.as_bytes()) {
+            return Err(spool.fault(&error));
+        }
+        spool.publish(false)?;
+        report.output = Some(path.display().to_string());
+    }
+    Ok(())
+}
+
+fn fill(report: &mut load::Load, weighing: &Weighing) {
+    report.force_n = Some(weighing.force_n.value);
+    report.force_sigma_n = Some(weighing.force_n.sigma);
+    report.place = Some(weighing.position_mm.map(|coordinate| {
+        let (sigma_mm, basis) = match coordinate {
+            Coordinate::Measured(measured) => (Some(measured.sigma), "measured"),
+            Coordinate::Known(_) => (None, "known"),
+            Coordinate::Assumed => (None, "assumed"),
+        };
+        load::Coordinate { value_mm: coordinate.value(), sigma_mm, basis }
+    }));
+    report.noise_um_m = Some(weighing.noise_um_m);
+    report.degrees_of_freedom = weighing.freedom;
+    report.readings = weighing.used;
+    report.left_out = weighing.left_out.len();
+}
+
+/// The state file.
+fn state(weighing: &Weighing, data: &str, machine: &str) -> String {
+    // A name may have any character; a comment ends with its line.
+    let name = |text: &str| text.replace(char::is_control, " ");
+    let mut text = format!("# Weighed by strain on {} from {}.\n", name(machine), name(data));
+    let sigma = |coordinate: &Coordinate| match coordinate {
+        Coordinate::Measured(measured) => format!("{:.1}", measured.sigma),
+        Coordinate::Known(_) => "known".to_owned(),
+        Coordinate::Assumed => "assumed".to_owned(),
+    };
+    let [x, y, z] = [0, 1, 2].map(|i| sigma(&weighing.position_mm[i]));
+    // Writing into a String cannot fail.
+    let _ = writeln!(text, "# Standard uncertainties: {:.1} N; X {x}, Y {y}, Z {z} (mm).", weighing.force_n.sigma);
+    text + &load_text(&weighing.load())
+}

@@ -1,0 +1,229 @@
+//! Readings that contradict the others: single ones and pairs are left out where their omission takes more from the sum of squares than chance does.
+//!
+//! Without the readings S the sum of squares falls by Q = rᵀ (I − H)⁻¹ r over S, with the residuals r and the hat matrix H of the whole fit.
+//! For a single reading √Q over the standard deviation of the rest is Student's t (deletion residual), for a pair Q/2 over its square F(2, ν);
+//! with a known standard deviation normal and χ². Probabilities are multiplied by the number of candidates (Bonferroni). A disturbed reading
+//! of a pair can hide the other one from the single test, which is why pairs are tried.
+//!
+//! Of two readings at one position that differ, either may be the disturbed one. Where other candidates explain the readings almost as well
+//! (by their likelihood), none of them is left out: they are rivals. More readings are needed then, unless the contradiction is so mild that
+//! the scatter of the residuals has room for it.
+
+use super::fit::{Fit, Line};
+
+/// Probability that any reading of undisturbed ones is left out in one step; and likelihood, relative to the best, from which on a rival counts.
+const CHANCE: f64 = 0.01;
+/// Probability below which a disturbance that cannot be located is certain.
+const CERTAIN: f64 = 1e-4;
+/// At most this many readings are left out, and at most a quarter of all.
+const MOST: usize = 50;
+/// Pairs are tried among at most this many readings.
+const MOST_FOR_PAIRS: usize = 60;
+/// A reading that no other one checks has a share of 1 in its own fitted value.
+const LEAST_CHECK: f64 = 1e-6;
+/// From so many degrees of freedom on Student's distribution is the normal one.
+const NORMAL: usize = 1000;
+
+/// What is done with readings that contradict others.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Verdict {
+    /// These are left out, or none.
+    LeftOut(Vec<usize>),
+    /// Some of these are disturbed, but nothing says which.
+    Rivals(Vec<usize>),
+}
+
+/// Marks readings that contradict the others as not used.
+pub(super) fn leave_out(lines: &mut [Line], count: usize, sigma: Option<f64>) -> Verdict {
+    let most = (lines.len() / 4).min(MOST);
+    let mut found = Vec::new();
+    while let Some(fit) = Fit::new(lines, count) {
+        let next = match Search::new(lines, &fit, sigma).next() {
+            Verdict::LeftOut(next) => next,
+            rivals => return rivals,
+        };
+        if next.is_empty() || found.len() + next.len() > most {
+            break;
+        }
+        next.iter().for_each(|&index| lines[index].is_used = false);
+        found.extend(next);
+    }
+    found.sort_unstable();
+    Verdict::LeftOut(found)
+}
+
+/// Readings that may be left out together.
+#[derive(Clone, Debug)]
+struct Candidate {
+    readings: Vec<usize>,
+    /// What their omission takes from the sum of squares.
+    gain: f64,
+}
+
+/// One step.
+struct Search<'a> {
+    fit: &'a Fit,
+    used: Vec<usize>,
+    sigma: Option<f64>,
+}
+
+impl<'a> Search<'a> {
+    fn new(lines: &[Line], fit: &'a Fit, sigma: Option<f64>) -> Search<'a> {
+        let used = (0..lines.len()).filter(|&index| lines[index].is_used).collect();
+        Search { fit, used, sigma }
+    }
+
+    fn next(&self) -> Verdict {
+        let none = Verdict::LeftOut(Vec::new());
+        let Some(left) = self.fit.freedom.checked_sub(1).filter(|&left| left > 0) else { return none };
+        let singles = self.singles();
+        let Some(single) = best(&singles) else { return none };
+        let single_chance = self.student(single.gain, single.gain, left) * singles.len() as f64;
+        let is_single = single_chance <= CHANCE;
+        let single_rivals = if is_single { self.rivals(&singles, single, left) } else { Vec::new() };
+        if is_single && single_rivals.is_empty() {
+            return Verdict::LeftOut(single.readings.clone());
+        }
+        let pairs = self.pairs();
+        if let (Some(pair), Some(left)) = (best(&pairs), left.checked_sub(1).filter(|&left| left > 0)) {
+            // Beside a single reading that is one, the other must be one too.
+            let chance = if is_single {
+                self.student(pair.gain - single.gain, pair.gain, left)
+            } else {
+                self.both(pair.gain, left)
+            };
+            let chance = chance * pairs.len() as f64;
+            if chance <= CHANCE {
+                let rivals = self.rivals(&pairs, pair, left);
+                if rivals.is_empty() {
+                    return Verdict::LeftOut(pair.readings.clone());
+                }
+                if chance <= CERTAIN && !is_single {
+                    return Verdict::Rivals(rivals);
+                }
+            }
+        }
+        if single_chance <= CERTAIN { Verdict::Rivals(single_rivals) } else { none }
+    }
+
+    fn singles(&self) -> Vec<Candidate> {
+        let candidate = |&index: &usize| {
+            let check = 1.0 - self.fit.hat(index, index);
+            let gain = self.fit.residuals[index].powi(2) / check;
+            (check > LEAST_CHECK).then(|| Candidate { readings: vec![index], gain })
+        };
+        self.used.iter().filter_map(candidate).collect()
+    }
+
+    fn pairs(&self) -> Vec<Candidate> {
+        let mut pairs = Vec::new();
+        if self.used.len() > MOST_FOR_PAIRS {
+            return pairs;
+        }
+        for (at, &one) in self.used.iter().enumerate() {
+            for &other in &self.used[at + 1..] {
+                let [a, b] = [one, other].map(|index| 1.0 - self.fit.hat(index, index));
+                let c = -self.fit.hat(one, other);
+                let determinant = a * b - c * c;
+                let [r, s] = [self.fit.residuals[one], self.fit.residuals[other]];
+                let gain = (b * r * r - 2.0 * c * r * s + a * s * s) / determinant;
+                if determinant > LEAST_CHECK {
+                    pairs.push(Candidate { readings: vec![one, other], gain });
+                }
+            }
+        }
+        pairs
+    }
+
+    /// Sum of squares behind a gain. Where nothing is left but rounding, nothing is disturbed.
+    fn rest(&self, gain: f64) -> f64 {
+        const ROUNDING: f64 = 1e-9;
+        (self.fit.squares - gain).max(ROUNDING * ROUNDING * self.fit.size).max(f64::MIN_POSITIVE)
+    }
+
+    /// Probability that one reading takes `gain` and more by chance, beside what is left behind the gain `whole`.
+    fn student(&self, gain: f64, whole: f64, left: usize) -> f64 {
+        match self.sigma {
+            Some(sigma) => student_tail(gain.max(0.0).sqrt() / sigma, NORMAL),
+            None => student_tail((gain.max(0.0) / (self.rest(whole) / left as f64)).sqrt(), left),
+        }
+    }
+
+    /// The same of two readings together: P(F(2, ν) > f) = (1 + 2 f/ν)^(−ν/2).
+    fn both(&self, gain: f64, left: usize) -> f64 {
+        match self.sigma {
+            Some(sigma) => (-0.5 * gain / (sigma * sigma)).exp(),
+            None => (1.0 + gain / self.rest(gain)).powf(-0.5 * left as f64),
+        }
+    }
+
+    /// The readings of the best candidate and of those that are almost as likely; none where there are no others.
+    fn rivals(&self, candidates: &[Candidate], best: &Candidate, left: usize) -> Vec<usize> {
+        let likelihood = |candidate: &Candidate| match self.sigma {
+            Some(sigma) => (-0.5 * (best.gain - candidate.gain) / (sigma * sigma)).exp(),
+            None => (self.rest(candidate.gain) / self.rest(best.gain)).powf(-0.5 * left as f64),
+        };
+        let is_rival = |candidate: &&Candidate| candidate.readings != best.readings && likelihood(candidate) > CHANCE;
+        let mut rivals: Vec<usize> = candidates.iter().filter(is_rival).flat_map(|one| one.readings.clone()).collect();
+        if !rivals.is_empty() {
+            rivals.extend(&best.readings);
+        }
+        rivals.sort_unstable();
+        rivals.dedup();
+        rivals
+    }
+}
+
+fn best(candidates: &[Candidate]) -> Option<&Candidate> {
+    candidates.iter().max_by(|one, other| f64::total_cmp(&one.gain, &other.gain))
+}
+
+/// P(|t| > value) of Student's distribution (Abramowitz and Stegun, 26.7.3 and 26.7.4).
+fn student_tail(value: f64, freedom: usize) -> f64 {
+    let freedom = freedom.min(NORMAL);
+    let angle = (value / (freedom as f64).sqrt()).atan();
+    let (sine, cosine) = angle.sin_cos();
+    let is_odd = freedom % 2 == 1;
+    let (mut term, mut sum) = if is_odd { (cosine, 0.0) } else { (1.0, 0.0) };
+    let mut power = if is_odd { 1 } else { 0 };
+    while power + 2 <= freedom {
+        sum += term;
+        term *= cosine * cosine * (power + 1) as f64 / (power + 2) as f64;
+        power += 2;
+    }
+    let inside = if is_odd { std::f64::consts::FRAC_2_PI * (angle + sine * sum) } else { sine * sum };
+    (1.0 - inside).max(0.0)
+}
+
+/// χ²/ν that undisturbed readings exceed with a probability of 1 % (Wilson and Hilferty).
+pub(super) fn highest_ratio(freedom: usize) -> f64 {
+    let spread = 2.0 / (9.0 * freedom.max(1) as f64);
+    (1.0 - spread + 2.326 * spread.sqrt()).powi(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tails_are_those_of_the_tables() {
+        // Two-sided points of Student's distribution: 5 % and 1 %.
+        let table = [
+            (1, 12.7062, 63.6567),
+            (2, 4.3027, 9.9248),
+            (3, 3.1824, 5.8409),
+            (4, 2.7764, 4.6041),
+            (7, 2.3646, 3.4995),
+            (10, 2.2281, 3.1693),
+            (1000, 1.9623, 2.5808),
+        ];
+        for (freedom, five, one) in table {
+            assert!((student_tail(five, freedom) - 0.05).abs() < 1e-5, "{freedom}");
+            assert!((student_tail(one, freedom) - 0.01).abs() < 1e-5, "{freedom}");
+        }
+        assert_eq!(student_tail(0.0, 5), 1.0);
+        // χ²: 15.086 at 5, 23.209 at 10 degrees of freedom.
+        assert!((highest_ratio(5) - 15.086 / 5.0).abs() < 0.03);
+        assert!((highest_ratio(10) - 23.209 / 10.0).abs() < 0.01);
+    }
+}
