@@ -19,6 +19,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0501", "cli_state: what_the_model_needs_and_the_state_lacks_is_said"),
     ("W0501", "cli_state: what_the_model_needs_and_the_state_lacks_is_said"),
     ("W0502", "cli_state: what_the_model_needs_and_the_state_lacks_is_said"),
+    ("W0503", "load: a_load_off_the_center_of_a_turning_table_is_pointed_out"),
     ("E0601", "measured: tables_that_are_none_are_refused_at_their_place"),
     ("E0602", "measured: columns_must_fit_the_machine"),
     ("E0603", "measured: cells_must_be_numbers"),

@@ -5,6 +5,8 @@ use ncfix::machine::{Condition, Load, Machine, State};
 use ncfix::model::{ErrorModel, Model, file};
 use ncfix::source::{FileId, Source};
 
+use crate::support::Shop;
+
 /// The table carries X on Y; the head carries Z: the chain of a horizontal milling machine, without its rotary table.
 const MACHINE: &str = "[machine]\nname = \"knee\"\ntopology = \"wXYFZSt\"\n\
     [axis.X]\ndirection = [-1, 0, 0]\ntravel_mm = [0, 700]\npoint_mm = [0, 100, -50]\n\
@@ -14,6 +16,9 @@ const MACHINE: &str = "[machine]\nname = \"knee\"\ntopology = \"wXYFZSt\"\n\
 /// 5 µrad at X 0, 0 at 350, −9 at 700.
 const ROLL: &str = "[[load]]\ncomponent = \"EAX\"\nreference_N = 4800\nalong = \"Z\"\narm_mm = 375\nkind = \"table\"\n\
     positions_mm = [0, 350, 700]\nvalues_urad = [5, 0, -9]\n";
+
+/// N, and mm from the center of the table.
+type Weight = (f64, [f64; 3]);
 
 fn read(text: &str) -> (Machine, ErrorModel) {
     let source = Source::new(FileId(0), "test.toml", text.as_bytes().to_vec()).unwrap();
@@ -37,7 +42,7 @@ fn found(section: &str) -> Vec<(String, usize)> {
         .collect()
 }
 
-fn condition(loads: &[(f64, [f64; 3])]) -> Condition {
+fn condition(loads: &[Weight]) -> Condition {
     let mut condition = Condition::default();
     for &(force_n, position_mm) in loads {
         condition.add_load(Load { force_n, position_mm: position_mm.into() });
@@ -52,7 +57,7 @@ fn at(x: f64, y: f64, z: f64) -> AxisVector {
 }
 
 /// Rotation of the tool relative to the table at X, in µrad.
-fn turned_urad(text: &str, loads: &[(f64, [f64; 3])], x: f64) -> Vector {
+fn turned_urad(text: &str, loads: &[Weight], x: f64) -> Vector {
     let (machine, errors) = read(text);
     let model = Model::at(&machine, &errors, &condition(loads));
     model.volumetric_error(&at(x, 120.0, 80.0), &Vector::new(1.0, 2.0, -90.0), &State::default()).rotation * 1e6
@@ -66,7 +71,7 @@ fn near(seen: Vector, expected: [f64; 3], limit: f64) {
 fn the_roll_of_the_table_follows_weight_and_arm() {
     let text = format!("{MACHINE}{ROLL}");
     // The tool turns by minus the roll of the table relative to it.
-    let cases: [(&[(f64, [f64; 3])], f64, f64); 8] = [
+    let cases: [(&[Weight], f64, f64); 8] = [
         // The reference load in the center: the table itself.
         (&[(4800.0, [0.0; 3])], 0.0, 5.0),
         (&[(4800.0, [0.0; 3])], 700.0, -9.0),
@@ -205,4 +210,33 @@ fn every_fault_of_a_section_is_found_at_its_place() {
     for (section, (code, line)) in cases {
         assert_eq!(found(&section), [(code.to_owned(), line)], "{section}");
     }
+}
+
+#[test]
+fn a_load_off_the_center_of_a_turning_table_is_pointed_out() {
+    let table =
+        MACHINE.replace("wXYFZSt", "wBXYFZSt") + "[axis.B]\ndirection = [0, 1, 0]\ntravel_deg = [0, 360]\n" + ROLL;
+    let shop = Shop::new().file("m.toml", format!("{MACHINE}{ROLL}")).file("b.toml", table);
+    let says = |machine: &str, load: &str| {
+        let run = shop.run(["machine", "show", machine, "--at", "X700,Y0,Z0", "--load", load]).exits(0);
+        assert!(run.stdout.contains("workpiece weight") || load == "0", "{}", run.stdout);
+        run.stderr.contains("W0503")
+    };
+    // Along the axis of the table it stays where it is.
+    let cases = [("m.toml", "1700@0,0,-280"), ("b.toml", "1700"), ("b.toml", "1700@0,90,0"), ("b.toml", "0")];
+    assert_eq!(cases.map(|(machine, load)| says(machine, load)), [false; 4]);
+    assert!(says("b.toml", "1700@0,0,-280"));
+}
+
+/// What the command shows at a pose is eq. 4.1: −9 µrad · 1700/4800 · 655/375 about X, of the tool the other way.
+#[test]
+fn the_share_of_the_weight_is_shown() {
+    let state = "[[load]]\nforce_N = 1700\nposition_mm = [0, 0, -280]\n";
+    let shop = Shop::new().file("m.toml", format!("{MACHINE}{ROLL}")).file("state.toml", state);
+    let run = shop.run(["machine", "show", "m.toml", "--at", "X700,Y0,Z0", "--state", "state.toml", "--json"]).exits(0);
+    let json = run.json();
+    let sources = json["sources"].as_array().unwrap();
+    let load = sources.iter().find(|source| source["source"] == "load").unwrap();
+    let turned = load["deviation"]["rotation_urad"][0].as_f64().unwrap();
+    assert!((turned - 9.0 * 1700.0 / 4800.0 * 655.0 / 375.0).abs() < 1e-3, "{load}");
 }

@@ -402,3 +402,13 @@ fn faults_of_the_command_are_told_with_their_place() {
     shop.run(["load", "good.csv", "--machine", "m.toml", "-o", "-", "--json"]).exits(2);
     shop.run(["load", "good.csv", "--machine", "m.toml", "--known", "Q5"]).exits(2);
 }
+
+#[test]
+fn the_sections_of_the_documentation_are_read() {
+    let page = std::fs::read_to_string(crate::support::repository("docs/load.md")).unwrap();
+    let sections: String = page.split("```toml\n").skip(1).map(|block| block.split("```").next().unwrap()).collect();
+    let (machine, findings) = ncfix::model::file::load(&source(&format!("{MACHINE}{sections}")));
+    assert!(findings.is_empty(), "{findings:#?}");
+    let (machine, errors) = machine.unwrap();
+    assert!(machine.strain.is_some() && errors.effects().count() == 2);
+}

@@ -6,8 +6,9 @@ use super::input;
 use super::machine_choice::{Chosen, short_hash};
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::Condition;
+use crate::geometry::{Axis, Vector};
 use crate::machine::condition::file;
+use crate::machine::{Condition, Load, Machine};
 use crate::model::Effect;
 use crate::source::{FileId, Source};
 
@@ -92,5 +93,25 @@ fn check(choice: &StateChoice, chosen: &Chosen, condition: &Condition, findings:
         let help = "give --load with the weight in N, 0 for none, or --state with [[load]]";
         findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
     }
+    if needs_load && let Some(axis) = turning(&chosen.machine, condition.loads()) {
+        let message = format!(
+            "{axis} turns a load that is off its center; the load counts where it stands with {axis} at 0 throughout"
+        );
+        let help = format!(
+            "give the place in the position of {axis} in which most is machined, along the axes of the machine"
+        );
+        findings.add(Diagnostic::nowhere(Code::LOAD_TURNS, message, help), &[]);
+    }
     true
+}
+
+/// The first rotary axis under the table that moves the center of a load.
+fn turning(machine: &Machine, loads: &[Load]) -> Option<Axis> {
+    // What is nearer changes no error that can be corrected.
+    const CENTERED_MM: f64 = 1.0;
+    let is_off = |direction: &Vector| {
+        loads.iter().any(|load| load.force_n > 0.0 && load.position_mm.cross(direction).norm() > CENTERED_MM)
+    };
+    let rotary = machine.topology.workpiece.iter().filter(|axis| axis.is_rotary());
+    rotary.copied().find(|&axis| machine.axis(axis).is_some_and(|data| is_off(&data.direction)))
 }

@@ -301,8 +301,9 @@ unit, no separators of thousands. Cells must not be empty. The sense of motion (
     LOAD_NOT_TOLD = "E0604" "strain readings that tell no load"
 "ncfix load weighs a workpiece by the change of a strain along an axis. The readings must lie where [strain] of the machine file knows the
 gauge, at enough positions to tell the weight from the offset (and the drift, where there is a column t_s) of each run, and there must be more
-of them than unknowns, or nothing says how uncertain the result is: measure every position twice. A negative weight means a wrong sign in [strain] or
-in the readings.";
+of them than unknowns, or nothing says how uncertain the result is: measure every position twice. Of two readings of a position that contradict each
+other nothing may say which one is disturbed (a pulse of lubricant); a third run tells. A negative weight means a wrong sign in [strain] or in the
+readings.";
 
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
@@ -362,6 +363,10 @@ reference temperature: no drift, no expansion.";
     NO_LOAD = "W0502" "workpiece weight not given"
 "The error model has effects of the weight on the table, and neither --load nor --state says what stands there. The table counts as
 empty.";
+    LOAD_TURNS = "W0503" "load off the center of a table that turns"
+"The effect of a weight depends on where it stands in the machine. A rotary axis under the table carries a load that is not on its line to other
+places; the effect is computed for the place that was given, whatever the position of the axis. That is right for a table that stands still while a
+side of the workpiece is machined: give the place for this position, along the axes of the machine.";
     LOAD_ASSUMED = "W0601" "load with a reservation"
 "The readings tell the weight, but not all that is wanted: the place of the load along an axis, whose signal is like that of the weight itself
 (give it with --known Z-280), a load that the noise hides, a disturbed reading that too few others check, or a scatter above sigma_um_per_m.";
