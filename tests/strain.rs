@@ -209,6 +209,21 @@ fn two_pulses_that_hide_each_other_are_left_out() {
 }
 
 #[test]
+fn many_pulses_among_many_readings_are_left_out() {
+    let gauge = gauge(GAUGE);
+    let pulses: Vec<(usize, f64)> = (0..20).map(|k| (37 * k + 3, 2.0)).collect();
+    let trial = Trial { pulses: pulses.clone(), ..Trial::new(160) };
+    for seed in 0..20 {
+        let text = trial.table(seed);
+        let found = trial.weigh(seed, &gauge);
+        let all = readings(&text, &gauge);
+        let missing = pulses.iter().filter(|(row, _)| !found.left_out.contains(&all[*row].place)).count();
+        assert!(missing == 0 && found.left_out.len() <= 21, "{seed}: {missing} of {}", found.left_out.len());
+        assert!(deviations(&trial, &found).iter().all(|deviation| deviation.abs() < 3.5));
+    }
+}
+
+#[test]
 fn readings_of_which_either_may_be_disturbed_are_refused() {
     let gauge = gauge(GAUGE);
     // In the center of one of two runs; in the center of two of four.

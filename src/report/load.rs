@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::correction::push_row;
 use super::json::Finding;
+use super::number::significant;
 
 /// The result of `ncfix load`. Uncertainties are standard uncertainties.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -50,11 +51,11 @@ impl Load {
         let mut out = String::new();
         let mut row = |name: &str, text: &str| push_row(&mut out, name, text);
         if let (Some(force), Some(sigma)) = (self.force_n, self.force_sigma_n) {
-            row("weight", &format!("{force:.1} ± {sigma:.1} N"));
+            row("weight", &format!("{force:.1} ± {} N", significant(sigma)));
         }
         for (letter, place) in ['X', 'Y', 'Z'].into_iter().zip(self.place.iter().flatten()) {
             let text = match place.sigma_mm {
-                Some(sigma) => format!("{:.1} ± {sigma:.1} mm", place.value_mm),
+                Some(sigma) => format!("{:.1} ± {} mm", place.value_mm, significant(sigma)),
                 None => format!("{:.1} mm, {}", place.value_mm, place.basis),
             };
             row(&format!("place {letter}"), &text);

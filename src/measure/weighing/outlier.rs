@@ -16,7 +16,7 @@ const CHANCE: f64 = 0.01;
 /// Probability below which a disturbance that cannot be located is certain.
 const CERTAIN: f64 = 1e-4;
 /// At most this many readings are left out, and at most a quarter of all.
-const MOST: usize = 50;
+const MOST: usize = 500;
 /// Pairs are tried among at most this many readings.
 const MOST_FOR_PAIRS: usize = 60;
 /// A reading that no other one checks has a share of 1 in its own fitted value.
@@ -80,7 +80,7 @@ impl<'a> Search<'a> {
         let Some(single) = best(&singles) else { return none };
         let single_chance = self.student(single.gain, single.gain, left) * singles.len() as f64;
         let is_single = single_chance <= CHANCE;
-        let single_rivals = if is_single { self.rivals(&singles, single, left) } else { Vec::new() };
+        let single_rivals = if is_single { self.single_rivals(&singles, single, left) } else { Vec::new() };
         if is_single && single_rivals.is_empty() {
             return Verdict::LeftOut(single.readings.clone());
         }
@@ -122,17 +122,35 @@ impl<'a> Search<'a> {
         }
         for (at, &one) in self.used.iter().enumerate() {
             for &other in &self.used[at + 1..] {
-                let [a, b] = [one, other].map(|index| 1.0 - self.fit.hat(index, index));
-                let c = -self.fit.hat(one, other);
-                let determinant = a * b - c * c;
-                let [r, s] = [self.fit.residuals[one], self.fit.residuals[other]];
-                let gain = (b * r * r - 2.0 * c * r * s + a * s * s) / determinant;
-                if determinant > LEAST_CHECK {
+                if let Some(gain) = self.pair_gain(one, other) {
                     pairs.push(Candidate { readings: vec![one, other], gain });
                 }
             }
         }
         pairs
+    }
+
+    fn pair_gain(&self, one: usize, other: usize) -> Option<f64> {
+        let [a, b] = [one, other].map(|index| 1.0 - self.fit.hat(index, index));
+        let c = -self.fit.hat(one, other);
+        let determinant = a * b - c * c;
+        let [r, s] = [self.fit.residuals[one], self.fit.residuals[other]];
+        (determinant > LEAST_CHECK).then(|| (b * r * r - 2.0 * c * r * s + a * s * s) / determinant)
+    }
+
+    /// The rivals of a single reading. One that contradicts the others even beside the best is none, but the next to be left out.
+    fn single_rivals(&self, singles: &[Candidate], best: &Candidate, left: usize) -> Vec<usize> {
+        let rivals = self.rivals(singles, best, left);
+        let Some(left) = left.checked_sub(1).filter(|&left| left > 0) else { return rivals };
+        let is_next = |&index: &usize| {
+            best.readings.contains(&index)
+                || best
+                    .readings
+                    .first()
+                    .and_then(|&one| self.pair_gain(one, index))
+                    .is_some_and(|gain| self.student(gain - best.gain, gain, left) * singles.len() as f64 <= CHANCE)
+        };
+        if rivals.iter().all(is_next) { Vec::new() } else { rivals }
     }
 
     /// Sum of squares behind a gain. Where nothing is left but rounding, nothing is disturbed.
