@@ -5,10 +5,10 @@ mod machine;
 mod measured;
 mod steps;
 
+pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
 pub(super) use steps::StepsArguments;
-pub(super) use load::LoadArguments;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
