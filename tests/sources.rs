@@ -217,6 +217,8 @@ fn mirrored(source: &ErrorSource) -> String {
             ("at_mm = 350", "at_mm = -350"),
             ("[0, 0, 1.4e-9]", "[0, 0, -1.4e-9]"),
         ]),
+        "drift" => source.example.to_owned(),
+        "expansion" => swap(&[("fixed_mm = 350", "fixed_mm = -350"), ("fixed_mm = 200", "fixed_mm = -200")]),
         other => panic!("write here how the example of {other} looks where X counts the other way"),
     }
 }

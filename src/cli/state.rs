@@ -7,7 +7,7 @@ use super::machine_choice::{Chosen, short_hash};
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{Axis, Vector};
-use crate::machine::condition::file;
+use crate::machine::condition::{file, log};
 use crate::machine::{Condition, Load, Machine};
 use crate::model::Effect;
 use crate::source::{FileId, Source};
@@ -29,9 +29,7 @@ pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Fi
             condition.set_time(time_s);
         }
         if let Some(time_s) = choice.zero_time {
-            let mut zero = condition.clone();
-            zero.set_time(time_s);
-            condition.set_zero(zero);
+            condition.set_zero_at(time_s);
         }
         parts.push(short_hash([source.bytes()]));
         parts.push(format!("{:?} {:?}", choice.time, choice.zero_time));
@@ -52,7 +50,7 @@ pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Fi
 }
 
 fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
-    file::load(source)
+    if log::is_log(source) { log::load(source) } else { file::load(source) }
 }
 
 /// Says what the model needs and the condition lacks; whether the condition can be used.

@@ -4,6 +4,7 @@
 //! error ask it for temperatures, with a lag where they follow slowly, and for loads.
 
 pub mod file;
+pub mod log;
 mod trace;
 
 pub use trace::Trace;
@@ -25,7 +26,12 @@ pub struct Load {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Condition {
     sensors: BTreeMap<String, Trace>,
+    /// Those that stand there now; the one of the log comes first.
     loads: Vec<Load>,
+    /// What stands on the table from a time on, s, in the order of time.
+    load_log: Vec<(f64, Load)>,
+    /// Whether the first of `loads` is that of the log.
+    is_logged: bool,
     time_s: f64,
     zero: Option<Box<Condition>>,
 }
@@ -42,24 +48,52 @@ impl Condition {
         }
     }
 
+    /// Adds the readings of a sensor in place of those that it has.
+    pub fn set_trace(&mut self, sensor: &str, trace: Trace) {
+        self.sensors.insert(sensor.to_owned(), trace);
+    }
+
     /// Puts a workpiece on the table, beside those that are there.
     pub fn add_load(&mut self, load: Load) {
         self.loads.push(load);
     }
 
-    /// Takes all workpieces off the table.
+    /// Notes what stands on the table from a time on, in place of what stood there before; changes come in the order of time.
+    pub fn add_load_change(&mut self, time_s: f64, load: Load) {
+        self.load_log.push((time_s, load));
+        self.set_time(self.time_s);
+    }
+
+    /// Takes all workpieces off the table, those of a log too.
     pub fn clear_loads(&mut self) {
         self.loads.clear();
+        self.load_log.clear();
+        self.is_logged = false;
     }
 
     /// Moves to another instant of the readings.
     pub fn set_time(&mut self, time_s: f64) {
         self.time_s = time_s;
+        if std::mem::take(&mut self.is_logged) {
+            self.loads.remove(0);
+        }
+        let passed = self.load_log.partition_point(|&(from_s, _)| from_s <= time_s);
+        if let Some(&(_, load)) = passed.checked_sub(1).and_then(|index| self.load_log.get(index)) {
+            self.loads.insert(0, load);
+            self.is_logged = true;
+        }
     }
 
     /// Notes in which condition the zero point of the workpiece was set: sources that drift count from there.
     pub fn set_zero(&mut self, zero: Condition) {
         self.zero = Some(Box::new(zero));
+    }
+
+    /// Notes at which instant of the readings the zero point of the workpiece was set.
+    pub fn set_zero_at(&mut self, time_s: f64) {
+        let mut zero = Condition { zero: None, ..self.clone() };
+        zero.set_time(time_s);
+        self.set_zero(zero);
     }
 
     /// The instant, s.

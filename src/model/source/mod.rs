@@ -4,6 +4,8 @@
 //! the condition of the machine makes of it, and shows its parameters, so that they can be listed, varied and fitted.
 
 mod coupling;
+mod drift;
+mod expansion;
 mod geometry;
 mod load;
 mod reversal;
@@ -36,7 +38,15 @@ pub struct Source {
 
 /// All sources, in the order in which tables show them.
 pub const SOURCES: &[&Source] =
-    &[&geometry::SOURCE, &coupling::SOURCE, &reversal::SOURCE, &load::SOURCE, &structure::SOURCE];
+pub const SOURCES: &[&Source] = &[
+    &geometry::SOURCE,
+    &coupling::SOURCE,
+    &reversal::SOURCE,
+    &load::SOURCE,
+    &structure::SOURCE,
+    &drift::SOURCE,
+    &expansion::SOURCE,
+];
 
 /// One effect of a source.
 pub trait Effect: Debug + Send + Sync {
