@@ -37,7 +37,6 @@ pub struct Source {
 }
 
 /// All sources, in the order in which tables show them.
-pub const SOURCES: &[&Source] =
 pub const SOURCES: &[&Source] = &[
     &geometry::SOURCE,
     &coupling::SOURCE,
