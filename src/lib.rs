@@ -24,7 +24,7 @@
 //!
 //! | room | what it is | must never know |
 //! | --- | --- | --- |
-//! | [`source`], [`diagnostic`], [`units`] | bytes and spans; findings as plain data; the edge of units | NC, machines |
+//! | [`source`], [`diagnostic`], [`units`], [`csv`] | bytes and spans; findings as plain data; the edge of units; tables of text | NC, machines |
 //! | [`geometry`] | axis vectors, frames, arcs: values that evaluate themselves | machines, programs |
 //! | [`dialect`] | one value per control language: code table from `grammars/`, switches | syntax, execution |
 //! | [`syntax`] | nom parsers and trees, one family per family of languages: what was written | what a code means |
@@ -32,7 +32,7 @@
 //! | [`snc`] | elements of the flat stream, their text form, provenance | dialects, the model |
 //! | [`exec`] | one executor per family of languages (modal state, variables, flow, frames, cycles) over one outlet (contours, transformation) → SNC | the error model |
 //! | [`model`] | error functions, forward kinematics with errors, the inverse | programs, instruments |
-//! | [`measure`] | tables of measured data, readings in them, measurement mode, what load made a strain | programs |
+//! | [`measure`] | readings in tables of measured data, measurement mode, what load made a strain | programs |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
 //! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
@@ -63,6 +63,7 @@
 //! the moving body, also on the workpiece side; a correction is what is added to a command.
 
 pub mod cli;
+pub mod csv;
 pub mod diagnostic;
 pub mod dialect;
 pub mod emit;

@@ -6,13 +6,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The foundation: rooms that every other room may name.
-const FOUNDATION: &[&str] = &["source", "diagnostic", "units"];
+const FOUNDATION: &[&str] = &["source", "diagnostic", "units", "csv"];
 
 /// Each room and the rooms that it may name beside the foundation and itself.
 const MAY_NAME: &[(&str, &[&str])] = &[
     ("source", &[]),
     ("diagnostic", &[]),
     ("units", &[]),
+    ("csv", &["source", "diagnostic"]),
     ("geometry", &[]),
     ("dialect", &[]),
     ("syntax", &["dialect"]),

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
+use ncfix::csv::Table;
 use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix::machine::State;
-use ncfix::measure::csv::Table;
 use ncfix::model::{Model, Solve};
 use ncfix::source::{FileId, Source};
 use proptest::prelude::*;

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
+use ncfix::csv::Table;
 use ncfix::geometry::Axis;
 use ncfix::machine::{StrainGauge, condition};
-use ncfix::measure::csv::Table;
 use ncfix::measure::strain::{self, Reading};
 use ncfix::measure::weighing::{Coordinate, Measured, Weighing, weigh};
 use ncfix::source::{FileId, Source};

@@ -10,8 +10,8 @@ use super::progress::Progress;
 use super::state;
 use super::stop::Stop;
 use super::{input, tell};
+use crate::csv::{Row, Table, number_text};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::measure::csv::{Row, Table, number_text};
 use crate::measure::mode;
 use crate::measure::reading::{Reading, Readings};
 use crate::model::{Model, NotConverged, Solve};
@@ -120,7 +120,7 @@ impl Job<'_> {
 
 /// Writes the positions of a row. A position without a correction stays as it was written.
 fn put<W: std::io::Write>(
-    copy: &mut crate::measure::csv::Copy<W>,
+    copy: &mut crate::csv::Copy<W>,
     row: &Row,
     readings: &Readings,
     reading: &Reading,

@@ -293,10 +293,12 @@ and workbooks (XLSX) have to be saved as CSV first.
   1,100,50,0,-3.2";
     DATA_COLUMN = "E0602" "column that does not fit the machine"
 "Every axis of the machine needs a column of its name (X, Y, Z, C …) with positions in mm or degrees. A column named like an axis that
-the machine lacks, or a name that is there twice, is refused: something else was measured, or on another machine.";
+the machine lacks, or a name that is there twice, is refused: something else was measured, or on another machine. A log
+needs t_s and at least one temperature (T_head_C for the sensor T_head) or load_N.";
     DATA_CELL = "E0603" "cell that is no number"
 "A position or a tool length is a plain number: 12.5 or, where the separator is no comma, 12,5; the same decimal sign in all cells, no
-unit, no separators of thousands. Cells must not be empty. The sense of motion (X_dir …) is -1, 0 or 1, or empty.";
+unit, no separators of thousands. Cells must not be empty. The sense of motion (X_dir …) is -1, 0 or 1, or empty.
+In a log temperatures and loads may be empty; temperatures are -30 to 150 °C, a weight is not negative, the time does not go back.";
 
     LOAD_NOT_TOLD = "E0604" "strain readings that tell no load"
 "ncfix load weighs a workpiece by the change of a strain along an axis. The readings must lie where [strain] of the machine file knows the

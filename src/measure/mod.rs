@@ -1,10 +1,8 @@
-//! What was measured on the machine: tables of data and the positions in them.
+//! What was measured on the machine: the positions and readings in tables of data.
 //!
-//! [`csv`] reads a table and knows where every cell stands, [`reading`] finds axis positions, tool vectors and senses of motion in its
-//! columns, [`mode`] takes the corrections out of positions that were read (measurement mode). [`strain`] finds readings of a strain gauge,
+//! [`reading`] finds axis positions, tool vectors and senses of motion in the columns of a table ([`crate::csv`]), [`mode`] takes the corrections out of positions that were read (measurement mode). [`strain`] finds readings of a strain gauge,
 //! [`weighing`] what load made them.
 
-pub mod csv;
 pub mod mode;
 pub mod reading;
 pub mod strain;

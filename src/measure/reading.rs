@@ -10,7 +10,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{AXES, Axis, AxisVector, Vector};
 use crate::machine::{Machine, State};
 
-use super::csv::{DecimalSign, Row, Table};
+use crate::csv::{DecimalSign, Row, Table};
 
 /// A position this much beyond its limit is on it: the noise of the arithmetic, mm or rad.
 const ON_LIMIT: f64 = 1e-9;

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::StrainGauge;
 
-use super::csv::{DecimalSign, Row, Table};
+use crate::csv::{DecimalSign, Row, Table};
 
 /// The column of the readings.
 const STRAIN: &str = "strain_um_m";
