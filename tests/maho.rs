@@ -5,7 +5,7 @@ use ncfix::machine::{Condition, Load, Machine, State};
 use ncfix::model::{Accumulator, ErrorModel, Model};
 use ncfix::source::{FileId, Source};
 
-use crate::support::{Shop, machine, repository};
+use crate::support::repository;
 
 fn maho() -> (Machine, ErrorModel) {
     let bytes = std::fs::read(repository("samples/machines/maho700s.toml")).unwrap();
@@ -75,6 +75,6 @@ fn a_load_on_the_front_does_what_was_found_and_one_on_the_back_little() {
     command[Axis::X] = 700.0;
     let sum = Accumulator::sum(&machine, &errors, &condition, |effect| effect.source().name == "load");
     let roll = sum.value("EAX".parse().unwrap(), &command, &State::default());
-    let expected = -85.75e-6 * 1700.0 / 4800.0 * 655.0 / 375.0;
-    assert!((roll.abs() - expected.abs()).abs() < 1e-9, "{roll} {expected}");
+    let expected: f64 = -85.75e-6 * 1700.0 / 4800.0 * 655.0 / 375.0;
+    assert!((roll - expected).abs() < 1e-9, "{roll} {expected}");
 }

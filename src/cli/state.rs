@@ -64,7 +64,7 @@ fn check(choice: &StateChoice, chosen: &Chosen, condition: &Condition, findings:
     };
     if !sensors.is_empty() && !condition.has_temperatures() {
         let message = format!(
-            "temperatures are not given: the machine is taken as it is at the reference temperatures, and {} of its sensors as {}",
+            "no temperatures are given: the {} sensors of the error model count as at their reference temperatures ({})",
             sensors.len(),
             sensors.join(", ")
         );

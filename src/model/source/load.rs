@@ -174,6 +174,10 @@ impl Effect for LoadEffect {
         &SOURCE
     }
 
+    fn label(&self) -> String {
+        self.name.to_string()
+    }
+
     fn contribute(&self, condition: &Condition, sum: &mut Accumulator<'_>) {
         let share: f64 = condition.loads().iter().map(|load| self.share(load)).sum();
         // An arm that is varied down to 0 has no meaning, and NaN would spoil the sum of all sources.
