@@ -49,6 +49,7 @@
 //! | a cycle of the Grundig | `exec/grundig/cycles/x.rs`, pure steps at a position | `CYCLES` there |
 //! | an address with a value | an arm in `exec/` | `exec/sinumerik/address.rs` |
 //! | a word that is passed on | – | `exec/sinumerik/kept.rs` |
+//! | a source of error | `model/source/x.rs`: sections, effects, formula and source, example; a row in the README | [`model::SOURCES`] |
 //! | a kind of motion error | `model/motion/x.rs` with formula, source and example; `docs/motion.md` | the register of kinds there |
 //! | a preset of parameters | `model/preset/x.rs` | [`model::preset::PRESETS`] |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |

@@ -121,3 +121,35 @@ fn what_no_axis_can_correct_is_reported_by_source() {
     let table = fix(&shop, &["--load", "1700@0,0,-280"]).exits(0).stderr;
     assert!(table.contains("tool tilt") && table.contains("load "), "{table}");
 }
+
+#[test]
+fn the_table_of_the_readme_is_what_the_command_prints() {
+    let readme = std::fs::read_to_string(repository("README.md")).unwrap();
+    let block = readme.split("```text\n").find(|block| block.starts_with("at          X 700")).unwrap();
+    let block = block.split("```").next().unwrap();
+    let base = ["machine", "show", "maho.toml", "--at", "X700,Y0,Z0", "--tool", "200", "--load", "1700@0,0,-280"];
+    let shown = shop().run(base).exits(0).stdout;
+    assert!(block.lines().count() > 9);
+    for line in block.lines().filter(|line| line.trim() != "…") {
+        assert!(shown.lines().any(|own| own == line), "{line}\n{shown}");
+    }
+}
+
+#[test]
+fn play_that_is_less_than_an_increment_is_left_and_said() {
+    let machine = "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\ncontroller = \"sinumerik\"\n[axis.X]\ndirection = [1, 0, 0]\n\
+        travel_mm = [-500, 500]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-500, 500]\n[axis.Z]\ndirection = [0, 0, 1]\n\
+        travel_mm = [-500, 500]\n[control]\nincrement_mm = 0.001\n[location]\nEA0Z = 40\n[[motion]]\ncomponent = \"EXX\"\n\
+        kind = \"backlash\"\nvalue_um = -0.8\n";
+    let shop = Shop::new().file("m.toml", machine).file("p.mpf", "G0 X0 Y0 Z0\nG1 X50 F500\nX0\nY30\nX50 Z-20\nM30\n");
+    let json = shop.run(["p.mpf", "-o", "out.mpf", "--machine", "m.toml", "--json"]).exits(0).json();
+    let row =
+        |name: &str| json["remaining"].as_array().unwrap().iter().find(|row| row["source"] == name).unwrap().clone();
+    // Half the play on either side, and the tilt that a machine without rotary axes keeps.
+    let play = row("reversal")["position_um"].as_f64().unwrap();
+    assert!((play - 0.4).abs() < 1e-6, "{json}");
+    let tilt = row("geometry")["tilt_urad"].as_f64().unwrap();
+    assert!((tilt - 40.0).abs() < 1e-3, "{json}");
+    let table = shop.run(["p.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0).stderr;
+    assert!(table.contains("uncorrected") && table.contains("reversal 0.4"), "{table}");
+}

@@ -359,6 +359,9 @@ state: the numbers say what this program would do on the machine that was given.
 axes would stop in between. The end of the move is corrected, and on the way the tool is off by more than --tolerance.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be found.";
+    TWO_DRIFTS = "W0402" "two models of the drift"
+"The file has [[drift]] (weighted temperatures) and [[segment]] (the structure as beams). Each describes the drift of the warm machine; where both do so
+for the same parts, twice as much is corrected. Both are right in one file only where one was fitted to what the other leaves.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and no --state gives them. They count as if all sensors were at their
 reference temperature: no drift, no expansion.";

@@ -33,6 +33,11 @@ pub fn load(source: &Source) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>)
         let mut reading = Reading { root: &mut root, axes, machine: machine.as_ref(), findings: &mut findings };
         (source.read)(&mut reading, &mut errors);
     }
+    if root.has("segment") && root.has("drift") {
+        let message = "[[drift]] and [[segment]] both say how far the warm machine drifts, and add up";
+        let help = "keep one of them, or give each what the other leaves out";
+        root.report(Code::TWO_DRIFTS, root.place_of_key("segment"), message, help);
+    }
     root.finish(&mut findings);
     findings.sort_by_key(|finding| (finding.place, finding.code));
     let sound = !findings.iter().any(Diagnostic::is_error);

@@ -82,6 +82,8 @@ struct Segment {
     /// α, 1/K.
     expansion: f64,
     torsion_share: f64,
+    /// Time constant with which the beam follows its sensors, s.
+    lag_s: f64,
     /// Sensors of both ends: one, two (−g, +g) or four (−g−n, +g−n, +g+n, −g+n).
     sensors: [Vec<String>; 2],
 }
@@ -99,7 +101,7 @@ struct Warmth {
 impl Segment {
     fn warmth(&self, machine: &Machine, condition: &Condition, end: usize) -> Option<Warmth> {
         let rises: Option<Vec<f64>> =
-            self.sensors[end].iter().map(|sensor| machine.rise_k(condition, sensor, 0.0)).collect();
+            self.sensors[end].iter().map(|sensor| machine.rise_k(condition, sensor, self.lag_s)).collect();
         Some(match rises?.as_slice() {
             [mean] => Warmth { mean: *mean, ..Warmth::default() },
             [low, high] => Warmth { mean: 0.5 * (low + high), gradients: [high - low, 0.0], difference: 0.0 },
@@ -198,6 +200,7 @@ impl Effect for Segment {
         let name = self.name.clone();
         visit(&Parameter { name: &format!("{name}.expansion"), is_linear: true }, &mut self.expansion);
         visit(&Parameter { name: &format!("{name}.torsion_share"), is_linear: false }, &mut self.torsion_share);
+        visit(&Parameter { name: &format!("{name}.lag_s"), is_linear: false }, &mut self.lag_s);
     }
 
     fn sensors(&self) -> Vec<&str> {
@@ -248,6 +251,7 @@ fn read_segment(section: &mut Section<'_>, reading: &Reading<'_, '_>) -> Option<
     let positive = |section: &mut Section<'_>, key: &str| section.number_where(key, "a length above 0", |mm| mm > 0.0);
     let [across_mm, wide_mm] = ["across_mm", "wide_mm"].map(|key| positive(section, key));
     let torsion_share = section.number("torsion_share").unwrap_or(1.0);
+    let lag_s = section.number_where("lag_s", "a time in s that is not negative", |lag_s| lag_s >= 0.0).unwrap_or(0.0);
     let sensors_from = section.required("sensors_from", "[\"T_1\", \"T_2\"]", Section::texts);
     let sensors_to = section.texts("sensors_to");
     let at_mm = section.number("at_mm");
@@ -314,6 +318,7 @@ fn read_segment(section: &mut Section<'_>, reading: &Reading<'_, '_>) -> Option<
         section_mm: [across_mm.unwrap_or(1.0), wide_mm.unwrap_or(1.0)],
         expansion: expansion? * 1e-6,
         torsion_share,
+        lag_s,
         sensors,
     })
 }
