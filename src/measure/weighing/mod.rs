@@ -1,8 +1,8 @@
 //! Weighs a workpiece: its weight and place from the change of a strain along an axis (Spaan 1995, ch. 4).
 //!
 //! The strain is linear in the weight F and its moments F pₓ, F p_z ([`StrainGauge`]), with an offset for every run and, where times are known, an
-//! even drift: least squares ([`fit`]). A pulse of lubricant that disturbs single readings is found by its effect on the sum of squares
-//! ([`outlier`]), which needs more readings than unknowns: every position twice to see it, three times to tell which one it is. The uncertainties are those of the readings
+//! even drift: least squares (`fit`). A pulse of lubricant that disturbs single readings is found by its effect on the sum of squares
+//! (`outlier`), which needs more readings than unknowns: every position twice to see it, three times to tell which one it is. The uncertainties are those of the readings
 //! (`sigma_um_per_m`, where the residuals do not contradict it, else from the residuals); that of p = (F p)/F follows from both and
 //! their covariance.
 
