@@ -26,6 +26,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0604", "strain: readings_that_tell_no_load_are_refused"),
     ("W0601", "strain: places_that_the_signals_do_not_tell_are_assumed"),
     ("W0602", "strain: the_command_writes_a_state_file"),
+    ("W0308", "unknown_sense: the_first_cut_has_the_mean_of_both_sides_and_a_warning"),
     ("W0306", "cli_verify: a_correction_for_another_machine_is_pointed_out"),
 ];
 

@@ -153,3 +153,68 @@ fn play_that_is_less_than_an_increment_is_left_and_said() {
     let table = shop.run(["p.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0).stderr;
     assert!(table.contains("uncorrected") && table.contains("reversal 0.4"), "{table}");
 }
+
+#[test]
+fn instants_must_lie_in_a_log() {
+    let shop = shop().file("log.csv", log());
+    for (arguments, word) in [
+        (&["--state", "log.csv", "--time", "5000"][..], "outside the log"),
+        (&["--state", "log.csv", "--time", "nan"], "outside the log"),
+        (&["--state", "log.csv", "--time", "50", "--zero-time", "60"], "behind the instant"),
+        (&["--state", "warm.toml", "--time", "0"], "needs a log"),
+    ] {
+        fix(&shop, arguments).exits(2).says(word);
+    }
+}
+
+/// All sensors of the sample rise by 10 K in 100 s.
+fn log() -> String {
+    let text = std::fs::read_to_string(repository("samples/machines/maho700s.toml")).unwrap();
+    let mut sensors: Vec<&str> = text.split('"').filter(|word| word.starts_with("T_")).collect();
+    sensors.sort_unstable();
+    sensors.dedup();
+    let row = |time: f64, value: f64| format!("{time},{}\n", vec![value.to_string(); sensors.len()].join(","));
+    let header: Vec<String> = sensors.iter().map(|name| format!("{name}_C")).collect();
+    format!("t_s,{}\n{}{}", header.join(","), row(0.0, 20.0), row(100.0, 30.0))
+}
+
+#[test]
+fn a_zero_point_ends_the_drift_where_it_was_set() {
+    let machine = "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 500]\n\
+        [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 300]\n\
+        [[drift]]\ndirection = \"Y\"\nover = \"Z\"\nat_mm = 0\nsensors = [{ name = \"T_a\", um_per_K = 1 }]\n\
+        [[drift]]\ndirection = \"Y\"\nover = \"Z\"\nat_mm = 300\nsensors = [{ name = \"T_a\", um_per_K = 4 }]\n";
+    let shop = Shop::new()
+        .file("m.toml", machine)
+        .file("whole.toml", "[temperature_C]\nT_a = 30\n[zero.temperature_C]\nT_a = 30\n")
+        .file("there.toml", "[temperature_C]\nT_a = 30\n[zero.temperature_C]\nT_a = 30\n[zero.at]\nZ_mm = 100\n")
+        .file("log.csv", "t_s,T_a_C\n0,30\n10,30\n")
+        .file("only.toml", "[zero.temperature_C]\nT_a = 30\n");
+    let along_y = |z: &str, more: &[&str]| {
+        let base = ["machine", "show", "m.toml", "--at", z, "--json"];
+        shop.run(base.iter().chain(more)).exits(0).json()["sum"]["position_um"][1].as_f64().unwrap()
+    };
+    // 10 and 40 µm at 10 K, 20 µm at Z 100 where the zero was set.
+    for (z, whole, there) in [("Z0", 0.0, -10.0), ("Z100", 0.0, 0.0), ("Z300", 0.0, 20.0)] {
+        assert!((along_y(z, &["--state", "whole.toml"]) - whole).abs() < 1e-6);
+        assert!((along_y(z, &["--state", "there.toml"]) - there).abs() < 1e-6, "{z}");
+        let by_log = along_y(z, &["--state", "log.csv", "--zero-time", "0", "--zero-at", "Z100"]);
+        assert!((by_log - there).abs() < 1e-6, "{z}: {by_log}");
+    }
+    let run = shop.run(["machine", "show", "m.toml", "--at", "Z0", "--state", "only.toml", "--json"]);
+    assert_ne!(run.code, 0);
+    run.says("E0501");
+    shop.run(["machine", "show", "m.toml", "--at", "Z900"]).exits(2).says("outside the travel");
+    shop.run(["machine", "show", "m.toml", "--load", "5"]).exits(2).says("--at");
+    shop.run(["machine", "show", "m.toml"]).exits(0).says("T_a");
+}
+
+#[test]
+fn a_weight_may_be_laid_over_temperatures() {
+    let shop = shop().file("heavy.toml", "[[load]]\nforce_N = 1700\nposition_mm = [0, 0, -280]\n");
+    let base = ["machine", "show", "maho.toml", "--at", "X650", "--json"];
+    let sum = |more: &[&str]| shop.run(base.iter().chain(more)).exits(0).json()["sum"].to_string();
+    let both = sum(&["--state", "warm.toml", "--state", "heavy.toml"]);
+    assert_eq!(both, sum(&["--state", "warm.toml", "--load", "1700@0,0,-280"]));
+    assert_ne!(both, sum(&["--state", "warm.toml", "--load", "0"]));
+}

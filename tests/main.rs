@@ -94,6 +94,7 @@ mod thermal_plant;
 mod threads;
 mod tolerance;
 mod undefined;
+mod unknown_sense;
 mod variables;
 mod words;
 mod words_hostile;

@@ -141,6 +141,7 @@ impl<'a> Job<'a> {
             stamp: emit::Stamp {
                 machine: machine.name.clone(),
                 model: chosen.hash.clone(),
+                state: chosen.state.clone(),
                 source: machine_choice::short_hash([self.source.bytes()]),
                 is_demo: chosen.is_demo,
             },

@@ -8,7 +8,8 @@ use super::state;
 use super::stop::Stop;
 use super::value::ToolVector;
 use super::{input, presets, print, tell};
-use crate::geometry::{AxisVector, Vector};
+use crate::geometry::{AXES, AxisVector, Vector};
+use crate::machine::AxisData;
 use crate::report::json;
 use crate::report::machine::table;
 use crate::report::shares::Shares;
@@ -40,6 +41,11 @@ fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
     {
         chosen = None;
     }
+    if let (Some(chosen), Some(at)) = (&chosen, arguments.at) {
+        check_pose(chosen, &at)?;
+    } else if !arguments.state.state.is_empty() || arguments.state.load.is_some() {
+        return Err(Stop::Usage("--state and --load say something at a pose only: give --at".into()));
+    }
     let shares = chosen.as_ref().zip(arguments.at).map(|(chosen, at)| shares(chosen, at, arguments));
     if let (Some(mut shares), true) = (shares.clone(), arguments.json) {
         shares.diagnostics = findings.json();
@@ -53,6 +59,23 @@ fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
         (None, None) => tell(&format!("{}: {}\n", arguments.file.file.display(), findings.count())),
     }
     Ok(findings.exit_code())
+}
+
+/// Refuses a pose that the machine cannot take.
+fn check_pose(chosen: &Chosen, at: &AxisVector) -> Result<(), Stop> {
+    const ROOM: f64 = 1e-9;
+    for axis in AXES {
+        let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+        match chosen.machine.axis(axis) {
+            None if at[axis] != 0.0 => return Err(Stop::Usage(format!("--at: the machine has no axis {axis}"))),
+            Some(AxisData { travel: Some([low, high]), .. }) if !(low - ROOM..=high + ROOM).contains(&at[axis]) => {
+                let [at, low, high] = [at[axis], *low, *high].map(shown);
+                return Err(Stop::Usage(format!("--at: {axis} {at} is outside the travel from {low} to {high}")));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// What each source does to the tool at a pose.

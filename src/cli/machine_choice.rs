@@ -29,6 +29,8 @@ pub(super) struct Chosen {
     pub(super) errors: ErrorModel,
     /// Its condition.
     pub(super) condition: Condition,
+    /// Hash of what was said of its condition; `None` where nothing was.
+    pub(super) state: Option<String>,
     /// Whether it is the embedded demo machine because no other was found.
     pub(super) is_demo: bool,
     /// Hash of machine file and set-up file, 12 hexadecimal digits.
@@ -147,7 +149,15 @@ pub(super) fn read(source: &Source, setups: &[PathBuf], findings: &mut Findings)
     }
     parts.extend(sources.iter().map(Source::bytes));
     let hash = short_hash(parts);
-    Ok(is_usable.then_some(Chosen { machine, errors, condition: Condition::default(), is_demo: false, hash, files }))
+    Ok(is_usable.then_some(Chosen {
+        machine,
+        errors,
+        condition: Condition::default(),
+        state: None,
+        is_demo: false,
+        hash,
+        files,
+    }))
 }
 
 /// Whether a set-up file is in the control's own language rather than TOML.

@@ -8,7 +8,7 @@ use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{Axis, Vector};
 use crate::machine::condition::{file, log};
-use crate::machine::{Condition, Load, Machine};
+use crate::machine::{Condition, Load, Machine, ZeroPose};
 use crate::model::Effect;
 use crate::source::{FileId, Source};
 
@@ -18,31 +18,32 @@ use crate::source::{FileId, Source};
 /// Where the file cannot be read.
 pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Findings) -> Result<bool, Stop> {
     let mut condition = Condition::default();
-    let mut parts = vec![chosen.hash.clone()];
-    if let Some(path) = &choice.state {
+    let mut parts = Vec::new();
+    let mut is_logged = false;
+    for path in &choice.state {
         let source = input::read(path, FileId(0))?;
+        is_logged |= log::is_log(&source);
         let (read, found) = load(&source);
         findings.extend(found, std::slice::from_ref(&source));
         let Some(read) = read else { return Ok(false) };
-        condition = read;
-        if let Some(time_s) = choice.time {
-            condition.set_time(time_s);
-        }
-        if let Some(time_s) = choice.zero_time {
-            condition.set_zero_at(time_s);
-        }
+        condition.lay_over(read);
         parts.push(short_hash([source.bytes()]));
-        parts.push(format!("{:?} {:?}", choice.time, choice.zero_time));
         chosen.files.push(path.clone());
+    }
+    set_times(choice, &mut condition, is_logged)?;
+    if let Some(command) = choice.zero_at {
+        condition.set_zero_pose(ZeroPose { command, tool_mm: Vector::zeros() });
+    }
+    if choice.time.is_some() || choice.zero_time.is_some() || choice.zero_at.is_some() {
+        parts.push(format!("{:?} {:?} {:?}", choice.time, choice.zero_time, choice.zero_at));
     }
     if let Some(load) = choice.load {
         condition.clear_loads();
         condition.add_load(load);
         parts.push(format!("{load:?}"));
     }
-    if parts.len() > 1 {
-        // The same machine in another condition is corrected in another way.
-        chosen.hash = short_hash(parts.iter().map(String::as_bytes));
+    if !parts.is_empty() {
+        chosen.state = Some(short_hash(parts.iter().map(String::as_bytes)));
     }
     let is_sound = check(choice, chosen, &condition, findings);
     chosen.condition = condition;
@@ -51,6 +52,32 @@ pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Fi
 
 fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
     if log::is_log(source) { log::load(source) } else { file::load(source) }
+}
+
+/// Moves to the instants that were asked for, which must lie in the log.
+fn set_times(choice: &StateChoice, condition: &mut Condition, is_logged: bool) -> Result<(), Stop> {
+    let wanted = [("--time", choice.time), ("--zero-time", choice.zero_time)];
+    for (option, time_s) in wanted.into_iter().filter_map(|(option, time_s)| Some((option, time_s?))) {
+        if !is_logged {
+            return Err(Stop::Usage(format!("{option} needs a log (CSV with t_s) in --state")));
+        }
+        let [first, last] = condition.time_range_s().unwrap_or_default();
+        if !(first..=last).contains(&time_s) {
+            let sentence = format!("{option} {time_s} lies outside the log, which runs from {first} to {last} s");
+            return Err(Stop::Usage(sentence));
+        }
+    }
+    if let Some(time_s) = choice.time {
+        condition.set_time(time_s);
+    }
+    if let Some(zero_s) = choice.zero_time {
+        if zero_s > condition.time_s() {
+            let now_s = condition.time_s();
+            return Err(Stop::Usage(format!("--zero-time {zero_s} lies behind the instant of the state, {now_s} s")));
+        }
+        condition.set_zero_at(zero_s);
+    }
+    Ok(())
 }
 
 /// Says what the model needs and the condition lacks; whether the condition can be used.
@@ -62,7 +89,7 @@ fn check(choice: &StateChoice, chosen: &Chosen, condition: &Condition, findings:
         let missing = wanted.iter().filter(|sensor| condition.temperature_c(sensor, 0.0).is_none());
         missing.map(|&sensor| sensor.to_owned()).collect()
     };
-    if !sensors.is_empty() && !condition.has_temperatures() {
+    if !sensors.is_empty() && !condition.has_temperatures() && condition.zero().is_none() {
         let message = format!(
             "no temperatures are given: the {} sensors of the error model count as at their reference temperatures ({})",
             sensors.len(),
@@ -86,9 +113,14 @@ fn check(choice: &StateChoice, chosen: &Chosen, condition: &Condition, findings:
         }
     }
     let needs_load = chosen.errors.effects().any(Effect::needs_load);
-    if needs_load && condition.loads().is_empty() && choice.state.is_none() {
+    if needs_load && condition.loads().is_empty() && choice.state.is_empty() {
         let message = "no workpiece weight is given: the table is taken as empty";
         let help = "give --load with the weight in N, 0 for none, or --state with [[load]]";
+        findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
+    }
+    if !needs_load && choice.load.is_some() {
+        let message = "the machine file says nothing about the weight of workpieces: --load changes nothing";
+        let help = "add [[load]] to the machine file, or leave --load out";
         findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
     }
     if needs_load && let Some(axis) = turning(&chosen.machine, condition.loads()) {

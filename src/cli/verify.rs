@@ -70,6 +70,18 @@ fn compare(arguments: &VerifyArguments, findings: &mut Findings) -> Result<Optio
         let help = "give --machine the machine file that it was corrected with";
         findings.add(Diagnostic::nowhere(Code::OTHER_STAMP, message, help), &sources);
     }
+    let stamped_state = emit::stamped_state(sources[1].bytes());
+    if emit::is_stamped(sources[1].bytes()) && stamped_state != chosen.state {
+        let said = |state: &Option<String>| state.clone().unwrap_or_else(|| "none".into());
+        let message = format!(
+            "{} was corrected for the state {}, and is compared in {}",
+            sources[1].name(),
+            said(&stamped_state),
+            said(&chosen.state)
+        );
+        let help = "give the same --state, --time, --zero-time, --zero-at and --load as for the correction";
+        findings.add(Diagnostic::nowhere(Code::OTHER_STAMP, message, help), &sources);
+    }
     let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());
     let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };
     Ok(walk(original, corrected, grouping, &chosen, findings))

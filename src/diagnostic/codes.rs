@@ -357,17 +357,24 @@ state: the numbers say what this program would do on the machine that was given.
     ONE_PIECE = "W0307" "move in one piece bends"
 "Threads (G33, G34, G35, G331, G332, G63) and positioning axes (POS) are not cut into pieces: the spindle and the axis would lose step, or the
 axes would stop in between. The end of the move is corrected, and on the way the tool is off by more than --tolerance.";
+    SENSE_UNKNOWN = "W0308" "side of a backlash unknown"
+"An axis with backlash came to its place from where the program had not stated it (before the first block, behind a tool change), so that nobody knows from
+which side. The backlash counts as its mean there, and half of it may be left until the axis moves again. A short motion of the axis before the cut,
+or --start, decides it.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be found.";
     TWO_DRIFTS = "W0402" "two models of the drift"
 "The file has [[drift]] (weighted temperatures) and [[segment]] (the structure as beams). Each describes the drift of the warm machine; where both do so
 for the same parts, twice as much is corrected. Both are right in one file only where one was fitted to what the other leaves.";
+    UNUSED_SENSOR = "W0403" "sensor that nothing uses"
+"[sensor.NAME] gives the reference temperature of a sensor that is in no [[drift]], [[expansion]] or [[segment]]. A misspelt name leaves the sensor that was
+meant at the reference temperature of the machine.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
 "The error model has sources that depend on temperatures, and no --state gives them. They count as if all sensors were at their
 reference temperature: no drift, no expansion.";
-    NO_LOAD = "W0502" "workpiece weight not given"
+    NO_LOAD = "W0502" "workpiece weight not given, or without effect"
 "The error model has effects of the weight on the table, and neither --load nor --state says what stands there. The table counts as
-empty.";
+empty. Or the other way round: a weight is given, and the machine file says nothing about its effects.";
     LOAD_TURNS = "W0503" "load off the center of a table that turns"
 "The effect of a weight depends on where it stands in the machine. A rotary axis under the table carries a load that is not on its line to other
 places; the effect is computed for the place that was given, whatever the position of the axis. That is right for a table that stands still while a

@@ -12,7 +12,7 @@ mod stops;
 mod words;
 
 pub use number::Decimals;
-pub use stamp::{Stamp, is_stamped, stamped_model};
+pub use stamp::{Stamp, is_stamped, stamped_model, stamped_state};
 
 use std::io::{self, Write};
 

@@ -10,6 +10,8 @@ pub struct Stamp {
     pub machine: String,
     /// First digits of the hash of the machine file, lower-case hexadecimal.
     pub model: String,
+    /// First digits of the hash of the state of the machine, where one was given.
+    pub state: Option<String>,
     /// First digits of the hash of the part program.
     pub source: String,
     /// Whether the machine is the one built in.
@@ -31,7 +33,7 @@ impl Stamp {
     pub fn text(&self) -> String {
         let machine = with_harmless(&self.machine, |c| c.is_ascii_graphic() && !"\"();".contains(c));
         let version = env!("CARGO_PKG_VERSION");
-        let (model, source) = (&self.model, &self.source);
+        let (model, source) = (self.model_and_state(), &self.source);
         let warning = if self.is_demo { " DEMO MACHINE: not for a real machine" } else { "" };
         format!("{MARK}{version} machine=\"{machine}\" model={model} source={source} {EPHEMERAL}: {ONLY}{warning}")
     }
@@ -41,10 +43,19 @@ impl Stamp {
     pub fn capital_text(&self) -> String {
         let machine = with_harmless(&self.machine, |c| c.is_ascii_alphanumeric() || ".,=_-".contains(c));
         let version = env!("CARGO_PKG_VERSION");
-        let (model, source) = (&self.model, &self.source);
+        let (model, source) = (self.model_and_state(), &self.source);
         let warning = if self.is_demo { " - DEMO MACHINE NOT FOR A REAL MACHINE" } else { "" };
         format!("{MARK}{version} machine={machine} model={model} source={source} {EPHEMERAL} - {ONLY}{warning}")
             .to_ascii_uppercase()
+    }
+}
+
+impl Stamp {
+    fn model_and_state(&self) -> String {
+        match &self.state {
+            Some(state) => format!("{} state={state}", self.model),
+            None => self.model.clone(),
+        }
     }
 }
 
@@ -71,11 +82,22 @@ pub fn is_stamped(bytes: &[u8]) -> bool {
 /// The hash of the model in a program's stamp; `None` without a stamp.
 #[must_use]
 pub fn stamped_model(bytes: &[u8]) -> Option<String> {
+    stamped(bytes, "model=")
+}
+
+/// The hash of the state of the machine in a program's stamp; `None` where it has none.
+#[must_use]
+pub fn stamped_state(bytes: &[u8]) -> Option<String> {
+    stamped(bytes, "state=")
+}
+
+fn stamped(bytes: &[u8], key: &str) -> Option<String> {
     if !is_stamped(bytes) {
         return None;
     }
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD_BYTES)]).to_ascii_lowercase();
-    let (_, rest) = head.split_once("model=")?;
+    let line = head.lines().find(|line| line.contains(EPHEMERAL))?;
+    let (_, rest) = line.split_once(key)?;
     Some(rest.chars().take_while(char::is_ascii_alphanumeric).collect())
 }
 
@@ -84,7 +106,13 @@ mod tests {
     use super::*;
 
     fn stamp() -> Stamp {
-        Stamp { machine: "mill".into(), model: "0123456789ab".into(), source: "ba9876543210".into(), is_demo: false }
+        Stamp {
+            machine: "mill".into(),
+            model: "0123456789ab".into(),
+            state: None,
+            source: "ba9876543210".into(),
+            is_demo: false,
+        }
     }
 
     #[test]
@@ -105,6 +133,18 @@ mod tests {
         ] {
             assert!(is_stamped(program.as_bytes()), "{program}");
         }
+    }
+
+    #[test]
+    fn a_state_is_in_the_stamp() {
+        let warm = Stamp { state: Some("00ff00ff00ff".into()), ..stamp() };
+        for text in [warm.text(), warm.capital_text()] {
+            let program = format!("; {text}\nG0 X0\n");
+            assert!(is_stamped(program.as_bytes()));
+            assert_eq!(stamped_model(program.as_bytes()).as_deref(), Some("0123456789ab"));
+            assert_eq!(stamped_state(program.as_bytes()).as_deref(), Some("00ff00ff00ff"));
+        }
+        assert_eq!(stamped_state(format!("; {}\n", stamp().text()).as_bytes()), None);
     }
 
     #[test]

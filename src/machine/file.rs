@@ -9,6 +9,7 @@ use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AXES, AXIS_COUNT, Axis, Plane, Vector};
 use crate::source::Source;
 
+use super::condition::file::PLAUSIBLE_C;
 use super::zero_offset::{check_name, read_zero_offsets};
 use super::{AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
 use super::{opaque, orientation, setting, strain};
@@ -84,7 +85,10 @@ fn read_sensors(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) ->
     let keys: Vec<&str> = section.keys().collect();
     for key in keys {
         if let Some(mut sensor) = section.section(key) {
-            let reference_c = sensor.required("reference_C", "20.4", Section::number);
+            let reference_c = sensor.required("reference_C", "20.4", |section, key| {
+                let [low, high] = PLAUSIBLE_C;
+                section.number_where(key, "a temperature from -30 to 150 °C", |value| (low..=high).contains(&value))
+            });
             references.extend(reference_c.map(|value| (key.to_owned(), value)));
             sensor.finish(findings);
         }

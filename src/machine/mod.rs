@@ -23,7 +23,7 @@ mod strain;
 mod zero_offset;
 
 pub use chain::{Branch, Topology, TopologyFault};
-pub use condition::{Condition, Load};
+pub use condition::{Condition, Load, ZeroPose};
 pub use contour_control::{CompensationCorner, CompensationStart};
 pub use grundig_control::{GrundigControl, ScaledAxes};
 pub use iso_control::{DecimalPoint, IsoControl, LengthAxis};

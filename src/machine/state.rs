@@ -1,6 +1,6 @@
 //! What changes while a machine runs and the error model may depend on.
 
-use crate::geometry::{AXIS_COUNT, Axis, AxisVector};
+use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
 
 /// The state of the machine at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,6 +14,19 @@ impl State {
     #[must_use]
     pub fn direction(&self, axis: Axis) -> i8 {
         self.direction[axis.slot()]
+    }
+
+    /// The same, for axes of which only those in `stated` were where `from` has them: in which sense the others came is unknown.
+    pub fn note_stated(&mut self, stated: AxisSet, from: &AxisVector, to: &AxisVector) {
+        self.note_motion(from, to);
+        for axis in AXES.into_iter().filter(|&axis| !stated.contains(axis) && from[axis] != to[axis]) {
+            self.direction[axis.slot()] = 0;
+        }
+    }
+
+    /// Forgets in which sense axes moved.
+    pub fn forget(&mut self, axes: AxisSet) {
+        axes.iter().for_each(|axis| self.direction[axis.slot()] = 0);
     }
 
     /// Notes a motion; axes that stand still keep the sense of their last motion.

@@ -5,10 +5,10 @@
 use crate::geometry::{AXIS_COUNT, Axis, AxisVector, Vector};
 use crate::machine::{Branch, Condition, Machine, State};
 
-use super::ErrorModel;
 use super::motion::{Function, MotionError};
 use super::name::{Carrier, DIRECTIONS, Direction, ErrorKind, ErrorName};
 use super::source::Effect;
+use super::{ErrorModel, Model};
 
 /// The errors of a machine in one condition.
 #[derive(Clone, Debug)]
@@ -25,7 +25,8 @@ pub struct Accumulator<'a> {
 impl<'a> Accumulator<'a> {
     /// The sum of the effects of a model that are `wanted`.
     ///
-    /// Drifting effects count from the condition in which the zero point was set, where that is known.
+    /// Drifting effects count from the condition in which the zero point was set, where that is known: all that they do, or, where the pose
+    /// is known too, what they did to the tip there.
     #[must_use]
     pub fn sum(
         machine: &'a Machine,
@@ -33,16 +34,32 @@ impl<'a> Accumulator<'a> {
         condition: &Condition,
         wanted: impl Fn(&dyn Effect) -> bool,
     ) -> Accumulator<'a> {
+        let mut sum = Accumulator::gathered(machine, errors, condition, &wanted);
+        let Some(zero) = condition.zero() else { return sum };
+        let drifts = |effect: &dyn Effect| wanted(effect) && effect.drifts();
+        if let Some(pose) = condition.zero_pose() {
+            // The zero offset took up where the tool was; what the drift does elsewhere, and to its direction, stays.
+            let then = Model::summed(&Accumulator::gathered(machine, errors, zero, &drifts));
+            let moved = then.deviation(&pose.command, &pose.tool_mm, &State::default());
+            sum.add_offset(&-moved.translation);
+        } else {
+            sum.sign = -1.0;
+            errors.effects().filter(|&effect| drifts(effect)).for_each(|effect| effect.contribute(zero, &mut sum));
+            sum.sign = 1.0;
+        }
+        sum
+    }
+
+    /// The sum in a condition, whatever was when the zero point was set.
+    fn gathered(
+        machine: &'a Machine,
+        errors: &ErrorModel,
+        condition: &Condition,
+        wanted: &dyn Fn(&dyn Effect) -> bool,
+    ) -> Accumulator<'a> {
         let mut sum =
             Accumulator { machine, location: [[0.0; 6]; AXIS_COUNT], spindle: [0.0; 6], motion: Vec::new(), sign: 1.0 };
-        for effect in errors.effects().filter(|&effect| wanted(effect)) {
-            effect.contribute(condition, &mut sum);
-            if let Some(zero) = condition.zero().filter(|_| effect.drifts()) {
-                sum.sign = -1.0;
-                effect.contribute(zero, &mut sum);
-                sum.sign = 1.0;
-            }
-        }
+        errors.effects().filter(|&effect| wanted(effect)).for_each(|effect| effect.contribute(condition, &mut sum));
         sum
     }
 

@@ -33,6 +33,21 @@ pub fn load(source: &Source) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>)
         let mut reading = Reading { root: &mut root, axes, machine: machine.as_ref(), findings: &mut findings };
         (source.read)(&mut reading, &mut errors);
     }
+    let used = errors.sensors();
+    let unused: Vec<String> = machine
+        .iter()
+        .flat_map(|machine| machine.sensor_references_c.keys())
+        .filter(|sensor| !used.contains(&sensor.as_str()))
+        .cloned()
+        .collect();
+    if let Some(first) = unused.first() {
+        let help = match nearest(first, used.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "take it out, or correct its name".into(),
+        };
+        let message = format!("no source of error uses the sensor {}", unused.join(", "));
+        root.report(Code::UNUSED_SENSOR, root.place_of_key("sensor"), message, help);
+    }
     if root.has("segment") && root.has("drift") {
         let message = "[[drift]] and [[segment]] both say how far the warm machine drifts, and add up";
         let help = "keep one of them, or give each what the other leaves out";

@@ -122,6 +122,8 @@ struct Step {
     tool_mm: Vector,
     /// Sense of motion before the move.
     state: State,
+    /// Axes that were stated before it.
+    stated: AxisSet,
     is_counted: bool,
     /// Whether it is marked as a further piece of the move above it.
     continues: bool,
@@ -133,7 +135,8 @@ impl Step {
     /// Sense of motion at a parameter.
     fn state_at(&self, parameter: f64) -> State {
         let mut state = self.state;
-        state.note_motion(&self.route.at(parameter - SENSE_STEP), &self.route.at(parameter + SENSE_STEP));
+        let [before, behind] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|place| self.route.at(place));
+        state.note_stated(self.stated, &before, &behind);
         state
     }
 
@@ -192,7 +195,9 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 self.continues = false;
                 self.on_the_spot = false;
             }
-            self.known = self.known.difference(lost_axes(&element, self.machine));
+            let lost = lost_axes(&element, self.machine);
+            self.known = self.known.difference(lost);
+            self.state.forget(lost);
             let motion = match element.kind {
                 Kind::Comment(text) => {
                     let text = text.strip_prefix(b";").or_else(|| text.strip_prefix(b"(")?.strip_suffix(b")"));
@@ -215,14 +220,15 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 rapid: motion.rapid,
                 tool_mm: self.tool_mm,
                 state: self.state,
+                stated: self.known,
                 is_counted: motion.named.difference(self.known).is_empty()
                     && self.ever_named.difference(motion.known).is_empty(),
                 continues: std::mem::take(&mut self.continues),
                 on_the_spot: std::mem::take(&mut self.on_the_spot),
             };
             if self.has_backlash {
-                self.state.note_motion(&step.route.at(0.0), &step.route.at(SENSE_STEP));
-                self.state.note_motion(&step.route.at(1.0 - SENSE_STEP), &motion.target);
+                self.state.note_stated(self.known, &step.route.at(0.0), &step.route.at(SENSE_STEP));
+                self.state.note_stated(self.known, &step.route.at(1.0 - SENSE_STEP), &motion.target);
             }
             self.position = motion.target;
             self.known = motion.known;

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
-use crate::geometry::AxisSet;
+use crate::geometry::{AxisSet, AxisVector};
 use crate::machine::Machine;
 use crate::model::Model;
 use crate::snc::{BlockNumber, Element, Kind, Manner, Move, Origin, Setup};
@@ -140,6 +140,8 @@ where
     fn forget(&mut self, axes: AxisSet) {
         self.standing.known = self.standing.known.difference(axes);
         self.standing.written = self.standing.written.difference(axes);
+        self.standing.state.forget(axes);
+        self.standing.nominal_state.forget(axes);
     }
 
     /// From here on coordinates mean something else; the machine stands where it stood.
@@ -170,6 +172,9 @@ where
         let standing = &mut self.standing;
         let starts_at_known = motion.named.difference(standing.known).is_empty();
         let is_placed = self.placing.difference(motion.known).is_empty();
+        let frame = &self.placer.setup.frame;
+        let is_parallel = self.placer.is_parallel();
+        standing.sensed = if is_parallel { standing.known } else { frame.known_across(standing.known, false) };
         standing.written = standing.written.intersection(motion.known);
         self.ever_named = self.ever_named.union(motion.named);
         let rapids = if motion.manner == Manner::Reference { Rapids::None } else { self.options.rapids };
@@ -302,7 +307,11 @@ where
         }
         self.write(active, &trial.end, Some(trial), to - from, is_last);
         if !self.sampler.backlash.is_empty() {
-            self.standing.nominal_state.note_motion(&active.route.at(from), &nominal);
+            let sensed = self.standing.sensed;
+            self.standing.nominal_state.note_stated(sensed, &active.route.at(from), &nominal);
+            if !active.motion.rapid {
+                self.check_sense(&active.origin, &nominal, trial);
+            }
         }
         if active.is_counted && self.prediction.wants(active.motion.rapid) {
             self.predict(active, trial);
@@ -320,6 +329,27 @@ where
         standing.is_doubtful = false;
         active.parameter = to;
         active.length = to - from;
+    }
+}
+
+impl<'a, I> Corrector<'a, I>
+where
+    I: Iterator<Item = Result<Element, Diagnostic>>,
+{
+    /// Points at an axis that cuts while nobody knows from which side it came to its place, if its backlash matters.
+    fn check_sense(&mut self, origin: &Origin, nominal: &AxisVector, trial: &Trial) {
+        let tool_mm = &self.placer.setup.tool_mm;
+        for axis in self.sampler.backlash.iter().filter(|&axis| trial.state.direction(axis) == 0) {
+            let [one, other] = [1, -1].map(|sense| {
+                let mut state = trial.state;
+                state.direction[axis.slot()] = sense;
+                self.placer.model.tip_error_mm(nominal, &trial.end.command, tool_mm, &state)
+            });
+            let half_mm = 0.5 * (one - other).norm();
+            if half_mm > self.options.tolerance_mm {
+                self.findings.sense_unknown(origin, axis, half_mm);
+            }
+        }
     }
 }
 

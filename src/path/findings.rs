@@ -26,11 +26,20 @@ pub(super) struct Findings<'a> {
     reported: HashSet<(FileId, u32, Code)>,
     new: Vec<Diagnostic>,
     tolerance_was_missed: bool,
+    /// Axes whose sense was pointed at.
+    unsensed: AxisSet,
 }
 
 impl<'a> Findings<'a> {
     pub(super) fn new(machine: &'a Machine, max_correction_mm: f64) -> Findings<'a> {
-        Findings { machine, max_correction_mm, reported: HashSet::new(), new: Vec::new(), tolerance_was_missed: false }
+        Findings {
+            machine,
+            max_correction_mm,
+            reported: HashSet::new(),
+            new: Vec::new(),
+            tolerance_was_missed: false,
+            unsensed: AxisSet::EMPTY,
+        }
     }
 
     /// Takes the findings that have come up.
@@ -135,6 +144,20 @@ impl<'a> Findings<'a> {
             let help = "allow a larger --tolerance, or a finer control.increment_mm";
             self.report(origin, Code::TOLERANCE_NOT_REACHED, message, help.into());
         }
+    }
+
+    /// Says once for each axis that nobody knows from which side it came to its place.
+    pub(super) fn sense_unknown(&mut self, origin: &Origin, axis: Axis, half_mm: f64) {
+        if self.unsensed.contains(axis) {
+            return;
+        }
+        self.unsensed.insert(axis);
+        let message = format!(
+            "from which side {axis} came to where it cuts here is unknown: its backlash leaves up to {}",
+            micrometers(half_mm)
+        );
+        let help = format!("let the program move {axis} once more before it cuts, or give --start");
+        self.report(origin, Code::SENSE_UNKNOWN, message, help);
     }
 
     fn out_of_travel(&mut self, origin: &Origin, axis: Axis, position: f64, place: &str, (side, limit): (&str, f64)) {

@@ -42,8 +42,8 @@ impl Bench<'_, '_> {
             let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal[0]);
             let end = hold(place(&nominal[1], &correction), &start);
             let mut state = standing.state;
-            state.note_motion(&standing.command, &start);
-            state.note_motion(&start, &end.command);
+            state.note_stated(standing.sensed, &standing.command, &start);
+            state.note_stated(standing.sensed, &start, &end.command);
             let is_found = self.same_sense(&state, sense);
             ends = Some(Ends { take_up, start, end, state });
             if is_found {

@@ -35,6 +35,8 @@ pub(super) struct Standing {
     pub(super) written: AxisSet,
     /// Axes whose place is known.
     pub(super) known: AxisSet,
+    /// Axes of the machine whose place was known when the move began: in which sense the others move is not.
+    pub(super) sensed: AxisSet,
     /// Sense of motion of the emitted commands.
     pub(super) state: State,
     /// Sense of motion of the program.
@@ -101,7 +103,7 @@ impl Bench<'_, '_> {
     pub(super) fn rounded(&self, standing: &Standing) -> Trial {
         let end = self.placer.round(&self.route.end, self.known);
         let mut state = standing.state;
-        state.note_motion(&standing.command, &end.command);
+        state.note_stated(standing.sensed, &standing.command, &end.command);
         let emitted = Route::new(standing.command, end.command, None);
         self.trial([0.0, 1.0], Ends { take_up: None, start: standing.command, end, state }, emitted, None)
     }
@@ -114,7 +116,7 @@ impl Bench<'_, '_> {
             end.counts[axis.slot()] = standing.counts[axis.slot()];
         }
         let mut state = standing.state;
-        state.note_motion(&standing.command, &end.command);
+        state.note_stated(standing.sensed, &standing.command, &end.command);
         let emitted = Route::new(standing.command, end.command, None);
         self.trial([0.0, 1.0], Ends { take_up: None, start: standing.command, end, state }, emitted, None)
     }
@@ -218,7 +220,7 @@ impl Bench<'_, '_> {
         }
         let nominal_start = self.route.at(between[0]);
         let mut sense = standing.state;
-        sense.note_motion(&nominal_start, &nominal_end);
+        sense.note_stated(standing.sensed, &nominal_start, &nominal_end);
         let mut tries = 0;
         loop {
             let mut take_up = None;
@@ -237,8 +239,8 @@ impl Bench<'_, '_> {
             let end = place(&nominal_end, &sense, &correction);
             // What the machine will do: an axis that does not move keeps the sense that it has, not the one that was guessed.
             let mut state = standing.state;
-            state.note_motion(&standing.command, &start);
-            state.note_motion(&start, &end.command);
+            state.note_stated(standing.sensed, &standing.command, &start);
+            state.note_stated(standing.sensed, &start, &end.command);
             tries += 1;
             if self.same_sense(&state, &sense) {
                 return Ends { take_up, start, end, state };

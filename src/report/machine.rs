@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::geometry::AXES;
 use crate::machine::{AxisData, Machine};
-use crate::model::ErrorModel;
+use crate::model::{Effect, ErrorModel, SOURCES};
 
 /// The page: chain, axes, zero offsets, tools, error functions. Lengths in mm, angles in degrees.
 #[must_use]
@@ -65,7 +65,34 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
         }
     }
     line("");
-    line(&format!("errors      {} location, {} motion functions", errors.location.len(), errors.motion.len()));
+    line("source of error             what it has");
+    for &source in SOURCES {
+        let mut labels: Vec<String> =
+            errors.effects().filter(|effect| effect.source().name == source.name).map(Effect::label).collect();
+        if !labels.is_empty() {
+            let count = labels.len();
+            labels.sort_unstable();
+            labels.dedup();
+            line(&format!("{:<12}{:<34}{count:>3}: {}", source.name, source.title, labels.join(" ")));
+        }
+    }
+    if errors.effects().next().is_none() {
+        line("none");
+    }
+    let sensors = errors.sensors();
+    if !sensors.is_empty() {
+        line("");
+        line("sensor                      reference");
+        for sensor in sensors {
+            let reference_c =
+                machine.sensor_references_c.get(sensor).copied().unwrap_or(machine.reference_temperature_c);
+            line(&format!("{sensor:<28}{} °C", decimal(reference_c)));
+        }
+    }
+    if let Some(strain) = &machine.strain {
+        line("");
+        line(&format!("strain      a gauge along {}", strain.axis));
+    }
     out
 }
 

@@ -12,18 +12,22 @@ use crate::machine::{Load, State};
 /// The condition of the machine.
 #[derive(Clone, Debug, Default, Args)]
 pub(in crate::cli) struct StateChoice {
-    /// Temperatures and loads: a state file (TOML), or a log of them (CSV with t_s, T_NAME_C, load_N …)
+    /// Temperatures and loads: a state file (TOML), or a log of them (CSV with t_s, T_NAME_C, load_N …); several are laid over each other, the
+    /// last one wins
     #[arg(long, value_name = "FILE")]
-    pub(in crate::cli) state: Option<PathBuf>,
+    pub(in crate::cli) state: Vec<PathBuf>,
     /// The instant of the log, s; without it its last
     #[arg(long, value_name = "SECONDS", requires = "state", allow_hyphen_values = true)]
     pub(in crate::cli) time: Option<f64>,
     /// The instant of the log at which the zero point of the workpiece was set, s: drift counts from there
     #[arg(long, value_name = "SECONDS", requires = "state", allow_hyphen_values = true)]
     pub(in crate::cli) zero_time: Option<f64>,
+    /// Where the axes stood when the zero point was set (mm, deg): only what the drift did there ends with it
+    #[arg(long, value_name = "X..,Y..,Z..", value_parser = value::start, allow_hyphen_values = true, requires = "state")]
+    pub(in crate::cli) zero_at: Option<AxisVector>,
     /// Weight on the table in N, and where it stands from the center of the table in mm: 1700, 1700@0,0,-280; instead of those of
     /// --state
-    #[arg(long, value_name = "N[@X,Y,Z]", value_parser = value::load)]
+    #[arg(long, value_name = "N[@X,Y,Z]", value_parser = value::load, allow_hyphen_values = true)]
     pub(in crate::cli) load: Option<Load>,
 }
 

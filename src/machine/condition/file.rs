@@ -10,10 +10,16 @@
 //!
 //! [zero.temperature_C]         # temperatures when the zero point of the workpiece was set
 //! T_head = 24.0
+//!
+//! [zero.at]                    # optional: where that was, axis positions and tool; else all drift ended there, at every position
+//! X_mm = 300
+//! Z_mm = -120
+//! tool_mm = [0, 0, -95]
 //! ```
 
-use super::{Condition, Load};
+use super::{Condition, Load, ZeroPose};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::{AXES, AxisVector, Vector};
 use crate::machine::file::{MachineFile, Section};
 use crate::source::Source;
 
@@ -40,6 +46,9 @@ pub fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
         let mut zero = Condition::default();
         if let Some(temperatures) = section.required("temperature_C", "{ T_head = 21.5 }", Section::section) {
             read_temperatures(temperatures, &mut zero, &mut findings);
+        }
+        if let Some(at) = section.section("at") {
+            condition.set_zero_pose(read_pose(at, &mut findings));
         }
         section.finish(&mut findings);
         condition.set_zero(zero);
@@ -69,6 +78,19 @@ fn read_temperatures(mut section: Section<'_>, condition: &mut Condition, findin
     section.finish(findings);
 }
 
+/// `X_mm = 100`, `C_deg = 30`, `tool_mm = [0, 0, -120]`; what is left out is 0.
+fn read_pose(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> ZeroPose {
+    let mut pose = ZeroPose { command: AxisVector::ZERO, tool_mm: Vector::zeros() };
+    for axis in AXES {
+        let key = format!("{axis}_{}", if axis.is_rotary() { "deg" } else { "mm" });
+        let value = section.number(&key).unwrap_or(0.0);
+        pose.command[axis] = if axis.is_rotary() { value.to_radians() } else { value };
+    }
+    pose.tool_mm = section.vector("tool_mm").unwrap_or_default();
+    section.finish(findings);
+    pose
+}
+
 fn read_load(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<Load> {
     let force_n = section.required("force_N", "1700", |section, key| {
         section.number_where(key, "a weight in N that is not negative", |value| value >= 0.0)
@@ -86,7 +108,6 @@ fn read_load(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Vector;
     use crate::source::FileId;
 
     fn read(text: &str) -> (Option<Condition>, Vec<&'static str>) {

@@ -11,7 +11,7 @@ pub use trace::Trace;
 
 use std::collections::BTreeMap;
 
-use crate::geometry::Vector;
+use crate::geometry::{AxisVector, Vector};
 
 /// A weight on the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +34,16 @@ pub struct Condition {
     is_logged: bool,
     time_s: f64,
     zero: Option<Box<Condition>>,
+    zero_pose: Option<ZeroPose>,
+}
+
+/// Where the machine stood when the zero point of the workpiece was set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZeroPose {
+    /// Axis command, mm and rad.
+    pub command: AxisVector,
+    /// From the spindle gauge point to the tip, in F at the zero pose, mm.
+    pub tool_mm: Vector,
 }
 
 impl Condition {
@@ -91,9 +101,46 @@ impl Condition {
 
     /// Notes at which instant of the readings the zero point of the workpiece was set.
     pub fn set_zero_at(&mut self, time_s: f64) {
-        let mut zero = Condition { zero: None, ..self.clone() };
+        let mut zero = Condition { zero: None, zero_pose: None, ..self.clone() };
         zero.set_time(time_s);
         self.set_zero(zero);
+    }
+
+    /// Notes at which pose the zero point was set: only what the drift did to the tool there ends with it.
+    pub fn set_zero_pose(&mut self, pose: ZeroPose) {
+        self.zero_pose = Some(pose);
+    }
+
+    /// The pose at which the zero point was set, where it is known.
+    #[must_use]
+    pub fn zero_pose(&self) -> Option<&ZeroPose> {
+        self.zero_pose.as_ref()
+    }
+
+    /// First and last instant of the readings, s; `None` without readings.
+    #[must_use]
+    pub fn time_range_s(&self) -> Option<[f64; 2]> {
+        let of_traces =
+            self.sensors.values().flat_map(|trace| trace.points().first().into_iter().chain(trace.points().last()));
+        let times = of_traces.map(|&(time_s, _)| time_s).chain(self.load_log.iter().map(|&(time_s, _)| time_s));
+        times.fold(None, |range: Option<[f64; 2]>, time_s| {
+            let [first, last] = range.unwrap_or([time_s, time_s]);
+            Some([first.min(time_s), last.max(time_s)])
+        })
+    }
+
+    /// Lays another condition over this one: its sensors, its loads if it has any, its zero point if it has one, its instant.
+    pub fn lay_over(&mut self, other: Condition) {
+        let has_loads = !other.loads.is_empty() || !other.load_log.is_empty();
+        self.sensors.extend(other.sensors);
+        if has_loads {
+            self.loads = other.loads;
+            self.load_log = other.load_log;
+            self.is_logged = other.is_logged;
+        }
+        self.zero = other.zero.or(self.zero.take());
+        self.zero_pose = other.zero_pose.or(self.zero_pose.take());
+        self.set_time(self.time_s.max(other.time_s));
     }
 
     /// The instant, s.

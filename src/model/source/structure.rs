@@ -295,6 +295,10 @@ fn read_segment(section: &mut Section<'_>, reading: &Reading<'_, '_>) -> Option<
         );
     }
     let slide_mm = match along {
+        None if at_mm.is_some() => {
+            let message = "at_mm says where an axis slides along the segment, and along names none";
+            return refuse(section, "at_mm", message, "name the axis in along");
+        }
         None => None,
         Some(text) => {
             let slides = carrier(section, "along", text, reading)?;
