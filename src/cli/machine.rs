@@ -43,7 +43,7 @@ fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
     }
     if let (Some(chosen), Some(at)) = (&chosen, arguments.at) {
         check_pose(chosen, &at)?;
-    } else if !arguments.state.state.is_empty() || arguments.state.load.is_some() {
+    } else if arguments.at.is_none() && (!arguments.state.state.is_empty() || arguments.state.load.is_some()) {
         return Err(Stop::Usage("--state and --load say something at a pose only: give --at".into()));
     }
     let shares = chosen.as_ref().zip(arguments.at).map(|(chosen, at)| shares(chosen, at, arguments));

@@ -5,7 +5,7 @@ use crate::machine::State;
 
 use super::place::Placed;
 use super::route::distance_mm;
-use super::trial::{Bench, Ends, SAME_PLACE_MM, Standing};
+use super::trial::{Bench, Ends, SAME_PLACE_MM, SAMPLED_SHARE, Standing};
 
 impl Bench<'_, '_> {
     /// The ends where an axis that the program does not move is asked to go one way by the errors of the other: it stays through the piece,
@@ -32,7 +32,7 @@ impl Bench<'_, '_> {
             let mut take_up = None;
             if self.takes_up
                 && (standing.is_doubtful || !self.same_sense(sense, &standing.state))
-                && self.placer.tip_error_mm(&nominal[0], &standing.command, sense) > self.tolerance_mm
+                && self.placer.tip_error_mm(&nominal[0], &standing.command, sense) > SAMPLED_SHARE * self.tolerance_mm
             {
                 let free = place(&nominal[0], &standing.correction);
                 let start = if moves { free } else { hold(free, &standing.command) };

@@ -11,7 +11,7 @@ use super::route::{Route, distance_mm};
 use super::{PieceArc, Turns, arc_fit};
 
 /// Share of the tolerance that the samples may use; the rest is for what lies between them.
-const SAMPLED_SHARE: f64 = 0.97;
+pub(super) const SAMPLED_SHARE: f64 = 0.97;
 /// What a bend may add where rounding alone exceeds the tolerance, as a share of it.
 const BEND_SHARE: f64 = 0.1;
 /// Share of the control's tolerance for arc centers that is used, so that its own arithmetic agrees.
@@ -227,7 +227,8 @@ impl Bench<'_, '_> {
             let turns = !self.same_sense(&sense, &standing.state);
             if self.takes_up
                 && (standing.is_doubtful || turns)
-                && self.placer.tip_error_mm(&nominal_start, &standing.command, &sense) > self.tolerance_mm
+                && self.placer.tip_error_mm(&nominal_start, &standing.command, &sense)
+                    > SAMPLED_SHARE * self.tolerance_mm
             {
                 let start = place(&nominal_start, &sense, &standing.correction);
                 if distance_mm(&start.command, &standing.command) > SAME_PLACE_MM {
