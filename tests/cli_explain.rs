@@ -38,3 +38,17 @@ fn help_names_examples_and_exit_statuses() {
 fn nothing_at_all_is_wrong_usage() {
     Shop::new().run([""; 0]).exits(2);
 }
+
+#[test]
+fn the_help_of_every_command_has_examples() {
+    let shop = Shop::new();
+    let all = shop.run(["--help"]).exits(0).stdout;
+    let commands = all.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1);
+    let commands: Vec<&str> =
+        commands.take_while(|line| !line.is_empty()).filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(commands.len() > 8, "{commands:?}");
+    for command in commands.into_iter().filter(|command| *command != "help") {
+        let help = shop.run([command, "--help"]).exits(0).stdout;
+        assert!(help.contains("Examples:"), "{command}\n{help}");
+    }
+}

@@ -219,3 +219,26 @@ fn a_weight_may_be_laid_over_temperatures() {
     assert_eq!(both, sum(&["--state", "warm.toml", "--load", "1700@0,0,-280"]));
     assert_ne!(both, sum(&["--state", "warm.toml", "--load", "0"]));
 }
+
+#[test]
+fn readings_are_corrected_for_the_time_at_which_they_were_taken() {
+    let machine = "[machine]\nname = \"m\"\ntopology = \"wFXYZSt\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 500]\n\
+        [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 300]\n\
+        [[drift]]\ndirection = \"X\"\nsensors = [{ name = \"T_a\", um_per_K = 1 }]\n";
+    let shop = Shop::new()
+        .file("m.toml", machine)
+        .file("log.csv", "t_s,T_a_C\n0,20\n100,30\n")
+        .file("d.csv", "t_s,X,Y,Z\n0,100,0,0\n50,100,0,0\n100,100,0,0\n")
+        .file("late.csv", "t_s,X,Y,Z\n0,100,0,0\n500,100,0,0\n");
+    let run = |data: &str| shop.run(["measured", data, "-o", "out.csv", "--machine", "m.toml", "--state", "log.csv"]);
+    run("d.csv").exits(0);
+    // The tool is 0, 5 and 10 µm ahead of what was read.
+    let rows: Vec<f64> =
+        shop.text("out.csv").lines().skip(1).map(|line| line.split(',').nth(1).unwrap().parse().unwrap()).collect();
+    for (row, wanted) in rows.iter().zip([100.0, 100.005, 100.01]) {
+        assert!((row - wanted).abs() < 1e-7, "{rows:?}");
+    }
+    let late = run("late.csv");
+    assert_ne!(late.code, 0);
+    late.says("late.csv:3:1").says("outside the log");
+}

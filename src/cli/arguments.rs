@@ -1,5 +1,6 @@
 //! The command line: commands, options and their help.
 
+mod examples;
 mod load;
 mod machine;
 mod measured;
@@ -94,10 +95,13 @@ pub(super) enum Command {
     #[command(after_help = AFTER_HELP)]
     Fix(FixArguments),
     /// Parse and execute a program, report what was found, write nothing
+    #[command(after_help = examples::CHECK)]
     Check(CheckArguments),
     /// Print the flat stream of moves that a program makes (SNC)
+    #[command(after_help = examples::SNC)]
     Snc(SncArguments),
     /// Compare the errors of an original and a corrected program on the error model
+    #[command(after_help = examples::VERIFY)]
     Verify(VerifyArguments),
     /// Subtract the corrections from positions that were read on the machine (measurement mode)
     #[command(after_help = measured::AFTER_HELP)]
@@ -109,9 +113,10 @@ pub(super) enum Command {
     #[command(after_help = load::AFTER_HELP)]
     Load(LoadArguments),
     /// Check or show a machine file
-    #[command(subcommand)]
+    #[command(subcommand, after_help = examples::MACHINE)]
     Machine(MachineCommand),
     /// Explain a finding code such as E0203
+    #[command(after_help = examples::EXPLAIN)]
     Explain(ExplainArguments),
 }
 

@@ -10,8 +10,9 @@ use super::progress::Progress;
 use super::state;
 use super::stop::Stop;
 use super::{input, tell};
-use crate::csv::{Row, Table, number_text};
+use crate::csv::{DecimalSign, Row, Table, number_text};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::machine::Condition;
 use crate::measure::mode;
 use crate::measure::reading::{Reading, Readings};
 use crate::model::{Model, NotConverged, Solve};
@@ -79,7 +80,8 @@ struct Job<'a> {
 impl Job<'_> {
     /// Writes the copy. Behind the first error it is of no use, but all findings are gathered.
     fn write(&self, mut readings: Readings, spool: &mut Spool, findings: &mut Findings) -> Result<Measured, Stop> {
-        let model = self.chosen.model();
+        let mut model = self.chosen.model();
+        let mut clock = Clock::new(self.table, self.chosen);
         let solve = match self.arguments.rotary {
             RotaryChoice::Correct => Solve::Full,
             RotaryChoice::Hold => Solve::PositionOnly,
@@ -96,6 +98,14 @@ impl Job<'_> {
         let count = self.table.row_count().max(1) as f64;
         for (index, row) in self.table.rows().enumerate() {
             progress.share("rows", index as f64 / count);
+            match clock.model_at(&row, readings.sign()) {
+                Ok(Some(then)) => model = then,
+                Ok(None) => {}
+                Err(finding) => {
+                    findings.extend(vec![finding], std::slice::from_ref(self.source));
+                    continue;
+                }
+            }
             let found = match readings.read(&row) {
                 Ok(reading) => match mode::nominal(&model, &reading, solve) {
                     Ok(nominal) => {
@@ -115,6 +125,38 @@ impl Job<'_> {
         }
         let fault = fault.or(copy.finish().err());
         fault.map_or(Ok(report), |error| Err(spool.fault(&error)))
+    }
+}
+
+/// The condition of the machine when each row was read, where the rows have times and the state is a log.
+struct Clock<'a> {
+    chosen: &'a Chosen,
+    condition: Condition,
+    column: Option<usize>,
+}
+
+impl<'a> Clock<'a> {
+    fn new(table: &Table, chosen: &'a Chosen) -> Clock<'a> {
+        let is_log = chosen.condition.time_range_s().is_some_and(|[first, last]| first < last);
+        let column = table.column("t_s").filter(|_| is_log);
+        Clock { chosen, condition: chosen.condition.clone(), column }
+    }
+
+    /// The model of another instant than that of the row before; `None` where it is the same.
+    fn model_at(&mut self, row: &Row, sign: DecimalSign) -> Result<Option<Model>, Diagnostic> {
+        let Some(column) = self.column else { return Ok(None) };
+        let time_s = row.number(column, sign)?;
+        let [first, last] = self.condition.time_range_s().unwrap_or_default();
+        if !(first..=last).contains(&time_s) {
+            let message = format!("{time_s} s lies outside the log of the state, which runs from {first} to {last} s");
+            let help = "give a log that covers the readings, or rename the column if it is another time";
+            return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), message, help));
+        }
+        if time_s == self.condition.time_s() {
+            return Ok(None);
+        }
+        self.condition.set_time(time_s);
+        Ok(Some(Model::at(&self.chosen.machine, &self.chosen.errors, &self.condition)))
     }
 }
 

@@ -145,7 +145,9 @@ impl StepReport {
         match (self.answer, self.largest_step_mm) {
             (Some("up_to"), Some(step)) => format!("{} mm for {limit}", rounded_down(step)),
             (Some("any"), _) if self.lines == 0 => "any: there is no straight move with feed to cut".into(),
-            (Some("any"), _) if self.residual_um == 0.0 => "any: the error model is zero".into(),
+            (Some("any"), _) if self.residual_um == 0.0 => {
+                "any: no line bends (errors that are constant, or depend on the sense of motion only, bend none)".into()
+            }
             (Some("any"), _) => format!("any: in one piece every line stays within {limit}"),
             _ => {
                 let smallest = self.steps.first().map_or(0.0, |row| row.step_mm);

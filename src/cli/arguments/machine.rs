@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::MachineChoice;
+use super::{MachineChoice, examples};
 use crate::cli::value;
 use crate::geometry::AxisVector;
 use crate::machine::{Load, State};
@@ -35,10 +35,13 @@ pub(in crate::cli) struct StateChoice {
 #[derive(Clone, Debug, Subcommand)]
 pub(in crate::cli) enum MachineCommand {
     /// Report every fault of a machine file
+    #[command(after_help = examples::MACHINE)]
     Check(MachineArguments),
     /// Show the machine that a file describes, or with --at its errors at a pose, source by source
+    #[command(after_help = examples::SHOW)]
     Show(Box<ShowArguments>),
     /// List the choices of parameters for an error model, or show one of them with its values in a machine file
+    #[command(after_help = examples::PRESETS)]
     Presets(PresetArguments),
 }
 
