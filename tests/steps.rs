@@ -200,7 +200,7 @@ fn a_program_is_judged_by_its_own_moves() {
 fn what_cannot_be_looked_at_is_said() {
     let shop = Shop::new().file("m.toml", file("", "")).file("bad.mpf", "N10 G0 X\n");
     let run = shop.run(["steps", "--machine", "m.toml", "--svg", "s.svg"]).exits(0);
-    assert!(run.stdout.contains("any: the error model is zero"), "{}", run.stdout);
+    assert!(run.stdout.contains("any: no line bends"), "{}", run.stdout);
     assert!(shop.text("s.svg").contains("no residual at any step"));
     shop.run(["steps", "bad.mpf", "--machine", "m.toml"]).exits(3).says("bad.mpf:1:8");
     shop.run(["steps", "none.mpf", "--machine", "m.toml"]).exits(2).says("cannot read none.mpf");

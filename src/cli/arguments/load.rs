@@ -14,7 +14,7 @@ STRAIN.csv has a line of column names: the letter of the axis that was moved (X;
 there is t_s. Measure every position twice, so that a reading disturbed by a pulse of lubricant is found. Uncertainties are standard \
 uncertainties.
 
-Example:
+Examples:
   ncfix load strain.csv --machine mill.toml -o state.toml";
 
 /// `ncfix load`.

@@ -13,7 +13,7 @@ become those that a machine without errors would have read there. tool_x_mm, too
 (-1, 0, 1: sense of the last motion; else it follows from the order of the rows within a run) are used; they and all other columns are passed \
 through.
 
-Example:
+Examples:
   ncfix measured probing.csv -o probing_corrected.csv --machine mill.toml";
 
 /// `ncfix measured`.
