@@ -242,3 +242,30 @@ fn readings_are_corrected_for_the_time_at_which_they_were_taken() {
     assert_ne!(late.code, 0);
     late.says("late.csv:3:1").says("outside the log");
 }
+
+#[test]
+fn loads_and_deviations_beyond_all_machines_are_refused() {
+    let shop = shop().file("empty.csv", "").file("heavy.toml", "[[load]]\nforce_N = 1e9\n");
+    for load in ["1e308@1e308,0,1e308", "1e8", "5@0,0,1e9"] {
+        fix(&shop, &["--load", load]).exits(2).says("no machine tool");
+    }
+    let run = fix(&shop, &["--state", "heavy.toml"]);
+    assert_ne!(run.code, 0);
+    run.says("heavy.toml:1:1");
+    // A log that was cut off before its first line is no state.
+    assert_ne!(fix(&shop, &["--load", "0", "--state", "empty.csv"]).code, 0);
+    let maho = shop.text("maho.toml");
+    for (from, to) in [
+        ("um_per_K = 3.6", "um_per_K = 1e308"),
+        ("um_per_m_K = 8.0", "um_per_m_K = 1e308"),
+        ("value_urad = -150", "value_urad = -1e308"),
+    ] {
+        let text = maho.replacen(from, to, 1);
+        assert_ne!(text, maho);
+        let shop = Shop::new().file("m.toml", text);
+        shop.run(["machine", "check", "m.toml"]).exits(4).says("E0404");
+    }
+    let periodic = "[[motion]]\ncomponent = \"EXX\"\nkind = \"periodic\"\nperiod_mm = 1e-300\namplitude_um = 1\n";
+    let shop = Shop::new().file("m.toml", format!("{maho}\n{periodic}"));
+    shop.run(["machine", "check", "m.toml"]).exits(4).says("too short");
+}

@@ -10,7 +10,7 @@ use crate::geometry::{Axis, Vector};
 use crate::machine::condition::{file, log};
 use crate::machine::{Condition, Load, Machine, ZeroPose};
 use crate::model::Effect;
-use crate::source::{FileId, Source};
+use crate::source::FileId;
 
 /// Reads the condition into the machine; whether it can be used.
 ///
@@ -22,8 +22,10 @@ pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Fi
     let mut is_logged = false;
     for path in &choice.state {
         let source = input::read(path, FileId(0))?;
-        is_logged |= log::is_log(&source);
-        let (read, found) = load(&source);
+        let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+        let is_log = is_table || log::is_log(&source);
+        is_logged |= is_log;
+        let (read, found) = if is_log { log::load(&source) } else { file::load(&source) };
         findings.extend(found, std::slice::from_ref(&source));
         let Some(read) = read else { return Ok(false) };
         condition.lay_over(read);
@@ -48,10 +50,6 @@ pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Fi
     let is_sound = check(choice, chosen, &condition, findings);
     chosen.condition = condition;
     Ok(is_sound)
-}
-
-fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
-    if log::is_log(source) { log::load(source) } else { file::load(source) }
 }
 
 /// Moves to the instants that were asked for, which must lie in the log.

@@ -84,7 +84,8 @@ pub(super) fn load(text: &str) -> Result<Load, String> {
         Some(Some(place)) if place.len() == 3 => Vector::new(place[0], place[1], place[2]),
         Some(_) => return Err(wrong()),
     };
-    Ok(Load { force_n, position_mm })
+    let load = Load { force_n, position_mm };
+    if load.is_plausible() { Ok(load) } else { Err(format!("'{text}': no machine tool carries this load")) }
 }
 
 /// `X+,Y-`.

@@ -101,8 +101,14 @@ fn read_load(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option
         let place = section.place_of_key("mass_kg");
         section.report(Code::WRONG_UNIT, place, "mass_kg: a load is a weight", "write force_N, 9.81 N for each kg");
     }
+    let load = force_n.map(|force_n| Load { force_n, position_mm });
+    if load.is_some_and(|load| !load.is_plausible()) {
+        let place = section.place();
+        let help = "give newtons and mm from the center of the table: at most 10000000 N, at most 100000 mm away";
+        section.report(Code::BAD_VALUE, place, "no machine tool carries this load", help);
+    }
     section.finish(findings);
-    Some(Load { force_n: force_n?, position_mm })
+    load
 }
 
 #[cfg(test)]

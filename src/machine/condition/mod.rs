@@ -13,6 +13,11 @@ use std::collections::BTreeMap;
 
 use crate::geometry::{AxisVector, Vector};
 
+/// No workpiece on a machine tool weighs more, N: 1000 t. A greater value is in another unit.
+pub const MOST_FORCE_N: f64 = 1e7;
+/// None stands farther from the center of the table, mm.
+pub const FARTHEST_MM: f64 = 1e5;
+
 /// A weight on the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
@@ -35,6 +40,14 @@ pub struct Condition {
     time_s: f64,
     zero: Option<Box<Condition>>,
     zero_pose: Option<ZeroPose>,
+}
+
+impl Load {
+    /// Whether it is one that may stand on a machine tool.
+    #[must_use]
+    pub fn is_plausible(&self) -> bool {
+        (0.0..=MOST_FORCE_N).contains(&self.force_n) && self.position_mm.iter().all(|mm| mm.abs() <= FARTHEST_MM)
+    }
 }
 
 /// Where the machine stood when the zero point of the workpiece was set.

@@ -18,6 +18,9 @@ pub(super) fn position_key_of(stem: &str, axis: Option<Axis>) -> String {
     format!("{stem}_{}", if is_rotary(axis) { "deg" } else { "mm" })
 }
 
+/// Greater deviations are in another unit, µm or µrad.
+const MOST_DEVIATION: f64 = 1e6;
+
 /// An entry whose component is known.
 #[derive(Debug)]
 pub struct Entry<'a> {
@@ -58,7 +61,10 @@ impl Entry<'_> {
     pub(in crate::model) fn deviation(&mut self, stem: &str) -> Option<f64> {
         let key = self.deviation_key(stem);
         self.check_deviation_unit(stem, &key)?;
-        Some(self.section.required(&key, "6.0", Section::number)? * self.deviation_factor())
+        let value = self.section.required(&key, "6.0", |section, key| {
+            section.number_where(key, "a deviation of less than a meter", |value| value.abs() <= MOST_DEVIATION)
+        })?;
+        Some(value * self.deviation_factor())
     }
 
     /// Deviations, mm or rad.
@@ -66,6 +72,12 @@ impl Entry<'_> {
         let key = self.deviation_key(stem);
         self.check_deviation_unit(stem, &key)?;
         let values = self.section.required(&key, "[0, 4, -1]", Section::numbers)?;
+        if let Some(index) = values.iter().position(|value| value.abs() > MOST_DEVIATION) {
+            let place = self.section.place_of_item(&key, index);
+            let help = format!("check the unit: {key}");
+            self.section.report(Code::BAD_VALUE, place, "a deviation of more than a meter", help);
+            return None;
+        }
         Some(values.into_iter().map(|value| value * self.deviation_factor()).collect())
     }
 

@@ -6,6 +6,10 @@
 use std::f64::consts::TAU;
 
 use super::{Entry, Function};
+use crate::diagnostic::Code;
+
+/// Shorter periods are no errors of position that blocks of a program could follow, mm or rad: a tenth of the shortest pitch of a scale.
+const SHORTEST: f64 = 1e-3;
 
 /// A sine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +37,13 @@ pub(super) const EXAMPLE: &str = "component = \"EXX\"\nkind = \"periodic\"\n\
 /// Reads `period_mm` or `period_deg`, `amplitude_um` or `amplitude_urad`, and the optional `phase_deg`.
 pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
     let period = entry.length("period");
+    if period.is_some_and(|period| period < SHORTEST) {
+        let key = entry.position_key("period");
+        let place = entry.section.place_of(&key);
+        let help = "leave it out, or give the period of the screw, the gear or the scale";
+        entry.section.report(Code::BAD_VALUE, place, format!("{key} is too short for a correction to follow it"), help);
+        return None;
+    }
     let amplitude = entry.deviation("amplitude");
     let phase_rad = entry.section.number("phase_deg").map_or(0.0, f64::to_radians);
     Some(Function::Periodic(Periodic { period: period?, amplitude: amplitude?, phase_rad }))

@@ -304,7 +304,9 @@ fn read_terms(section: &mut Section<'_>) -> Option<Vec<Term>> {
 
 fn read_term(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<Term> {
     let sensor = section.required("name", "\"T_head\"", Section::text);
-    let um_per_k = section.required("um_per_K", "3.1", Section::number);
+    let um_per_k = section.required("um_per_K", "3.1", |section, key| {
+        section.number_where(key, "a number from -10000 to 10000", |value| value.abs() <= 1e4)
+    });
     let lag_s = section.number_where("lag_s", "a time in s that is not negative", |lag_s| lag_s >= 0.0);
     section.finish(findings);
     Some(Term { sensor: sensor?.to_owned(), mm_per_k: mm_from_um(um_per_k?), lag_s: lag_s.unwrap_or(0.0) })

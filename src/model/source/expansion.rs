@@ -169,7 +169,9 @@ fn read_body(
     fixed_mm: Option<f64>,
     findings: &mut Vec<Diagnostic>,
 ) -> Option<Expansion> {
-    let um_per_m_k = section.required("um_per_m_K", "11.5", Section::number);
+    let um_per_m_k = section.required("um_per_m_K", "11.5", |section, key| {
+        section.number_where(key, "a coefficient from -1000 to 1000 µm/(m K)", |value| value.abs() <= 1e3)
+    });
     let fixed_mm = if fixed_mm.is_none() || section.has("fixed_mm") {
         section.required("fixed_mm", "350", Section::number)
     } else {

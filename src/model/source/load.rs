@@ -162,6 +162,8 @@ impl LoadEffect {
         let place = |along: usize| load.position_mm.get(along).copied().unwrap_or_default();
         let factor = match self.lean {
             Lean::None => 1.0,
+            // An arm that is varied down to 0 has no meaning, and would spoil the sum of all sources.
+            Lean::Arm { arm_mm: 0.0, .. } | Lean::Moment { at_mm: 0.0, .. } => 0.0,
             Lean::Arm { along, arm_mm } => (arm_mm - place(along)) / arm_mm,
             Lean::Moment { along, at_mm } => place(along) / at_mm,
         };
@@ -180,8 +182,7 @@ impl Effect for LoadEffect {
 
     fn contribute(&self, condition: &Condition, sum: &mut Accumulator<'_>) {
         let share: f64 = condition.loads().iter().map(|load| self.share(load)).sum();
-        // An arm that is varied down to 0 has no meaning, and NaN would spoil the sum of all sources.
-        if !share.is_finite() || share == 0.0 {
+        if share == 0.0 {
             return;
         }
         match &self.amount {

@@ -246,7 +246,9 @@ fn read_segment(section: &mut Section<'_>, reading: &Reading<'_, '_>) -> Option<
     let along = section.text("along");
     let from_mm = section.required("from_mm", "[0, 0, 0]", Section::vector);
     let to_mm = section.required("to_mm", "[0, 0, 600]", Section::vector);
-    let expansion = section.required("um_per_m_K", "11.0", Section::number);
+    let expansion = section.required("um_per_m_K", "11.0", |section, key| {
+        section.number_where(key, "a coefficient from -1000 to 1000 µm/(m K)", |value| value.abs() <= 1e3)
+    });
     let across = section.vector("across");
     let positive = |section: &mut Section<'_>, key: &str| section.number_where(key, "a length above 0", |mm| mm > 0.0);
     let [across_mm, wide_mm] = ["across_mm", "wide_mm"].map(|key| positive(section, key));
