@@ -32,7 +32,9 @@
 //! | [`snc`] | elements of the flat stream, their text form, provenance | dialects, the model |
 //! | [`exec`] | one executor per family of languages (modal state, variables, flow, frames, cycles) over one outlet (contours, transformation) → SNC | the error model |
 //! | [`model`] | error functions, forward kinematics with errors, the inverse | programs, instruments |
-//! | [`measure`] | readings in tables of measured data, measurement mode, what load made a strain | programs |
+//! | [`measure`] | measurements of all kinds, measurement mode, what load made a strain | programs |
+//! | [`numeric`] | least squares, statistics: plain arithmetic | machine tools |
+//! | [`calibrate`] | fit of parameters and set-up unknowns, what the data cannot tell, quality | causes |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
 //! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
@@ -63,6 +65,7 @@
 //! `EXX` positioning of X, `EYX` its straightness, `EAX` its roll, `EC0Y` the squareness of Y about Z. An error is the deviation of
 //! the moving body, also on the workpiece side; a correction is what is added to a command.
 
+pub mod calibrate;
 pub mod cli;
 pub mod csv;
 pub mod diagnostic;
@@ -73,6 +76,7 @@ pub mod geometry;
 pub mod machine;
 pub mod measure;
 pub mod model;
+pub mod numeric;
 pub mod path;
 pub mod report;
 pub mod snc;

@@ -77,6 +77,12 @@ impl Table {
         cells.map(|cells| Row { table: self, cells })
     }
 
+    /// The line of a place in the table, from 1.
+    #[must_use]
+    pub fn line_of(&self, place: Place) -> usize {
+        self.source.line_column(place.span.start).0
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn row_count(&self) -> usize {
@@ -130,6 +136,18 @@ impl<'a> Row<'a> {
     #[must_use]
     pub fn text(&self, column: usize) -> &'a [u8] {
         self.cells.get(column).map_or(&[], |&span| self.table.source.slice(span))
+    }
+
+    /// The column of a name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.table.column(name)
+    }
+
+    /// The header of the table.
+    #[must_use]
+    pub fn header_place(&self) -> Place {
+        self.table.header_place(None)
     }
 
     /// Where the content of a cell stands.

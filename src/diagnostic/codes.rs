@@ -300,6 +300,9 @@ needs t_s and at least one temperature (T_head_C for the sensor T_head) or load_
 unit, no separators of thousands. Cells must not be empty. The sense of motion (X_dir …) is -1, 0 or 1, or empty.
 In a log temperatures and loads may be empty; temperatures are -30 to 150 °C, a weight is not negative, the time does not go back.";
 
+    DATA_REPEATED = "E0605" "reading given twice"
+"Two rows of a measurement are the same to the last digit. A repetition differs by the noise of the instrument; a copied row would count twice and make
+the result look more certain than it is.";
     LOAD_NOT_TOLD = "E0604" "strain readings that tell no load"
 "ncfix load weighs a workpiece by the change of a strain along an axis. The readings must lie where [strain] of the machine file knows the
 gauge, at enough positions to tell the weight from the offset (and the drift, where there is a column t_s) of each run, and there must be more

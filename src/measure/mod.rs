@@ -1,8 +1,11 @@
 //! What was measured on the machine: the positions and readings in tables of data.
 //!
-//! [`reading`] finds axis positions, tool vectors and senses of motion in the columns of a table ([`crate::csv`]), [`mode`] takes the corrections out of positions that were read (measurement mode). [`strain`] finds readings of a strain gauge,
-//! [`weighing`] what load made them.
+//! [`reading`] finds axis positions, tool vectors and senses of motion in the columns of a table ([`crate::csv`]), [`data`] reads a
+//! measurement with its description, [`kind`] has one file per kind of measurement: what it reads and what a reading should be. [`mode`] takes the
+//! corrections out of positions that were read (measurement mode). [`strain`] finds readings of a strain gauge, [`weighing`] what load made them.
 
+pub mod data;
+pub mod kind;
 pub mod mode;
 pub mod reading;
 pub mod strain;

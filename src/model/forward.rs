@@ -128,7 +128,8 @@ impl Model {
     }
 
     /// Directions of the nominal tool frame in F, as columns.
-    fn tool_orientation(&self, command: &AxisVector) -> Matrix {
+    #[must_use]
+    pub fn tool_orientation(&self, command: &AxisVector) -> Matrix {
         let mut pose = Pose::parallel_at(Vector::zeros());
         self.tool_side.iter().for_each(|link| link.carry(&mut pose, command, None));
         pose.rotation

@@ -1,0 +1,16 @@
+//! Calibration: from measured data to the parameters of the error model.
+//!
+//! [`fit`] finds the parameters and the unknowns of all set-ups in one step of Gauss–Newton after another on the full kinematics, with rows
+//! that do not fit weighted down, and refuses where the data cannot tell the parameters apart: [`Fault::NotTold`] says in [`words`] which. What
+//! comes out has uncertainties, and [`quality`] holds it against the data, also against data that it has not seen.
+
+mod column;
+mod design;
+mod fit;
+mod quality;
+mod robust;
+pub mod words;
+
+pub use column::Column;
+pub use fit::{Estimate, Fault, Fit, Options, fit};
+pub use quality::{Quality, quality};

@@ -1,0 +1,74 @@
+//! Ball-bar: change of the distance between a ball in the spindle and one on the table (ISO 230-4).
+//!
+//! dr = |tip − c| − L, with the place c of the table ball and the length L from the description of the set-up; both may be unknown besides:
+//! c shifts by three unknowns, L grows by one. The table ball goes with the workpiece.
+
+use super::{Equation, Kind, Seen, Unknown, at, needed, no_ties, three, vector_at};
+use crate::csv::{DecimalSign, Row, Table};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::{AxisVector, Vector};
+use crate::measure::data::{DataSet, Free, Observation};
+use crate::units::mm_from_um;
+
+/// The kind.
+pub(super) const KIND: Kind = Kind {
+    name: "ballbar",
+    title: "distance of two balls",
+    free: &[Free::Centre, Free::Length],
+    read,
+    check,
+    unknowns,
+    equations,
+    ties: no_ties,
+    columns: &["dr_um"],
+};
+
+fn read(_: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut Observation) -> Result<(), Diagnostic> {
+    observation.values[0] = Some(mm_from_um(row.number(needed(row, "dr_um")?, sign)?));
+    Ok(())
+}
+
+fn check(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
+    for setup in data.setups.iter().filter(|setup| setup.length_mm <= 0.0) {
+        let message = format!("the ball-bar of the set-up '{}' has no length", setup.label);
+        let help = format!(
+            "give length_mm and centre_mm in [setup.{}]",
+            if setup.label.is_empty() { "A" } else { &setup.label }
+        );
+        findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(table.column("setup")), message, help));
+    }
+}
+
+fn unknowns(data: &DataSet) -> Vec<Unknown> {
+    let count = data.setups.len();
+    let centre = three(count, Unknown::Centre).filter(|_| data.free.contains(&Free::Centre));
+    let length = (0..count).map(Unknown::Length).filter(|_| data.free.contains(&Free::Length));
+    centre.chain(length).collect()
+}
+
+fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values: &[f64], out: &mut Vec<Equation>) {
+    let (Some(read), Some(setup)) = (observation.values[0], data.setups.get(observation.setup)) else { return };
+    let mut command = AxisVector::ZERO;
+    command.set_xyz(setup.centre_mm);
+    let mut ball = seen.model.nominal(&command, &Vector::zeros()).translation;
+    let mut length_mm = setup.length_mm;
+    let mut place = 0;
+    let mut by_unknown = Vec::with_capacity(4);
+    let mut centre_place = None;
+    if data.free.contains(&Free::Centre) {
+        centre_place = Some(3 * observation.setup);
+        ball += vector_at(values, 3 * observation.setup);
+        place = 3 * data.setups.len();
+    }
+    let bar = seen.actual.translation - ball;
+    let distance = bar.norm();
+    let along = if distance > 0.0 { bar / distance } else { Vector::zeros() };
+    if let Some(first) = centre_place {
+        by_unknown.extend((0..3).map(|k| (first + k, -along[k])));
+    }
+    if data.free.contains(&Free::Length) {
+        length_mm += at(values, place + observation.setup);
+        by_unknown.push((place + observation.setup, -1.0));
+    }
+    out.push(Equation { residual: read - (distance - length_mm), by_tip: along, by_turn: Vector::zeros(), by_unknown });
+}

@@ -1,0 +1,232 @@
+//! Weighted linear least squares of many rows and few columns, with rank, covariance and null space.
+//!
+//! Rows are folded into a triangle as they come (QR by Householder reflections, block by block), so that memory does not grow with their
+//! number; the singular values are those of the triangle with columns of unit length. What the data cannot tell is left at zero and named by
+//! the null space, never filled with noise.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Rows that are folded at once, at least; more where there are many columns.
+const BLOCK: usize = 256;
+/// Singular values below this share of the largest one are zero: what is left of the arithmetic is 1e-13 or so, what data can carry 1e-5.
+const RANK_LIMIT: f64 = 1e-8;
+
+/// A system that grows row by row.
+#[derive(Clone, Debug)]
+pub struct System {
+    columns: usize,
+    /// The triangle, and rows that are not folded yet below it; the value stands in the last column.
+    pending: DMatrix<f64>,
+    filled: usize,
+    rows: usize,
+}
+
+/// The solution of a system.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// The unknowns.
+    pub unknowns: DVector<f64>,
+    /// (JᵀJ)⁺: covariance at unit noise.
+    pub cofactors: DMatrix<f64>,
+    /// Singular values of the system with columns of unit length, the largest first.
+    pub singular_values: Vec<f64>,
+    /// How many of them are not zero.
+    pub rank: usize,
+    /// Directions that the data cannot tell, each of unit length in columns of unit length, scaled back to the unknowns.
+    pub null_space: Vec<DVector<f64>>,
+    /// Sum of the squared residuals.
+    pub squares: f64,
+    /// Rows less rank.
+    pub freedom: usize,
+    /// Variance inflation of every unknown: how much its variance grows because others are free; 1 where it stands alone, infinite where
+    /// it is in the null space.
+    pub inflation: Vec<f64>,
+}
+
+impl System {
+    /// A system without rows.
+    #[must_use]
+    pub fn new(columns: usize) -> System {
+        let rows = (columns + 1) + BLOCK.max(columns + 1);
+        System { columns, pending: DMatrix::zeros(rows, columns + 1), filled: 0, rows: 0 }
+    }
+
+    /// Adds a row: factors, value and weight (1/σ).
+    pub fn add(&mut self, factors: &[f64], value: f64, weight: f64) {
+        if self.filled == self.pending.nrows() {
+            self.fold();
+        }
+        for (column, factor) in factors.iter().enumerate().take(self.columns) {
+            self.pending[(self.filled, column)] = factor * weight;
+        }
+        self.pending[(self.filled, self.columns)] = value * weight;
+        self.filled += 1;
+        self.rows += 1;
+    }
+
+    fn fold(&mut self) {
+        let width = self.columns + 1;
+        let height = self.filled.min(self.pending.nrows());
+        if height > width {
+            let triangle = self.pending.rows(0, height).into_owned().qr().unpack_r();
+            self.pending.fill(0.0);
+            self.pending.view_mut((0, 0), (width, width)).copy_from(&triangle);
+            self.filled = width;
+        }
+    }
+
+    /// Rows so far.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Solves it.
+    #[must_use]
+    pub fn solve(mut self) -> Solution {
+        self.fold();
+        let n = self.columns;
+        let height = self.filled;
+        let matrix = self.pending.view((0, 0), (height, n)).into_owned();
+        let values = self.pending.view((0, n), (height, 1)).column(0).into_owned();
+        let lengths: Vec<f64> = matrix.column_iter().map(|column| column.norm()).collect();
+        let scale = |column: usize| if lengths[column] > 0.0 { 1.0 / lengths[column] } else { 1.0 };
+        let mut scaled = matrix;
+        for column in 0..n {
+            scaled.column_mut(column).scale_mut(scale(column));
+        }
+        let total = values.norm_squared();
+        // Square, so that all right singular vectors are there.
+        let square = if height < n { scaled.resize(n, n, 0.0) } else { scaled };
+        let values = if height < n { values.resize_vertically(n, 0.0) } else { values };
+        let decomposition = square.svd(true, true);
+        let (left, right) = (decomposition.u.unwrap_or_default(), decomposition.v_t.unwrap_or_default());
+        let mut order: Vec<usize> = (0..decomposition.singular_values.len()).collect();
+        order.sort_by(|&a, &b| decomposition.singular_values[b].total_cmp(&decomposition.singular_values[a]));
+        let singular_values: Vec<f64> = order.iter().map(|&k| decomposition.singular_values[k]).collect();
+        let limit = singular_values.first().copied().unwrap_or(0.0) * RANK_LIMIT;
+        let rank = singular_values.iter().filter(|&&value| value > limit).count();
+        let mut unknowns = DVector::zeros(n);
+        let mut cofactors = DMatrix::zeros(n, n);
+        let mut explained = 0.0;
+        for (&k, &value) in order.iter().zip(&singular_values).take(rank) {
+            let amount = left.column(k).dot(&values);
+            explained += amount * amount;
+            let direction = right.row(k).transpose();
+            unknowns += &direction * (amount / value);
+            cofactors += &direction * direction.transpose() / (value * value);
+        }
+        let null_space: Vec<DVector<f64>> = order
+            .iter()
+            .skip(rank)
+            .map(|&k| {
+                DVector::from_iterator(n, right.row(k).iter().enumerate().map(|(column, part)| part * scale(column)))
+            })
+            .collect();
+        let is_lost = |column: usize| null_space.iter().any(|vector| (vector[column] / scale(column)).abs() > 1e-6);
+        let inflation =
+            (0..n).map(|column| if is_lost(column) { f64::INFINITY } else { cofactors[(column, column)] }).collect();
+        for column in 0..n {
+            unknowns[column] *= scale(column);
+            cofactors.column_mut(column).scale_mut(scale(column));
+            cofactors.row_mut(column).scale_mut(scale(column));
+        }
+        Solution {
+            unknowns,
+            cofactors,
+            singular_values,
+            rank,
+            null_space,
+            squares: (total - explained).max(0.0),
+            freedom: self.rows.saturating_sub(rank),
+            inflation,
+        }
+    }
+}
+
+impl Solution {
+    /// Largest by smallest singular value that is not zero, of columns of unit length.
+    #[must_use]
+    pub fn condition(&self) -> f64 {
+        match (self.singular_values.first(), self.rank.checked_sub(1).and_then(|last| self.singular_values.get(last))) {
+            (Some(largest), Some(smallest)) => largest / smallest,
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_through_points() {
+        // y = 2 + 3 x with residuals 1, -2, 1 at 0, 1, 2: at right angles to both columns.
+        let mut system = System::new(2);
+        for (x, y) in [(0.0, 3.0), (1.0, 3.0), (2.0, 9.0)] {
+            system.add(&[1.0, x], y, 1.0);
+        }
+        let solution = system.solve();
+        assert!((solution.unknowns[0] - 2.0).abs() < 1e-12 && (solution.unknowns[1] - 3.0).abs() < 1e-12);
+        assert!((solution.squares - 6.0).abs() < 1e-12);
+        assert_eq!((solution.rank, solution.freedom), (2, 1));
+        // σ² (XᵀX)⁻¹ with XᵀX = [3 3; 3 5].
+        assert!((solution.cofactors[(0, 0)] - 5.0 / 6.0).abs() < 1e-12);
+        assert!((solution.cofactors[(0, 1)] + 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn many_rows_give_what_the_normal_equations_give() {
+        let mut seed = 1_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let truth = [1.0, -2.0, 0.5, 3e3];
+        let mut system = System::new(4);
+        let (mut normal, mut right) = (DMatrix::<f64>::zeros(4, 4), DVector::<f64>::zeros(4));
+        for _ in 0..5000 {
+            let row = [random(), random(), 1.0, 1e-3 * random()];
+            let value = row.iter().zip(truth).map(|(factor, truth)| factor * truth).sum::<f64>() + 0.01 * random();
+            let weight = 1.0 + random().abs();
+            system.add(&row, value, weight);
+            let vector = DVector::from_row_slice(&row) * weight;
+            normal += &vector * vector.transpose();
+            right += &vector * (value * weight);
+        }
+        let inverse = normal.try_inverse().unwrap();
+        let expected = &inverse * right;
+        let solution = system.solve();
+        for k in 0..4 {
+            assert!((solution.unknowns[k] - expected[k]).abs() < 1e-8 * expected[k].abs().max(1.0));
+            assert!((solution.cofactors[(k, k)] / inverse[(k, k)] - 1.0).abs() < 1e-7);
+        }
+        assert_eq!((solution.rank, solution.freedom), (4, 4996));
+    }
+
+    #[test]
+    fn what_cannot_be_told_is_named() {
+        // The third column is the sum of the first two.
+        let mut system = System::new(3);
+        for k in 0..20 {
+            let (a, b) = (f64::from(k), f64::from(k * k % 7));
+            system.add(&[a, b, a + b], a, 1.0);
+        }
+        let solution = system.solve();
+        assert_eq!((solution.rank, solution.freedom, solution.null_space.len()), (2, 18, 1));
+        let direction = &solution.null_space[0];
+        assert!((direction[0] - direction[1]).abs() < 1e-12 && (direction[0] + direction[2]).abs() < 1e-12);
+        assert!(solution.inflation.iter().all(|value| value.is_infinite()));
+        assert!(solution.squares < 1e-18);
+    }
+
+    #[test]
+    fn fewer_rows_than_unknowns_are_no_failure() {
+        let mut system = System::new(3);
+        system.add(&[1.0, 0.0, 2.0], 5.0, 1.0);
+        let solution = system.solve();
+        assert_eq!((solution.rank, solution.freedom), (1, 0));
+        // The shortest solution in columns of unit length.
+        assert!((solution.unknowns[0] + 2.0 * solution.unknowns[2] - 5.0).abs() < 1e-12);
+    }
+}
