@@ -27,7 +27,23 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("path", &["snc", "model", "machine", "geometry"]),
     ("emit", &["dialect", "path", "snc", "geometry", "machine"]),
     ("report", &["geometry", "path", "emit", "machine", "model", "snc"]),
-    ("cli", &["geometry", "dialect", "syntax", "machine", "snc", "exec", "model", "measure", "path", "emit", "report"]),
+    (
+        "cli",
+        &[
+            "geometry",
+            "dialect",
+            "syntax",
+            "machine",
+            "snc",
+            "exec",
+            "model",
+            "measure",
+            "calibrate",
+            "path",
+            "emit",
+            "report",
+        ],
+    ),
 ];
 
 /// A file longer than this says why in its first comment with the words "long because".

@@ -72,6 +72,7 @@ mod rounding_and_turns;
 mod rs274_flow;
 mod rs274_splines;
 mod saved_data;
+mod sensors;
 mod singularity;
 mod snc_text;
 mod sources;

@@ -4,11 +4,13 @@ mod examples;
 mod load;
 mod machine;
 mod measured;
+mod sensors;
 mod steps;
 
 pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
+pub(super) use sensors::SensorsArguments;
 pub(super) use steps::StepsArguments;
 
 use std::ffi::OsString;
@@ -112,6 +114,9 @@ pub(super) enum Command {
     /// Weigh the workpiece: weight and place from readings of a strain gauge
     #[command(after_help = load::AFTER_HELP)]
     Load(LoadArguments),
+    /// Select the sensors of temperature that tell the drift of a machine
+    #[command(after_help = sensors::AFTER_HELP)]
+    Sensors(SensorsArguments),
     /// Check or show a machine file
     #[command(subcommand, after_help = examples::MACHINE)]
     Machine(MachineCommand),

@@ -20,6 +20,7 @@ mod output;
 mod presets;
 mod program;
 mod progress;
+mod sensors;
 mod snc;
 mod state;
 mod steps;
@@ -65,6 +66,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Verify(arguments) => verify::run(arguments),
         Command::Measured(arguments) => measured::run(arguments),
         Command::Steps(arguments) => steps::run(arguments),
+        Command::Sensors(arguments) => sensors::run(arguments),
         Command::Load(arguments) => load::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),

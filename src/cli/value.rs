@@ -13,6 +13,12 @@ pub(super) fn positive_length_mm(text: &str) -> Result<f64, String> {
     if length_mm > 0.0 { Ok(length_mm) } else { Err(format!("'{text}' is not greater than zero")) }
 }
 
+/// A difference of temperature above zero.
+pub(super) fn kelvin(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|value| (0.0..=100.0).contains(value) && *value > 0.0);
+    value.ok_or_else(|| "write a number of K above 0, for example 0.5".to_owned())
+}
+
 /// An increment of a control, in mm: nothing finer than 1 nm and nothing coarser than 0.1 mm makes sense.
 pub(super) fn increment_mm(text: &str) -> Result<f64, String> {
     let length_mm = positive_length_mm(text)?;

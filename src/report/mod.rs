@@ -11,6 +11,7 @@ pub mod measured;
 pub mod number;
 pub mod presets;
 mod scale;
+pub mod sensors;
 pub mod shares;
 pub mod steps;
 pub mod svg;

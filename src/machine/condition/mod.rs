@@ -179,6 +179,12 @@ impl Condition {
         self.sensors.keys().map(String::as_str)
     }
 
+    /// The readings of a sensor.
+    #[must_use]
+    pub fn trace(&self, sensor: &str) -> Option<&Trace> {
+        self.sensors.get(sensor)
+    }
+
     /// Whether there is any reading of a temperature.
     #[must_use]
     pub fn has_temperatures(&self) -> bool {

@@ -40,6 +40,25 @@ impl Trace {
         let &(last_s, last) = self.points.last()?;
         Some(if time_s > last_s { follow(follower, last, 0.0, time_s - last_s, lag_s) } else { follower })
     }
+
+    /// [`Trace::lagged`] at many times in one pass; they do not go back. Empty without readings.
+    #[must_use]
+    pub fn lagged_at(&self, times_s: &[f64], lag_s: f64) -> Vec<f64> {
+        let Some(&(mut from_s, mut from)) = self.points.first() else { return Vec::new() };
+        let mut follower = from;
+        let mut next = 1;
+        let mut out = Vec::with_capacity(times_s.len());
+        for &time_s in times_s {
+            while let Some(&(to_s, to)) = self.points.get(next).filter(|point| point.0 <= time_s) {
+                follower = follow(follower, from, (to - from) / (to_s - from_s), to_s - from_s, lag_s);
+                (from_s, from) = (to_s, to);
+                next += 1;
+            }
+            let slope = self.points.get(next).map_or(0.0, |&(to_s, to)| (to - from) / (to_s - from_s));
+            out.push(if time_s > from_s { follow(follower, from, slope, time_s - from_s, lag_s) } else { follower });
+        }
+        out
+    }
 }
 
 /// The follower after `passed_s` of a line.
@@ -86,6 +105,18 @@ mod tests {
             }
             assert!((trace.lagged(at, lag_s).unwrap() - follower).abs() < 1e-6, "{at}");
         }
+    }
+
+    #[test]
+    fn many_times_in_one_pass_are_the_same() {
+        let trace = trace(&[(0.0, 20.0), (100.0, 40.0), (130.0, 41.0), (400.0, 38.0)]);
+        let times_s = [-10.0, 0.0, 3.0, 50.0, 100.0, 110.0, 250.0, 250.0, 400.0, 900.0];
+        for lag_s in [0.0, 1.0, 60.0, 5000.0] {
+            for (&time_s, value) in times_s.iter().zip(trace.lagged_at(&times_s, lag_s)) {
+                assert!((trace.lagged(time_s, lag_s).unwrap() - value).abs() < 1e-12, "{time_s} {lag_s}");
+            }
+        }
+        assert!(Trace::default().lagged_at(&times_s, 1.0).is_empty());
     }
 
     #[test]

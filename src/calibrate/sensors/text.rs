@@ -1,0 +1,66 @@
+//! What was selected as `[[drift]]` entries of a machine file, with what they are worth as comments.
+
+use std::fmt::Write as _;
+
+use super::select::Selection;
+
+/// The entries; directions and positions without a model have a comment that says so.
+#[must_use]
+pub fn entries(selections: &[Selection]) -> String {
+    let mut out = String::new();
+    for selection in selections {
+        let letter = ["X", "Y", "Z"].get(selection.direction).copied().unwrap_or("Z");
+        let place = selection.at.map_or(String::new(), |(axis, at)| format!(" at {axis} {at}"));
+        let Some(model) = selection.model() else {
+            let drift_um = selection.drift_um;
+            // Writing into a String cannot fail.
+            let _ = writeln!(out, "# {letter}{place}: no sensors tell the drift of {drift_um:.1} µm (RMS).\n");
+            continue;
+        };
+        let _ = writeln!(
+            out,
+            "# {letter}{place}: efficiency {:.1} % on {} readings, {:.1} % independently, where {:.1} of {:.1} µm (RMS) are left.",
+            100.0 * model.efficiency,
+            selection.rows,
+            100.0 * model.independent,
+            model.left_um,
+            selection.drift_um
+        );
+        for term in model.terms.iter().filter(|term| !term.alike.is_empty()) {
+            let _ = writeln!(out, "# In place of {}: {}.", clean(&term.sensor), clean(&term.alike.join(", ")));
+        }
+        let _ = writeln!(out, "[[drift]]\ndirection = \"{letter}\"");
+        if let Some((axis, at)) = selection.at {
+            let unit = if axis.is_rotary() { "deg" } else { "mm" };
+            let _ = writeln!(out, "over = \"{axis}\"\nat_{unit} = {at}");
+        }
+        out.push_str("sensors = [\n");
+        for term in &model.terms {
+            let lag = if term.lag_s > 0.0 { format!(", lag_s = {}", term.lag_s) } else { String::new() };
+            let _ = writeln!(out, "    {{ name = {}, um_per_K = {:.5}{lag} }},", quoted(&term.sensor), term.um_per_k);
+        }
+        out.push_str("]\n\n");
+    }
+    out
+}
+
+/// A comment ends with its line.
+fn clean(text: &str) -> String {
+    text.replace(char::is_control, " ")
+}
+
+/// A string of TOML.
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for character in text.chars() {
+        match character {
+            '"' | '\\' => out.extend(['\\', character]),
+            control if control.is_control() => {
+                let _ = write!(out, "\\u{:04X}", u32::from(control));
+            }
+            other => out.push(other),
+        }
+    }
+    out.push('"');
+    out
+}
