@@ -42,6 +42,7 @@ mod grundig_output;
 mod grundig_requirements;
 mod hostile;
 mod iso;
+mod iso230;
 mod iso_compensation;
 mod iso_core;
 mod iso_cycles;

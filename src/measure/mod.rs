@@ -2,9 +2,10 @@
 //!
 //! [`reading`] finds axis positions, tool vectors and senses of motion in the columns of a table ([`crate::csv`]), [`data`] reads a
 //! measurement with its description, [`kind`] has one file per kind of measurement: what it reads and what a reading should be. [`mode`] takes the
-//! corrections out of positions that were read (measurement mode). [`strain`] finds readings of a strain gauge, [`weighing`] what load made them.
+//! corrections out of positions that were read (measurement mode), [`iso230`] has the figures of the acceptance tests. [`strain`] finds readings of a strain gauge, [`weighing`] what load made them.
 
 pub mod data;
+pub mod iso230;
 pub mod kind;
 pub mod mode;
 pub mod reading;

@@ -1,0 +1,7 @@
+//! Figures of the acceptance tests of ISO 230: plain arithmetic on what was measured, without an error model.
+
+pub mod circle;
+pub mod positioning;
+mod zone;
+
+pub use zone::{Zone, minimum_zone};

@@ -1,0 +1,257 @@
+//! Figures of ISO 230-2 and 230-4 against arithmetic of their own.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use ncfix::measure::data::DataSet;
+use ncfix::measure::iso230::circle::{self, Point};
+use ncfix::measure::iso230::minimum_zone;
+use ncfix::measure::iso230::positioning::{Approach, Fault, approaches, figures, without_drift};
+use ncfix::model::file;
+use ncfix::source::{FileId, Source};
+
+use crate::bench_machine::Random;
+use crate::thermal_plant::gauss;
+
+/// Deviations, µm: by target, by run, positive and negative sense.
+const UP: [[f64; 5]; 4] =
+    [[2.0, 3.0, 1.0, 2.5, 1.5], [0.0, 1.0, -1.0, 0.5, -0.5], [-4.0, -2.0, -3.0, -3.5, -2.5], [1.0, 1.0, 2.0, 0.0, 1.0]];
+const DOWN: [[f64; 5]; 4] =
+    [[5.0, 6.0, 4.0, 5.5, 4.5], [2.0, 4.0, 3.0, 3.0, 3.0], [-1.0, 1.0, 0.0, -0.5, 0.5], [6.0, 4.0, 5.0, 7.0, 3.0]];
+
+fn table() -> Vec<Approach> {
+    let mut out = Vec::new();
+    for cycle in 0..5 {
+        for (is_up, rows) in [(true, UP), (false, DOWN)] {
+            for (k, row) in rows.iter().enumerate() {
+                let target = 100.0 * k as f64;
+                out.push(Approach { target, deviation: row[cycle], is_up, cycle, time: out.len() as f64 });
+            }
+        }
+    }
+    out
+}
+
+fn near(value: f64, expected: f64) {
+    assert!((value - expected).abs() < 1e-9, "{value} is not {expected}");
+}
+
+#[test]
+fn positioning_by_hand() {
+    // Means ↑ 2, 0, −3, 1 and ↓ 5, 3, 0, 5; squares about the mean ↑ 2.5, 2.5, 2.5, 2 and ↓ 2.5, 2, 2.5, 10, so that s² is a quarter of that.
+    let [s, t, w] = [0.625_f64, 0.5, 2.5].map(f64::sqrt);
+    let found = figures(&table()).unwrap();
+    let (up, down, both) = (found.up.unwrap(), found.down.unwrap(), found.both.unwrap());
+    assert_eq!((found.runs, found.targets.len()), (5, 4));
+    near(up.repeatability, 4.0 * s);
+    near(down.repeatability, 4.0 * w);
+    near(up.systematic, 5.0);
+    near(down.systematic, 5.0);
+    near(up.accuracy, 5.0 + 4.0 * s);
+    near(down.accuracy, (5.0 + 2.0 * w) - (0.0 - 2.0 * s));
+    // B of the targets: −3, −3, −3, −4.
+    near(both.reversal, 4.0);
+    near(both.mean_reversal, -3.25);
+    near(both.repeatability, 2.0 * t + 2.0 * w + 4.0);
+    near(both.systematic, 8.0);
+    near(both.mean_systematic, 3.5 + 1.5);
+    near(both.accuracy, (5.0 + 2.0 * w) - (-3.0 - 2.0 * s));
+    // E of both senses is never smaller than that of one.
+    assert!(both.systematic >= up.systematic && both.accuracy >= up.accuracy);
+}
+
+#[test]
+fn one_sense_or_one_run() {
+    let mut readings = table();
+    readings.retain(|reading| reading.is_up);
+    let found = figures(&readings).unwrap();
+    assert!(found.up.is_some() && found.down.is_none() && found.both.is_none());
+    readings.retain(|reading| reading.cycle == 0);
+    assert_eq!(figures(&readings), Err(Fault::Once(0.0)));
+    assert_eq!(figures(&[]), Err(Fault::Nothing));
+    assert!(Fault::Once(0.0).to_string().contains("two runs"));
+}
+
+/// A parabola along the axis, a drift of its own in every cycle, a reversal, noise.
+fn drifting(reversal: f64, noise: f64) -> Vec<Approach> {
+    let mut random = Random(7);
+    let mut out: Vec<Approach> = Vec::new();
+    for (cycle, slope) in [0.02, 0.05, -0.01, 0.03].into_iter().enumerate() {
+        for step in 0..22 {
+            let (k, is_up) = if step < 11 { (step, true) } else { (21 - step, false) };
+            let x = 50.0 * f64::from(k);
+            let sense = if is_up { 0.5 } else { -0.5 };
+            let own = 1e-5 * x * x + slope * f64::from(step) + 2.0 * cycle as f64 + sense * reversal;
+            out.push(Approach {
+                target: x,
+                deviation: own + gauss(&mut random, noise),
+                is_up,
+                cycle,
+                time: f64::from(step),
+            });
+        }
+    }
+    out
+}
+
+#[test]
+fn drift_of_every_cycle_is_taken_out() {
+    let exact = without_drift(&drifting(0.0, 0.0)).unwrap();
+    let both = figures(&exact).unwrap().both.unwrap();
+    near(both.reversal, 0.0);
+    near(both.repeatability, 0.0);
+    near(both.systematic, 1e-5 * 500.0 * 500.0);
+    let noisy = figures(&without_drift(&drifting(0.0, 0.05)).unwrap()).unwrap().both.unwrap();
+    let as_read = figures(&drifting(0.0, 0.05)).unwrap().both.unwrap();
+    assert!(noisy.repeatability < 0.6 && as_read.repeatability > 5.0, "{noisy:?} {as_read:?}");
+}
+
+/// Readings of components with senses.
+fn data(rows: &str) -> DataSet {
+    let text = "[machine]\nname = \"m\"\ntopology = \"wXYFZSt\"\n[axis.X]\ndirection = [-1, 0, 0]\n\
+        [axis.Y]\ndirection = [0, -1, 0]\n[axis.Z]\ndirection = [0, 0, 1]\n";
+    let source = |name: &str, text: &str| Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap();
+    let machine = file::load(&source("m.toml", text)).0.unwrap().0;
+    let table = source("laser.csv", &format!("X,Y,Z,X_dir,component,value_um\n{rows}"));
+    let description = source("laser.toml", "[measurement]\nkind = \"direct\"\n");
+    let (data, findings) = ncfix::measure::data::load("laser", &table, &description, &machine);
+    data.unwrap_or_else(|| panic!("{findings:?}"))
+}
+
+#[test]
+fn readings_of_a_measurement_have_sense_and_cycle() {
+    let name = "EXX".parse().unwrap();
+    let mut rows = String::new();
+    for cycle in 0..2 {
+        for (x, sense) in [(0, 1), (100, 1), (200, 1), (200, -1), (100, -1), (0, -1)] {
+            writeln!(rows, "{x},0,0,{sense},EXX,{}", 10 * cycle + x / 100 - 2 * sense).unwrap();
+        }
+    }
+    let found = approaches(&data(&rows), name).unwrap();
+    assert_eq!(found.len(), 12);
+    assert_eq!((found[3].is_up, found[3].cycle, found[6].cycle, found[11].cycle), (false, 0, 1, 1));
+    // B = (x/100 − 2) − (x/100 + 2) µm.
+    let both = figures(&found).unwrap().both.unwrap();
+    near(both.mean_reversal, -4e-3);
+    near(both.systematic, 6e-3);
+    assert_eq!(approaches(&data(&rows), "EYX".parse().unwrap()), Err(Fault::Nothing));
+    assert_eq!(approaches(&data("5,0,0,0,EXX,1\n6,0,0,1,EXX,1\n"), name), Err(Fault::NoSense(5.0)));
+}
+
+#[test]
+fn a_backlash_is_no_drift() {
+    let Err(Fault::Backlash(value, sigma)) = without_drift(&drifting(-0.8, 0.05)) else { panic!("accepted") };
+    assert!((value + 0.8).abs() < 3.0 * sigma && sigma < 0.05, "{value} {sigma}");
+    let few: Vec<Approach> = drifting(0.0, 0.0).into_iter().filter(|reading| reading.target < 60.0).collect();
+    assert_eq!(without_drift(&few), Err(Fault::TooFew));
+}
+
+fn path(count: usize, deviation_mm: impl Fn(f64) -> f64) -> Vec<Point> {
+    let at = |k: usize| TAU * k as f64 / count as f64;
+    (0..count).map(|k| Point { angle: at(k), deviation_mm: deviation_mm(at(k)) }).collect()
+}
+
+/// Deviation of the point at a nominal angle, with its own angle, for an error (x, y) of the path.
+fn traced(radius: f64, error: impl Fn(f64) -> [f64; 2]) -> Vec<Point> {
+    path(3600, |_| 0.0)
+        .into_iter()
+        .map(|point| {
+            let [ex, ey] = error(point.angle);
+            let (x, y) = (radius * point.angle.cos() + ex, radius * point.angle.sin() + ey);
+            Point { angle: y.atan2(x), deviation_mm: x.hypot(y) - radius }
+        })
+        .collect()
+}
+
+#[test]
+fn an_eccentric_circle_is_round() {
+    let (radius, [a, b]) = (100.0, [0.7, -0.3]);
+    let points = traced(radius, |_| [a, b]);
+    let found = circle::figures(radius, &points, &points).unwrap();
+    near(found.g_counter.unwrap(), 0.0);
+    near(found.centre_mm[0], a);
+    near(found.centre_mm[1], b);
+    assert!(found.f_clock.unwrap().iter().all(|end| end.abs() < 1e-9));
+    assert!(found.h.unwrap() < 1e-9 && found.d.unwrap().abs() < 1e-9);
+}
+
+#[test]
+fn squareness_makes_an_ellipse() {
+    // x = R cos t − β R sin t, y = R sin t: the singular values of [1 −β; 0 1] are the half axes.
+    let (radius, beta) = (150.0, 40e-6);
+    let points = traced(radius, |t| [-beta * radius * t.sin(), 0.0]);
+    let half = (1.0_f64 + beta * beta / 4.0).sqrt();
+    let width = radius * ((half + beta / 2.0) - (half - beta / 2.0));
+    let found = circle::figures(radius, &points, &[]).unwrap();
+    // 3600 readings do not all hit the ends of the axes: R β (1 − cos 0.1°).
+    assert!((found.g_counter.unwrap() - width).abs() < 1e-8, "{found:?}");
+    assert!((found.f_counter.unwrap()[0] - 0.5 * width).abs() < 1e-6);
+    assert_eq!((found.g_both, found.h, found.f_clock), (None, None, None));
+}
+
+#[test]
+fn backlash_parts_the_two_ways() {
+    // X lags by ±B/2 behind its sense: −sin t against the clock.
+    let (radius, backlash) = (100.0, 0.010);
+    let way = |sense: f64| traced(radius, move |t| [0.5 * backlash * sense * t.sin().signum(), 0.0]);
+    let (counter, clock) = (way(1.0), way(-1.0));
+    let found = circle::figures(radius, &counter, &clock).unwrap();
+    // The paths are B |cos t| apart, most where X turns.
+    assert!((found.h.unwrap() - backlash).abs() < 2e-4, "{found:?}");
+    // Against the clock the radius is + B/2 cos t above and − B/2 cos t below: the left half sinks, the right rises, both by B/2.
+    for g in [found.g_counter, found.g_clock] {
+        assert!((g.unwrap() - backlash).abs() < 2e-4, "{found:?}");
+    }
+    assert!(found.g_both.unwrap() > 0.99 * backlash && found.d.unwrap().abs() < 1e-5);
+}
+
+#[test]
+fn larger_than_nominal_is_d_and_not_g() {
+    let found = circle::figures(100.0, &path(720, |_| 0.012), &path(720, |_| 0.008)).unwrap();
+    near(found.d.unwrap(), 0.010);
+    near(found.h.unwrap(), 0.004);
+    near(found.g_counter.unwrap(), 0.0);
+    near(found.g_both.unwrap(), 0.004);
+    let [high, low] = found.f_counter.unwrap();
+    near(high, 0.012);
+    near(low, 0.012);
+}
+
+#[test]
+fn the_minimum_zone_is_not_the_least_squares_circle() {
+    // Three lobes at even weight and a single peak: no centre on a fine grid about the found one is better.
+    let mut random = Random(3);
+    for trial in 0..20 {
+        let [lobes, peak, x, y] = [0.005, 0.02, 0.3, -0.2].map(|size| size * random.between(0.5, 1.5));
+        let points: Vec<[f64; 2]> = path(360, |t| lobes * (3.0 * t).cos() + if t < 0.3 { peak } else { 0.0 })
+            .iter()
+            .map(|point| {
+                let radius = 50.0 + point.deviation_mm + gauss(&mut random, 0.001);
+                [x + radius * point.angle.cos(), y + radius * point.angle.sin()]
+            })
+            .collect();
+        let zone = minimum_zone(&points).unwrap();
+        let width = |centre: [f64; 2]| {
+            let radii = points.iter().map(|point| (point[0] - centre[0]).hypot(point[1] - centre[1]));
+            let [low, high] = radii.fold([f64::MAX, 0.0], |[low, high], r: f64| [low.min(r), high.max(r)]);
+            high - low
+        };
+        assert!((width(zone.centre) - zone.width()).abs() < 1e-12);
+        for step_mm in [1e-2, 1e-3, 1e-5, 1e-7] {
+            for k in 0..72 {
+                let (sin, cos) = (TAU * f64::from(k) / 72.0).sin_cos();
+                let other = width([zone.centre[0] + step_mm * cos, zone.centre[1] + step_mm * sin]);
+                assert!(other >= zone.width() - 1e-12, "trial {trial}: {other} at {step_mm}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_no_circle_has_no_figures() {
+    assert!(circle::figures(100.0, &[], &[]).is_none());
+    assert!(minimum_zone(&[[0.0, 0.0]; 3]).is_none());
+    assert!(minimum_zone(&[[1.0, 1.0]; 9]).is_none());
+    assert!(minimum_zone(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]).is_none());
+    assert!(minimum_zone(&[[f64::NAN, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]).is_none());
+}
