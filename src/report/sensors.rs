@@ -117,9 +117,10 @@ impl SelectionReport {
         out.push_str(&self.plot());
         match (self.chosen, self.left_um) {
             (Some(number), Some(left)) => {
+                let noun = if number == 1 { "sensor" } else { "sensors" };
                 let _ = writeln!(
                     out,
-                    "  {number} sensors, {} µm (RMS) left on the independent readings\n",
+                    "  {number} {noun}, {} µm (RMS) left on the independent readings\n",
                     significant(left)
                 );
             }
