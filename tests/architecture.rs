@@ -22,7 +22,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("exec", &["syntax", "dialect", "machine", "geometry", "snc"]),
     ("model", &["machine", "geometry"]),
     ("numeric", &[]),
-    ("measure", &["model", "machine", "geometry"]),
+    ("measure", &["model", "machine", "geometry", "snc"]),
     ("calibrate", &["measure", "model", "machine", "geometry", "numeric"]),
     ("path", &["snc", "model", "machine", "geometry"]),
     ("emit", &["dialect", "path", "snc", "geometry", "machine"]),

@@ -11,8 +11,10 @@ mod fit;
 mod quality;
 mod robust;
 pub mod sensors;
+mod told;
 pub mod words;
 
 pub use column::Column;
 pub use fit::{Estimate, Fault, Fit, Options, fit};
 pub use quality::{Quality, quality};
+pub use told::{Told, improve, told};

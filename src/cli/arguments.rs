@@ -5,12 +5,14 @@ mod load;
 mod machine;
 mod measured;
 mod sensors;
+mod plan;
 mod steps;
 
 pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
 pub(super) use sensors::SensorsArguments;
+pub(super) use plan::PlanArguments;
 pub(super) use steps::StepsArguments;
 
 use std::ffi::OsString;
@@ -117,6 +119,9 @@ pub(super) enum Command {
     /// Select the sensors of temperature that tell the drift of a machine
     #[command(after_help = sensors::AFTER_HELP)]
     Sensors(SensorsArguments),
+    /// Plan a measurement: the poses, and the program that runs them
+    #[command(after_help = plan::AFTER_HELP)]
+    Plan(Box<PlanArguments>),
     /// Check or show a machine file
     #[command(subcommand, after_help = examples::MACHINE)]
     Machine(MachineCommand),

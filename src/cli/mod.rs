@@ -17,6 +17,7 @@ mod machine;
 mod machine_choice;
 mod measured;
 mod output;
+mod plan;
 mod presets;
 mod program;
 mod progress;
@@ -68,6 +69,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Steps(arguments) => steps::run(arguments),
         Command::Sensors(arguments) => sensors::run(arguments),
         Command::Load(arguments) => load::run(arguments),
+        Command::Plan(arguments) => plan::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),
     }

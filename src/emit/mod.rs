@@ -4,6 +4,7 @@
 //! dialect, write its file and register it in [`WRITERS`].
 
 mod comment;
+mod flat;
 mod line;
 mod number;
 mod sinumerik;
@@ -11,6 +12,7 @@ mod stamp;
 mod stops;
 mod words;
 
+pub use flat::flat;
 pub use number::Decimals;
 pub use stamp::{Stamp, is_stamped, stamped_model, stamped_state};
 

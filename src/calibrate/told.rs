@@ -1,0 +1,152 @@
+//! What a measurement will tell before it is made: rank and condition of its equations, and which further poses help most.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::machine::Machine;
+use crate::measure::data::{DataSet, Observation};
+use crate::model::ErrorModel;
+use crate::model::parameter::ParameterName;
+use crate::numeric::System;
+
+use super::design::Design;
+use super::words;
+
+/// Candidates that are tried out in full in every round of [`improve`].
+const SHORT_LIST: usize = 8;
+
+/// What measurements tell of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// Parameters of the machine.
+    pub parameters: usize,
+    /// Parameters and unknowns of the set-ups.
+    pub columns: usize,
+    /// Equations.
+    pub rows: usize,
+    /// How many combinations of the columns they tell.
+    pub rank: usize,
+    /// Largest by smallest singular value that is not zero.
+    pub condition: f64,
+    /// A sentence for everything that they do not tell.
+    pub sentences: Vec<String>,
+}
+
+/// Judges measurements by where they are made; the values of readings do not matter, but a cell without one gives no equation.
+#[must_use]
+pub fn told(machine: &Machine, errors: &ErrorModel, parameters: &[ParameterName], data: &[DataSet]) -> Told {
+    let design = Design::new(machine, data, parameters);
+    let mut system = System::new(design.columns.len());
+    for row in factors(&design, errors) {
+        system.add(&row, 0.0, 1.0);
+    }
+    let rows = system.rows();
+    let solution = system.solve();
+    Told {
+        parameters: parameters.len(),
+        columns: design.columns.len(),
+        rows,
+        rank: solution.rank,
+        condition: solution.condition(),
+        sentences: words::lost(&solution.null_space, &design.columns, data),
+    }
+}
+
+/// The candidates for measurement `set` that raise its smallest singular value most, one after the other: numbers into `candidates`.
+#[must_use]
+pub fn improve(
+    machine: &Machine,
+    errors: &ErrorModel,
+    parameters: &[ParameterName],
+    data: &DataSet,
+    candidates: &[Observation],
+    count: usize,
+) -> Vec<usize> {
+    let one = std::slice::from_ref(data);
+    let design = Design::new(machine, one, parameters);
+    let width = design.columns.len();
+    let mut normal = DMatrix::<f64>::zeros(width, width);
+    for row in factors(&design, errors) {
+        let row = DVector::from_vec(row);
+        normal.ger(1.0, &row, &row, 1.0);
+    }
+    let mut sets: Vec<(usize, Vec<DVector<f64>>)> = Vec::new();
+    let mut single = DataSet { observations: Vec::new(), lengths: Vec::new(), ..data.clone() };
+    for (number, candidate) in candidates.iter().enumerate() {
+        single.observations = vec![*candidate];
+        let design = Design::new(machine, std::slice::from_ref(&single), parameters);
+        sets.push((number, factors(&design, errors).into_iter().map(DVector::from_vec).collect()));
+    }
+    // One scale for all rounds: that of what could be measured.
+    let mut scale = DVector::from_fn(width, |column, _| normal[(column, column)]);
+    for row in sets.iter().flat_map(|(_, rows)| rows) {
+        for (sum, factor) in scale.iter_mut().zip(row.iter()) {
+            *sum += factor * factor;
+        }
+    }
+    let scale = scale.map(|sum| if sum > 0.0 { 1.0 / sum.sqrt() } else { 0.0 });
+    let scaled = |row: &DVector<f64>| row.component_mul(&scale);
+    normal = DMatrix::from_fn(width, width, |row, column| normal[(row, column)] * scale[row] * scale[column]);
+    for row in sets.iter_mut().flat_map(|(_, rows)| rows) {
+        *row = scaled(row);
+    }
+    let mut chosen = Vec::new();
+    for _ in 0..count.min(candidates.len()) {
+        let weak = weakest(&normal);
+        let mut ranked: Vec<(f64, usize)> = sets
+            .iter()
+            .enumerate()
+            .map(|(place, (_, rows))| {
+                let gain = rows.iter().flat_map(|row| weak.iter().map(|direction| direction.dot(row).powi(2)));
+                (gain.sum::<f64>(), place)
+            })
+            .collect();
+        ranked.sort_by(|one, other| other.0.total_cmp(&one.0).then(one.1.cmp(&other.1)));
+        let with = |place: usize| {
+            let mut next = normal.clone();
+            for row in sets.get(place).map(|(_, rows)| rows.as_slice()).unwrap_or_default() {
+                next.ger(1.0, row, row, 1.0);
+            }
+            next
+        };
+        let best = ranked
+            .iter()
+            .take(SHORT_LIST)
+            .map(|&(_, place)| {
+                let next = with(place);
+                let (lost, least) = worth(&next);
+                (lost, least, place, next)
+            })
+            .min_by(|one, other| one.0.cmp(&other.0).then(other.1.total_cmp(&one.1)));
+        let Some((_, _, place, next)) = best else { break };
+        normal = next;
+        chosen.push(sets.remove(place).0);
+    }
+    chosen
+}
+
+/// Squares of singular values below this share of the largest are zero.
+const LOST: f64 = 1e-13;
+
+/// How many directions are lost, and the square of the smallest singular value of the others.
+fn worth(normal: &DMatrix<f64>) -> (usize, f64) {
+    let values = normal.symmetric_eigenvalues();
+    let limit = values.max() * LOST;
+    let lost = values.iter().filter(|&&value| value <= limit).count();
+    let least = values.iter().copied().filter(|&value| value > limit).fold(f64::INFINITY, f64::min);
+    (lost, least)
+}
+
+/// The directions that are lost, or the one that is told worst.
+fn weakest(normal: &DMatrix<f64>) -> Vec<DVector<f64>> {
+    let system = normal.clone().symmetric_eigen();
+    let limit = (system.eigenvalues.max() * LOST).max(system.eigenvalues.min());
+    let columns = system.eigenvalues.iter().zip(system.eigenvectors.column_iter());
+    columns.filter(|&(&value, _)| value <= limit).map(|(_, column)| column.into_owned()).collect()
+}
+
+fn factors(design: &Design<'_>, errors: &ErrorModel) -> Vec<Vec<f64>> {
+    let values = vec![0.0; design.columns.len()];
+    let mut rows = Vec::new();
+    design.walk(errors, &values, true, |_, row| rows.push(row.to_vec()));
+    rows
+}
