@@ -32,7 +32,7 @@
 //! | [`snc`] | elements of the flat stream, their text form, provenance | dialects, the model |
 //! | [`exec`] | one executor per family of languages (modal state, variables, flow, frames, cycles) over one outlet (contours, transformation) → SNC | the error model |
 //! | [`model`] | error functions, forward kinematics with errors, the inverse | programs, instruments |
-//! | [`measure`] | measurements of all kinds, measurement mode, what load made a strain | programs |
+//! | [`measure`] | measurements of all kinds, test plans, measurement mode, what load made a strain | the text of programs |
 //! | [`numeric`] | least squares, statistics: plain arithmetic | machine tools |
 //! | [`calibrate`] | fit of parameters and set-up unknowns, what the data cannot tell, quality | causes |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
@@ -53,6 +53,7 @@
 //! | a word that is passed on | – | `exec/sinumerik/kept.rs` |
 //! | a source of error | `model/source/x.rs`: sections, effects, formula and source, example; a row in the README | [`model::SOURCES`] |
 //! | a kind of motion error | `model/motion/x.rs` with formula, source and example; `docs/motion.md` | the register of kinds there |
+//! | a kind of test plan | `measure/plan/x.rs`; a row in `docs/plan.md` | [`measure::plan::PLANS`] |
 //! | a preset of parameters | `model/preset/x.rs` | [`model::preset::PRESETS`] |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |
 //! | a command | `cli/x.rs` | `cli/mod.rs` |

@@ -64,6 +64,7 @@ mod milling;
 mod model;
 mod modes;
 mod motion_kinds;
+mod plan;
 mod positioning;
 mod presets;
 mod programs;

@@ -1,4 +1,6 @@
 //! What a measurement will tell before it is made: rank and condition of its equations, and which further poses help most.
+//!
+//! Judged on the machine without errors: with them, what depends on each other exactly does so to 1e-4 only, and looks as if it could be told.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -33,21 +35,32 @@ pub struct Told {
 
 /// Judges measurements by where they are made; the values of readings do not matter, but a cell without one gives no equation.
 #[must_use]
-pub fn told(machine: &Machine, errors: &ErrorModel, parameters: &[ParameterName], data: &[DataSet]) -> Told {
+pub fn told(machine: &Machine, parameters: &[ParameterName], data: &[DataSet]) -> Told {
     let design = Design::new(machine, data, parameters);
     let mut system = System::new(design.columns.len());
-    for row in factors(&design, errors) {
+    let mut squares = vec![0.0; design.columns.len()];
+    for row in factors(&design) {
         system.add(&row, 0.0, 1.0);
+        for (sum, factor) in squares.iter_mut().zip(&row) {
+            *sum += factor * factor;
+        }
     }
     let rows = system.rows();
     let solution = system.solve();
+    // By what each part of a direction does to the readings: a coefficient per mm² is a small number, a shift in mm is not.
+    let mut lost = solution.null_space.clone();
+    for direction in &mut lost {
+        for (part, square) in direction.iter_mut().zip(&squares) {
+            *part *= if *square > 0.0 { square.sqrt() } else { 1.0 };
+        }
+    }
     Told {
         parameters: parameters.len(),
         columns: design.columns.len(),
         rows,
         rank: solution.rank,
         condition: solution.condition(),
-        sentences: words::lost(&solution.null_space, &design.columns, data),
+        sentences: words::lost(&lost, &design.columns, data),
     }
 }
 
@@ -55,7 +68,6 @@ pub fn told(machine: &Machine, errors: &ErrorModel, parameters: &[ParameterName]
 #[must_use]
 pub fn improve(
     machine: &Machine,
-    errors: &ErrorModel,
     parameters: &[ParameterName],
     data: &DataSet,
     candidates: &[Observation],
@@ -65,7 +77,7 @@ pub fn improve(
     let design = Design::new(machine, one, parameters);
     let width = design.columns.len();
     let mut normal = DMatrix::<f64>::zeros(width, width);
-    for row in factors(&design, errors) {
+    for row in factors(&design) {
         let row = DVector::from_vec(row);
         normal.ger(1.0, &row, &row, 1.0);
     }
@@ -74,7 +86,7 @@ pub fn improve(
     for (number, candidate) in candidates.iter().enumerate() {
         single.observations = vec![*candidate];
         let design = Design::new(machine, std::slice::from_ref(&single), parameters);
-        sets.push((number, factors(&design, errors).into_iter().map(DVector::from_vec).collect()));
+        sets.push((number, factors(&design).into_iter().map(DVector::from_vec).collect()));
     }
     // One scale for all rounds: that of what could be measured.
     let mut scale = DVector::from_fn(width, |column, _| normal[(column, column)]);
@@ -144,9 +156,9 @@ fn weakest(normal: &DMatrix<f64>) -> Vec<DVector<f64>> {
     columns.filter(|&(&value, _)| value <= limit).map(|(_, column)| column.into_owned()).collect()
 }
 
-fn factors(design: &Design<'_>, errors: &ErrorModel) -> Vec<Vec<f64>> {
+fn factors(design: &Design<'_>) -> Vec<Vec<f64>> {
     let values = vec![0.0; design.columns.len()];
     let mut rows = Vec::new();
-    design.walk(errors, &values, true, |_, row| rows.push(row.to_vec()));
+    design.walk(&ErrorModel::default(), &values, true, |_, row| rows.push(row.to_vec()));
     rows
 }

@@ -23,6 +23,12 @@ use crate::model::preset::{PRESETS, find};
 
 /// What a row without a reading is taken for when it is asked what it tells.
 const READ: f64 = 0.0;
+/// How the sentence for a column of zeros ends.
+const IDLE: &str = " moves nothing that was measured";
+/// Names that are shown of those that no reading feels.
+const MOST_NAMES: usize = 30;
+/// Sentences that are shown.
+const MOST_SENTENCES: usize = 12;
 
 /// Writes a plan.
 pub(super) fn run(arguments: &PlanArguments) -> Result<ExitCode, Stop> {
@@ -115,7 +121,7 @@ fn judge(name: &str, more: usize, chosen: &Chosen, plan: &mut Builder) -> Result
             candidate.values = values(plan);
         }
         read.sigma = None;
-        for chosen_one in improve(machine, &chosen.errors, &parameters, &read, &candidates, more) {
+        for chosen_one in improve(machine, &parameters, &read, &candidates, more) {
             if let Some(candidate) = plan.candidates.get(chosen_one).copied() {
                 plan.visit(&candidate, "more")
                     .map_err(|reason| Stop::Usage(format!("no way to a further pose: {reason}")))?;
@@ -129,16 +135,32 @@ fn judge(name: &str, more: usize, chosen: &Chosen, plan: &mut Builder) -> Result
 /// What a plan tells, in words.
 fn said(who: &str, name: &str, chosen: &Chosen, parameters: &[ParameterName], plan: &Builder) -> String {
     let read = as_read(plan);
-    let told = told(&chosen.machine, &chosen.errors, parameters, std::slice::from_ref(&read));
+    let told = told(&chosen.machine, parameters, std::slice::from_ref(&read));
     let unknowns = told.columns - told.parameters;
     let mut out = format!(
         "preset {name}, {} parameters and {unknowns} unknowns of the set-up: {who} tells {} of {} (condition {:.0})\n",
         told.parameters, told.rank, told.columns, told.condition
     );
-    for sentence in &told.sentences {
+    // What no reading feels at all is one sentence; the others are one each.
+    let (idle, mixed): (Vec<&String>, Vec<&String>) =
+        told.sentences.iter().partition(|sentence| sentence.ends_with(IDLE));
+    let names: Vec<&str> = idle.iter().filter_map(|sentence| sentence.strip_suffix(IDLE)).collect();
+    if !names.is_empty() {
+        let shown: Vec<&str> = names.iter().copied().take(MOST_NAMES).collect();
+        let _ = writeln!(out, "  not felt: {}{}", shown.join(", "), more(names.len(), shown.len()));
+    }
+    for sentence in mixed.iter().take(MOST_SENTENCES) {
         let _ = writeln!(out, "  cannot tell: {sentence}");
     }
+    if mixed.len() > MOST_SENTENCES {
+        let _ = writeln!(out, "  cannot tell:{}", more(mixed.len(), MOST_SENTENCES));
+    }
     out
+}
+
+/// How many are not shown.
+fn more(all: usize, shown: usize) -> String {
+    if all > shown { format!(" and {} more", all - shown) } else { String::new() }
 }
 
 /// The measurement as if it had been made.

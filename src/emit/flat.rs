@@ -2,7 +2,8 @@
 //!
 //! No zero offset and no tool length may act on them: Sinumerik writes `SUPA` in every block and `D0`, Grundig `G53`. Fanuc and RS274/NGC know
 //! machine coordinates on straight (Fanuc: rapid) moves only, so there rapid moves are `G90 G53 G0` and all others increments of what has been
-//! written, which no offset changes and which add up exactly, being counts of increments.
+//! written, which no offset changes and which add up exactly, being counts of increments. Behind a stop or a cycle they begin with a `G90 G53 G0`
+//! to where the axes were left.
 
 use super::comment::in_parentheses;
 use super::number::{Decimals, push_pointed, push_value};
@@ -40,6 +41,7 @@ pub fn flat(machine: &Machine, title: &str, elements: &[Kind]) -> Result<Vec<u8>
         plane: None,
         feed: 0.0,
         is_incremental: false,
+        is_lost: false,
         number: 0,
         out: Vec::new(),
     };
@@ -62,6 +64,8 @@ struct Flat<'a> {
     plane: Option<Plane>,
     feed: f64,
     is_incremental: bool,
+    /// Whether somebody else may have moved the axes since.
+    is_lost: bool,
     number: u32,
     out: Vec<u8>,
 }
@@ -135,9 +139,17 @@ impl Flat<'_> {
                     }
                 }
                 self.line(&line);
+                self.is_lost |= line == b"M0";
             }
             Kind::Comment(text) => self.comment(text),
-            Kind::Verbatim(text) => self.line(text),
+            Kind::Verbatim(text) => {
+                // Cycles expect absolute positions.
+                if std::mem::take(&mut self.is_incremental) {
+                    self.line(b"G90");
+                }
+                self.line(text);
+                self.is_lost = true;
+            }
             _ => {}
         }
     }
@@ -148,6 +160,9 @@ impl Flat<'_> {
         let is_first = AXES.into_iter().any(|axis| self.machine.axis(axis).is_some() && self.last_of(axis).is_none());
         let is_absolute = !relative || motion.rapid || is_first;
         let is_rapid = motion.rapid || relative && is_first;
+        if std::mem::take(&mut self.is_lost) && !is_absolute {
+            self.come_back();
+        }
         let mut line = Vec::new();
         if let Some(arc) = motion.arc.filter(|arc| self.plane != Some(arc.plane)) {
             self.plane = Some(arc.plane);
@@ -207,6 +222,19 @@ impl Flat<'_> {
             line.extend_from_slice(b" F");
             self.value(&mut line, motion.feed);
         }
+        self.line(&line);
+    }
+
+    /// Goes to where the axes were left, so that increments count from there. Nothing moves if nobody has moved them.
+    fn come_back(&mut self) {
+        let mut line = b"G90 G53 G0".to_vec();
+        for axis in AXES {
+            if let Some(count) = self.last_of(axis) {
+                self.name(&mut line, axis);
+                self.decimals(axis).1.push(&mut line, count);
+            }
+        }
+        self.is_incremental = false;
         self.line(&line);
     }
 

@@ -63,7 +63,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         for row in 0..side {
             for column in 0..side {
                 // To and fro.
-                let column = if row % 2 == 0 { column } else { side - 1 - column };
+                let column = if row.is_multiple_of(2) { column } else { side - 1 - column };
                 holes.push(at(column as f64, row as f64));
             }
         }

@@ -149,9 +149,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     }
     let more = indexed(machine, &Wishes { points: Some(60), ..wishes.clone() }, balls_needed)?;
     for (rotary, turned, ball) in more {
-        // Off the poses of the plan, half a step aside.
-        let setup = 0;
-        let row = row(&plan, &(rotary, turned, ball), setup)?;
+        let row = row(&plan, &(rotary, turned, ball), 0)?;
         if is_reachable(&plan, &row, clearance_mm) {
             plan.candidates.push(row);
         }
@@ -271,8 +269,10 @@ fn balls(machine: &Machine, wishes: &Wishes, count: usize) -> Result<Vec<Vector>
     let other = axis.cross(&one);
     let place = |number: usize| {
         let angle = TAU * number as f64 / count as f64;
-        let height_mm = if number % 2 == 0 { 40.0 } else { 60.0 };
-        origin + (one * angle.cos() + other * angle.sin()) * radius_mm + axis * height_mm
+        let height_mm = if number.is_multiple_of(2) { 40.0 } else { 60.0 };
+        let place = origin + (one * angle.cos() + other * angle.sin()) * radius_mm + axis * height_mm;
+        // To whole µm, as a user would give them.
+        place.map(|value| (value * 1000.0).round() / 1000.0 + 0.0)
     };
     Ok((0..count).map(place).collect())
 }

@@ -141,7 +141,7 @@ fn travel(
         if number > 0 {
             plan.go(&position, Some(feed))?;
         }
-        if number % between == 0 {
+        if number.is_multiple_of(between) {
             let extra = Extra { run: run.to_owned(), feed: Some(feed), ..Extra::default() };
             plan.row(&position, *tool_mm, setup, extra)?;
         }
