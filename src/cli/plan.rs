@@ -23,8 +23,6 @@ use crate::model::preset::{PRESETS, find};
 
 /// What a row without a reading is taken for when it is asked what it tells.
 const READ: f64 = 0.0;
-/// How the sentence for a column of zeros ends.
-const IDLE: &str = " moves nothing that was measured";
 /// Names that are shown of those that no reading feels.
 const MOST_NAMES: usize = 30;
 /// Sentences that are shown.
@@ -141,19 +139,15 @@ fn said(who: &str, name: &str, chosen: &Chosen, parameters: &[ParameterName], pl
         "preset {name}, {} parameters and {unknowns} unknowns of the set-up: {who} tells {} of {} (condition {:.0})\n",
         told.parameters, told.rank, told.columns, told.condition
     );
-    // What no reading feels at all is one sentence; the others are one each.
-    let (idle, mixed): (Vec<&String>, Vec<&String>) =
-        told.sentences.iter().partition(|sentence| sentence.ends_with(IDLE));
-    let names: Vec<&str> = idle.iter().filter_map(|sentence| sentence.strip_suffix(IDLE)).collect();
-    if !names.is_empty() {
-        let shown: Vec<&str> = names.iter().copied().take(MOST_NAMES).collect();
-        let _ = writeln!(out, "  not felt: {}{}", shown.join(", "), more(names.len(), shown.len()));
+    if !told.idle.is_empty() {
+        let shown: Vec<&str> = told.idle.iter().map(String::as_str).take(MOST_NAMES).collect();
+        let _ = writeln!(out, "  not felt: {}{}", shown.join(", "), more(told.idle.len(), shown.len()));
     }
-    for sentence in mixed.iter().take(MOST_SENTENCES) {
+    for sentence in told.sentences.iter().take(MOST_SENTENCES) {
         let _ = writeln!(out, "  cannot tell: {sentence}");
     }
-    if mixed.len() > MOST_SENTENCES {
-        let _ = writeln!(out, "  cannot tell:{}", more(mixed.len(), MOST_SENTENCES));
+    if told.sentences.len() > MOST_SENTENCES {
+        let _ = writeln!(out, "  cannot tell:{}", more(told.sentences.len(), MOST_SENTENCES));
     }
     out
 }

@@ -281,7 +281,10 @@ impl Builder {
                 self.above(&position, &tool_mm, [clearance_mm, above_mm], retract, feed)?;
             }
         }
-        self.row(&position, tool_mm, candidate.setup, extra)?;
+        // Where a ball is probed nobody commands: the row is exact.
+        let exact = self.data.kind.name == "probe";
+        let row = if exact { candidate.reading.position } else { position };
+        self.row(&row, tool_mm, candidate.setup, extra)?;
         self.of_last(candidate.target, candidate.component);
         self.at_pose();
         if let Reach::Above { clearance_mm, feed, .. } = self.reach {

@@ -105,7 +105,9 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let row = |plan: &Builder, (rotary, _, ball): &Pose, setup: usize| -> Result<Observation, Refused> {
         let place = balls_mm.get(*ball).copied().unwrap_or_else(Vector::zeros);
         let missing = || Refused(format!("the linear axes of {} cannot place the tool", machine.name));
-        let position = plan.kinematics.placed(&place, rotary, &tool_mm).ok_or_else(missing)?;
+        // The angles are commanded, the place of the tip is found.
+        let rotary = plan.on_increments(rotary);
+        let position = plan.kinematics.placed(&place, &rotary, &tool_mm).ok_or_else(missing)?;
         let reading = Reading { position, tool_mm, state: State::default() };
         Ok(Observation { target: Some(*ball), ..observation(reading, setup) })
     };
