@@ -4,15 +4,15 @@ mod examples;
 mod load;
 mod machine;
 mod measured;
-mod sensors;
 mod plan;
+mod sensors;
 mod steps;
 
 pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
-pub(super) use sensors::SensorsArguments;
 pub(super) use plan::PlanArguments;
+pub(super) use sensors::SensorsArguments;
 pub(super) use steps::StepsArguments;
 
 use std::ffi::OsString;
