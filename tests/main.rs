@@ -9,6 +9,8 @@ mod bad;
 mod bench_machine;
 mod bottleneck;
 mod by_hand;
+mod calibrate;
+mod calibrate_recover;
 mod cli_check;
 mod cli_explain;
 mod cli_fix;

@@ -1,35 +1,33 @@
 //! Gauss–Newton over all parameters and unknowns at once.
 //!
 //! The factors are those of the nominal machine: errors of 1e-4 change them by 1e-4 of themselves, which costs the iteration nothing. Residuals
-//! come from the full kinematics each time, so that what it converges to is exact.
+//! come from the full kinematics each time, so that what it converges to is exact. Steps between the first and the last one use the
+//! factors of the second and the normal equations; the first says what the data can tell, the last how well.
 
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
 use crate::model::parameter::ParameterName;
-use crate::numeric::{Solution, System};
+use crate::numeric::{Normal, Solution, Step, System};
 
 use super::column::Column;
-use super::design::{Design, Line};
-use super::robust::{spread, weight};
+use super::design::{Design, Line, Origin};
+use super::noise::{Noise, group_of};
+use super::robust::TUKEY_VARIANCE;
 use super::words;
 
 /// Rounds at most.
-const MAX_ROUNDS: usize = 30;
+const MAX_ROUNDS: usize = 60;
 /// Rounds with weights that cannot lock on to a wrong start.
 const EARLY_ROUNDS: usize = 4;
 /// Steps below this share of their uncertainty say nothing.
 const SETTLED: f64 = 1e-3;
 /// Steps that are still like this after the last round are good enough: weights that go to and fro.
 const NEARLY_SETTLED: f64 = 0.05;
-/// How much the uncertainty of readings may still change.
-const SAME_SIGMA: f64 = 1e-3;
-/// Share of the equations that is not used up, at least.
-const LEAST_FREEDOM: f64 = 0.05;
-/// Uncertainty of a reading before the residuals say more, mm and rad.
-const FIRST_SIGMA: f64 = 1e-3;
-/// No spread is less than this, mm or rad: data without noise.
-const LEAST_SIGMA: f64 = 1e-9;
+/// Factors are kept between rounds up to this number of them (256 MB).
+const KEPT_FACTORS: usize = 1 << 25;
+/// Rows with less weight were rejected.
+const REJECTED: f64 = 0.01;
 
 /// How to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,8 +43,11 @@ pub struct Fit {
     pub errors: ErrorModel,
     /// Parameters of the machine, then unknowns of the measurements.
     pub estimates: Vec<Estimate>,
-    /// Standard uncertainty of a reading of each measurement, mm or rad: as described, or estimated.
+    /// Standard uncertainty of a reading of a length of each measurement, mm: as described, or estimated where it is not described or
+    /// the residuals are larger than it says.
     pub sigmas: Vec<f64>,
+    /// The same of readings of angles, rad.
+    pub angle_sigmas: Vec<f64>,
     /// What is left of every reading, mm or rad: measurement, row, residual, weight.
     pub residuals: Vec<(usize, usize, f64, f64)>,
     /// Largest by smallest singular value.
@@ -55,6 +56,17 @@ pub struct Fit {
     pub freedom: usize,
     /// Rounds.
     pub rounds: usize,
+}
+
+impl Fit {
+    /// Readings that do not fit and count for nothing: measurement and row, each once.
+    #[must_use]
+    pub fn rejected(&self) -> Vec<(usize, usize)> {
+        let small = self.residuals.iter().filter(|(.., weight)| *weight < REJECTED);
+        let mut rows: Vec<(usize, usize)> = small.map(|&(set, row, ..)| (set, row)).collect();
+        rows.dedup();
+        rows
+    }
 }
 
 /// One number that was found.
@@ -100,35 +112,20 @@ pub fn fit(
     options: Options,
 ) -> Result<Fit, Fault> {
     let design = Design::new(machine, data, parameters);
-    let count = design.columns.len();
     let mut errors = start.clone();
-    let mut values: Vec<f64> = parameters.iter().map(|name| name.get(start)).collect();
-    values.resize(count, 0.0);
-    let mut sigmas: Vec<f64> = data.iter().map(|set| set.sigma.unwrap_or(FIRST_SIGMA)).collect();
-    let mut last: Option<Vec<(Line, f64)>> = None;
+    let mut values = design.start(start);
+    let mut rounds = Rounds::new(&design, data, options);
+    let mut is_last = false;
     for round in 0..MAX_ROUNDS {
-        let mut system = System::new(count);
-        let mut lines = Vec::new();
-        design.walk(&errors, &values, true, |line, factors| {
-            let sigma = sigma_of(&design, &line, &sigmas);
-            let weight = match &last {
-                // A first step brings the residuals to where they say something.
-                Some(_) if options.robust && line.row.is_some() => {
-                    weight(line.residual / sigma_of(&design, &line, &sigmas), round < EARLY_ROUNDS)
-                }
-                _ => 1.0,
-            };
-            system.add(factors, line.residual, weight.sqrt() / sigma);
-            lines.push((line, weight));
-        });
-        if lines.len() < count {
-            return Err(Fault::TooFew { equations: lines.len(), unknowns: count });
-        }
-        let solution = system.solve();
-        if solution.rank < count {
-            return Err(Fault::NotTold(words::lost(&solution.null_space, &design.columns, data)));
-        }
-        for (value, step) in values.iter_mut().zip(solution.unknowns.iter()) {
+        is_last |= round + 1 == MAX_ROUNDS;
+        let is_same = rounds.look(&errors, &values, round, is_last)?;
+        let solution = if round == 0 || is_last { Some(rounds.solved()?) } else { None };
+        let step = match (rounds.step(), &solution) {
+            (Some(step), _) => step,
+            (None, Some(solution)) => step_of(solution),
+            (None, None) => step_of(&rounds.solved()?),
+        };
+        for (value, step) in values.iter_mut().zip(step.unknowns.iter()) {
             *value += step;
         }
         for (name, &value) in parameters.iter().zip(&values) {
@@ -137,70 +134,164 @@ pub fn fit(
         if !values.iter().all(|value| value.is_finite()) {
             return Err(Fault::NotSettled);
         }
-        let moved = largest_step(&solution);
-        let mut found = Vec::with_capacity(lines.len());
-        design.walk(&errors, &values, false, |line, _| found.push(line));
-        // Unknowns that follow the noise make residuals smaller than it.
-        let used: f64 = lines.iter().map(|(_, weight)| *weight).sum();
-        let freedom = (1.0 - count as f64 / used.max(1.0)).max(LEAST_FREEDOM);
-        let mut is_same = true;
-        for (number, sigma) in sigmas.iter_mut().enumerate().filter(|&(number, _)| data[number].sigma.is_none()) {
-            let own = found.iter().filter(|line| line.set == number && line.row.is_some());
-            let next = (spread(own.map(|line| line.residual)) / freedom.sqrt()).max(LEAST_SIGMA);
-            is_same &= (next - *sigma).abs() <= SAME_SIGMA * next;
-            *sigma = next;
+        let moved = largest_step(&step);
+        rounds.used = shared(step.used, &rounds.lines, rounds.noise.groups(), values.len());
+        if let (true, Some(solution)) = (is_last && moved < NEARLY_SETTLED, solution) {
+            return Ok(finish(rounds, errors, &values, &solution, round + 1));
         }
-        let early = if options.robust { EARLY_ROUNDS } else { 0 };
-        let is_settled = moved < SETTLED && round > early && is_same;
-        last = Some(lines);
-        if is_settled || round + 1 == MAX_ROUNDS && moved < NEARLY_SETTLED {
-            let weights: Vec<f64> = last.iter().flatten().map(|(_, weight)| *weight).collect();
-            return Ok(finish(&design, errors, &values, &solution, sigmas, found.into_iter().zip(weights), round + 1));
-        }
+        let early = if options.robust { EARLY_ROUNDS } else { 1 };
+        is_last = moved < SETTLED && round > early && is_same;
     }
     Err(Fault::NotSettled)
 }
 
-fn sigma_of(design: &Design<'_>, line: &Line, sigmas: &[f64]) -> f64 {
-    if line.row.is_none() {
-        return design.sigma(line).unwrap_or(FIRST_SIGMA);
-    }
-    sigmas.get(line.set).copied().unwrap_or(FIRST_SIGMA)
-}
-
-/// The largest last step in units of its uncertainty.
-fn largest_step(solution: &Solution) -> f64 {
-    let steps = solution
-        .unknowns
-        .iter()
-        .zip(solution.cofactors.diagonal().iter().map(|variance| variance.sqrt()).collect::<Vec<_>>());
-    steps
-        .fold(0.0, |largest, (step, sigma)| if sigma > 0.0 { f64::max(largest, (step / sigma).abs()) } else { largest })
-}
-
-fn finish(
-    design: &Design<'_>,
+/// What is carried from round to round.
+struct Rounds<'a> {
+    design: &'a Design<'a>,
+    options: Options,
+    noise: Noise,
+    /// Unknowns that each group of readings has used up.
+    used: Vec<f64>,
+    lines: Vec<Line>,
+    weights: Vec<f64>,
+    /// The factors of all equations, one after another; empty where they are too many.
+    factors: Vec<f64>,
     errors: ErrorModel,
-    values: &[f64],
-    solution: &Solution,
-    sigmas: Vec<f64>,
-    lines: impl Iterator<Item = (Line, f64)>,
-    rounds: usize,
-) -> Fit {
-    let effects = design.effects(&errors);
-    let estimates = design
+    values: Vec<f64>,
+}
+
+impl<'a> Rounds<'a> {
+    fn new(design: &'a Design<'a>, data: &[DataSet], options: Options) -> Rounds<'a> {
+        let noise = Noise::new(data);
+        let used = vec![0.0; noise.groups()];
+        let (lines, weights, factors, values) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Rounds { design, options, noise, used, lines, weights, factors, errors: ErrorModel::default(), values }
+    }
+
+    /// Looks at the residuals: finds noise and weights. Returns whether the noise stayed the same.
+    fn look(&mut self, errors: &ErrorModel, values: &[f64], round: usize, is_last: bool) -> Result<bool, Fault> {
+        self.errors.clone_from(errors);
+        self.values = values.to_vec();
+        // Where the unknowns of the set-ups are the directions of readings depend on; the first round has found it.
+        let with_factors = round < 2 || is_last;
+        let width = self.design.columns.len();
+        let (lines, kept) = (&mut self.lines, &mut self.factors);
+        lines.clear();
+        if with_factors {
+            kept.clear();
+        }
+        let mut fits = true;
+        self.design.walk(errors, values, with_factors, |line, factors| {
+            lines.push(line);
+            fits &= lines.len() * width <= KEPT_FACTORS;
+            if with_factors && fits {
+                kept.extend_from_slice(factors);
+            }
+        });
+        if !fits {
+            self.factors = Vec::new();
+        }
+        if self.lines.len() < width {
+            return Err(Fault::TooFew { equations: self.lines.len(), unknowns: width });
+        }
+        // A first step brings the residuals to where they say something.
+        let is_same = round > 0 && self.noise.update(&self.lines, &self.used, self.options.robust);
+        let counts = self.options.robust && round > 0;
+        let noise = &self.noise;
+        let weight = |line: &Line| {
+            if counts && line.row().is_some() { noise.weight(line, round <= EARLY_ROUNDS) } else { 1.0 }
+        };
+        self.weights = self.lines.iter().map(weight).collect();
+        Ok(is_same)
+    }
+
+    /// Calls `out` with every equation, its factors, and the root of its weight.
+    fn each(&self, mut out: impl FnMut(&Line, &[f64], f64)) {
+        let root = |line: &Line, weight: f64| {
+            let sigma = match line.origin {
+                Origin::Row(_) => self.noise.sigma(group_of(line)),
+                Origin::Tie(tie) => self.design.tie_sigma(line.set, tie),
+            };
+            weight.sqrt() / sigma
+        };
+        let width = self.design.columns.len();
+        if self.factors.len() == self.lines.len() * width {
+            for (k, (line, &weight)) in self.lines.iter().zip(&self.weights).enumerate() {
+                out(line, self.factors.get(k * width..(k + 1) * width).unwrap_or_default(), root(line, weight));
+            }
+        } else {
+            let mut weights = self.weights.iter();
+            self.design.walk(&self.errors, &self.values, true, |line, factors| {
+                let weight = weights.next().copied().unwrap_or(0.0);
+                out(&line, factors, root(&line, weight));
+            });
+        }
+    }
+
+    fn step(&self) -> Option<Step> {
+        let mut normal = Normal::new(self.design.columns.len(), self.noise.groups());
+        self.each(|line, factors, weight| normal.add(group_of(line), factors, line.residual, weight));
+        normal.solve()
+    }
+
+    fn solved(&self) -> Result<Solution, Fault> {
+        let mut system = System::new(self.design.columns.len());
+        self.each(|line, factors, weight| system.add(factors, line.residual, weight));
+        let solution = system.solve().ok_or(Fault::NotSettled)?;
+        if solution.rank < self.design.columns.len() {
+            return Err(Fault::NotTold(words::lost(&solution.null_space, &self.design.columns, self.design.data)));
+        }
+        Ok(solution)
+    }
+}
+
+/// The step of a solution.
+fn step_of(solution: &Solution) -> Step {
+    Step { unknowns: solution.unknowns.clone(), variances: solution.cofactors.diagonal(), used: Vec::new() }
+}
+
+/// How many unknowns each group has used up; by its share of the equations where the step does not say.
+fn shared(used: Vec<f64>, lines: &[Line], groups: usize, count: usize) -> Vec<f64> {
+    if used.len() == groups {
+        return used;
+    }
+    let mut out = vec![0.0; groups];
+    for line in lines {
+        if let Some(used) = out.get_mut(group_of(line)) {
+            *used += count as f64 / lines.len() as f64;
+        }
+    }
+    out
+}
+
+/// The largest step in units of its uncertainty.
+fn largest_step(step: &Step) -> f64 {
+    let sizes = step.unknowns.iter().zip(step.variances.iter()).filter(|(_, variance)| **variance > 0.0);
+    sizes.fold(0.0, |largest, (step, variance)| f64::max(largest, step.abs() / variance.sqrt()))
+}
+
+fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Solution, count: usize) -> Fit {
+    let effects = rounds.design.effects();
+    let spread = if rounds.options.robust { TUKEY_VARIANCE } else { 1.0 };
+    let estimates = rounds
+        .design
         .columns
         .iter()
+        .zip(values)
         .enumerate()
-        .map(|(k, &column)| Estimate {
+        .map(|(k, (&column, &value))| Estimate {
             column,
-            value: values.get(k).copied().unwrap_or(0.0),
-            sigma: solution.cofactors[(k, k)].sqrt(),
+            value,
+            sigma: (solution.cofactors[(k, k)] * spread).sqrt(),
             inflation: solution.inflation.get(k).copied().unwrap_or(1.0),
-            effect_mm: effects.get(k).map_or(0.0, |unit| unit * values[k].abs()),
+            effect_mm: effects.get(k).map_or(0.0, |unit| unit * value.abs()),
         })
         .collect();
+    let lines = rounds.lines.iter().zip(&rounds.weights);
     let residuals =
-        lines.filter_map(|(line, weight)| line.row.map(|row| (line.set, row, line.residual, weight))).collect();
-    Fit { errors, estimates, sigmas, residuals, condition: solution.condition(), freedom: solution.freedom, rounds }
+        lines.filter_map(|(line, &weight)| Some((line.set, line.row()?, line.residual, weight))).collect();
+    let (sigmas, angle_sigmas) =
+        (0..rounds.noise.groups() / 2).map(|set| (rounds.noise.sigma(2 * set), rounds.noise.sigma(2 * set + 1))).unzip();
+    let (condition, freedom) = (solution.condition(), solution.freedom);
+    Fit { errors, estimates, sigmas, angle_sigmas, residuals, condition, freedom, rounds: count }
 }

@@ -1,13 +1,15 @@
 //! Calibration: from measured data to the parameters of the error model.
 //!
-//! [`fit`] finds the parameters and the unknowns of all set-ups in one step of Gauss–Newton after another on the full kinematics, with rows
-//! that do not fit weighted down, and refuses where the data cannot tell the parameters apart: [`Fault::NotTold`] says in [`words`] which. What
-//! comes out has uncertainties, and [`quality`] holds it against the data, also against data that it has not seen. [`sensors`] selects the
-//! sensors of temperature that tell a drift.
+//! [`identify`] says what data or a plan can tell. [`fit`] finds the parameters and the unknowns of all set-ups in one step of Gauss–Newton after
+//! another on the full kinematics, with rows that do not fit weighted down, and refuses where the data cannot tell the parameters apart:
+//! [`Fault::NotTold`] says in [`words`] which. What comes out has uncertainties, and [`quality`] holds it against the data, also against data
+//! that it has not seen. [`sensors`] selects the sensors of temperature that tell a drift.
 
 mod column;
 mod design;
 mod fit;
+mod identify;
+mod noise;
 mod quality;
 mod robust;
 pub mod sensors;
@@ -15,6 +17,8 @@ mod told;
 pub mod words;
 
 pub use column::Column;
+pub use design::{Factored, Line, Origin, equations};
 pub use fit::{Estimate, Fault, Fit, Options, fit};
+pub use identify::{Identified, identify};
 pub use quality::{Quality, quality};
 pub use told::{Told, improve, told};

@@ -1,66 +1,128 @@
 //! What the data cannot tell, in words.
+//!
+//! A null space says it by as many directions, of which any mixture would do as well. Here every direction has one column of its own, the
+//! last in an order of simplicity (unknowns of the set-ups, then parameters by degree), and says it by columns before: a coefficient of high
+//! degree cannot be told from those of low degree, a parameter from places of balls, not the other way round.
 
 use nalgebra::DVector;
 
+use crate::geometry::Axis;
 use crate::measure::data::DataSet;
+use crate::model::parameter::Term;
 
 use super::column::Column;
 
 /// Parts of a direction that are smaller than this share of its largest one are left out.
-const COUNTS: f64 = 0.05;
+const COUNTS: f64 = 0.01;
+/// What is smaller is left by the arithmetic.
+const NOISE: f64 = 1e-6;
 /// Names in a sentence at most.
 const MOST_NAMES: usize = 6;
+/// Positions that are nearer to each other are one, mm or rad.
+const SAME_PLACE: f64 = 1e-3;
 
-/// A sentence for every direction of a null space.
+/// A sentence for every direction of a null space, which has its directions by sizes of effects ([`crate::numeric::Solution::null_space`]).
 #[must_use]
 pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -> Vec<String> {
-    simplified(null_space).iter().map(|direction| sentence(direction, columns, data)).collect()
+    let mut order: Vec<usize> = (0..columns.len()).collect();
+    order.sort_by_key(|&k| (simplicity(columns, k), k));
+    let mut found = told_apart(null_space, &order);
+    found.sort_by_key(|(own, _)| *own);
+    found.iter().map(|(own, direction)| sentence(*own, direction, columns, data)).collect()
 }
 
-/// The same space by directions with as many zeros as elimination gives: each then names as few columns as it can.
-fn simplified(null_space: &[DVector<f64>]) -> Vec<DVector<f64>> {
-    let mut rows: Vec<DVector<f64>> = null_space.to_vec();
-    let mut done = 0;
-    while done < rows.len() {
-        // The largest part of what is left, in rows of unit length.
-        for row in rows.iter_mut().skip(done) {
-            let size = row.amax();
-            if size > 0.0 {
-                *row /= size;
+/// The lower, the rather it stands for others.
+fn simplicity(columns: &[Column], k: usize) -> (u8, u8) {
+    match columns.get(k) {
+        Some(Column::Parameter(name)) => match name.term {
+            Term::Whole | Term::Coefficient(_) => (1, name.degree()),
+            Term::Backlash => (2, 0),
+            Term::Knot { degree, .. } => (3, degree),
+        },
+        _ => (0, 0),
+    }
+}
+
+/// The same space by directions each of which has a column that no other has, the last possible in the order.
+fn told_apart(null_space: &[DVector<f64>], order: &[usize]) -> Vec<(usize, DVector<f64>)> {
+    let mut open: Vec<DVector<f64>> = null_space.to_vec();
+    let mut done: Vec<(usize, DVector<f64>)> = Vec::new();
+    for &column in order.iter().rev() {
+        let part = |row: &DVector<f64>| row.get(column).map_or(0.0, |part| part.abs());
+        let Some(best) = (0..open.len()).max_by(|&a, &b| part(&open[a]).total_cmp(&part(&open[b]))) else { break };
+        if part(&open[best]) <= NOISE * open[best].amax() {
+            continue;
+        }
+        let mut own = open.swap_remove(best);
+        own /= own[column];
+        for row in open.iter_mut().chain(done.iter_mut().map(|(_, row)| row)) {
+            let factor = row[column];
+            *row -= &own * factor;
+            // Exactly, so that it does not come back as noise.
+            row[column] = 0.0;
+        }
+        done.push((column, own));
+    }
+    done
+}
+
+fn sentence(own: usize, direction: &DVector<f64>, columns: &[Column], data: &[DataSet]) -> String {
+    let largest = direction.amax();
+    let name = |k: usize| columns.get(k).map(|column| column.name(data).to_string()).unwrap_or_default();
+    let parts = direction.iter().enumerate().filter(|&(k, part)| k != own && part.abs() >= COUNTS * largest);
+    // Parameters of the machine first: they are what is asked for.
+    let mut others: Vec<usize> = parts.map(|(k, _)| k).collect();
+    others.sort_by_key(|&k| (!matches!(columns.get(k), Some(Column::Parameter(_))), k));
+    let hint = hint(own, &others, columns, data);
+    if others.is_empty() {
+        return format!("{} moves nothing that was measured{hint}", name(own));
+    }
+    let shown = others.iter().take(MOST_NAMES).map(|&k| name(k)).collect::<Vec<_>>();
+    let shown = match (shown.as_slice(), others.len().saturating_sub(MOST_NAMES)) {
+        ([most @ .., last], 0) if !most.is_empty() => format!("{} and {last}", most.join(", ")),
+        (all, 0) => all.join(", "),
+        (all, more) => format!("{} and {more} more", all.join(", ")),
+    };
+    format!("{} cannot be told from {shown}{hint}", name(own))
+}
+
+/// Which axis of those concerned stood at too few positions, if one did.
+fn hint(own: usize, others: &[usize], columns: &[Column], data: &[DataSet]) -> String {
+    let names = || {
+        std::iter::once(&own).chain(others).filter_map(|&k| match columns.get(k) {
+            Some(Column::Parameter(name)) => Some(name),
+            _ => None,
+        })
+    };
+    let mut axes: Vec<Axis> = names().filter_map(|name| name.component.axis()).collect();
+    axes.sort_unstable();
+    axes.dedup();
+    let few = axes.into_iter().find_map(|axis| {
+        let highest =
+            names().filter(|name| name.component.axis() == Some(axis)).map(|name| name.degree()).max().unwrap_or(0);
+        let needed = (usize::from(highest) + 1).max(if axis.is_rotary() { 2 } else { 1 });
+        if names().any(|name| name.term == Term::Backlash && name.component.axis() == Some(axis)) {
+            let mut readings = data.iter().flat_map(|set| &set.observations);
+            let first = readings.next().map(|row| row.reading.state.direction(axis));
+            if readings.all(|row| Some(row.reading.state.direction(axis)) == first) {
+                return Some(format!("; {axis} was reached in one sense only"));
             }
         }
-        let Some(pivot) = rows.get(done).map(|row| row.iamax()) else { break };
-        let first = rows[done].clone();
-        let own = first[pivot];
-        if own == 0.0 {
-            break;
-        }
-        for (k, row) in rows.iter_mut().enumerate().filter(|(k, _)| *k != done) {
-            let _ = k;
-            let factor = row[pivot] / own;
-            *row -= &first * factor;
-        }
-        done += 1;
-    }
-    rows.into_iter().filter(|row| row.amax() > 0.0).collect()
+        let found = positions(axis, data, needed);
+        let s = if found == 1 { "" } else { "s" };
+        (found < needed).then(|| format!("; {axis} stood at {found} position{s}, at least {needed} are needed"))
+    });
+    few.unwrap_or_default()
 }
 
-fn sentence(direction: &DVector<f64>, columns: &[Column], data: &[DataSet]) -> String {
-    let largest = direction.amax();
-    let mut parts: Vec<(usize, f64)> =
-        direction.iter().copied().enumerate().filter(|(_, part)| part.abs() >= COUNTS * largest).collect();
-    // Parameters of the machine first: they are what is asked for.
-    parts.sort_by_key(|&(k, _)| (!matches!(columns.get(k), Some(Column::Parameter(_))), k));
-    let names: Vec<String> =
-        parts.iter().filter_map(|(k, _)| columns.get(*k)).map(|column| column.name(data).to_string()).collect();
-    match names.as_slice() {
-        [] => "nothing".into(),
-        [only] => format!("{only} moves nothing that was measured"),
-        [first, others @ ..] => {
-            let shown = others.iter().take(MOST_NAMES).cloned().collect::<Vec<_>>().join(", ");
-            let more = others.len().saturating_sub(MOST_NAMES);
-            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            format!("{first} cannot be told from {shown}{more}")
+/// How many positions of an axis there are, counted up to `most`.
+fn positions(axis: Axis, data: &[DataSet], most: usize) -> usize {
+    let mut found: Vec<f64> = Vec::new();
+    for observation in data.iter().flat_map(|set| &set.observations) {
+        let position = observation.reading.position[axis];
+        if found.len() < most && found.iter().all(|known| (known - position).abs() > SAME_PLACE) {
+            found.push(position);
         }
     }
+    found.len()
 }

@@ -9,7 +9,7 @@ use crate::machine::Machine;
 use crate::machine::file::{MachineFile, Section};
 use crate::model::ErrorName;
 use crate::source::Source;
-use crate::units::mm_from_um;
+use crate::units::{mm_from_um, rad_from_urad};
 
 use super::kind::{self, KINDS, Kind};
 use super::reading::{Reading, Readings};
@@ -21,8 +21,10 @@ pub struct DataSet {
     pub name: String,
     /// What was measured.
     pub kind: &'static Kind,
-    /// Standard uncertainty of a reading, mm (rad for readings of angles); `None` where it is to be estimated.
+    /// Standard uncertainty of a reading of a length, mm; `None` where it is to be estimated.
     pub sigma: Option<f64>,
+    /// The same of an angle, rad.
+    pub sigma_rad: Option<f64>,
     /// What is unknown of every set-up.
     pub free: Vec<Free>,
     /// Mountings of the instrument.
@@ -68,6 +70,8 @@ pub struct KnownLength {
     pub between: [usize; 2],
     /// Calibrated value, mm.
     pub value_mm: f64,
+    /// Its standard uncertainty, mm, where it is known.
+    pub sigma_mm: Option<f64>,
 }
 
 /// A row.
@@ -83,6 +87,8 @@ pub struct Observation {
     pub target: Option<usize>,
     /// The component that was measured.
     pub component: Option<ErrorName>,
+    /// By how much the spindle was turned, rad: an offset of the stylus turns with it.
+    pub spindle_rad: f64,
     /// The row in its file.
     pub place: Place,
 }
@@ -138,16 +144,17 @@ fn read_description(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagno
             section.number_where(key, "a length above 0", |mm| mm > 0.0)
         });
         if let (Some(from), Some(to), Some(value_mm)) = (from, to, value_mm) {
-            lengths.push((from.to_owned(), to.to_owned(), value_mm));
+            let sigma_mm = section.number_where("sigma_um", "a number above 0", |um| um > 0.0).map(mm_from_um);
+            lengths.push((from.to_owned(), to.to_owned(), value_mm, sigma_mm));
         }
         section.finish(&mut findings);
     }
     root.finish(&mut findings);
     let data = data.map(|mut data: DataSet| {
         data.setups = setups;
-        for (from, to, value_mm) in lengths {
+        for (from, to, value_mm, sigma_mm) in lengths {
             let between = [from, to].map(|label| number_of(&mut data.targets, &label));
-            data.lengths.push(KnownLength { between, value_mm });
+            data.lengths.push(KnownLength { between, value_mm, sigma_mm });
         }
         data
     });
@@ -170,6 +177,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>) -> Option<DataSet> {
         kind
     });
     let sigma = section.number_where("sigma_um", "a number above 0", |um| um > 0.0).map(mm_from_um);
+    let sigma_rad = section.number_where("sigma_urad", "a number above 0", |urad| urad > 0.0).map(rad_from_urad);
     let free = section.texts("free");
     let kind = kind?;
     let mut unknowns = Vec::new();
@@ -188,6 +196,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>) -> Option<DataSet> {
         name: name.to_owned(),
         kind,
         sigma,
+        sigma_rad,
         free: unknowns,
         setups: Vec::new(),
         targets: Vec::new(),
@@ -229,8 +238,15 @@ fn read_rows(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet, findi
                 data.setups.len() - 1
             }
         };
-        let mut observation =
-            Observation { reading, setup, values: [None; 3], target: None, component: None, place: row.place(0) };
+        let mut observation = Observation {
+            reading,
+            setup,
+            values: [None; 3],
+            target: None,
+            component: None,
+            spindle_rad: 0.0,
+            place: row.place(0),
+        };
         match (data.kind.read)(data, &row, readings.sign(), &mut observation) {
             Ok(()) => {}
             Err(finding) => {
@@ -259,7 +275,8 @@ fn bits(observation: &Observation) -> Vec<u64> {
     let values = observation.values.map(|value| value.unwrap_or(f64::NAN));
     let senses = observation.reading.state.direction.map(f64::from);
     let tool = observation.reading.tool_mm;
-    position.iter().chain(&values).chain(&senses).chain(tool.iter()).map(|value| value.to_bits()).collect()
+    let spindle = [observation.spindle_rad];
+    position.iter().chain(&values).chain(&senses).chain(tool.iter()).chain(&spindle).map(|value| value.to_bits()).collect()
 }
 
 fn row_line(rows: &Table, place: Place) -> usize {

@@ -7,9 +7,13 @@
 use nalgebra::{DMatrix, DVector};
 
 /// Rows that are folded at once, at least; more where there are many columns.
-const BLOCK: usize = 256;
+const BLOCK: usize = 512;
 /// Singular values below this share of the largest one are zero: what is left of the arithmetic is 1e-13 or so, what data can carry 1e-5.
-const RANK_LIMIT: f64 = 1e-8;
+pub const RANK_LIMIT: f64 = 1e-8;
+/// Parts of the null space that are larger are no rounding.
+const LOST: f64 = 1e-6;
+/// The decomposition gives up after this many steps.
+const MAX_SWEEPS: usize = 100_000;
 
 /// A system that grows row by row.
 #[derive(Clone, Debug)]
@@ -32,7 +36,8 @@ pub struct Solution {
     pub singular_values: Vec<f64>,
     /// How many of them are not zero.
     pub rank: usize,
-    /// Directions that the data cannot tell, each of unit length in columns of unit length, scaled back to the unknowns.
+    /// Directions that the data cannot tell, each of unit length, by columns of unit length: the parts of a direction are sizes of effects,
+    /// whatever the units of the unknowns.
     pub null_space: Vec<DVector<f64>>,
     /// Sum of the squared residuals.
     pub squares: f64,
@@ -81,66 +86,66 @@ impl System {
         self.rows
     }
 
-    /// Solves it.
+    /// Solves it; `None` where it has numbers that are not finite.
     #[must_use]
-    pub fn solve(mut self) -> Solution {
+    pub fn solve(mut self) -> Option<Solution> {
         self.fold();
         let n = self.columns;
-        let height = self.filled;
-        let matrix = self.pending.view((0, 0), (height, n)).into_owned();
-        let values = self.pending.view((0, n), (height, 1)).column(0).into_owned();
-        let lengths: Vec<f64> = matrix.column_iter().map(|column| column.norm()).collect();
-        let scale = |column: usize| if lengths[column] > 0.0 { 1.0 / lengths[column] } else { 1.0 };
-        let mut scaled = matrix;
-        for column in 0..n {
-            scaled.column_mut(column).scale_mut(scale(column));
-        }
-        let total = values.norm_squared();
         // Square, so that all right singular vectors are there.
-        let square = if height < n { scaled.resize(n, n, 0.0) } else { scaled };
-        let values = if height < n { values.resize_vertically(n, 0.0) } else { values };
-        let decomposition = square.svd(true, true);
-        let (left, right) = (decomposition.u.unwrap_or_default(), decomposition.v_t.unwrap_or_default());
-        let mut order: Vec<usize> = (0..decomposition.singular_values.len()).collect();
-        order.sort_by(|&a, &b| decomposition.singular_values[b].total_cmp(&decomposition.singular_values[a]));
-        let singular_values: Vec<f64> = order.iter().map(|&k| decomposition.singular_values[k]).collect();
+        let height = self.filled.max(n);
+        let mut matrix = self.pending.view((0, 0), (height, n)).into_owned();
+        let values = self.pending.view((0, n), (height, 1)).column(0).into_owned();
+        let total = values.norm_squared();
+        if !total.is_finite() || matrix.iter().any(|factor| !factor.is_finite()) {
+            return None;
+        }
+        let scale: Vec<f64> = matrix.column_iter().map(|column| column.norm()).collect();
+        let scale: Vec<f64> = scale.iter().map(|&length| if length > 0.0 { 1.0 / length } else { 1.0 }).collect();
+        for (column, &scale) in scale.iter().enumerate() {
+            matrix.column_mut(column).scale_mut(scale);
+        }
+        // Without columns there is nothing to decompose.
+        let (left, found, right) = if n == 0 {
+            (DMatrix::zeros(height, 0), DVector::zeros(0), DMatrix::zeros(0, 0))
+        } else {
+            let parts = matrix.try_svd(true, true, f64::EPSILON, MAX_SWEEPS)?;
+            (parts.u?, parts.singular_values, parts.v_t?)
+        };
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|&a, &b| found[b].total_cmp(&found[a]));
+        let singular_values: Vec<f64> = order.iter().map(|&k| found[k]).collect();
         let limit = singular_values.first().copied().unwrap_or(0.0) * RANK_LIMIT;
         let rank = singular_values.iter().filter(|&&value| value > limit).count();
         let mut unknowns = DVector::zeros(n);
         let mut cofactors = DMatrix::zeros(n, n);
-        let mut explained = 0.0;
+        let mut explained = DVector::zeros(height);
         for (&k, &value) in order.iter().zip(&singular_values).take(rank) {
             let amount = left.column(k).dot(&values);
-            explained += amount * amount;
+            explained += left.column(k) * amount;
             let direction = right.row(k).transpose();
             unknowns += &direction * (amount / value);
-            cofactors += &direction * direction.transpose() / (value * value);
+            cofactors.ger(1.0 / (value * value), &direction, &direction, 1.0);
         }
-        let null_space: Vec<DVector<f64>> = order
-            .iter()
-            .skip(rank)
-            .map(|&k| {
-                DVector::from_iterator(n, right.row(k).iter().enumerate().map(|(column, part)| part * scale(column)))
-            })
-            .collect();
-        let is_lost = |column: usize| null_space.iter().any(|vector| (vector[column] / scale(column)).abs() > 1e-6);
+        let null_space: Vec<DVector<f64>> = order.iter().skip(rank).map(|&k| right.row(k).transpose()).collect();
+        let is_lost = |column: usize| null_space.iter().any(|vector| vector[column].abs() > LOST);
         let inflation =
             (0..n).map(|column| if is_lost(column) { f64::INFINITY } else { cofactors[(column, column)] }).collect();
-        for column in 0..n {
-            unknowns[column] *= scale(column);
-            cofactors.column_mut(column).scale_mut(scale(column));
-            cofactors.row_mut(column).scale_mut(scale(column));
+        for (column, &scale) in scale.iter().enumerate() {
+            unknowns[column] *= scale;
+            cofactors.column_mut(column).scale_mut(scale);
+            cofactors.row_mut(column).scale_mut(scale);
         }
-        Solution {
+        Some(Solution {
             unknowns,
             cofactors,
             singular_values,
             rank,
             null_space,
-            squares: (total - explained).max(0.0),
+            // Not the difference of the squares, of which nothing is left where the fit is good.
+            squares: (values - explained).norm_squared(),
             freedom: self.rows.saturating_sub(rank),
             inflation,
-        }
+        })
     }
 }
 
@@ -166,7 +171,7 @@ mod tests {
         for (x, y) in [(0.0, 3.0), (1.0, 3.0), (2.0, 9.0)] {
             system.add(&[1.0, x], y, 1.0);
         }
-        let solution = system.solve();
+        let solution = system.solve().unwrap();
         assert!((solution.unknowns[0] - 2.0).abs() < 1e-12 && (solution.unknowns[1] - 3.0).abs() < 1e-12);
         assert!((solution.squares - 6.0).abs() < 1e-12);
         assert_eq!((solution.rank, solution.freedom), (2, 1));
@@ -196,7 +201,7 @@ mod tests {
         }
         let inverse = normal.try_inverse().unwrap();
         let expected = &inverse * right;
-        let solution = system.solve();
+        let solution = system.solve().unwrap();
         for k in 0..4 {
             assert!((solution.unknowns[k] - expected[k]).abs() < 1e-8 * expected[k].abs().max(1.0));
             assert!((solution.cofactors[(k, k)] / inverse[(k, k)] - 1.0).abs() < 1e-7);
@@ -212,19 +217,43 @@ mod tests {
             let (a, b) = (f64::from(k), f64::from(k * k % 7));
             system.add(&[a, b, a + b], a, 1.0);
         }
-        let solution = system.solve();
+        let solution = system.solve().unwrap();
         assert_eq!((solution.rank, solution.freedom, solution.null_space.len()), (2, 18, 1));
         let direction = &solution.null_space[0];
-        assert!((direction[0] - direction[1]).abs() < 1e-12 && (direction[0] + direction[2]).abs() < 1e-12);
+        // By columns of unit length: a x₁ + b x₂ − (a + b) x₃ = 0.
+        let length = |of: fn(f64) -> f64| (0..20).map(|k| of(f64::from(k)).powi(2)).sum::<f64>().sqrt();
+        let lengths = [length(|k| k), length(|k| k * k % 7.0), length(|k| k + k * k % 7.0)];
+        let parts = [0, 1, 2].map(|k| direction[k] / lengths[k]);
+        assert!((parts[0] - parts[1]).abs() < 1e-12 && (parts[0] + parts[2]).abs() < 1e-12);
         assert!(solution.inflation.iter().all(|value| value.is_infinite()));
         assert!(solution.squares < 1e-18);
+    }
+
+    #[test]
+    fn without_unknowns_all_is_left() {
+        let mut system = System::new(0);
+        system.add(&[], 3.0, 1.0);
+        system.add(&[], 2.0, 2.0);
+        let solution = system.solve().unwrap();
+        assert_eq!((solution.rank, solution.freedom), (0, 2));
+        assert!((solution.squares - 25.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_not_finite_has_no_solution() {
+        for bad in [f64::NAN, f64::INFINITY] {
+            let mut system = System::new(1);
+            (0..600).for_each(|_| system.add(&[1.0], 1.0, 1.0));
+            system.add(&[bad], 1.0, 1.0);
+            assert!(system.solve().is_none());
+        }
     }
 
     #[test]
     fn fewer_rows_than_unknowns_are_no_failure() {
         let mut system = System::new(3);
         system.add(&[1.0, 0.0, 2.0], 5.0, 1.0);
-        let solution = system.solve();
+        let solution = system.solve().unwrap();
         assert_eq!((solution.rank, solution.freedom), (1, 0));
         // The shortest solution in columns of unit length.
         assert!((solution.unknowns[0] + 2.0 * solution.unknowns[2] - 5.0).abs() < 1e-12);

@@ -1,5 +1,7 @@
 //! Least squares and statistics: plain arithmetic that knows no machine tools.
 
 pub mod least_squares;
+pub mod normal;
 
-pub use least_squares::{Solution, System};
+pub use least_squares::{RANK_LIMIT, Solution, System};
+pub use normal::{Normal, Step};

@@ -3,7 +3,7 @@
 //! dr = |tip − c| − L, with the place c of the table ball and the length L from the description of the set-up; both may be unknown besides:
 //! c shifts by three unknowns, L grows by one. The table ball goes with the workpiece.
 
-use super::{Equation, Kind, Seen, Unknown, at, needed, no_ties, three, vector_at};
+use super::{Equation, Kind, Seen, Unknown, at, needed, no_ties, three, vector_at, zeros};
 use crate::csv::{DecimalSign, Row, Table};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{AxisVector, Vector};
@@ -18,6 +18,7 @@ pub(super) const KIND: Kind = Kind {
     read,
     check,
     unknowns,
+    start: zeros,
     equations,
     ties: no_ties,
     columns: &["dr_um"],
@@ -70,5 +71,6 @@ fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values:
         length_mm += at(values, place + observation.setup);
         by_unknown.push((place + observation.setup, -1.0));
     }
-    out.push(Equation { residual: read - (distance - length_mm), by_tip: along, by_turn: Vector::zeros(), by_unknown });
+    let residual = read - (distance - length_mm);
+    out.push(Equation { residual, by_tip: along, by_unknown, ..Equation::default() });
 }

@@ -4,7 +4,7 @@
 //! measurement that the tool vector gives, so that a displacement contains the angular errors with their Abbe arms (Spaan 1995, ch. 3).
 //! `offset` frees the zero of the instrument for every set-up and component.
 
-use super::{Equation, Kind, Seen, Unknown, at, needed, no_ties, optional};
+use super::{Equation, Kind, Seen, Unknown, at, needed, no_ties, optional, zeros};
 use crate::csv::{DecimalSign, Row, Table};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::machine::Branch;
@@ -21,6 +21,7 @@ pub(super) const KIND: Kind = Kind {
     read,
     check: |_: &DataSet, _: &Table, _: &mut Vec<Diagnostic>| {},
     unknowns,
+    start: zeros,
     equations,
     ties: no_ties,
     columns: &["component", "value_um", "value_urad"],
@@ -63,6 +64,7 @@ fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values:
     let direction = seen.direction(k) * sense;
     let mut predicted = if component.direction.is_rotation() {
         equation.by_turn = direction;
+        equation.is_angle = true;
         seen.turn()[k] * sense
     } else {
         equation.by_tip = direction;

@@ -33,9 +33,11 @@ pub struct Kind {
     pub check: fn(&DataSet, &Table, &mut Vec<Diagnostic>),
     /// The unknowns of a measurement, beside those of the machine.
     pub unknowns: fn(&DataSet) -> Vec<Unknown>,
+    /// From what the unknowns are found: near enough for the equations to be straight there.
+    pub start: fn(&DataSet, &Model) -> Vec<f64>,
     /// The equations of a reading, with the values of the unknowns.
     pub equations: fn(&DataSet, &Observation, &Seen<'_>, &[f64], &mut Vec<Equation>),
-    /// The equations that belong to no reading: known distances.
+    /// The equations that belong to no reading: known distances, in their order.
     pub ties: fn(&DataSet, &[f64], &mut Vec<Equation>),
     /// The columns of its readings, with the unit of each.
     pub columns: &'static [&'static str],
@@ -57,7 +59,7 @@ pub enum Unknown {
     Rotation(usize, usize),
     /// Place of a ball.
     Place(usize, usize),
-    /// The tool vector beyond that of the rows.
+    /// The tool vector beyond that of the rows, with the spindle at zero.
     Tool(usize, usize),
 }
 
@@ -115,6 +117,8 @@ pub struct Equation {
     pub by_turn: Vector,
     /// Derivatives by unknowns, with their places in [`Kind::unknowns`].
     pub by_unknown: Vec<(usize, f64)>,
+    /// Whether an angle was read.
+    pub is_angle: bool,
 }
 
 /// The word of what may be unknown.
@@ -142,6 +146,11 @@ fn at(values: &[f64], place: usize) -> f64 {
 /// Three unknowns from a place on.
 fn vector_at(values: &[f64], place: usize) -> Vector {
     Vector::new(at(values, place), at(values, place + 1), at(values, place + 2))
+}
+
+/// Unknowns that are small.
+fn zeros(data: &DataSet, _: &Model) -> Vec<f64> {
+    vec![0.0; (data.kind.unknowns)(data).len()]
 }
 
 /// For kinds that know no distances.

@@ -1,13 +1,16 @@
 //! Probing: axis positions at which the tip's center coincides with a ball of unknown place in the workpiece (SAMBA, RUMBA, chase-the-ball).
 //!
-//! tip − b = 0 for the ball b of the row; known distances |b − b′| tie balls together. `tool` frees the tool vector, one for each set-up: stylus
-//! and spindle offsets.
+//! tip − b = 0 for the ball b of the row; known distances |b − b′| tie balls together. `tool` frees the tool vector, one for each set-up. It
+//! turns with the spindle, whose angle stands in `spindle_deg`: this tells the stylus from the spindle's own offsets.
 
-use super::{Equation, Kind, Seen, Unknown, needed, three, vector_at};
+use nalgebra::{Rotation3, Unit};
+
+use super::{Equation, Kind, Seen, Unknown, needed, optional, three, vector_at};
 use crate::csv::{DecimalSign, Row, Table};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::Vector;
+use crate::geometry::{Matrix, Vector};
 use crate::measure::data::{DataSet, Free, Observation, number_of, text};
+use crate::model::Model;
 
 /// The kind.
 pub(super) const KIND: Kind = Kind {
@@ -17,12 +20,13 @@ pub(super) const KIND: Kind = Kind {
     read,
     check,
     unknowns,
+    start,
     equations,
     ties,
     columns: &["target"],
 };
 
-fn read(data: &mut DataSet, row: &Row<'_>, _: DecimalSign, observation: &mut Observation) -> Result<(), Diagnostic> {
+fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut Observation) -> Result<(), Diagnostic> {
     let column = needed(row, "target")?;
     let label = text(row, column);
     if label.is_empty() {
@@ -34,6 +38,7 @@ fn read(data: &mut DataSet, row: &Row<'_>, _: DecimalSign, observation: &mut Obs
         ));
     }
     observation.target = Some(number_of(&mut data.targets, &label));
+    observation.spindle_rad = optional(row, row.column("spindle_deg"), sign)?.unwrap_or(0.0).to_radians();
     Ok(())
 }
 
@@ -60,21 +65,40 @@ fn unknowns(data: &DataSet) -> Vec<Unknown> {
     three(data.targets.len(), Unknown::Place).chain(tool).collect()
 }
 
+/// Where the tips were nominally, in the middle: known distances say nothing from balls that are all in one place.
+fn start(data: &DataSet, model: &Model) -> Vec<f64> {
+    let mut sums = vec![(Vector::zeros(), 0.0); data.targets.len()];
+    for observation in &data.observations {
+        if let Some((sum, count)) = observation.target.and_then(|target| sums.get_mut(target)) {
+            *sum += model.nominal(&observation.reading.position, &observation.reading.tool_mm).translation;
+            *count += 1.0;
+        }
+    }
+    let mut values = vec![0.0; unknowns(data).len()];
+    for (places, (sum, count)) in values.chunks_exact_mut(3).zip(sums) {
+        places.copy_from_slice((sum / f64::max(count, 1.0)).as_slice());
+    }
+    values
+}
+
 fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values: &[f64], out: &mut Vec<Equation>) {
     let Some(target) = observation.target else { return };
     let ball = vector_at(values, 3 * target);
     let tool = 3 * (data.targets.len() + observation.setup);
     let mut off = seen.actual.translation - ball;
+    let mut stylus = Matrix::zeros();
     let has_tool = data.free.contains(&Free::Tool);
     if has_tool {
-        off += seen.actual.rotation * vector_at(values, tool);
+        let axis = Unit::new_normalize(seen.machine.spindle.axis);
+        stylus = seen.actual.rotation * Rotation3::from_axis_angle(&axis, observation.spindle_rad).into_inner();
+        off += stylus * vector_at(values, tool);
     }
     for k in 0..3 {
         let mut by_unknown = vec![(3 * target + k, -1.0)];
         if has_tool {
-            by_unknown.extend((0..3).map(|j| (tool + j, seen.actual.rotation[(k, j)])));
+            by_unknown.extend((0..3).map(|j| (tool + j, stylus[(k, j)])));
         }
-        out.push(Equation { residual: -off[k], by_tip: Vector::ith(k, 1.0), by_turn: Vector::zeros(), by_unknown });
+        out.push(Equation { residual: -off[k], by_tip: Vector::ith(k, 1.0), by_unknown, ..Equation::default() });
     }
 }
 

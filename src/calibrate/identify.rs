@@ -1,0 +1,73 @@
+//! What data or a plan can tell of parameters, before anything is fitted: rank, singular values, null space in words.
+
+use crate::machine::Machine;
+use crate::measure::data::DataSet;
+use crate::model::ErrorModel;
+use crate::model::parameter::ParameterName;
+use crate::numeric::System;
+
+use super::column::Column;
+use super::design::Design;
+use super::words;
+
+/// What the data can tell; readings need no values for this.
+#[derive(Clone, Debug)]
+pub struct Identified {
+    /// Parameters of the machine, then unknowns of the measurements.
+    pub columns: Vec<Column>,
+    /// Equations.
+    pub equations: usize,
+    /// Of the equations with columns of unit length, the largest first.
+    pub singular_values: Vec<f64>,
+    /// How many combinations of all columns can be told.
+    pub rank: usize,
+    /// How many of them are the machine's: what is left of the rank behind the unknowns of the measurements.
+    pub machine_rank: usize,
+    /// Largest by smallest singular value that is not zero.
+    pub condition: f64,
+    /// How much the variance of each column grows because others are free; infinite where it cannot be told.
+    pub inflation: Vec<f64>,
+    /// Standard uncertainty of each column at readings of uncertainty 1 mm, 1 rad; infinite where it cannot be told.
+    pub sigmas: Vec<f64>,
+    /// A sentence for every combination that cannot be told.
+    pub lost: Vec<String>,
+}
+
+/// Looks at what data can tell of parameters. `None` where positions are so large that numbers are not finite.
+#[must_use]
+pub fn identify(
+    machine: &Machine,
+    start: &ErrorModel,
+    parameters: &[ParameterName],
+    data: &[DataSet],
+) -> Option<Identified> {
+    let design = Design::new(machine, data, parameters);
+    let values = design.start(start);
+    let count = parameters.len();
+    let mut all = System::new(design.columns.len());
+    let mut unknowns = System::new(design.columns.len().saturating_sub(count));
+    design.walk(start, &values, true, |_, factors| {
+        // Known distances count as readings, and mm as rad: what can be told does not depend on how well.
+        all.add(factors, 0.0, 1.0);
+        unknowns.add(factors.get(count..).unwrap_or_default(), 0.0, 1.0);
+    });
+    let equations = all.rows();
+    let (all, unknowns) = (all.solve()?, unknowns.solve()?);
+    Some(Identified {
+        equations,
+        rank: all.rank,
+        machine_rank: all.rank - unknowns.rank.min(all.rank),
+        condition: all.condition(),
+        lost: words::lost(&all.null_space, &design.columns, data),
+        sigmas: all
+            .cofactors
+            .diagonal()
+            .iter()
+            .zip(&all.inflation)
+            .map(|(variance, inflation)| if inflation.is_finite() { variance.sqrt() } else { f64::INFINITY })
+            .collect(),
+        singular_values: all.singular_values,
+        inflation: all.inflation,
+        columns: design.columns,
+    })
+}

@@ -1,0 +1,95 @@
+//! How uncertain readings are: as described where the residuals agree, else as the residuals say.
+//!
+//! Lengths and angles of a measurement are groups of their own: each has its spread, and its share of what the unknowns use up.
+
+use crate::measure::data::DataSet;
+
+use super::design::Line;
+use super::robust::{spread, tempered, weight};
+
+/// Uncertainty of a reading before the residuals say more, mm and rad.
+const FIRST_SIGMA: f64 = 1e-3;
+/// No spread is less than this, mm or rad: data without noise.
+const LEAST_SIGMA: f64 = 1e-9;
+/// Share of the readings that is not used up, at least.
+const LEAST_FREEDOM: f64 = 0.05;
+/// Residuals are as described up to this many standard deviations of their own spread.
+const AGREES: f64 = 3.0;
+/// How much of it may still change.
+const SAME_SIGMA: f64 = 1e-3;
+
+/// The groups of all measurements: lengths of the first one, its angles, lengths of the second one, …
+#[derive(Clone, Debug)]
+pub(super) struct Noise(Vec<Group>);
+
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    given: Option<f64>,
+    /// The spread by which readings are weighted down.
+    scale: f64,
+    sigma: f64,
+}
+
+/// The group of an equation.
+pub(super) fn group_of(line: &Line) -> usize {
+    2 * line.set + usize::from(line.is_angle)
+}
+
+impl Noise {
+    pub(super) fn new(data: &[DataSet]) -> Noise {
+        let group = |given: Option<f64>| {
+            let sigma = given.unwrap_or(FIRST_SIGMA);
+            Group { given, scale: sigma, sigma }
+        };
+        Noise(data.iter().flat_map(|set| [set.sigma, set.sigma_rad]).map(group).collect())
+    }
+
+    pub(super) fn groups(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Standard uncertainty of the readings of a group.
+    pub(super) fn sigma(&self, group: usize) -> f64 {
+        self.0.get(group).map_or(FIRST_SIGMA, |group| group.sigma)
+    }
+
+    /// The weight of a reading by its residual.
+    pub(super) fn weight(&self, line: &Line, is_early: bool) -> f64 {
+        self.0.get(group_of(line)).map_or(1.0, |group| weight(line.residual / group.scale, is_early))
+    }
+
+    /// Finds it again from residuals; `used` says how many unknowns each group has used up. Returns whether it stayed the same.
+    pub(super) fn update(&mut self, lines: &[Line], used: &[f64], robust: bool) -> bool {
+        let mut residuals: Vec<Vec<f64>> = vec![Vec::new(); self.0.len()];
+        for line in lines.iter().filter(|line| line.row().is_some()) {
+            if let Some(own) = residuals.get_mut(group_of(line)) {
+                own.push(line.residual);
+            }
+        }
+        let mut is_same = true;
+        for ((group, own), used) in self.0.iter_mut().zip(&residuals).zip(used) {
+            let count = own.len() as f64;
+            if count == 0.0 {
+                continue;
+            }
+            // Unknowns that follow the noise make residuals smaller than it.
+            let freedom = (1.0 - used / count).max(LEAST_FREEDOM);
+            let (scale, found) = if robust {
+                let scale = spread(own.iter().copied()) / freedom.sqrt();
+                let scale = scale.max(group.given.unwrap_or(0.0)).max(LEAST_SIGMA);
+                (scale, tempered(own, scale) / freedom.sqrt())
+            } else {
+                let found = (own.iter().map(|residual| residual * residual).sum::<f64>() / count / freedom).sqrt();
+                (found.max(LEAST_SIGMA), found)
+            };
+            let agrees = 1.0 + AGREES / (2.0 * count * freedom).sqrt();
+            let sigma = match group.given {
+                Some(given) if found <= agrees * given => given,
+                _ => found.max(LEAST_SIGMA),
+            };
+            is_same &= (sigma - group.sigma).abs() <= SAME_SIGMA * sigma;
+            (group.scale, group.sigma) = (scale, sigma);
+        }
+        is_same
+    }
+}
