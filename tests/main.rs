@@ -10,6 +10,8 @@ mod bench_machine;
 mod bottleneck;
 mod by_hand;
 mod calibrate;
+mod calibrate_factors;
+mod calibrate_rank;
 mod calibrate_recover;
 mod cli_check;
 mod cli_explain;

@@ -14,6 +14,10 @@ use super::column::Column;
 /// Known distances have this standard uncertainty where the description gives none, mm.
 const TIE_SIGMA: f64 = 1e-4;
 
+/// An unknown of a set-up that moves no reading by a larger share of itself is not told, as the place of a ball across a circle: 0.1 mm would
+/// be less than 1 µm, and its own square more.
+const WEAK: f64 = 0.01;
+
 /// Parameters and data, laid out in columns.
 #[derive(Clone, Debug)]
 pub(super) struct Design<'a> {
@@ -97,6 +101,12 @@ impl<'a> Design<'a> {
     /// Standard uncertainty of a known distance, mm.
     pub(super) fn tie_sigma(&self, set: usize, tie: usize) -> f64 {
         self.data.get(set).and_then(|set| set.lengths.get(tie)).and_then(|length| length.sigma_mm).unwrap_or(TIE_SIGMA)
+    }
+
+    /// Unknowns of set-ups that are not told by themselves, by the largest factor of each column.
+    pub(super) fn weak(&self, strongest: &[f64]) -> Vec<usize> {
+        let unknowns = strongest.iter().enumerate().skip(self.parameters.len());
+        unknowns.filter(|(_, factor)| **factor < WEAK).map(|(column, _)| column).collect()
     }
 
     /// Calls `out` with every equation: its line, and its factors by all columns where they are wanted.

@@ -14,7 +14,7 @@ use super::column::Column;
 use super::design::{Design, Line, Origin};
 use super::noise::{Noise, group_of};
 use super::robust::TUKEY_VARIANCE;
-use super::words;
+use super::words::{self, Lost};
 
 /// Rounds at most.
 const MAX_ROUNDS: usize = 60;
@@ -26,6 +26,8 @@ const SETTLED: f64 = 1e-3;
 const NEARLY_SETTLED: f64 = 0.05;
 /// Factors are kept between rounds up to this number of them (256 MB).
 const KEPT_FACTORS: usize = 1 << 25;
+/// The row that holds an unknown where it is has this uncertainty, mm or rad; nothing else moves it.
+const HELD: f64 = 1e-3;
 /// Rows with less weight were rejected.
 const REJECTED: f64 = 0.01;
 
@@ -76,7 +78,7 @@ pub struct Estimate {
     pub column: Column,
     /// mm, rad, per power.
     pub value: f64,
-    /// Standard uncertainty.
+    /// Standard uncertainty; infinite for an unknown of a set-up that moves nothing that was measured, which stayed as it was.
     pub sigma: f64,
     /// How much its variance grows because the others are free.
     pub inflation: f64,
@@ -158,6 +160,10 @@ struct Rounds<'a> {
     factors: Vec<f64>,
     errors: ErrorModel,
     values: Vec<f64>,
+    /// Unknowns of set-ups that the data does not tell, which is no harm.
+    lost: Lost,
+    /// Whether unknowns were held that only together with others cannot be told.
+    is_reduced: bool,
 }
 
 impl<'a> Rounds<'a> {
@@ -165,7 +171,8 @@ impl<'a> Rounds<'a> {
         let noise = Noise::new(data);
         let used = vec![0.0; noise.groups()];
         let (lines, weights, factors, values) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Rounds { design, options, noise, used, lines, weights, factors, errors: ErrorModel::default(), values }
+        let (errors, lost) = (ErrorModel::default(), Lost::default());
+        Rounds { design, options, noise, used, lines, weights, factors, errors, values, lost, is_reduced: false }
     }
 
     /// Looks at the residuals: finds noise and weights. Returns whether the noise stayed the same.
@@ -181,15 +188,23 @@ impl<'a> Rounds<'a> {
             kept.clear();
         }
         let mut fits = true;
+        let mut strongest = vec![0.0_f64; width];
         self.design.walk(errors, values, with_factors, |line, factors| {
             lines.push(line);
             fits &= lines.len() * width <= KEPT_FACTORS;
+            if round == 0 {
+                strongest.iter_mut().zip(factors).for_each(|(most, factor)| *most = most.max(factor.abs()));
+            }
             if with_factors && fits {
                 kept.extend_from_slice(factors);
             }
         });
         if !fits {
             self.factors = Vec::new();
+        }
+        if round == 0 {
+            self.lost.held = self.design.weak(&strongest);
+            self.lost.loose.clone_from(&self.lost.held);
         }
         if self.lines.len() < width {
             return Err(Fault::TooFew { equations: self.lines.len(), unknowns: width });
@@ -215,33 +230,69 @@ impl<'a> Rounds<'a> {
             weight.sqrt() / sigma
         };
         let width = self.design.columns.len();
+        let mut own = vec![0.0; width];
+        let mut pass = |line: &Line, factors: &[f64], weight: f64| {
+            if self.lost.held.is_empty() {
+                return out(line, factors, weight);
+            }
+            own.copy_from_slice(factors);
+            self.lost.held.iter().for_each(|&column| own[column] = 0.0);
+            out(line, &own, weight);
+        };
         if self.factors.len() == self.lines.len() * width {
             for (k, (line, &weight)) in self.lines.iter().zip(&self.weights).enumerate() {
-                out(line, self.factors.get(k * width..(k + 1) * width).unwrap_or_default(), root(line, weight));
+                pass(line, self.factors.get(k * width..(k + 1) * width).unwrap_or_default(), root(line, weight));
             }
         } else {
             let mut weights = self.weights.iter();
             self.design.walk(&self.errors, &self.values, true, |line, factors| {
                 let weight = weights.next().copied().unwrap_or(0.0);
-                out(&line, factors, root(&line, weight));
+                pass(&line, factors, root(&line, weight));
             });
+        }
+    }
+
+    /// Calls `out` with the factors of a row for each unknown that stays where it is.
+    fn each_held(&self, mut out: impl FnMut(&[f64])) {
+        let mut factors = vec![0.0; self.design.columns.len()];
+        for &column in &self.lost.held {
+            factors.fill(0.0);
+            factors[column] = 1.0;
+            out(&factors);
         }
     }
 
     fn step(&self) -> Option<Step> {
         let mut normal = Normal::new(self.design.columns.len(), self.noise.groups());
         self.each(|line, factors, weight| normal.add(group_of(line), factors, line.residual, weight));
-        normal.solve()
+        self.each_held(|factors| normal.add(0, factors, 0.0, 1.0 / HELD));
+        let mut step = normal.solve()?;
+        if let Some(first) = step.used.first_mut() {
+            *first -= self.lost.held.len() as f64;
+        }
+        Some(step)
     }
 
-    fn solved(&self) -> Result<Solution, Fault> {
-        let mut system = System::new(self.design.columns.len());
-        self.each(|line, factors, weight| system.add(factors, line.residual, weight));
-        let solution = system.solve().ok_or(Fault::NotSettled)?;
-        if solution.rank < self.design.columns.len() {
-            return Err(Fault::NotTold(words::lost(&solution.null_space, &self.design.columns, self.design.data)));
+    fn solved(&mut self) -> Result<Solution, Fault> {
+        let count = self.design.columns.len();
+        let system = || {
+            let mut system = System::new(count);
+            self.each(|line, factors, weight| system.add(factors, line.residual, weight));
+            self.each_held(|factors| system.add(factors, 0.0, 1.0 / HELD));
+            system.solve().ok_or(Fault::NotSettled)
+        };
+        let solution = system()?;
+        if solution.rank == count {
+            return Ok(solution);
         }
-        Ok(solution)
+        let lost = words::lost(&solution.null_space, &self.design.columns, self.design.data);
+        if !lost.parameters.is_empty() || self.is_reduced {
+            return Err(Fault::NotTold([lost.parameters, lost.unknowns].concat()));
+        }
+        self.is_reduced = true;
+        self.lost.held.extend(lost.held);
+        self.lost.loose.extend(lost.loose);
+        self.solved()
     }
 }
 
@@ -279,11 +330,12 @@ fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Sol
         .iter()
         .zip(values)
         .enumerate()
-        .map(|(k, (&column, &value))| Estimate {
+        .map(|(k, (&column, &value))| (k, column, value, rounds.lost.loose.contains(&k)))
+        .map(|(k, column, value, is_loose)| Estimate {
             column,
             value,
-            sigma: (solution.cofactors[(k, k)] * spread).sqrt(),
-            inflation: solution.inflation.get(k).copied().unwrap_or(1.0),
+            sigma: if is_loose { f64::INFINITY } else { (solution.cofactors[(k, k)] * spread).sqrt() },
+            inflation: if is_loose { f64::INFINITY } else { solution.inflation.get(k).copied().unwrap_or(1.0) },
             effect_mm: effects.get(k).map_or(0.0, |unit| unit * value.abs()),
         })
         .collect();

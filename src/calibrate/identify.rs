@@ -8,9 +8,9 @@ use crate::numeric::System;
 
 use super::column::Column;
 use super::design::Design;
-use super::words;
+use super::words::{self, Lost};
 
-/// What the data can tell; readings need no values for this.
+/// What the data can tell. Of the readings only counts that there are some: zeros do for a plan, while empty cells say nothing.
 #[derive(Clone, Debug)]
 pub struct Identified {
     /// Parameters of the machine, then unknowns of the measurements.
@@ -29,8 +29,8 @@ pub struct Identified {
     pub inflation: Vec<f64>,
     /// Standard uncertainty of each column at readings of uncertainty 1 mm, 1 rad; infinite where it cannot be told.
     pub sigmas: Vec<f64>,
-    /// A sentence for every combination that cannot be told.
-    pub lost: Vec<String>,
+    /// What cannot be told, in words.
+    pub lost: Lost,
 }
 
 /// Looks at what data can tell of parameters. `None` where positions are so large that numbers are not finite.
@@ -46,10 +46,18 @@ pub fn identify(
     let count = parameters.len();
     let mut all = System::new(design.columns.len());
     let mut unknowns = System::new(design.columns.len().saturating_sub(count));
+    let mut strongest = vec![0.0_f64; design.columns.len()];
     design.walk(start, &values, true, |_, factors| {
+        strongest.iter_mut().zip(factors).for_each(|(most, factor)| *most = most.max(factor.abs()));
+    });
+    let weak = design.weak(&strongest);
+    let mut own = vec![0.0; design.columns.len()];
+    design.walk(start, &values, true, |_, factors| {
+        own.copy_from_slice(factors);
+        weak.iter().for_each(|&column| own[column] = 0.0);
         // Known distances count as readings, and mm as rad: what can be told does not depend on how well.
-        all.add(factors, 0.0, 1.0);
-        unknowns.add(factors.get(count..).unwrap_or_default(), 0.0, 1.0);
+        all.add(&own, 0.0, 1.0);
+        unknowns.add(own.get(count..).unwrap_or_default(), 0.0, 1.0);
     });
     let equations = all.rows();
     let (all, unknowns) = (all.solve()?, unknowns.solve()?);

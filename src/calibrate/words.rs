@@ -21,14 +21,41 @@ const MOST_NAMES: usize = 6;
 /// Positions that are nearer to each other are one, mm or rad.
 const SAME_PLACE: f64 = 1e-3;
 
-/// A sentence for every direction of a null space, which has its directions by sizes of effects ([`crate::numeric::Solution::null_space`]).
+/// What cannot be told.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lost {
+    /// A sentence for every combination with parameters of the machine.
+    pub parameters: Vec<String>,
+    /// A sentence for every combination of nothing but unknowns of set-ups, as the height of a ball-bar over a circle: they do no harm, and
+    /// stay where they start.
+    pub unknowns: Vec<String>,
+    /// The columns that stay, one for each of these sentences.
+    pub(super) held: Vec<usize>,
+    /// All columns that take part in these.
+    pub(super) loose: Vec<usize>,
+}
+
+/// Says a null space, which has its directions by sizes of effects ([`crate::numeric::Solution::null_space`]).
 #[must_use]
-pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -> Vec<String> {
+pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -> Lost {
     let mut order: Vec<usize> = (0..columns.len()).collect();
     order.sort_by_key(|&k| (simplicity(columns, k), k));
     let mut found = told_apart(null_space, &order);
     found.sort_by_key(|(own, _)| *own);
-    found.iter().map(|(own, direction)| sentence(*own, direction, columns, data)).collect()
+    let mut lost = Lost::default();
+    for (own, direction) in &found {
+        let text = sentence(*own, direction, columns, data);
+        if matches!(columns.get(*own), Some(Column::Parameter(_))) {
+            lost.parameters.push(text);
+        } else {
+            // Unknowns come first: what has one of them for its own column has no parameter at all.
+            lost.unknowns.push(text);
+            lost.held.push(*own);
+            let largest = direction.amax();
+            lost.loose.extend((0..columns.len()).filter(|&k| direction[k].abs() > NOISE * largest));
+        }
+    }
+    lost
 }
 
 /// The lower, the rather it stands for others.

@@ -77,9 +77,10 @@ fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values:
             by_unknown.extend((0..3).map(|j| (first + j, -direction[j])));
         }
         if has_rotation {
-            // A little more of the rotation vector turns the point by (1 + ρ×/2 + …) of it.
+            // A little more of the rotation vector turns the point by (1 + ρ×/2 + (ρ×)²/6 + …) of it.
             let by_turn = -turned.cross(&direction);
-            let by_angle = by_turn - angle.cross(&by_turn) / 2.0;
+            let half = angle.cross(&by_turn) / 2.0;
+            let by_angle = by_turn - half + angle.cross(&half) / 3.0;
             by_unknown.extend((0..3).map(|j| (turn + j, by_angle[j])));
         }
         out.push(Equation { residual: read - off[k], by_tip: direction, by_unknown, ..Equation::default() });
