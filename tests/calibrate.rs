@@ -106,7 +106,12 @@ impl Bench {
     }
 
     /// The data with readings: `noise_mm` of normal noise (a thousandth of it in rad for angles), and a share of the rows 50 times off.
-    pub(crate) fn measured(&self, noise_mm: f64, outliers: f64, random: &mut Random) -> (Vec<DataSet>, Vec<(usize, usize)>) {
+    pub(crate) fn measured(
+        &self,
+        noise_mm: f64,
+        outliers: f64,
+        random: &mut Random,
+    ) -> (Vec<DataSet>, Vec<(usize, usize)>) {
         let mut data = self.data.clone();
         let mut off = Vec::new();
         let model = Model::new(&self.machine, &self.errors);
@@ -170,7 +175,8 @@ impl Bench {
             "direct" => {
                 let component = observation.component.unwrap();
                 let deviation = model.deviation(&position, &tool_mm, &state);
-                let on_table = component.axis().and_then(|axis| self.machine.topology.branch(axis)) == Some(Branch::Workpiece);
+                let on_table =
+                    component.axis().and_then(|axis| self.machine.topology.branch(axis)) == Some(Branch::Workpiece);
                 let sense = if on_table { -1.0 } else { 1.0 };
                 let k = component.direction.index() % 3;
                 let offset = observation.setup * set.targets.len() + observation.target.unwrap();
@@ -212,7 +218,8 @@ pub(crate) fn plates() -> Bench {
     );
     let mut set = measurement("displacement", &[Free::Offset, Free::Rotation]);
     let mut random = Random(3);
-    for (number, (plane, height)) in [(2, -80.0), (2, 120.0), (0, -90.0), (0, 150.0), (1, 10.0)].into_iter().enumerate() {
+    for (number, (plane, height)) in [(2, -80.0), (2, 120.0), (0, -90.0), (0, 150.0), (1, 10.0)].into_iter().enumerate()
+    {
         set.setups.push(setup(&format!("P{number}"), [0.0; 3], 0.0));
         for tool in [[0.0, 0.0, -60.0], [90.0, 40.0, -180.0]] {
             for k in 0..16 {
@@ -222,7 +229,8 @@ pub(crate) fn plates() -> Bench {
                 place[plane] = height;
                 let position = at(&[('X', place[0]), ('Y', place[1]), ('Z', place[2])]);
                 let mut state = State::default();
-                AXES.iter().for_each(|axis| state.direction[axis.slot()] = if random.symmetric() < 0.0 { -1 } else { 1 });
+                AXES.iter()
+                    .for_each(|axis| state.direction[axis.slot()] = if random.symmetric() < 0.0 { -1 } else { 1 });
                 set.observations.push(observation(reading(position, Vector::from(tool), state), number));
             }
         }
@@ -267,7 +275,14 @@ pub(crate) fn circles(points: usize, senses: &[f64]) -> Bench {
     bench.unknowns[0].iter_mut().enumerate().for_each(|(k, value)| {
         // Two set-ups in each plane; what is across a circle cannot be told, and is as described.
         let is_across = k < 3 * setups && k % 3 == k / 6;
-        *value = random.symmetric() * if is_across { 0.0 } else if k < 3 * setups { 0.2 } else { 0.05 };
+        *value = random.symmetric()
+            * if is_across {
+                0.0
+            } else if k < 3 * setups {
+                0.2
+            } else {
+                0.05
+            };
     });
     bench
 }
@@ -310,12 +325,48 @@ const TABLE_4_1: &[([f64; 3], &[usize])] = &[
 
 /// Table 5-3: indexes of A and C.
 const TABLE_5_3: &[[f64; 2]] = &[
-    [15.0, 60.0], [30.0, 180.0], [45.0, 280.0], [55.0, 340.0], [40.0, 240.0], [20.0, 120.0], [0.0, 0.0], [-20.0, -100.0],
-    [-40.0, 250.0], [-55.0, 350.0], [-50.0, -310.0], [-25.0, -40.0], [0.0, 180.0], [0.0, 280.0], [0.0, 360.0], [0.0, 320.0],
-    [0.0, 210.0], [0.0, -160.0], [0.0, -300.0], [0.0, -220.0], [0.0, -50.0], [15.0, 0.0], [40.0, 0.0], [55.0, 0.0],
-    [45.0, 0.0], [30.0, 0.0], [-20.0, 0.0], [-45.0, 0.0], [-55.0, 0.0], [-35.0, 0.0], [44.0, -30.0], [53.0, -208.0],
-    [36.0, -318.0], [30.0, 45.0], [21.0, 326.0], [9.0, 290.0], [-16.0, -12.0], [-54.0, -304.0], [-40.0, -10.0], [-17.0, 100.0],
-    [-38.0, 197.0], [-5.0, 345.0],
+    [15.0, 60.0],
+    [30.0, 180.0],
+    [45.0, 280.0],
+    [55.0, 340.0],
+    [40.0, 240.0],
+    [20.0, 120.0],
+    [0.0, 0.0],
+    [-20.0, -100.0],
+    [-40.0, 250.0],
+    [-55.0, 350.0],
+    [-50.0, -310.0],
+    [-25.0, -40.0],
+    [0.0, 180.0],
+    [0.0, 280.0],
+    [0.0, 360.0],
+    [0.0, 320.0],
+    [0.0, 210.0],
+    [0.0, -160.0],
+    [0.0, -300.0],
+    [0.0, -220.0],
+    [0.0, -50.0],
+    [15.0, 0.0],
+    [40.0, 0.0],
+    [55.0, 0.0],
+    [45.0, 0.0],
+    [30.0, 0.0],
+    [-20.0, 0.0],
+    [-45.0, 0.0],
+    [-55.0, 0.0],
+    [-35.0, 0.0],
+    [44.0, -30.0],
+    [53.0, -208.0],
+    [36.0, -318.0],
+    [30.0, 45.0],
+    [21.0, 326.0],
+    [9.0, 290.0],
+    [-16.0, -12.0],
+    [-54.0, -304.0],
+    [-40.0, -10.0],
+    [-17.0, 100.0],
+    [-38.0, 197.0],
+    [-5.0, 345.0],
 ];
 
 /// A probing plan on balls: angles by axis letter and of the spindle, and the ball. Senses follow from the order.
@@ -361,14 +412,13 @@ pub(crate) fn samba(parameters: Vec<ParameterName>, scale_bar: bool) -> Bench {
         [180.0, 90.0, 50.0],
         [70.0, -150.0, 200.0],
     ];
-    let rows = TABLE_4_1.iter().flat_map(|([s, b, c], ids)| {
-        ids.iter().map(|id| (at(&[('B', *b), ('C', *c)]), *s, id - 1))
-    });
+    let rows =
+        TABLE_4_1.iter().flat_map(|([s, b, c], ids)| ids.iter().map(|id| (at(&[('B', *b), ('C', *c)]), *s, id - 1)));
     let mut set = probings(&machine, &balls, Vector::new(0.0, 0.0, -275.86), rows);
     assert_eq!(set.observations.len(), 109);
     if scale_bar {
         let value_mm = (Vector::from(balls[0]) - Vector::from(balls[1])).norm();
-        set.lengths.push(KnownLength { between: [0, 1], value_mm, sigma_mm: None });
+        set.lengths.push(KnownLength { between: [0, 1], value_mm, sigma_mm: Some(1e-6) });
     }
     probing_bench(machine, parameters, &balls, set)
 }
@@ -377,16 +427,16 @@ pub(crate) fn samba(parameters: Vec<ParameterName>, scale_bar: bool) -> Bench {
 pub(crate) fn rumba(parameters: Vec<ParameterName>) -> Bench {
     let machine = crate::model::machine("wCAYFXZSt");
     let balls = [[-60.0, 45.0, 37.5], [50.0, 60.0, 37.5], [-20.0, -75.0, 47.5], [80.0, -15.0, 47.5]];
-    let rows =
-        (0..4).flat_map(|ball| TABLE_5_3.iter().map(move |[a, c]| (at(&[('A', *a), ('C', *c)]), 0.0, ball)));
+    let rows = (0..4).flat_map(|ball| TABLE_5_3.iter().map(move |[a, c]| (at(&[('A', *a), ('C', *c)]), 0.0, ball)));
     let set = probings(&machine, &balls, Vector::new(0.0, 0.0, -74.0), rows);
     probing_bench(machine, parameters, &balls, set)
 }
 
 /// Laser, straightedge and level along each axis, there and back, at two places of the tool.
 pub(crate) fn lines() -> Bench {
-    let parameters =
-        named("EXX1 EXX2 EXX3 EXXb EYX2 EZX3 EAX1 EBX1 EBX2 ECX1 EYY1 EYY2 EYYb EXY2 EAY1 EBY2 ECY1 EZZ1 EZZb EBZ1 EAZ2");
+    let parameters = named(
+        "EXX1 EXX2 EXX3 EXXb EYX2 EZX3 EAX1 EBX1 EBX2 ECX1 EYY1 EYY2 EYYb EXY2 EAY1 EBY2 ECY1 EZZ1 EZZb EBZ1 EAZ2",
+    );
     let mut set = measurement("direct", &[Free::Offset]);
     set.targets = parameters.iter().map(|name| name.component.to_string()).collect();
     set.targets.dedup();
@@ -410,7 +460,8 @@ pub(crate) fn lines() -> Bench {
     }
     let mut bench = Bench::new(crate::model::machine("wXFYZSt"), parameters, vec![set], 17);
     let mut random = Random(4);
-    let is_angle = |which: usize| bench.data[0].targets[which % bench.data[0].targets.len()].starts_with(['A', 'B', 'C']);
+    let is_angle =
+        |which: usize| bench.data[0].targets[which % bench.data[0].targets.len()].starts_with(['A', 'B', 'C']);
     let values: Vec<f64> = (0..bench.unknowns[0].len())
         .map(|which| random.symmetric() * if is_angle(which) { 1e-4 } else { 0.02 })
         .collect();

@@ -35,7 +35,8 @@ fn without_noise_the_truth_comes_back() {
             for (estimate, truth) in told(&found.estimates, &bench.truth()) {
                 let error = (estimate.value - truth).abs();
                 // Tip effect of a parameter; unknowns themselves are lengths or angles at arms below 1 m.
-                let effect = if estimate.effect_mm > 0.0 { error / estimate.value.abs() * estimate.effect_mm } else { error };
+                let effect =
+                    if estimate.effect_mm > 0.0 { error / estimate.value.abs() * estimate.effect_mm } else { error };
                 assert!(effect < 1e-9 * whole, "{name} {}: {effect:e}", estimate.column.name(&data));
             }
             assert!(found.residuals.iter().all(|(.., residual, _)| residual.abs() < 1e-9));
@@ -84,7 +85,13 @@ fn tally(bench: &Bench, noise_mm: f64, outliers: f64, repetitions: u64) -> Tally
         }
     }
     let all = repetitions as f64;
-    Tally { within: within.map(|sum| sum / count), sigma: sigma / all, held_out: held_out / all, kept: kept / all, missed }
+    Tally {
+        within: within.map(|sum| sum / count),
+        sigma: sigma / all,
+        held_out: held_out / all,
+        kept: kept / all,
+        missed,
+    }
 }
 
 fn check(bench: &Bench, outliers: f64) {

@@ -2,17 +2,17 @@
 //!
 //! The factors are those of the nominal machine: errors of 1e-4 change them by 1e-4 of themselves, which costs the iteration nothing. Residuals
 //! come from the full kinematics each time, so that what it converges to is exact. Steps between the first and the last one use the
-//! factors of the second and the normal equations; the first says what the data can tell, the last how well.
+//! normal equations and factors that are kept; the first says what the data can tell, the last how well.
 
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
 use crate::model::parameter::ParameterName;
-use crate::numeric::{Normal, Solution, Step, System};
+use crate::numeric::{Normal, RANK_LIMIT, Solution, Step, System};
 
 use super::column::Column;
 use super::design::{Design, Line, Origin};
-use super::noise::{Noise, group_of};
+use super::noise::{FIRST_SIGMA, Noise, group_of};
 use super::robust::TUKEY_VARIANCE;
 use super::words::{self, Lost};
 
@@ -28,6 +28,8 @@ const NEARLY_SETTLED: f64 = 0.05;
 const KEPT_FACTORS: usize = 1 << 25;
 /// The row that holds an unknown where it is has this uncertainty, mm or rad; nothing else moves it.
 const HELD: f64 = 1e-3;
+/// Singular values that are zero but for the arithmetic, as a share of the largest one.
+const ARITHMETIC: f64 = 1e-12;
 /// Rows with less weight were rejected.
 const REJECTED: f64 = 0.01;
 
@@ -52,7 +54,7 @@ pub struct Fit {
     pub angle_sigmas: Vec<f64>,
     /// What is left of every reading, mm or rad: measurement, row, residual, weight.
     pub residuals: Vec<(usize, usize, f64, f64)>,
-    /// Largest by smallest singular value.
+    /// Largest by smallest singular value of columns of unit length, where readings are as good as each other.
     pub condition: f64,
     /// Equations less unknowns.
     pub freedom: usize,
@@ -122,6 +124,9 @@ pub fn fit(
         is_last |= round + 1 == MAX_ROUNDS;
         let is_same = rounds.look(&errors, &values, round, is_last)?;
         let solution = if round == 0 || is_last { Some(rounds.solved()?) } else { None };
+        if let (0, Some(solution)) = (round, &solution) {
+            (rounds.condition, rounds.inflation) = (solution.condition(), solution.inflation.clone());
+        }
         let step = match (rounds.step(), &solution) {
             (Some(step), _) => step,
             (None, Some(solution)) => step_of(solution),
@@ -141,8 +146,7 @@ pub fn fit(
         if let (true, Some(solution)) = (is_last && moved < NEARLY_SETTLED, solution) {
             return Ok(finish(rounds, errors, &values, &solution, round + 1));
         }
-        let early = if options.robust { EARLY_ROUNDS } else { 1 };
-        is_last = moved < SETTLED && round > early && is_same;
+        is_last = moved < SETTLED && round > rounds.early() && is_same;
     }
     Err(Fault::NotSettled)
 }
@@ -162,6 +166,10 @@ struct Rounds<'a> {
     values: Vec<f64>,
     /// Unknowns of set-ups that the data does not tell, which is no harm.
     lost: Lost,
+    is_first: bool,
+    /// Of the first round, in which readings are as good as each other.
+    condition: f64,
+    inflation: Vec<f64>,
     /// Whether unknowns were held that only together with others cannot be told.
     is_reduced: bool,
 }
@@ -170,17 +178,36 @@ impl<'a> Rounds<'a> {
     fn new(design: &'a Design<'a>, data: &[DataSet], options: Options) -> Rounds<'a> {
         let noise = Noise::new(data);
         let used = vec![0.0; noise.groups()];
-        let (lines, weights, factors, values) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let (errors, lost) = (ErrorModel::default(), Lost::default());
-        Rounds { design, options, noise, used, lines, weights, factors, errors, values, lost, is_reduced: false }
+        Rounds {
+            design,
+            options,
+            noise,
+            used,
+            lines: Vec::new(),
+            weights: Vec::new(),
+            factors: Vec::new(),
+            errors: ErrorModel::default(),
+            values: Vec::new(),
+            lost: Lost::default(),
+            is_first: true,
+            condition: 1.0,
+            inflation: Vec::new(),
+            is_reduced: false,
+        }
+    }
+
+    /// Rounds whose weights are not those of the end.
+    fn early(&self) -> usize {
+        if self.options.robust { EARLY_ROUNDS } else { 1 }
     }
 
     /// Looks at the residuals: finds noise and weights. Returns whether the noise stayed the same.
     fn look(&mut self, errors: &ErrorModel, values: &[f64], round: usize, is_last: bool) -> Result<bool, Fault> {
         self.errors.clone_from(errors);
+        self.is_first = round == 0;
         self.values = values.to_vec();
-        // Where the unknowns of the set-ups are the directions of readings depend on; the first round has found it.
-        let with_factors = round < 2 || is_last;
+        // Directions of readings depend on where the unknowns of the set-ups are, which the first rounds find.
+        let with_factors = round < 2 || round == self.early() + 1 || is_last;
         let width = self.design.columns.len();
         let (lines, kept) = (&mut self.lines, &mut self.factors);
         lines.clear();
@@ -225,6 +252,8 @@ impl<'a> Rounds<'a> {
         let root = |line: &Line, weight: f64| {
             let sigma = match line.origin {
                 Origin::Row(_) => self.noise.sigma(group_of(line)),
+                // What can be told does not depend on how well a distance is known.
+                Origin::Tie(_) if self.is_first => FIRST_SIGMA,
                 Origin::Tie(tie) => self.design.tie_sigma(line.set, tie),
             };
             weight.sqrt() / sigma
@@ -279,7 +308,8 @@ impl<'a> Rounds<'a> {
             let mut system = System::new(count);
             self.each(|line, factors, weight| system.add(factors, line.residual, weight));
             self.each_held(|factors| system.add(factors, 0.0, 1.0 / HELD));
-            system.solve().ok_or(Fault::NotSettled)
+            // Later weights differ by as much as readings do: what is told at all was found by the first ones.
+            system.solve_to(if self.is_first { RANK_LIMIT } else { ARITHMETIC }).ok_or(Fault::NotSettled)
         };
         let solution = system()?;
         if solution.rank == count {
@@ -335,15 +365,15 @@ fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Sol
             column,
             value,
             sigma: if is_loose { f64::INFINITY } else { (solution.cofactors[(k, k)] * spread).sqrt() },
-            inflation: if is_loose { f64::INFINITY } else { solution.inflation.get(k).copied().unwrap_or(1.0) },
+            inflation: if is_loose { f64::INFINITY } else { rounds.inflation.get(k).copied().unwrap_or(1.0) },
             effect_mm: effects.get(k).map_or(0.0, |unit| unit * value.abs()),
         })
         .collect();
     let lines = rounds.lines.iter().zip(&rounds.weights);
-    let residuals =
-        lines.filter_map(|(line, &weight)| Some((line.set, line.row()?, line.residual, weight))).collect();
-    let (sigmas, angle_sigmas) =
-        (0..rounds.noise.groups() / 2).map(|set| (rounds.noise.sigma(2 * set), rounds.noise.sigma(2 * set + 1))).unzip();
-    let (condition, freedom) = (solution.condition(), solution.freedom);
+    let residuals = lines.filter_map(|(line, &weight)| Some((line.set, line.row()?, line.residual, weight))).collect();
+    let (sigmas, angle_sigmas) = (0..rounds.noise.groups() / 2)
+        .map(|set| (rounds.noise.sigma(2 * set), rounds.noise.sigma(2 * set + 1)))
+        .unzip();
+    let (condition, freedom) = (rounds.condition, solution.freedom);
     Fit { errors, estimates, sigmas, angle_sigmas, residuals, condition, freedom, rounds: count }
 }

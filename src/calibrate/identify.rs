@@ -8,6 +8,7 @@ use crate::numeric::System;
 
 use super::column::Column;
 use super::design::Design;
+use super::noise::{FIRST_ANGLE_SIGMA, FIRST_SIGMA};
 use super::words::{self, Lost};
 
 /// What the data can tell. Of the readings only counts that there are some: zeros do for a plan, while empty cells say nothing.
@@ -27,7 +28,7 @@ pub struct Identified {
     pub condition: f64,
     /// How much the variance of each column grows because others are free; infinite where it cannot be told.
     pub inflation: Vec<f64>,
-    /// Standard uncertainty of each column at readings of uncertainty 1 mm, 1 rad; infinite where it cannot be told.
+    /// Standard uncertainty of each column at readings of uncertainty 1 mm, angles 1 mrad; infinite where it cannot be told.
     pub sigmas: Vec<f64>,
     /// What cannot be told, in words.
     pub lost: Lost,
@@ -52,12 +53,13 @@ pub fn identify(
     });
     let weak = design.weak(&strongest);
     let mut own = vec![0.0; design.columns.len()];
-    design.walk(start, &values, true, |_, factors| {
+    design.walk(start, &values, true, |line, factors| {
         own.copy_from_slice(factors);
         weak.iter().for_each(|&column| own[column] = 0.0);
-        // Known distances count as readings, and mm as rad: what can be told does not depend on how well.
-        all.add(&own, 0.0, 1.0);
-        unknowns.add(own.get(count..).unwrap_or_default(), 0.0, 1.0);
+        // Known distances count as readings, and 1 µm as 1 µrad: what can be told does not depend on how well.
+        let weight = if line.is_angle { FIRST_SIGMA / FIRST_ANGLE_SIGMA } else { 1.0 };
+        all.add(&own, 0.0, weight);
+        unknowns.add(own.get(count..).unwrap_or_default(), 0.0, weight);
     });
     let equations = all.rows();
     let (all, unknowns) = (all.solve()?, unknowns.solve()?);

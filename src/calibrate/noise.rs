@@ -7,10 +7,12 @@ use crate::measure::data::DataSet;
 use super::design::Line;
 use super::robust::{spread, tempered, weight};
 
-/// Uncertainty of a reading before the residuals say more, mm and rad.
-const FIRST_SIGMA: f64 = 1e-3;
-/// No spread is less than this, mm or rad: data without noise.
-const LEAST_SIGMA: f64 = 1e-9;
+/// Uncertainty of a reading before the residuals say more, mm.
+pub(super) const FIRST_SIGMA: f64 = 1e-3;
+/// The same of an angle, rad.
+pub(super) const FIRST_ANGLE_SIGMA: f64 = 1e-6;
+/// No spread is less than this share of the first one: data without noise.
+const LEAST_SIGMA: f64 = 1e-6;
 /// Share of the readings that is not used up, at least.
 const LEAST_FREEDOM: f64 = 0.05;
 /// Residuals are as described up to this many standard deviations of their own spread.
@@ -37,11 +39,12 @@ pub(super) fn group_of(line: &Line) -> usize {
 
 impl Noise {
     pub(super) fn new(data: &[DataSet]) -> Noise {
-        let group = |given: Option<f64>| {
-            let sigma = given.unwrap_or(FIRST_SIGMA);
+        let group = |(given, first): (Option<f64>, f64)| {
+            let sigma = given.unwrap_or(first);
             Group { given, scale: sigma, sigma }
         };
-        Noise(data.iter().flat_map(|set| [set.sigma, set.sigma_rad]).map(group).collect())
+        let groups = data.iter().flat_map(|set| [(set.sigma, FIRST_SIGMA), (set.sigma_rad, FIRST_ANGLE_SIGMA)]);
+        Noise(groups.map(group).collect())
     }
 
     pub(super) fn groups(&self) -> usize {
@@ -67,7 +70,8 @@ impl Noise {
             }
         }
         let mut is_same = true;
-        for ((group, own), used) in self.0.iter_mut().zip(&residuals).zip(used) {
+        for (number, ((group, own), used)) in self.0.iter_mut().zip(&residuals).zip(used).enumerate() {
+            let least = LEAST_SIGMA * if number % 2 == 0 { FIRST_SIGMA } else { FIRST_ANGLE_SIGMA };
             let count = own.len() as f64;
             if count == 0.0 {
                 continue;
@@ -76,16 +80,16 @@ impl Noise {
             let freedom = (1.0 - used / count).max(LEAST_FREEDOM);
             let (scale, found) = if robust {
                 let scale = spread(own.iter().copied()) / freedom.sqrt();
-                let scale = scale.max(group.given.unwrap_or(0.0)).max(LEAST_SIGMA);
+                let scale = scale.max(group.given.unwrap_or(0.0)).max(least);
                 (scale, tempered(own, scale) / freedom.sqrt())
             } else {
                 let found = (own.iter().map(|residual| residual * residual).sum::<f64>() / count / freedom).sqrt();
-                (found.max(LEAST_SIGMA), found)
+                (found.max(least), found)
             };
             let agrees = 1.0 + AGREES / (2.0 * count * freedom).sqrt();
             let sigma = match group.given {
                 Some(given) if found <= agrees * given => given,
-                _ => found.max(LEAST_SIGMA),
+                _ => found.max(least),
             };
             is_same &= (sigma - group.sigma).abs() <= SAME_SIGMA * sigma;
             (group.scale, group.sigma) = (scale, sigma);

@@ -276,7 +276,14 @@ fn bits(observation: &Observation) -> Vec<u64> {
     let senses = observation.reading.state.direction.map(f64::from);
     let tool = observation.reading.tool_mm;
     let spindle = [observation.spindle_rad];
-    position.iter().chain(&values).chain(&senses).chain(tool.iter()).chain(&spindle).map(|value| value.to_bits()).collect()
+    position
+        .iter()
+        .chain(&values)
+        .chain(&senses)
+        .chain(tool.iter())
+        .chain(&spindle)
+        .map(|value| value.to_bits())
+        .collect()
 }
 
 fn row_line(rows: &Table, place: Place) -> usize {

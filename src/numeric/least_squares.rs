@@ -88,9 +88,15 @@ impl System {
         self.rows
     }
 
-    /// Solves it; `None` where it has numbers that are not finite.
+    /// Solves it with [`RANK_LIMIT`]; `None` where it has numbers that are not finite.
     #[must_use]
-    pub fn solve(mut self) -> Option<Solution> {
+    pub fn solve(self) -> Option<Solution> {
+        self.solve_to(RANK_LIMIT)
+    }
+
+    /// Solves it with a limit of its own for singular values, as a share of the largest one.
+    #[must_use]
+    pub fn solve_to(mut self, limit: f64) -> Option<Solution> {
         self.fold();
         let n = self.columns;
         // Square, so that all right singular vectors are there.
@@ -116,7 +122,7 @@ impl System {
         let mut order: Vec<usize> = (0..n).collect();
         order.sort_by(|&a, &b| found[b].total_cmp(&found[a]));
         let singular_values: Vec<f64> = order.iter().map(|&k| found[k]).collect();
-        let limit = singular_values.first().copied().unwrap_or(0.0) * RANK_LIMIT;
+        let limit = singular_values.first().copied().unwrap_or(0.0) * limit;
         let rank = singular_values.iter().filter(|&&value| value > limit).count();
         let mut unknowns = DVector::zeros(n);
         let mut cofactors = DMatrix::zeros(n, n);
