@@ -56,7 +56,9 @@ fn measurements(machine: &Machine, random: &mut Random) -> Vec<DataSet> {
             if kind == "probe" {
                 set.lengths.push(KnownLength { between: [0, 2], value_mm: 100.0, sigma_mm: None });
             }
-            for k in 0..if kind == "direct" { components.len() } else { 6 } {
+            for (k, &component) in
+                components.iter().enumerate().take(if kind == "direct" { components.len() } else { 6 })
+            {
                 let mut state = State::default();
                 state.direction.iter_mut().for_each(|sense| *sense = if random.symmetric() < 0.0 { -1 } else { 1 });
                 let tool = Vector::from_fn(|_, _| 150.0 * random.symmetric());
@@ -64,7 +66,7 @@ fn measurements(machine: &Machine, random: &mut Random) -> Vec<DataSet> {
                 row.spindle_rad = random.symmetric();
                 match kind {
                     "probe" => row.target = Some(k % 3),
-                    "direct" => (row.target, row.component) = (Some(k), Some(components[k])),
+                    "direct" => (row.target, row.component) = (Some(k), Some(component)),
                     _ => {}
                 }
                 set.observations.push(row);

@@ -1,4 +1,5 @@
 //! What plans of the literature can tell, what cannot be told in words, and how long a fit takes.
+#![allow(clippy::print_stdout, reason = "what a plan can tell, and times are worth reading where a test fails")]
 
 use std::time::Instant;
 

@@ -1,4 +1,5 @@
 //! Simulate and fit: without noise the truth comes back, with noise it is inside the uncertainties, with gross errors too.
+#![allow(clippy::print_stdout, reason = "shares and spreads are worth reading where a test fails")]
 
 use ncfix::calibrate::{Column, Estimate, quality};
 use ncfix::geometry::AXES;
