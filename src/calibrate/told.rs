@@ -80,7 +80,10 @@ pub fn told(machine: &Machine, parameters: &[ParameterName], data: &[DataSet]) -
         rank: felt.len() - lost.len(),
         condition: if least > 0.0 { (most / least).sqrt() } else { f64::INFINITY },
         idle,
-        sentences: words::lost(&lost, &design.columns, data),
+        sentences: {
+            let words::Lost { parameters, unknowns, .. } = words::lost(&lost, &design.columns, data);
+            parameters.into_iter().chain(unknowns).collect()
+        },
     }
 }
 

@@ -380,5 +380,13 @@ impl Builder {
 /// A row without values.
 #[must_use]
 pub(super) fn observation(reading: Reading, setup: usize) -> Observation {
-    Observation { reading, setup, values: [None; 3], target: None, component: None, place: Place::default() }
+    Observation {
+        reading,
+        setup,
+        values: [None; 3],
+        target: None,
+        component: None,
+        spindle_rad: 0.0,
+        place: Place::default(),
+    }
 }

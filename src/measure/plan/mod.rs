@@ -139,6 +139,7 @@ fn along_spindle(machine: &Machine) -> (usize, f64) {
 /// A measurement of a kind without rows.
 fn empty(kind: &'static super::kind::Kind, free: &[super::data::Free]) -> DataSet {
     DataSet {
+        sigma_rad: None,
         name: kind.name.to_owned(),
         kind,
         sigma: None,
