@@ -54,6 +54,7 @@
 //! | a source of error | `model/source/x.rs`: sections, effects, formula and source, example; a row in the README | [`model::SOURCES`] |
 //! | a kind of motion error | `model/motion/x.rs` with formula, source and example; `docs/motion.md` | the register of kinds there |
 //! | a kind of test plan | `measure/plan/x.rs`; a row in `docs/plan.md` | [`measure::plan::PLANS`] |
+//! | a kind of measurement | `measure/kind/x.rs`: columns, unknowns, equations; a row in `docs/calibrate.md` | [`measure::kind::KINDS`] |
 //! | a preset of parameters | `model/preset/x.rs` | [`model::preset::PRESETS`] |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |
 //! | a command | `cli/x.rs` | `cli/mod.rs` |

@@ -13,6 +13,7 @@ mod calibrate;
 mod calibrate_factors;
 mod calibrate_rank;
 mod calibrate_recover;
+mod cli_calibrate;
 mod cli_check;
 mod cli_explain;
 mod cli_fix;

@@ -31,7 +31,8 @@ pub struct Quality {
 pub fn quality(machine: &Machine, errors: &ErrorModel, data: &DataSet) -> Result<Quality, Fault> {
     let set = std::slice::from_ref(data);
     let of = |errors: &ErrorModel| -> Result<Vec<f64>, Fault> {
-        let found = fit(machine, errors, &[], set, Options { robust: true })?;
+        // Without the errors of the machine what is left is no noise that could tell which rows do not fit.
+        let found = fit(machine, errors, &[], set, Options { robust: false })?;
         Ok(found.residuals.iter().map(|&(_, _, residual, _)| residual).collect())
     };
     let (measured, left) = (of(&ErrorModel::default())?, of(errors)?);

@@ -6,13 +6,17 @@ mod machine;
 mod measured;
 mod plan;
 mod sensors;
+mod calibrate;
+mod simulate;
 mod steps;
 
+pub(super) use calibrate::CalibrateArguments;
 pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
 pub(super) use plan::PlanArguments;
 pub(super) use sensors::SensorsArguments;
+pub(super) use simulate::SimulateArguments;
 pub(super) use steps::StepsArguments;
 
 use std::ffi::OsString;
@@ -122,6 +126,12 @@ pub(super) enum Command {
     /// Plan a measurement: the poses, and the program that runs them
     #[command(after_help = plan::AFTER_HELP)]
     Plan(Box<PlanArguments>),
+    /// Fit an error model to measured data and write the machine file
+    #[command(after_help = calibrate::AFTER_HELP)]
+    Calibrate(CalibrateArguments),
+    /// Write what instruments would read on a machine with its errors
+    #[command(after_help = simulate::AFTER_HELP)]
+    Simulate(SimulateArguments),
     /// Check or show a machine file
     #[command(subcommand, after_help = examples::MACHINE)]
     Machine(MachineCommand),

@@ -5,6 +5,8 @@
 
 mod archive;
 mod arguments;
+mod calibrate;
+mod calibrated;
 mod check;
 mod exit_code;
 mod explain;
@@ -16,12 +18,15 @@ mod load;
 mod machine;
 mod machine_choice;
 mod measured;
+mod measurement;
 mod output;
 mod plan;
 mod presets;
 mod program;
 mod progress;
 mod sensors;
+mod parameters;
+mod simulate;
 mod snc;
 mod state;
 mod steps;
@@ -70,6 +75,8 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Sensors(arguments) => sensors::run(arguments),
         Command::Load(arguments) => load::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
+        Command::Calibrate(arguments) => calibrate::run(arguments),
+        Command::Simulate(arguments) => simulate::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),
     }

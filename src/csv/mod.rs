@@ -89,6 +89,23 @@ impl Table {
         self.cells.len() / self.names.len().max(1)
     }
 
+    /// What separates the cells.
+    #[must_use]
+    pub fn separator(&self) -> u8 {
+        self.separator
+    }
+
+    /// The place behind the last cell of the row that has this last cell, where another cell may be added.
+    #[must_use]
+    pub fn place_behind(&self, last: Place) -> Place {
+        let bytes = self.source.bytes();
+        let range = last.span.range();
+        let is_quoted = range.start.checked_sub(1).is_some_and(|before| bytes.get(before) == Some(&b'"'))
+            && bytes.get(range.end) == Some(&b'"');
+        let end = range.end + usize::from(is_quoted);
+        Place { file: last.file, span: Span::new(end, end) }
+    }
+
     /// The decimal sign of the numbers in some columns. Where no number has decimals it is the comma in tables with semicolons: that is
     /// why they have them.
     ///

@@ -2,7 +2,7 @@
 //!
 //! Groups: `E01` what was written (syntax), `E02` what it means (execution), `E03` safety and machine limits,
 //! `E04` machine file and error model, `E05` state of the machine, `E06` measured data; `W…` the same groups as warnings. Codes are stable:
-//! one that is no longer used stays retired. A test demands a sample file that provokes each code.
+//! one that is no longer used stays retired. A test demands a sample file that provokes each code. The file is long because it holds them all.
 
 use std::fmt;
 
@@ -309,6 +309,23 @@ gauge, at enough positions to tell the weight from the offset (and the drift, wh
 of them than unknowns, or nothing says how uncertain the result is: measure every position twice. Of two readings of a position that contradict each
 other nothing may say which one is disturbed (a pulse of lubricant); a third run tells. A negative weight means a wrong sign in [strain] or in the
 readings.";
+    NOT_TOLD = "E0606" "errors that the data cannot tell"
+"ncfix calibrate finds errors of the machine and what is unknown of each set-up from readings. Here some of these move what was read in just the same
+way, or not at all, so that nobody could say how much each of them is: a least-squares solution would be one of infinitely many. The message
+names them. Measure in poses in which they differ (other angles of the rotary axes, another tool length, a second set-up, a known length), describe
+what is known of the set-up (take it out of free), or choose a model with fewer parameters (ncfix machine presets).";
+    NOT_SETTLED = "E0607" "calibration that does not settle"
+"The parameters still change after the last round: the model and the readings contradict each other, for instance in a sign, a set-up or an axis, or
+single parameters hardly move what was read. Check the description of the measurement, --machine, and rows with large deviations.";
+    DATA_SIZE = "E0608" "readings of an implausible size"
+"Readings are µm or µrad, as the names of their columns say. This one is above --max (an angle counts by what it moves at an arm of 1 m), or all readings
+of a measurement are below the uncertainty of the instrument: values in mm, or in nm, were written into a column of µm, or length_mm and centre_mm of
+the description are wrong. The same is said of a parameter that would move the tool by more than --max. Where a machine has such errors give
+a larger --max.";
+    BAD_PARAMETER = "E0609" "no parameter of this machine"
+"A file for --model has a parameter in each line, and comments behind #: EC0Y is a location error, EXX1 the coefficient of degree 1 of a motion error,
+EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm. The axis must be there in the machine file, and a parameter
+stands there once.";
 
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
@@ -388,4 +405,11 @@ side of the workpiece is machined: give the place for this position, along the a
     READING_LEFT_OUT = "W0602" "reading left out"
 "The strain is disturbed for a moment by every pulse of lubricant. A reading (or two) without which the others agree far better than by chance (1 %)
 is left out of the weighing.";
+    ROW_DOES_NOT_FIT = "W0603" "reading that does not fit the others"
+"In a calibration a reading further from the model than noise explains counts for less, and beyond 4.7 standard deviations for nothing
+(Tukey's weights). It stays in the file and in the report. Look for its cause: a chip under the ball, a wrong row, a set-up that
+moved. With --no-robust all readings count alike.";
+    POOR_FIT = "W0604" "more is left than the instrument explains"
+"What the calibrated model leaves is well above the uncertainty that sigma_um gives. The machine has errors that the model lacks, its temperature changed,
+or sigma_um is too small. The standard uncertainties of the parameters rest on sigma_um and are then too small as well.";
 }

@@ -7,6 +7,7 @@ mod chain;
 pub mod condition;
 mod contour_control;
 mod document;
+pub mod edit;
 pub mod file;
 mod frame_control;
 mod grundig_control;

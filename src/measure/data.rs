@@ -33,6 +33,10 @@ pub struct DataSet {
     pub targets: Vec<String>,
     /// Known distances between them.
     pub lengths: Vec<KnownLength>,
+    /// Where balls nominally are in the workpiece frame, mm, as far as the description says: what a simulation needs.
+    pub balls: Vec<(String, Vector)>,
+    /// Whether it is the plan of a measurement, without readings yet.
+    pub is_plan: bool,
     /// Readings in the order of the file.
     pub observations: Vec<Observation>,
 }
@@ -96,10 +100,32 @@ pub struct Observation {
 /// Reads a pair of files. All findings are reported in one run; there is data only where none of them is an error.
 #[must_use]
 pub fn load(name: &str, table: &Source, description: &Source, machine: &Machine) -> (Option<DataSet>, Vec<Diagnostic>) {
+    load_as(name, table, description, machine, false)
+}
+
+/// Reads the plan of a measurement: a pair of files whose columns of readings are empty or not there yet. Every reading counts as 0.
+#[must_use]
+pub fn load_plan(
+    name: &str,
+    table: &Source,
+    description: &Source,
+    machine: &Machine,
+) -> (Option<DataSet>, Vec<Diagnostic>) {
+    load_as(name, table, description, machine, true)
+}
+
+fn load_as(
+    name: &str,
+    table: &Source,
+    description: &Source,
+    machine: &Machine,
+    is_plan: bool,
+) -> (Option<DataSet>, Vec<Diagnostic>) {
     let (description, mut findings) = read_description(name, description);
     let (rows, found) = Table::read(table);
     findings.extend(found);
     let (Some(mut data), Some(rows)) = (description, rows) else { return (None, findings) };
+    data.is_plan = is_plan;
     match Readings::new(&rows, machine) {
         Err(found) => findings.extend(found),
         Ok(readings) => read_rows(&rows, readings, &mut data, &mut findings),
@@ -149,9 +175,11 @@ fn read_description(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagno
         }
         section.finish(&mut findings);
     }
+    let balls = root.section("ball").map_or_else(Vec::new, |section| read_balls(section, &mut findings));
     root.finish(&mut findings);
     let data = data.map(|mut data: DataSet| {
         data.setups = setups;
+        data.balls = balls;
         for (from, to, value_mm, sigma_mm) in lengths {
             let between = [from, to].map(|label| number_of(&mut data.targets, &label));
             data.lengths.push(KnownLength { between, value_mm, sigma_mm });
@@ -159,6 +187,20 @@ fn read_description(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagno
         data
     });
     (data, findings)
+}
+
+fn read_balls(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(String, Vector)> {
+    let mut balls = Vec::new();
+    let labels: Vec<&str> = section.keys().collect();
+    for label in labels {
+        if let Some(mut one) = section.section(label) {
+            let place = one.required("place_mm", "[100, 0, 50]", Section::vector);
+            balls.extend(place.map(|place| (label.to_owned(), place)));
+            one.finish(findings);
+        }
+    }
+    section.finish(findings);
+    balls
 }
 
 fn read_measurement(name: &str, section: &mut Section<'_>) -> Option<DataSet> {
@@ -201,6 +243,8 @@ fn read_measurement(name: &str, section: &mut Section<'_>) -> Option<DataSet> {
         setups: Vec::new(),
         targets: Vec::new(),
         lengths: Vec::new(),
+        balls: Vec::new(),
+        is_plan: false,
         observations: Vec::new(),
     })
 }
@@ -254,8 +298,9 @@ fn read_rows(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet, findi
                 continue;
             }
         }
-        let key: Vec<u64> = bits(&observation);
-        if let Some(first) = seen.insert((key, setup, observation.target.unwrap_or(usize::MAX)), observation.place) {
+        let key = (bits(&observation), setup, observation.target.unwrap_or(usize::MAX));
+        // A plan may go to the same pose again.
+        if let Some(first) = (!data.is_plan).then(|| seen.insert(key, observation.place)).flatten() {
             let line = row_line(rows, first);
             let message = format!("the row is the same as that in line {line}");
             let help = "take one of them out: a repetition would differ by the noise of the instrument";

@@ -1,15 +1,18 @@
 //! What was measured on the machine: the positions and readings in tables of data.
 //!
 //! [`reading`] finds axis positions, tool vectors and senses of motion in the columns of a table ([`crate::csv`]), [`data`] reads a
-//! measurement with its description, [`kind`] has one file per kind of measurement: what it reads and what a reading should be. [`mode`] takes the
-//! corrections out of positions that were read (measurement mode), [`iso230`] has the figures of the acceptance tests. [`strain`] finds readings of a strain gauge, [`weighing`] what load made them.
-//! [`plan`] makes measurements without readings and the way of the axes to them.
+//! measurement with its description, [`kind`] has one file per kind of measurement: what it reads and what a reading should be.
+//! [`simulate`] goes the other way, with [`noise`]; [`plan`] makes measurements without readings and the way of the axes to them. [`mode`] takes the
+//! corrections out of positions that were read (measurement mode), [`iso230`] has the figures of the acceptance tests. [`strain`] finds readings
+//! of a strain gauge, [`weighing`] what load made them.
 
 pub mod data;
 pub mod iso230;
 pub mod kind;
 pub mod mode;
 pub mod plan;
+pub mod noise;
 pub mod reading;
+pub mod simulate;
 pub mod strain;
 pub mod weighing;

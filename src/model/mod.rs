@@ -22,6 +22,7 @@ pub mod parameter;
 pub mod preset;
 mod rotation;
 pub mod source;
+pub mod write;
 
 pub use accumulator::Accumulator;
 pub use body::Pose;

@@ -2,6 +2,7 @@
 //!
 //! Everything here returns text or serializable values; nothing opens a file or asks what a terminal can do.
 
+pub mod calibration;
 pub mod correction;
 mod excerpt;
 pub mod json;

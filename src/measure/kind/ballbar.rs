@@ -24,7 +24,11 @@ pub(super) const KIND: Kind = Kind {
     columns: &["dr_um"],
 };
 
-fn read(_: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut Observation) -> Result<(), Diagnostic> {
+fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut Observation) -> Result<(), Diagnostic> {
+    if data.is_plan {
+        observation.values[0] = Some(0.0);
+        return Ok(());
+    }
     observation.values[0] = Some(mm_from_um(row.number(needed(row, "dr_um")?, sign)?));
     Ok(())
 }

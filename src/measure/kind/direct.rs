@@ -35,6 +35,12 @@ fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut 
         let help = "write a motion error such as EXX, EYX or EAX";
         return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), format!("'{name}' is no motion error"), help));
     };
+    observation.component = Some(component);
+    observation.target = Some(number_of(&mut data.targets, &name));
+    if data.is_plan {
+        observation.values[0] = Some(0.0);
+        return Ok(());
+    }
     let is_rotation = component.direction.is_rotation();
     let (own, other) = if is_rotation { ("value_urad", "value_um") } else { ("value_um", "value_urad") };
     let column = needed(row, own)?;
@@ -44,8 +50,6 @@ fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut 
     }
     let value = optional(row, Some(column), sign)?;
     observation.values[0] = value.map(if is_rotation { rad_from_urad } else { mm_from_um });
-    observation.component = Some(component);
-    observation.target = Some(number_of(&mut data.targets, &name));
     Ok(())
 }
 

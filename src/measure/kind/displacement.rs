@@ -29,15 +29,23 @@ pub(super) const KIND: Kind = Kind {
     columns: &COLUMNS,
 };
 
-fn read(_: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut Observation) -> Result<(), Diagnostic> {
+fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut Observation) -> Result<(), Diagnostic> {
+    if data.is_plan {
+        // Columns that are there say what will be read; without any it is all three.
+        let wants_all = COLUMNS.iter().all(|name| row.column(name).is_none());
+        for (value, name) in observation.values.iter_mut().zip(COLUMNS) {
+            *value = (wants_all || row.column(name).is_some()).then_some(0.0);
+        }
+        return Ok(());
+    }
     for (value, name) in observation.values.iter_mut().zip(COLUMNS) {
         *value = optional(row, row.column(name), sign)?.map(mm_from_um);
     }
     Ok(())
 }
 
-fn check(_: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
-    if COLUMNS.iter().all(|name| table.column(name).is_none()) {
+fn check(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
+    if !data.is_plan && COLUMNS.iter().all(|name| table.column(name).is_none()) {
         let help = "name the columns of the readings dx_um, dy_um, dz_um (any of them)";
         findings.push(Diagnostic::at(
             Code::DATA_COLUMN,

@@ -1,0 +1,316 @@
+//! `ncfix calibrate`: from measured data to the machine file.
+
+use std::fmt::Write as _;
+
+use super::arguments::CalibrateArguments;
+use super::calibrated;
+use super::exit_code::ExitCode;
+use super::findings::Findings;
+use super::input::{self, is_standard_stream};
+use super::machine_choice::{self, Chosen, short_hash};
+use super::measurement::{self, Measurement, description_of, is_angle, reads_angles};
+use super::output::{Spool, Target};
+use super::program::protect;
+use super::stop::Stop;
+use super::{parameters, print, tell};
+use crate::calibrate::{Column, Fault, Fit, Options, fit, quality};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::geometry::Vector;
+use crate::measure::data::DataSet;
+use crate::model::parameter::ParameterName;
+use crate::model::{ErrorModel, file, write};
+use crate::report::number::{micrometers, significant};
+use crate::report::{calibration, json};
+use crate::source::{FileId, Source};
+use crate::units::um_from_mm;
+
+/// A line of the head that an earlier calibration wrote begins with this.
+const HEAD: &str = "# calibrated:";
+/// The model leaves more than the instrument explains beyond this many standard uncertainties.
+const POOR: f64 = 3.0;
+/// An angle counts by what it moves at this arm, mm.
+const ARM_MM: f64 = 1000.0;
+/// What is told of the data in a finding about the machine's file: its id, beyond those of measurements.
+const MACHINE: FileId = FileId(0);
+
+/// Calibrates.
+pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
+    let goes_out = is_standard_stream(&arguments.output);
+    if arguments.json && goes_out {
+        return Err(Stop::Usage(
+            "--json and the machine file cannot both go to standard output; give -o a file".into(),
+        ));
+    }
+    let mut findings = Findings::default();
+    let mut report = calibration::Calibration { model: arguments.model.clone(), ..Default::default() };
+    let result = calibrate(arguments, &mut findings, &mut report);
+    if result.is_ok() && arguments.json {
+        report.diagnostics = findings.json();
+        print(&json::line(&report).map_err(Stop::Usage)?)?;
+        return Ok(findings.exit_code());
+    }
+    findings.draw();
+    result?;
+    if !report.parameters.is_empty() {
+        tell(&report.table());
+    }
+    if findings.has_errors() {
+        tell(&format!("{}; nothing was written\n", findings.count()));
+    }
+    Ok(findings.exit_code())
+}
+
+fn calibrate(
+    arguments: &CalibrateArguments,
+    findings: &mut Findings,
+    report: &mut calibration::Calibration,
+) -> Result<(), Stop> {
+    let target = Target::new(&arguments.output)?;
+    let start = input::read(&arguments.machine, MACHINE)?;
+    let chosen = machine_choice::read(&start, &[], findings)?;
+    let mut inputs = vec![arguments.machine.clone()];
+    for path in arguments.data.iter().chain(&arguments.hold_out) {
+        inputs.extend([path.clone(), description_of(path)?]);
+    }
+    protect(&target, &inputs, findings);
+    let Some(chosen) = chosen else { return Ok(()) };
+    report.machine.clone_from(&chosen.machine.name);
+    let parameters = parameters::choose(&arguments.model, &chosen.machine, findings)?;
+    let mut all = Vec::new();
+    for (number, path) in arguments.data.iter().chain(&arguments.hold_out).enumerate() {
+        let read = measurement::read(path, number, false, &chosen.machine, findings)?;
+        if let Some(measurement) = &read {
+            check_sizes(&chosen, measurement, arguments.max, findings);
+        }
+        all.extend(read);
+    }
+    let Some(parameters) = parameters.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    let held_out = all.split_off(arguments.data.len().min(all.len()));
+    let job = Job { arguments, chosen: &chosen, parameters: &parameters };
+    let Some(fit) = job.fit(&all, findings, report) else { return Ok(()) };
+    job.compare(&fit, &all, &held_out, findings, report);
+    if findings.has_errors() {
+        return Ok(());
+    }
+    let text = job.text(&start, &fit.errors, &all)?;
+    let mut spool = Spool::new(target)?;
+    if let Err(error) = spool.writer().write_all(text.as_bytes()) {
+        return Err(spool.fault(&error));
+    }
+    spool.publish(false)?;
+    report.output = Some(arguments.output.display().to_string());
+    Ok(())
+}
+
+struct Job<'a> {
+    arguments: &'a CalibrateArguments,
+    chosen: &'a Chosen,
+    parameters: &'a [ParameterName],
+}
+
+impl Job<'_> {
+    /// Fits; `None` where the data do not allow it, which findings say.
+    fn fit(&self, all: &[Measurement], findings: &mut Findings, report: &mut calibration::Calibration) -> Option<Fit> {
+        let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
+        let options = Options { robust: !self.arguments.no_robust };
+        let fit = match fit(&self.chosen.machine, &self.chosen.errors, self.parameters, &data, options) {
+            Ok(fit) => fit,
+            Err(fault) => {
+                findings.extend(refusals(fault, ""), &[]);
+                return None;
+            }
+        };
+        for found in &fit.estimates {
+            let one = calibrated::estimate(found, &self.chosen.errors, &data);
+            let is_parameter = matches!(found.column, Column::Parameter(_));
+            if is_parameter && found.effect_mm > self.arguments.max {
+                let effect = micrometers(um_from_mm(found.effect_mm));
+                let message = format!("{} would move the tool by {effect} (root of the mean square)", one.name);
+                let help = "check units and signs of the readings; give a larger --max if the machine is like this";
+                findings.add(Diagnostic::nowhere(Code::DATA_SIZE, message, help), &[]);
+            }
+            if is_parameter { &mut report.parameters } else { &mut report.unknowns }.push(one);
+        }
+        report.condition = Some(fit.condition);
+        report.degrees_of_freedom = fit.freedom;
+        report.rounds = fit.rounds;
+        for (row, set, place) in calibrated::weighted_down(&fit, all) {
+            let size = format!("{} {}", significant(row.residual), row.unit);
+            let message = format!("{size} are left of this reading, which counts {:.0} %", row.weight * 100.0);
+            let help = "look for its cause; --no-robust lets it count like the others";
+            let found = Diagnostic::at(Code::ROW_DOES_NOT_FIT, place, message, help);
+            findings.add(found, all.get(set).map_or(&[], |one| &one.sources));
+            report.weighted_down.push(row);
+        }
+        Some(fit)
+    }
+
+    /// Holds the result against all measurements.
+    fn compare(
+        &self,
+        fit: &Fit,
+        used: &[Measurement],
+        held_out: &[Measurement],
+        findings: &mut Findings,
+        report: &mut calibration::Calibration,
+    ) {
+        let used = used.iter().enumerate().map(|(number, one)| (one, fit.sigmas.get(number).copied(), false));
+        for (one, sigma, is_held_out) in used.chain(held_out.iter().map(|one| (one, one.data.sigma, true))) {
+            let found = match quality(&self.chosen.machine, &fit.errors, &one.data) {
+                Ok(found) => found,
+                Err(fault) => {
+                    findings.extend(refusals(fault, &format!("{}: ", one.data.name)), &[]);
+                    continue;
+                }
+            };
+            if let Some(described) = one.data.sigma.filter(|&described| found.left[0] > POOR * described) {
+                let times = significant(found.left[0] / described);
+                let name = &found.name;
+                let message =
+                    format!("{name}: what is left (root of the mean square) is {times} times what sigma_um says");
+                let help = "choose a model with more parameters, measure faster, or correct sigma_um";
+                findings.add(Diagnostic::nowhere(Code::POOR_FIT, message, help), &[]);
+            }
+            report.data.push(calibrated::quality(found, &one.data, sigma, is_held_out));
+        }
+    }
+
+    /// The new machine file: the text of the old one with the parameters, and a head that says where they come from.
+    fn text(&self, start: &Source, errors: &ErrorModel, used: &[Measurement]) -> Result<String, Stop> {
+        let wrong = |reason: String| Stop::Usage(format!("cannot write into the text of {}: {reason}", start.name()));
+        let old = std::str::from_utf8(start.bytes()).map_err(|_| wrong("it is not UTF-8".into()))?;
+        let body = write::write(old, &self.chosen.errors, errors).map_err(|reason| wrong(reason.0))?;
+        // A name may have any character; a comment ends with its line.
+        let name = |text: &str| text.replace(char::is_control, " ");
+        let mut text = format!("{HEAD} model {}", name(&self.arguments.model));
+        // Writing into a String cannot fail.
+        let _ = writeln!(text, ", began with {} ({})", name(start.name()), short_hash([start.bytes()]));
+        for one in used {
+            let hash = short_hash(one.sources.iter().map(Source::bytes));
+            let _ = writeln!(text, "{HEAD} {} {} ({hash})", one.data.kind.name, name(one.sources[0].name()));
+        }
+        body.lines().skip_while(|line| line.starts_with(HEAD)).for_each(|line| {
+            text.push_str(line);
+            text.push('\n');
+        });
+        // What is written must be what was found.
+        let again = Source::new(MACHINE, start.name(), text.clone().into_bytes())
+            .map_err(|_| wrong("it is too long".into()))?;
+        let Some((_, written)) = file::load(&again).0 else {
+            return Err(wrong("the result is no machine file".into()));
+        };
+        for parameter in self.parameters {
+            let (found, read) = (parameter.get(errors), parameter.get(&written));
+            if (found - read).abs() > 1e-9 * found.abs() + f64::MIN_POSITIVE {
+                return Err(wrong(format!("{parameter} would read {read:e} in place of {found:e}")));
+            }
+        }
+        Ok(text)
+    }
+}
+
+/// Findings for a fit that is not possible.
+fn refusals(fault: Fault, of: &str) -> Vec<Diagnostic> {
+    match fault {
+        Fault::TooFew { equations, unknowns } => {
+            let message = format!("{of}{equations} readings cannot tell {unknowns} unknowns");
+            let help = "measure more, describe what is known of the set-ups, or choose a smaller model";
+            vec![Diagnostic::nowhere(Code::NOT_TOLD, message, help)]
+        }
+        Fault::NotTold(sentences) => {
+            let help =
+                "measure in poses in which they differ, describe what is known of the set-up, or leave a parameter out";
+            let of_one = |sentence: String| Diagnostic::nowhere(Code::NOT_TOLD, format!("{of}{sentence}"), help);
+            sentences.into_iter().map(of_one).collect()
+        }
+        Fault::NotSettled => {
+            let message = format!("{of}the parameters do not settle");
+            let help = "check signs and set-ups in the description, --machine, and sigma_um; --no-robust counts all rows alike";
+            vec![Diagnostic::nowhere(Code::NOT_SETTLED, message, help)]
+        }
+    }
+}
+
+/// Says where readings are in another unit than their column, as far as their size tells.
+fn check_sizes(chosen: &Chosen, measurement: &Measurement, max_mm: f64, findings: &mut Findings) {
+    let data = &measurement.data;
+    let help = "check the unit of the column; if the machine is like this, give a larger --max";
+    let mut sum = 0.0;
+    let mut count = 0.0_f64;
+    for row in &data.observations {
+        let arm = if is_angle(row) { ARM_MM } else { 1.0 };
+        for (index, value) in row.values.iter().enumerate() {
+            let Some(size) = value.map(|value| value.abs() * arm) else { continue };
+            sum += size * size;
+            count += 1.0;
+            if size > max_mm {
+                let (place, shown) = calibrated::cell(measurement, row.place, index);
+                let message =
+                    format!("{shown} is beyond {}, which no reading should be", micrometers(um_from_mm(max_mm)));
+                findings.add(Diagnostic::at(Code::DATA_SIZE, place, message, help), &measurement.sources);
+            }
+        }
+    }
+    let rms = (sum / count.max(1.0)).sqrt();
+    if let (Some(sigma), Some(first)) = (data.sigma, data.observations.first())
+        && count > 0.0
+        && rms < sigma * if reads_angles(data) { ARM_MM } else { 1.0 }
+    {
+        let (place, _) = calibrated::cell(measurement, first.place, 0);
+        let message = "all readings together are less than their uncertainty (root of the mean square)";
+        let help = "check the unit of the column and sigma_um in the description";
+        findings.add(Diagnostic::at(Code::DATA_SIZE, place, message, help), &measurement.sources);
+    }
+    check_balls(chosen, measurement, max_mm, findings);
+}
+
+/// Says which probing is far from the others of its ball.
+fn check_balls(chosen: &Chosen, measurement: &Measurement, max_mm: f64, findings: &mut Findings) {
+    let data = &measurement.data;
+    if data.kind.name != "probe" || !data.free.is_empty() {
+        return;
+    }
+    let model = chosen.model();
+    for (number, label) in data.targets.iter().enumerate() {
+        let own = || data.observations.iter().filter(|row| row.target == Some(number));
+        let tips: Vec<Vector> =
+            own().map(|row| model.nominal(&row.reading.position, &row.reading.tool_mm).translation).collect();
+        let middle = |k: usize| {
+            let mut all: Vec<f64> = tips.iter().map(|tip| tip[k]).collect();
+            let half = all.len() / 2;
+            if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(half, f64::total_cmp).1 }
+        };
+        let center = Vector::new(middle(0), middle(1), middle(2));
+        for (row, tip) in own().zip(&tips) {
+            let off = (tip - center).norm();
+            if off > max_mm {
+                let message = format!("the tip is {off:.3} mm from where the ball {label} is in the other rows");
+                let help = "check the positions, target and tool_x_mm … of the row; give a larger --max if the machine is like this";
+                findings.add(Diagnostic::at(Code::DATA_SIZE, row.place, message, help), &measurement.sources);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_fault_is_a_refusal() {
+        let not_told = Fault::NotTold(vec!["a".into(), "b".into()]);
+        let faults = [Fault::TooFew { equations: 2, unknowns: 3 }, not_told, Fault::NotSettled];
+        let found: Vec<(String, String)> = faults
+            .into_iter()
+            .flat_map(|fault| refusals(fault, "set: "))
+            .map(|one| (one.code.to_string(), one.message))
+            .collect();
+        let expected = [
+            ("E0606", "set: 2 readings cannot tell 3 unknowns"),
+            ("E0606", "set: a"),
+            ("E0606", "set: b"),
+            ("E0607", "set: the parameters do not settle"),
+        ];
+        assert_eq!(found, expected.map(|(code, message)| (code.to_owned(), message.to_owned())));
+    }
+}

@@ -1,0 +1,109 @@
+//! What `ncfix calibrate` reports of a fit: numbers in the units of people.
+
+use super::measurement::{Measurement, is_angle, reads_angles};
+use crate::calibrate::{Column, Estimate, Fit, Quality};
+use crate::csv::Table;
+use crate::diagnostic::Place;
+use crate::measure::data::DataSet;
+use crate::model::ErrorModel;
+use crate::report::calibration;
+use crate::units::{um_from_mm, urad_from_rad};
+
+/// Rows that count less than this do not fit: a residual of 3.3 standard deviations.
+pub(super) const DOES_NOT_FIT: f64 = 0.25;
+
+/// A number that was found; `start` is the error model before.
+pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -> calibration::Estimate {
+    let (factor, unit) = unit_of(&found.column);
+    let name = found.column.name(data).to_string();
+    let (before, effect_um) = match &found.column {
+        Column::Parameter(name) => (name.get(start), Some(um_from_mm(found.effect_mm))),
+        Column::Unknown(..) => (0.0, None),
+    };
+    calibration::Estimate {
+        name,
+        value: found.value * factor,
+        sigma: found.sigma * factor,
+        unit,
+        start: before * factor,
+        effect_um,
+        inflation: found.inflation,
+    }
+}
+
+/// The factor from mm, rad and powers of them to the unit that is shown: µm, µrad, per power of m or rad.
+fn unit_of(column: &Column) -> (f64, String) {
+    const MM_OF_M: f64 = 1000.0;
+    let (factor, unit) = if column.is_angle() { (urad_from_rad(1.0), "µrad") } else { (um_from_mm(1.0), "µm") };
+    let Column::Parameter(name) = column else { return (factor, unit.into()) };
+    let degree = name.degree();
+    let is_rotary = name.component.axis().is_some_and(|axis| axis.is_rotary());
+    let (factor, per) = if is_rotary { (factor, "rad") } else { (factor * MM_OF_M.powi(i32::from(degree)), "m") };
+    match degree {
+        0 => (factor, unit.into()),
+        1 => (factor, format!("{unit}/{per}")),
+        degree => (factor, format!("{unit}/{per}^{degree}")),
+    }
+}
+
+/// A measurement against the result.
+pub(super) fn quality(found: Quality, set: &DataSet, sigma: Option<f64>, is_held_out: bool) -> calibration::Data {
+    let is_angle = reads_angles(set);
+    let shown = |value: f64| if is_angle { urad_from_rad(value) } else { um_from_mm(value) };
+    calibration::Data {
+        name: found.name,
+        kind: set.kind.name,
+        is_held_out,
+        readings: found.readings,
+        unit: if is_angle { "µrad" } else { "µm" },
+        measured_rms: shown(found.measured[0]),
+        measured_max: shown(found.measured[1]),
+        left_rms: shown(found.left[0]),
+        left_max: shown(found.left[1]),
+        sigma: sigma.map(shown),
+        efficiency: found.efficiency,
+    }
+}
+
+/// The rows that count for less because they do not fit, once each, with their places and the number of their measurement.
+pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibration::Row, usize, Place)> {
+    let mut rows: Vec<(calibration::Row, usize, Place)> = Vec::new();
+    for &(set, row, residual, weight) in fit.residuals.iter().filter(|&&(_, _, _, weight)| weight < DOES_NOT_FIT) {
+        let Some(measurement) = all.get(set) else { continue };
+        let Some(place) = measurement.data.observations.get(row).map(|row| row.place) else { continue };
+        let source = &measurement.sources[0];
+        let is_angle = measurement.data.observations.get(row).is_some_and(is_angle);
+        let found = calibration::Row {
+            file: source.name().to_owned(),
+            line: source.line_column(place.span.start).0,
+            residual: if is_angle { urad_from_rad(residual) } else { um_from_mm(residual) },
+            unit: if is_angle { "µrad" } else { "µm" },
+            weight,
+        };
+        // A row may have three readings: the worst says it all.
+        match rows.iter_mut().find(|(_, of, known)| *of == set && *known == place) {
+            Some((known, _, _)) if known.weight > weight => *known = found,
+            Some(_) => {}
+            None => rows.push((found, set, place)),
+        }
+    }
+    rows
+}
+
+/// Where a value of a row stands in its table; the row itself where there is none.
+pub(super) fn cell(measurement: &Measurement, row: Place, index: usize) -> (Place, String) {
+    let (table, _) = Table::read(&measurement.sources[0]);
+    let columns = measurement.data.kind.columns;
+    table
+        .as_ref()
+        .and_then(|table| {
+            let row = table.rows().find(|found| found.place(0) == row)?;
+            let named = |name: &&str| row.column(name).filter(|&column| !row.text(column).is_empty());
+            let single = |name: &&&str| name.starts_with("value_") && named(name).is_some();
+            let name = columns.iter().find(single).or_else(|| columns.get(index))?;
+            let column = named(name)?;
+            let shown = String::from_utf8_lossy(row.text(column)).trim().to_owned();
+            Some((row.place(column), format!("{name} {shown}")))
+        })
+        .unwrap_or((row, "the reading".into()))
+}

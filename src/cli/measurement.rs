@@ -1,0 +1,71 @@
+//! Reads measurements: pairs of a table NAME.csv and a description NAME.toml.
+
+use std::path::{Path, PathBuf};
+
+use super::findings::Findings;
+use super::input::{self, is_standard_stream};
+use super::stop::Stop;
+use crate::machine::Machine;
+use crate::measure::data::{self, DataSet, Observation};
+use crate::source::{FileId, Source};
+use crate::units::{rad_from_urad, um_from_mm};
+
+/// A measurement with its files.
+pub(super) struct Measurement {
+    /// What was read.
+    pub(super) data: DataSet,
+    /// Table and description.
+    pub(super) sources: [Source; 2],
+}
+
+/// The description beside a table.
+///
+/// # Errors
+/// Where there can be none.
+pub(super) fn description_of(table: &Path) -> Result<PathBuf, Stop> {
+    let is_toml = table.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+    if is_standard_stream(table) || is_toml {
+        let name = table.display();
+        return Err(Stop::Usage(format!(
+            "a measurement is a pair of files, NAME.csv and NAME.toml; '{name}' is no NAME.csv"
+        )));
+    }
+    Ok(table.with_extension("toml"))
+}
+
+/// Reads a measurement, or the plan of one; `None` where findings forbid to use it. `number` tells measurements apart.
+///
+/// # Errors
+/// Where a file cannot be read.
+pub(super) fn read(
+    table: &Path,
+    number: usize,
+    is_plan: bool,
+    machine: &Machine,
+    findings: &mut Findings,
+) -> Result<Option<Measurement>, Stop> {
+    let description = description_of(table)?;
+    let id = |offset: usize| FileId(u16::try_from(2 * number + offset).unwrap_or(u16::MAX));
+    let sources = [input::read(table, id(1))?, input::read(&description, id(2))?];
+    let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let load = if is_plan { data::load_plan } else { data::load };
+    let (data, found) = load(&name, &sources[0], &sources[1], machine);
+    findings.extend(found, &sources);
+    Ok(data.map(|mut data| {
+        if reads_angles(&data) {
+            // An instrument for angles has as many µrad as one for lengths has µm.
+            data.sigma = data.sigma.map(|mm| rad_from_urad(um_from_mm(mm)));
+        }
+        Measurement { data, sources }
+    }))
+}
+
+/// Whether the reading of a row is an angle.
+pub(super) fn is_angle(row: &Observation) -> bool {
+    row.component.is_some_and(|name| name.direction.is_rotation())
+}
+
+/// Whether all readings of a measurement are angles.
+pub(super) fn reads_angles(data: &DataSet) -> bool {
+    !data.observations.is_empty() && data.observations.iter().all(is_angle)
+}

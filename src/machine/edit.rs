@@ -1,0 +1,145 @@
+//! Changes values in a TOML text and leaves the rest of it as it is: comments, order, spaces.
+
+use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
+
+/// Digits of a number that is written: far beyond what any instrument knows, and without the noise of the last bits.
+const DIGITS: usize = 12;
+
+/// A text that is being changed.
+#[derive(Clone, Debug)]
+pub struct Edit(DocumentMut);
+
+/// What is written behind a key.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Given {
+    /// A text.
+    Text(String),
+    /// A number.
+    Number(f64),
+    /// A whole number.
+    Whole(i64),
+    /// A list of numbers.
+    Numbers(Vec<f64>),
+    /// A list of entries with keys of their own.
+    Entries(Vec<Vec<(String, Given)>>),
+}
+
+impl Edit {
+    /// Takes a text; `None` where it is no TOML.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Edit> {
+        text.parse().ok().map(Edit)
+    }
+
+    /// The changed text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        self.0.to_string()
+    }
+
+    /// Changes or adds a key of a section, which is added where there is none; whether that is possible.
+    pub fn set(&mut self, section: &str, key: &str, given: &Given) -> bool {
+        let item = self.0.entry(section).or_insert_with(|| Item::Table(Table::new()));
+        item.as_table_like_mut().map(|table| put(table, key, given)).is_some()
+    }
+
+    /// Changes or adds a key of the entry of this number in a list of sections; whether there is such an entry.
+    pub fn set_in(&mut self, list: &str, index: usize, key: &str, given: &Given) -> bool {
+        let Some(item) = self.0.get_mut(list) else { return false };
+        let table: Option<&mut dyn TableLike> = match item {
+            Item::ArrayOfTables(tables) => tables.get_mut(index).map(|table| table as &mut dyn TableLike),
+            Item::Value(Value::Array(array)) => array
+                .get_mut(index)
+                .and_then(Value::as_inline_table_mut)
+                .map(|table: &mut InlineTable| table as &mut dyn TableLike),
+            _ => None,
+        };
+        table.map(|table| put(table, key, given)).is_some()
+    }
+
+    /// Adds an entry behind the others of a list of sections; whether that is possible.
+    pub fn push(&mut self, list: &str, entries: &[(String, Given)]) -> bool {
+        let item = self.0.entry(list).or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
+        match item {
+            Item::ArrayOfTables(tables) => {
+                let mut table = Table::new();
+                entries.iter().for_each(|(key, given)| put(&mut table, key, given));
+                tables.push(table);
+                true
+            }
+            Item::Value(Value::Array(array)) => {
+                array.push(inline(entries));
+                true
+            }
+            _ => false,
+        }
+    }
+}
+
+fn put(table: &mut dyn TableLike, key: &str, given: &Given) {
+    let mut value = value(given);
+    // The comment behind a value belongs to its decoration.
+    if let Some(old) = table.get(key).and_then(Item::as_value) {
+        *value.decor_mut() = old.decor().clone();
+    }
+    table.insert(key, Item::Value(value));
+}
+
+fn inline(entries: &[(String, Given)]) -> InlineTable {
+    entries.iter().map(|(key, given)| (key.as_str(), value(given))).collect()
+}
+
+fn value(given: &Given) -> Value {
+    match given {
+        Given::Text(text) => text.as_str().into(),
+        Given::Number(number) => number_value(*number),
+        Given::Whole(number) => (*number).into(),
+        Given::Numbers(numbers) => numbers.iter().copied().map(number_value).collect::<Array>().into(),
+        Given::Entries(all) => all.iter().map(|entries| Value::InlineTable(inline(entries))).collect::<Array>().into(),
+    }
+}
+
+/// A number with at most [`DIGITS`] digits, small ones with an exponent.
+fn number_value(number: f64) -> Value {
+    const SMALL: f64 = 1e-3;
+    let text = format!("{number:.*e}", DIGITS - 1);
+    // A zero has no sign for people.
+    let rounded: f64 = text.parse().ok().filter(|rounded| *rounded != 0.0).unwrap_or_default();
+    let plain = if rounded != 0.0 && rounded.abs() < SMALL { format!("{rounded:e}") } else { format!("{rounded:?}") };
+    plain.parse().unwrap_or_else(|_| rounded.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "# mine\n[a]\nb = 1.5   # why\n\n[[m]]   # first\nk = [1, 2]\n\n[z]\nlast = true\n";
+
+    #[test]
+    fn what_is_not_changed_stays() {
+        let mut edit = Edit::parse(TEXT).unwrap();
+        assert_eq!(edit.text(), TEXT);
+        assert!(edit.set("a", "b", &Given::Number(0.1 + 0.2)));
+        assert!(edit.set_in("m", 0, "k", &Given::Numbers(vec![0.0, -1.7e-5])));
+        assert!(!edit.set_in("m", 1, "k", &Given::Number(1.0)));
+        assert_eq!(
+            edit.text(),
+            "# mine\n[a]\nb = 0.3   # why\n\n[[m]]   # first\nk = [0.0, -1.7e-5]\n\n[z]\nlast = true\n"
+        );
+    }
+
+    #[test]
+    fn entries_are_added_behind_their_like() {
+        let mut edit = Edit::parse(TEXT).unwrap();
+        assert!(edit.push("m", &[("k".into(), Given::Text("new".into()))]));
+        assert!(edit.set("a", "c", &Given::Whole(2)));
+        assert!(edit.set("n", "d", &Given::Entries(vec![vec![("at_mm".into(), Given::Number(5.0))]])));
+        let text = edit.text();
+        let places: Vec<usize> = ["c = 2", "[[m]]   # first", "k = \"new\"", "[z]", "[n]", "{ at_mm = 5.0 }"]
+            .iter()
+            .map(|part| text.find(part).unwrap_or_else(|| panic!("{part}: {text}")))
+            .collect();
+        assert!(places.is_sorted(), "{text}");
+        assert!(!edit.push("a", &[]));
+    }
+}
