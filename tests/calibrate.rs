@@ -45,6 +45,8 @@ pub(crate) fn reading(position: AxisVector, tool_mm: Vector, state: State) -> Re
 
 pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
     DataSet {
+        balls: Vec::new(),
+        is_plan: false,
         name: kind.to_owned(),
         kind: KINDS.iter().find(|known| known.name == kind).unwrap(),
         sigma: None,

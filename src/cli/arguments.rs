@@ -1,12 +1,12 @@
 //! The command line: commands, options and their help.
 
+mod calibrate;
 mod examples;
 mod load;
 mod machine;
 mod measured;
 mod plan;
 mod sensors;
-mod calibrate;
 mod simulate;
 mod steps;
 

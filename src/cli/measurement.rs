@@ -55,6 +55,7 @@ pub(super) fn read(
         if reads_angles(&data) {
             // An instrument for angles has as many µrad as one for lengths has µm.
             data.sigma = data.sigma.map(|mm| rad_from_urad(um_from_mm(mm)));
+            data.sigma_rad = data.sigma_rad.or(data.sigma);
         }
         Measurement { data, sources }
     }))

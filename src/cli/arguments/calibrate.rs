@@ -12,7 +12,7 @@ A measurement is a table NAME.csv and its description NAME.toml beside it: docs/
 unknown of each set-up. START.toml gives axes and chain, and the errors to begin with; its text stays, and only the parameters of the model change. \
 Where the data cannot tell the parameters apart the message says which, and nothing is written.
 
-Example:
+Examples:
   ncfix calibrate balls.csv circles.csv --machine start.toml --model mayer-13 -o machine.toml --hold-out balls_2.csv";
 
 /// `ncfix calibrate`.

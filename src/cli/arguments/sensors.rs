@@ -15,7 +15,7 @@ workpiece. A column with the letter of an axis (mm, deg) gives the places at whi
 For each number of sensors the best ones are found by exact search. The number is the smallest that tells the independent run (--verify; without it \
 the last third of every run, which is held back) as well as any, within one standard error.
 
-Example:
+Examples:
   ncfix sensors warm1.csv warm2.csv --machine mill.toml --verify other_day.csv --lags -o drift.toml";
 
 /// `ncfix sensors`.

@@ -13,7 +13,7 @@ PLAN.csv and PLAN.toml are a measurement (docs/calibrate.md) whose columns of re
 probing the axis positions, of the machine with its errors, and MEASURED.toml the description. What is unknown of a set-up is as described: the \
 table ball of a ball-bar at centre_mm, a probed ball at place_mm of [ball.LABEL], else in the mean of the nominal tips of its rows.
 
-Example:
+Examples:
   ncfix simulate --machine mill.toml plan.csv -o measured.csv --noise 0.5um --seed 1";
 
 /// `ncfix simulate`.

@@ -140,6 +140,8 @@ fn along_spindle(machine: &Machine) -> (usize, f64) {
 fn empty(kind: &'static super::kind::Kind, free: &[super::data::Free]) -> DataSet {
     DataSet {
         sigma_rad: None,
+        balls: Vec::new(),
+        is_plan: true,
         name: kind.name.to_owned(),
         kind,
         sigma: None,
