@@ -7,9 +7,9 @@
 const TUKEY: f64 = 4.685;
 /// Huber's.
 const HUBER: f64 = 1.345;
-/// E[w] / E[w r²] of Tukey's weights for normal noise of unit variance.
+/// ⟨w⟩ / ⟨w r²⟩ of Tukey's weights for normal noise of unit variance.
 const TEMPERED: f64 = 1.207_623;
-/// Variance of an estimate, in variances by the weighted normal equations: E[ψ²] E[w] / E[ψ′]².
+/// Variance of an estimate, in variances by the weighted normal equations: ⟨ψ²⟩ ⟨w⟩ / ⟨ψ′⟩².
 pub(super) const TUKEY_VARIANCE: f64 = 0.963_274;
 /// Median of the absolute values of normal noise, in standard deviations.
 const MEDIAN: f64 = 0.674_489_750_196_081_7;

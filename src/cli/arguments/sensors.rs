@@ -42,7 +42,7 @@ pub(in crate::cli) struct SensorsArguments {
     /// Shrink the coefficients as for readings that are wrong by so many K
     #[arg(long, value_name = "K", num_args = 0..=1, require_equals = true, default_missing_value = "0.5", value_parser = value::kelvin)]
     pub(in crate::cli) ridge: Option<f64>,
-    /// File to write, with [[drift]] for the machine file; - for standard output
+    /// File to write, with drift entries for the machine file; - for standard output
     #[arg(short, long, value_name = "DRIFT.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
     /// Print one JSON object on standard output
