@@ -1,9 +1,9 @@
 //! Calibration: from measured data to the parameters of the error model.
 //!
-//! [`identify`] says what data or a plan can tell. [`fit`] finds the parameters and the unknowns of all set-ups in one step of Gauss–Newton after
+//! [`identify()`] says what data or a plan can tell. [`fit()`] finds the parameters and the unknowns of all set-ups in one step of Gauss–Newton after
 //! another on the full kinematics, with rows that do not fit weighted down, and refuses where the data cannot tell the parameters apart:
 //! [`Fault::NotTold`] says in [`words`] which. Unknowns of set-ups that move nothing stay where they are. What comes out has uncertainties, and
-//! [`quality`] holds it against the data, also against data that it has not seen. [`sensors`] selects the sensors of temperature that tell a drift.
+//! [`quality()`] holds it against the data, also against data that it has not seen. [`sensors`] selects the sensors of temperature that tell a drift.
 
 mod column;
 mod design;

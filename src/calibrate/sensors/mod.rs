@@ -1,7 +1,7 @@
 //! Selection of the sensors that tell a thermal drift (Spaan 1995, ch. 5).
 //!
 //! Drift of the tool relative to the workpiece is a sum of rises of temperature with a coefficient each, in every direction and at every
-//! position of the axis along which it changes. [`data`] reads records, [`select`] looks for the best sensors of each number of them
+//! position of the axis along which it changes. [`data`] reads records, [`select()`] looks for the best sensors of each number of them
 //! ([`subset`]: exact), says how well they tell the data and an independent run, and takes the number that tells the independent run.
 //! [`text`] writes what was found as `[[drift]]` of a machine file.
 //!
