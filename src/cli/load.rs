@@ -9,7 +9,7 @@ use super::input::is_standard_stream;
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
-use super::{input, machine_choice, print, tell};
+use super::{deliver, input, machine_choice};
 use crate::csv::Table;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::machine::condition::file::load_text;
@@ -27,21 +27,17 @@ pub(super) fn run(arguments: &LoadArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     let mut report = load::Load::default();
     let result = weigh(arguments, &mut findings, &mut report);
-    if result.is_ok() && arguments.json {
-        report.diagnostics = findings.json();
-        print(&json::line(&report).map_err(Stop::Usage)?)?;
-        return Ok(findings.exit_code());
-    }
-    findings.draw();
-    result?;
-    if findings.has_errors() {
-        tell(&format!("{}; nothing was written\n", findings.count()));
-    } else if goes_out {
-        tell(&report.table());
-    } else {
-        print(&report.table())?;
-    }
-    Ok(findings.exit_code())
+    let page = report.table();
+    deliver(
+        result,
+        &findings,
+        goes_out,
+        page,
+        arguments.json.then(|| {
+            report.diagnostics = findings.json();
+            json::line(&report)
+        }),
+    )
 }
 
 fn weigh(arguments: &LoadArguments, findings: &mut Findings, report: &mut load::Load) -> Result<(), Stop> {

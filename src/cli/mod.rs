@@ -93,6 +93,31 @@ fn tell(text: &str) {
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 
+/// Ends a command that made a report: as JSON where that was asked for, else as a page, on standard error where the result itself goes to
+/// standard output.
+fn deliver(
+    result: Result<(), Stop>,
+    findings: &findings::Findings,
+    goes_out: bool,
+    page: String,
+    json: Option<Result<String, String>>,
+) -> Result<ExitCode, Stop> {
+    if let (Ok(()), Some(json)) = (&result, json) {
+        print(&json.map_err(Stop::Usage)?)?;
+        return Ok(findings.exit_code());
+    }
+    findings.draw();
+    result?;
+    if findings.has_errors() {
+        tell(&format!("{}; nothing was written\n", findings.count()));
+    } else if goes_out {
+        tell(&page);
+    } else {
+        print(&page)?;
+    }
+    Ok(findings.exit_code())
+}
+
 /// Prints what ended the run.
 fn complain(sentence: &str) {
     let style = clap::builder::styling::AnsiColor::BrightRed.on_default().bold();

@@ -10,7 +10,7 @@ use super::machine_choice::Chosen;
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
-use super::{input, machine_choice, print, tell};
+use super::{deliver, input, machine_choice};
 use crate::calibrate::sensors::data::{self, Run};
 use crate::calibrate::sensors::{Options, Selection, select, text};
 use crate::diagnostic::{Code, Diagnostic};
@@ -29,21 +29,17 @@ pub(super) fn run(arguments: &SensorsArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     let mut report = SensorReport::default();
     let result = find(arguments, &mut findings, &mut report);
-    if result.is_ok() && arguments.json {
-        report.diagnostics = findings.json();
-        print(&json::line(&report).map_err(Stop::Usage)?)?;
-        return Ok(findings.exit_code());
-    }
-    findings.draw();
-    result?;
-    if findings.has_errors() {
-        tell(&format!("{}; nothing was written\n", findings.count()));
-    } else if goes_out {
-        tell(&report.page());
-    } else {
-        print(&report.page())?;
-    }
-    Ok(findings.exit_code())
+    let page = report.page();
+    deliver(
+        result,
+        &findings,
+        goes_out,
+        page,
+        arguments.json.then(|| {
+            report.diagnostics = findings.json();
+            json::line(&report)
+        }),
+    )
 }
 
 fn find(arguments: &SensorsArguments, findings: &mut Findings, report: &mut SensorReport) -> Result<(), Stop> {
