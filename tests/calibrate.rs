@@ -53,6 +53,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         sigma_rad: None,
         free: free.to_vec(),
         setups: Vec::new(),
+        runs: vec![String::new()],
         targets: Vec::new(),
         lengths: Vec::new(),
         observations: Vec::new(),
@@ -68,6 +69,8 @@ pub(crate) fn observation(reading: Reading, setup: usize) -> Observation {
     Observation {
         reading,
         setup,
+        run: 0,
+        t_s: None,
         values: [Some(0.0); 3],
         target: None,
         component: None,

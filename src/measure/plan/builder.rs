@@ -383,6 +383,8 @@ pub(super) fn observation(reading: Reading, setup: usize) -> Observation {
     Observation {
         reading,
         setup,
+        run: 0,
+        t_s: None,
         values: [None; 3],
         target: None,
         component: None,

@@ -147,6 +147,7 @@ fn empty(kind: &'static super::kind::Kind, free: &[super::data::Free]) -> DataSe
         sigma: None,
         free: free.to_vec(),
         setups: Vec::new(),
+        runs: vec![String::new()],
         targets: Vec::new(),
         lengths: Vec::new(),
         observations: Vec::new(),

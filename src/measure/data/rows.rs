@@ -1,0 +1,117 @@
+//! The rows of a measurement: NAME.csv.
+
+use std::collections::HashMap;
+
+use crate::csv::Table;
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::geometry::{AxisVector, Vector};
+
+use super::super::reading::Readings;
+use super::{DataSet, Observation, Setup, text};
+
+/// Reads all rows into `data`.
+pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet, findings: &mut Vec<Diagnostic>) {
+    let [setup_column, run_column, time_column] = ["setup", "run", "t_s"].map(|name| rows.column(name));
+    let mut seen: HashMap<(Vec<u64>, usize, usize), Place> = HashMap::new();
+    // A column of another meaning may have as many labels as rows.
+    let mut runs: HashMap<String, usize> = HashMap::new();
+    let is_described = !data.setups.is_empty();
+    for row in rows.rows() {
+        let reading = match readings.read(&row) {
+            Ok(reading) => reading,
+            Err(found) => {
+                findings.extend(found);
+                continue;
+            }
+        };
+        let label = setup_column.map_or(String::new(), |column| text(&row, column));
+        let known = data.setups.iter().position(|setup| setup.label == label);
+        let setup = match known {
+            Some(setup) => setup,
+            None if is_described && setup_column.is_none() && data.setups.len() == 1 => 0,
+            None if is_described => {
+                let place = setup_column.map_or(row.place(0), |column| row.place(column));
+                let message = format!("the set-up '{label}' is not described");
+                findings.push(Diagnostic::at(
+                    Code::DATA_CELL,
+                    place,
+                    message,
+                    format!("add [setup.{label}] to the description"),
+                ));
+                continue;
+            }
+            None => {
+                data.setups.push(Setup { label, centre_mm: Vector::zeros(), length_mm: 0.0 });
+                data.setups.len() - 1
+            }
+        };
+        let t_s = match time_column.filter(|&column| !row.text(column).is_empty()) {
+            Some(column) => match row.number(column, readings.sign()) {
+                Ok(seconds) => Some(seconds),
+                Err(finding) => {
+                    findings.push(finding);
+                    continue;
+                }
+            },
+            None => None,
+        };
+        let run =
+            *runs.entry(run_column.map_or(String::new(), |column| text(&row, column))).or_insert_with_key(|label| {
+                data.runs.push(label.clone());
+                data.runs.len() - 1
+            });
+        let mut observation = Observation {
+            reading,
+            setup,
+            run,
+            t_s,
+            values: [None; 3],
+            target: None,
+            component: None,
+            spindle_rad: 0.0,
+            place: row.place(0),
+        };
+        match (data.kind.read)(data, &row, readings.sign(), &mut observation) {
+            Ok(()) => {}
+            Err(finding) => {
+                findings.push(finding);
+                continue;
+            }
+        }
+        let key = (bits(&observation), setup, observation.target.unwrap_or(usize::MAX));
+        // A plan may go to the same pose again.
+        if let Some(first) = (!data.is_plan).then(|| seen.insert(key, observation.place)).flatten() {
+            let line = row_line(rows, first);
+            let message = format!("the row is the same as that in line {line}");
+            let help = "take one of them out: a repetition would differ by the noise of the instrument";
+            findings.push(Diagnostic::at(Code::DATA_REPEATED, observation.place, message, help));
+        }
+        data.observations.push(observation);
+    }
+    if data.observations.is_empty() && findings.is_empty() {
+        let help = "write at least one reading";
+        findings.push(Diagnostic::at(Code::DATA_COLUMN, rows.header_place(None), "the table has no rows", help));
+    }
+}
+
+/// Everything that a row says, to tell copies.
+fn bits(observation: &Observation) -> Vec<u64> {
+    let AxisVector(position) = observation.reading.position;
+    let values = observation.values.map(|value| value.unwrap_or(f64::NAN));
+    let senses = observation.reading.state.direction.map(f64::from);
+    let tool = observation.reading.tool_mm;
+    let spindle = [observation.spindle_rad];
+    position
+        .iter()
+        .chain(&values)
+        .chain(&senses)
+        .chain(tool.iter())
+        .chain(&spindle)
+        .chain(&[observation.run as f64, observation.t_s.unwrap_or(f64::NAN)])
+        .map(|value| value.to_bits())
+        .collect()
+}
+
+fn row_line(rows: &Table, place: Place) -> usize {
+    rows.line_of(place)
+}
