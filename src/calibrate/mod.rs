@@ -20,5 +20,5 @@ pub use column::Column;
 pub use design::{Factored, Line, Origin, equations};
 pub use fit::{Estimate, Fault, Fit, Options, fit};
 pub use identify::{Identified, identify};
-pub use quality::{Quality, quality};
+pub use quality::{Compared, Quality, quality};
 pub use told::{Told, improve, told};

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::arguments::CalibrateArguments;
 use super::calibrated;
+use super::calibrated_report::{self, Held};
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::{self, is_standard_stream};
@@ -42,8 +43,13 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
         ));
     }
     let mut findings = Findings::default();
-    let mut report = calibration::Calibration { model: arguments.model.clone(), ..Default::default() };
-    let result = calibrate(arguments, &mut findings, &mut report);
+    let version = env!("CARGO_PKG_VERSION");
+    let mut report = calibration::Calibration { model: arguments.model.clone(), version, ..Default::default() };
+    let page = calibrated_report::target(arguments)?;
+    let mut result = calibrate(arguments, page.as_ref(), &mut findings, &mut report);
+    if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
+        result = calibrated_report::write(page, arguments, &findings, &mut report);
+    }
     if result.is_ok() && arguments.json {
         report.diagnostics = findings.json();
         print(&json::line(&report).map_err(Stop::Usage)?)?;
@@ -55,13 +61,15 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
         tell(&report.table());
     }
     if findings.has_errors() {
-        tell(&format!("{}; nothing was written\n", findings.count()));
+        let what = if report.report.is_some() { "no machine file" } else { "nothing" };
+        tell(&format!("{}; {what} was written\n", findings.count()));
     }
     Ok(findings.exit_code())
 }
 
 fn calibrate(
     arguments: &CalibrateArguments,
+    page: Option<&Target>,
     findings: &mut Findings,
     report: &mut calibration::Calibration,
 ) -> Result<(), Stop> {
@@ -73,6 +81,13 @@ fn calibrate(
         inputs.extend([path.clone(), description_of(path)?]);
     }
     protect(&target, &inputs, findings);
+    if let Some(page) = page {
+        protect(page, &inputs, findings);
+        if findings.has_errors() {
+            return Ok(());
+        }
+    }
+    report.inputs.push(calibrated_report::machine_input(&start));
     let Some(chosen) = chosen else { return Ok(()) };
     report.machine.clone_from(&chosen.machine.name);
     let parameters = parameters::choose(&arguments.model, &chosen.machine, findings)?;
@@ -81,6 +96,7 @@ fn calibrate(
         let read = measurement::read(path, number, false, &chosen.machine, findings)?;
         if let Some(measurement) = &read {
             check_sizes(&chosen, measurement, arguments.max, findings);
+            report.inputs.extend(calibrated_report::inputs(measurement, number >= arguments.data.len()));
         }
         all.extend(read);
     }
@@ -154,24 +170,30 @@ impl Job<'_> {
         findings: &mut Findings,
         report: &mut calibration::Calibration,
     ) {
-        let used = used.iter().enumerate().map(|(number, one)| (one, fit.sigmas.get(number).copied(), false));
-        for (one, sigma, is_held_out) in used.chain(held_out.iter().map(|one| (one, one.data.sigma, true))) {
-            let found = match quality(&self.chosen.machine, &fit.errors, &one.data) {
+        let used = used.iter().enumerate().map(|(number, one)| {
+            let sigmas = [fit.sigmas.get(number).copied(), fit.angle_sigmas.get(number).copied()];
+            (one, sigmas, calibrated_report::weights(fit, number), false)
+        });
+        let held_out = held_out.iter().map(|one| (one, [one.data.sigma, one.data.sigma_rad], Vec::new(), true));
+        for (one, sigmas, weights, is_held_out) in used.chain(held_out) {
+            let data = &one.data;
+            let quality = match quality(&self.chosen.machine, &fit.errors, data) {
                 Ok(found) => found,
                 Err(fault) => {
-                    findings.extend(refusals(fault, &format!("{}: ", one.data.name)), &[]);
+                    findings.extend(refusals(fault, &format!("{}: ", data.name)), &[]);
                     continue;
                 }
             };
-            if let Some(described) = one.data.sigma.filter(|&described| found.left[0] > POOR * described) {
-                let times = significant(found.left[0] / described);
-                let name = &found.name;
+            if let Some(described) = data.sigma.filter(|&described| quality.left[0] > POOR * described) {
+                let times = significant(quality.left[0] / described);
+                let name = &quality.name;
                 let message =
                     format!("{name}: what is left (root of the mean square) is {times} times what sigma_um says");
                 let help = "choose a model with more parameters, measure faster, or correct sigma_um";
                 findings.add(Diagnostic::nowhere(Code::POOR_FIT, message, help), &[]);
             }
-            report.data.push(calibrated::quality(found, &one.data, sigma, is_held_out));
+            let held = Held { data, quality, sigmas, weights, is_held_out };
+            report.data.extend(held.shown(&self.chosen.machine, self.arguments.report.is_some()));
         }
     }
 

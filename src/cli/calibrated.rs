@@ -1,7 +1,7 @@
 //! What `ncfix calibrate` reports of a fit: numbers in the units of people.
 
-use super::measurement::{Measurement, is_angle, reads_angles};
-use crate::calibrate::{Column, Estimate, Fit, Quality};
+use super::measurement::{Measurement, is_angle};
+use crate::calibrate::{Column, Estimate, Fit};
 use crate::csv::Table;
 use crate::diagnostic::Place;
 use crate::measure::data::DataSet;
@@ -43,25 +43,6 @@ fn unit_of(column: &Column) -> (f64, String) {
         0 => (factor, unit.into()),
         1 => (factor, format!("{unit}/{per}")),
         degree => (factor, format!("{unit}/{per}^{degree}")),
-    }
-}
-
-/// A measurement against the result.
-pub(super) fn quality(found: Quality, set: &DataSet, sigma: Option<f64>, is_held_out: bool) -> calibration::Data {
-    let is_angle = reads_angles(set);
-    let shown = |value: f64| if is_angle { urad_from_rad(value) } else { um_from_mm(value) };
-    calibration::Data {
-        name: found.name,
-        kind: set.kind.name,
-        is_held_out,
-        readings: found.readings,
-        unit: if is_angle { "µrad" } else { "µm" },
-        measured_rms: shown(found.measured[0]),
-        measured_max: shown(found.measured[1]),
-        left_rms: shown(found.left[0]),
-        left_max: shown(found.left[1]),
-        sigma: sigma.map(shown),
-        efficiency: found.efficiency,
     }
 }
 

@@ -7,6 +7,7 @@ mod archive;
 mod arguments;
 mod calibrate;
 mod calibrated;
+mod calibrated_report;
 mod check;
 mod exit_code;
 mod explain;

@@ -6,6 +6,7 @@
 //! corrections out of positions that were read (measurement mode), [`iso230`] has the figures of the acceptance tests. [`strain`] finds readings
 //! of a strain gauge, [`weighing`] what load made them.
 
+pub mod circles;
 pub mod data;
 pub mod iso230;
 pub mod kind;

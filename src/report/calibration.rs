@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
+use super::compared::{Input, Part, Readings};
 use super::correction::push_row;
 use super::json::Finding;
 use super::number::significant;
@@ -34,6 +35,12 @@ pub struct Calibration {
     pub machine: String,
     /// The written machine file; `null` where there is none.
     pub output: Option<String>,
+    /// The written page; `null` where there is none.
+    pub report: Option<String>,
+    /// Files that the result comes from.
+    pub inputs: Vec<Input>,
+    /// Version of the program.
+    pub version: &'static str,
     /// Findings in the order in which they were met.
     pub diagnostics: Vec<Finding>,
 }
@@ -82,6 +89,14 @@ pub struct Data {
     pub sigma: Option<f64>,
     /// Share of the measured sizes that the model explains (Spaan, eq. 3.6).
     pub efficiency: f64,
+    /// By direction or component.
+    pub parts: Vec<Part>,
+    /// Sums of the measured sizes and of those that are left, for the efficiency of several measurements together.
+    #[serde(skip)]
+    pub sums: [f64; 2],
+    /// The readings themselves; empty where nobody asks for pictures.
+    #[serde(skip)]
+    pub shown: Readings,
 }
 
 /// A row that does not fit.
@@ -99,7 +114,26 @@ pub struct Row {
     pub weight: f64,
 }
 
+impl Estimate {
+    /// Value, uncertainty, effect and inflation as text. The value has as many decimals as the uncertainty: a place of a ball is large.
+    #[must_use]
+    pub fn cells(&self) -> [String; 4] {
+        let effect = self.effect_um.map_or(String::new(), significant);
+        let [sigma, inflation] = [self.sigma, self.inflation].map(significant);
+        let decimals = sigma.split_once('.').map_or(0, |(_, behind)| behind.len());
+        [format!("{:.decimals$}", self.value), sigma, effect, inflation]
+    }
+}
+
 impl Calibration {
+    /// The efficiency of all measurements in a unit together, those held out or those used; `None` where there are none.
+    #[must_use]
+    pub fn efficiency(&self, is_held_out: bool, unit: &str) -> Option<f64> {
+        let own = self.data.iter().filter(|one| one.is_held_out == is_held_out && one.unit == unit);
+        let [measured, left] = own.fold([0.0, 0.0], |[measured, left], one| [measured + one.sums[0], left + one.sums[1]]);
+        (measured > 0.0).then(|| 1.0 - left / measured)
+    }
+
     /// The tables for people, with a line feed behind every line.
     #[must_use]
     pub fn table(&self) -> String {
@@ -117,11 +151,7 @@ impl Calibration {
                 "value", "± 1σ", "unit", "effect µm", "inflation"
             );
             for one in list {
-                let effect = one.effect_um.map_or(String::new(), significant);
-                let [sigma, inflation] = [one.sigma, one.inflation].map(significant);
-                // As many decimals as the uncertainty: a place of a ball is large.
-                let decimals = sigma.split_once('.').map_or(0, |(_, behind)| behind.len());
-                let value = format!("{:.decimals$}", one.value);
+                let [value, sigma, effect, inflation] = one.cells();
                 let (name, unit) = (&one.name, &one.unit);
                 let _ = writeln!(out, "{name:<width$}{value:>12}{sigma:>12}  {unit:<10}{effect:>12}{inflation:>12}");
             }
@@ -174,6 +204,9 @@ impl Calibration {
         push_row(&mut out, "machine", &self.machine);
         if let Some(output) = &self.output {
             push_row(&mut out, "written", if output == "-" { "standard output" } else { output });
+        }
+        if let Some(report) = &self.report {
+            push_row(&mut out, "report", if report == "-" { "standard output" } else { report });
         }
         out
     }

@@ -3,13 +3,17 @@
 //! Everything here returns text or serializable values; nothing opens a file or asks what a terminal can do.
 
 pub mod calibration;
+pub mod compared;
 pub mod correction;
 mod excerpt;
 pub mod json;
 pub mod load;
 pub mod machine;
+pub mod markup;
 pub mod measured;
 pub mod number;
+pub mod page;
+pub mod plot;
 pub mod presets;
 mod scale;
 pub mod sensors;

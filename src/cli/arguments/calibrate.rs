@@ -13,7 +13,8 @@ unknown of each set-up. START.toml gives axes and chain, and the errors to begin
 Where the data cannot tell the parameters apart the message says which, and nothing is written.
 
 Examples:
-  ncfix calibrate balls.csv circles.csv --machine start.toml --model mayer-13 -o machine.toml --hold-out balls_2.csv";
+  ncfix calibrate balls.csv circles.csv --machine start.toml --model mayer-13 -o machine.toml --hold-out balls_2.csv
+  ncfix calibrate balls.csv --machine start.toml --model mayer-13 -o machine.toml --report balls.html";
 
 /// `ncfix calibrate`.
 #[derive(Clone, Debug, Args)]
@@ -30,6 +31,9 @@ pub(in crate::cli) struct CalibrateArguments {
     /// The machine file to write; - for standard output
     #[arg(short, long, value_name = "MACHINE.toml")]
     pub(in crate::cli) output: PathBuf,
+    /// Write a page (HTML) with tables and pictures of everything; also where the calibration is refused
+    #[arg(long, value_name = "REPORT.html")]
+    pub(in crate::cli) report: Option<PathBuf>,
     /// Measurements that are not fitted but say how good the result is
     #[arg(long, value_name = "DATA.csv", num_args = 1..)]
     pub(in crate::cli) hold_out: Vec<PathBuf>,

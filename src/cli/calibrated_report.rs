@@ -1,0 +1,243 @@
+//! `ncfix calibrate --report`: the page, and what it shows of each measurement.
+
+use super::arguments::CalibrateArguments;
+use super::findings::Findings;
+use super::input::is_standard_stream;
+use super::machine_choice::short_hash;
+use super::measurement::{Measurement, is_angle};
+use super::output::{Spool, Target};
+use super::stop::Stop;
+use crate::calibrate::{Compared, Fit, Quality};
+use crate::geometry::Axis;
+use crate::machine::Machine;
+use crate::measure::circles::{self, circles};
+use crate::measure::data::{DataSet, Observation};
+use crate::report::calibration::{Calibration, Data};
+use crate::report::compared::{Circle, Input, Part, Point, Readings};
+use crate::report::page;
+use crate::source::Source;
+use crate::units::{um_from_mm, urad_from_rad};
+
+/// Where the page shall go.
+///
+/// # Errors
+/// Where it cannot be written there.
+pub(super) fn target(arguments: &CalibrateArguments) -> Result<Option<Target>, Stop> {
+    let Some(path) = &arguments.report else { return Ok(None) };
+    if is_standard_stream(path) && (arguments.json || is_standard_stream(&arguments.output)) {
+        return Err(Stop::Usage("standard output is taken already; give --report a file".into()));
+    }
+    let target = Target::new(path)?;
+    if !is_standard_stream(path) && (target.is(&arguments.output) || *path == arguments.output) {
+        return Err(Stop::Usage("--report and -o name the same file".into()));
+    }
+    Ok(Some(target))
+}
+
+/// Writes the page, also one that says only why there is no machine file.
+///
+/// # Errors
+/// Where it cannot be written.
+pub(super) fn write(
+    target: Target,
+    arguments: &CalibrateArguments,
+    findings: &Findings,
+    report: &mut Calibration,
+) -> Result<(), Stop> {
+    report.diagnostics = findings.json();
+    let text = page::calibration::calibration(report);
+    let mut spool = Spool::new(target)?;
+    if let Err(error) = spool.writer().write_all(text.as_bytes()) {
+        return Err(spool.fault(&error));
+    }
+    spool.publish(false)?;
+    report.report = arguments.report.as_ref().map(|path| path.display().to_string());
+    Ok(())
+}
+
+/// The file with the errors to begin with.
+pub(super) fn machine_input(start: &Source) -> Input {
+    Input { file: start.name().to_owned(), role: "machine", hash: short_hash([start.bytes()]) }
+}
+
+/// The files of a measurement.
+pub(super) fn inputs(one: &Measurement, is_held_out: bool) -> [Input; 2] {
+    let roles = if is_held_out {
+        ["readings, held out", "description, held out"]
+    } else {
+        ["readings", "description"]
+    };
+    let file = |k: usize| Input {
+        file: one.sources[k].name().to_owned(),
+        role: roles[k],
+        hash: short_hash([one.sources[k].bytes()]),
+    };
+    [file(0), file(1)]
+}
+
+/// What holds of a measurement that is compared.
+pub(super) struct Held<'a> {
+    /// The measurement.
+    pub(super) data: &'a DataSet,
+    /// Its readings against the model.
+    pub(super) quality: Quality,
+    /// Standard uncertainty of a length, mm, and of an angle, rad.
+    pub(super) sigmas: [Option<f64>; 2],
+    /// What each reading counted; empty where it was held out.
+    pub(super) weights: Vec<f64>,
+    /// Whether it was held out.
+    pub(super) is_held_out: bool,
+}
+
+/// The weights of the readings of a measurement.
+pub(super) fn weights(fit: &Fit, set: usize) -> Vec<f64> {
+    fit.residuals.iter().filter(|(of, ..)| *of == set).map(|&(.., weight)| weight).collect()
+}
+
+impl Held<'_> {
+    /// The measurement against the result, lengths and angles apart; with its readings where pictures are wanted.
+    pub(super) fn shown(&self, machine: &Machine, with_readings: bool) -> Vec<Data> {
+        [false, true].into_iter().filter_map(|angles| self.in_unit(angles, machine, with_readings)).collect()
+    }
+
+    fn row(&self, line: &Compared) -> Option<&Observation> {
+        self.data.observations.get(line.row)
+    }
+
+    fn in_unit(&self, angles: bool, machine: &Machine, with_readings: bool) -> Option<Data> {
+        let is_of_unit = |line: &Compared| self.row(line).is_some_and(is_angle) == angles;
+        let whole = self.quality.part(self.quality.name.clone(), is_of_unit);
+        if whole.readings == 0 {
+            return None;
+        }
+        let unit = if angles { "µrad" } else { "µm" };
+        let shown = |value: f64| if angles { urad_from_rad(value) } else { um_from_mm(value) };
+        let names = self.part_names(&whole.lines);
+        let part_of = |line: &Compared| {
+            let name = self.part_name(line);
+            names.iter().position(|known| *known == name)
+        };
+        let parts = names.iter().enumerate().map(|(number, name)| {
+            let part = whole.part(name.clone(), |line| part_of(line) == Some(number));
+            Part {
+                name: part.name,
+                readings: part.readings,
+                unit,
+                measured_rms: shown(part.measured[0]),
+                measured_max: shown(part.measured[1]),
+                left_rms: shown(part.left[0]),
+                left_max: shown(part.left[1]),
+                left_sigma: part.left_sigma.map(shown),
+                efficiency: part.efficiency,
+            }
+        });
+        let parts: Vec<Part> = parts.collect();
+        let shown_readings = if with_readings {
+            let points = self.quality.lines.iter().enumerate().filter(|(_, line)| is_of_unit(line));
+            let points = points.map(|(number, line)| Point {
+                row: line.row + 1,
+                part: part_of(line).unwrap_or(0),
+                setup: self.row(line).map_or(0, |row| row.setup),
+                measured: shown(line.measured),
+                left: shown(line.left),
+                weight: self.weights.get(number).copied().unwrap_or(1.0),
+            });
+            let points: Vec<Point> = points.collect();
+            Readings {
+                setups: self.data.setups.iter().map(|setup| setup.label.clone()).collect(),
+                axes: self.axes(machine, &whole.lines),
+                circles: self.circles(machine, &points),
+                points,
+            }
+        } else {
+            Readings::default()
+        };
+        Some(Data {
+            name: whole.name,
+            kind: self.data.kind.name,
+            is_held_out: self.is_held_out,
+            readings: whole.readings,
+            unit,
+            measured_rms: shown(whole.measured[0]),
+            measured_max: shown(whole.measured[1]),
+            left_rms: shown(whole.left[0]),
+            left_max: shown(whole.left[1]),
+            sigma: self.sigmas[usize::from(angles)].map(shown),
+            efficiency: whole.efficiency,
+            parts,
+            sums: whole.sums.map(shown),
+            shown: shown_readings,
+        })
+    }
+
+    /// The direction or component of a reading.
+    fn part_name(&self, line: &Compared) -> String {
+        let Some(row) = self.row(line) else { return String::new() };
+        if let Some(component) = row.component {
+            return component.to_string();
+        }
+        // Each value that was read has an equation, in their order; a probed ball has three without a column.
+        let column = row.values.iter().enumerate().filter(|(_, value)| value.is_some()).nth(line.index);
+        let name = column.and_then(|(k, _)| self.data.kind.columns.get(k)).map(|name| name.trim_end_matches("_um"));
+        match name {
+            Some(name) => name.to_owned(),
+            None => ["X", "Y", "Z"].get(line.index).map_or_else(String::new, |name| (*name).to_owned()),
+        }
+    }
+
+    /// Directions and components in the order in which they are first met.
+    fn part_names(&self, lines: &[Compared]) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for line in lines {
+            let name = self.part_name(line);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// Positions of the axes that moved.
+    fn axes(&self, machine: &Machine, lines: &[Compared]) -> Vec<(String, Vec<f64>)> {
+        let of = |axis: Axis| -> Vec<f64> {
+            let factor = if axis.is_rotary() { 1.0_f64.to_degrees() } else { 1.0 };
+            let place = |line: &Compared| self.row(line).map_or(f64::NAN, |row| row.reading.position[axis] * factor);
+            lines.iter().map(place).collect()
+        };
+        let moved = |values: &[f64]| values.iter().any(|value| Some(value) != values.first());
+        let axes = machine.axes.iter().flatten().map(|data| data.axis);
+        axes.map(|axis| (format!("{axis} in {}", if axis.is_rotary() { "°" } else { "mm" }), of(axis)))
+            .filter(|(_, values)| moved(values))
+            .collect()
+    }
+
+    fn circles(&self, machine: &Machine, points: &[Point]) -> Vec<Circle> {
+        if self.data.kind.name != "ballbar" {
+            return Vec::new();
+        }
+        let found = circles(machine, self.data);
+        found.iter().map(|circle| shown_circle(circle, self.data, points)).collect()
+    }
+}
+
+fn shown_circle(found: &circles::Circle, data: &DataSet, points: &[Point]) -> Circle {
+    let (plane, axes) = match found.main_plane() {
+        Some(0) => ("XY".to_owned(), ["X", "Y"].map(String::from)),
+        Some(1) => ("YZ".to_owned(), ["Y", "Z"].map(String::from)),
+        Some(_) => ("ZX".to_owned(), ["Z", "X"].map(String::from)),
+        None => {
+            let azimuth = format!("{:.0}°", found.azimuth().to_degrees());
+            (format!("in the plane at {azimuth}"), [azimuth, "Z".to_owned()])
+        }
+    };
+    // Readings of a ball-bar are one to a row, in its order.
+    let number = |row: usize| points.binary_search_by_key(&(row + 1), |point| point.row).ok();
+    Circle {
+        setup: found.setup,
+        plane,
+        axes,
+        radius_mm: data.setups.get(found.setup).map_or(0.0, |setup| setup.length_mm),
+        is_counterclockwise: found.is_counterclockwise,
+        angles: found.rows.iter().filter_map(|&(row, angle)| Some((number(row)?, angle))).collect(),
+    }
+}

@@ -1,0 +1,118 @@
+//! Markup that is well-formed whatever the texts in it are: elements that close themselves, and the one place where texts are escaped.
+//!
+//! Programs, labels and file names are data: they come in as [`Markup::text`] or as values of attributes, and no other way leads into
+//! the result. What comes out is XML, so that a page can be read by any parser of XML and a picture can stand in a file of its own; it is
+//! HTML as well as long as [`Markup::empty`] is kept to SVG and to the elements that HTML knows without an end.
+
+use std::fmt::{self, Display, Write as _};
+
+/// Attributes of an element.
+pub type Attributes<'a> = &'a [(&'static str, &'a dyn Display)];
+
+/// A growing piece of markup.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Markup {
+    text: String,
+}
+
+impl Markup {
+    /// Nothing yet.
+    #[must_use]
+    pub fn new() -> Markup {
+        Markup::default()
+    }
+
+    /// An element with what `inside` writes.
+    pub fn element(&mut self, name: &'static str, attributes: Attributes<'_>, inside: impl FnOnce(&mut Markup)) {
+        self.open(name, attributes);
+        self.text.push('>');
+        inside(self);
+        self.text.push_str("</");
+        self.text.push_str(name);
+        self.text.push_str(">\n");
+    }
+
+    /// An element with a text.
+    pub fn leaf(&mut self, name: &'static str, attributes: Attributes<'_>, text: impl Display) {
+        self.element(name, attributes, |out| out.text(text));
+    }
+
+    /// An element without content.
+    pub fn empty(&mut self, name: &'static str, attributes: Attributes<'_>) {
+        self.open(name, attributes);
+        self.text.push_str("/>\n");
+    }
+
+    /// A text.
+    pub fn text(&mut self, text: impl Display) {
+        // Writing into a String cannot fail.
+        let _ = write!(Escaped(&mut self.text), "{text}");
+    }
+
+    /// Whether nothing was written.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.text.is_empty()
+    }
+
+    fn open(&mut self, name: &'static str, attributes: Attributes<'_>) {
+        self.text.push('<');
+        self.text.push_str(name);
+        for (key, value) in attributes {
+            let _ = write!(self.text, " {key}=\"");
+            let _ = write!(Escaped(&mut self.text), "{value}");
+            self.text.push('"');
+        }
+    }
+}
+
+impl Display for Markup {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+/// Escapes what passes.
+struct Escaped<'a>(&'a mut String);
+
+impl fmt::Write for Escaped<'_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for character in text.chars() {
+            match character {
+                '&' => self.0.push_str("&amp;"),
+                '<' => self.0.push_str("&lt;"),
+                '>' => self.0.push_str("&gt;"),
+                '"' => self.0.push_str("&quot;"),
+                '\n' => self.0.push('\n'),
+                // XML has no control characters and no characters that Unicode reserves, not even as numbers.
+                control if control.is_control() => self.0.push(' '),
+                '\u{fffe}' | '\u{ffff}' => self.0.push('\u{fffd}'),
+                other => self.0.push(other),
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_and_attributes_are_data() {
+        let hostile = "</p><script>alert(\"1\")</script> & \u{0}\u{7}\u{ffff}";
+        let mut out = Markup::new();
+        out.element("p", &[("title", &hostile), ("n", &1.5)], |out| {
+            out.text(hostile);
+            out.empty("br", &[]);
+        });
+        let text = out.to_string();
+        assert_eq!(text.matches("<script").count(), 0);
+        let document = roxmltree::Document::parse(&text).unwrap();
+        let root = document.root_element();
+        let read = "</p><script>alert(\"1\")</script> &   \u{fffd}";
+        assert_eq!((root.attribute("title"), root.attribute("n")), (Some(read), Some("1.5")));
+        assert_eq!(root.text(), Some(read));
+        assert_eq!(root.children().filter(roxmltree::Node::is_element).count(), 1);
+    }
+}

@@ -1,0 +1,140 @@
+//! A report as one HTML file: it opens from the disk, asks no network for anything, needs no script, follows the light or dark scheme and
+//! prints. A page is XML at the same time ([`super::markup`]).
+
+pub mod calibration;
+
+use std::fmt::Display;
+
+use super::markup::Markup;
+use super::plot::{Picture, STYLE};
+
+/// What a page needs beside the style of pictures. Not one character of it needs an escape.
+const PAGE_STYLE: &str = "\
+*{box-sizing:border-box}\n\
+body{margin:0 auto;padding:1.5rem clamp(1rem,3vw,3rem) 3rem;max-width:1800px;background:var(--paper);color:var(--ink);\
+font:15px/1.5 system-ui,-apple-system,'Segoe UI',Roboto,sans-serif;font-variant-numeric:tabular-nums}\n\
+h1{font-size:1.7rem;line-height:1.2;margin:0 0 .2rem}h2{font-size:1.25rem;margin:2.2rem 0 .6rem;border-bottom:1px solid var(--grid);\
+padding-bottom:.2rem}h3{font-size:1.05rem;margin:1.6rem 0 .4rem}p{margin:.4rem 0;max-width:75em}.soft{color:var(--soft)}\n\
+.banner{border-left:4px solid var(--s2);padding:.5rem .9rem;margin:1rem 0;background:color-mix(in srgb,var(--s2) 10%,var(--paper))}\
+.banner.bad{border-color:var(--bad);background:color-mix(in srgb,var(--bad) 10%,var(--paper))}\n\
+.strip{display:flex;flex-wrap:wrap;gap:.7rem;margin:1rem 0}.strip div{border:1px solid var(--grid);border-radius:6px;padding:.45rem .9rem;\
+min-width:8.5rem}.strip span{display:block;color:var(--soft);font-size:.83rem}.strip b{font-size:1.2rem}\n\
+.wide{overflow-x:auto;margin:.6rem 0}table{border-collapse:collapse;font-size:.93rem}\
+th,td{padding:.22rem .75rem;text-align:left;border-bottom:1px solid var(--grid);white-space:nowrap}\
+th{color:var(--soft);font-weight:600;vertical-align:bottom}.n{text-align:right}tr.whole td{font-weight:600}tr.part td:first-child{padding-left:2rem}\
+tr.bad td{color:var(--bad)}caption{caption-side:bottom;text-align:left;color:var(--soft);padding:.3rem .75rem;font-size:.87rem}\n\
+.pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,560px),1fr));gap:1rem;align-items:start}\
+figure{margin:0;border:1px solid var(--grid);border-radius:6px;padding:.4rem}\
+figure svg{width:100%;height:auto;display:block}figcaption{color:var(--soft);font-size:.87rem;padding:.2rem .4rem}\n\
+.findings{padding-left:0;list-style:none}.findings li{margin:.5rem 0;padding-left:.8rem;border-left:3px solid var(--s4)}\
+.findings li.error{border-color:var(--bad)}.findings p{margin:0}\n\
+code{font-family:ui-monospace,Consolas,monospace;font-size:.92em}\n\
+@media print{body{font-size:10pt;max-width:none;padding:0}figure,tr,li{break-inside:avoid}h2,h3{break-after:avoid}\
+.pictures{grid-template-columns:1fr 1fr}.wide{overflow:visible}th,td{white-space:normal;padding:.1rem .35rem}}\n";
+
+/// A page with a title; `inside` writes what follows the heading.
+#[must_use]
+pub fn page(title: &str, inside: impl FnOnce(&mut Markup)) -> String {
+    let mut out = Markup::new();
+    out.element("html", &[("lang", &"en")], |out| {
+        out.element("head", &[], |out| {
+            out.empty("meta", &[("charset", &"utf-8")]);
+            out.empty("meta", &[("name", &"viewport"), ("content", &"width=device-width, initial-scale=1")]);
+            let policy = "default-src 'none'; style-src 'unsafe-inline'";
+            out.empty("meta", &[("http-equiv", &"Content-Security-Policy"), ("content", &policy)]);
+            out.leaf("title", &[], title);
+            out.leaf("style", &[], STYLE);
+            out.leaf("style", &[], PAGE_STYLE);
+        });
+        out.element("body", &[], |out| {
+            out.leaf("h1", &[], title);
+            inside(out);
+        });
+    });
+    format!("<!DOCTYPE html>\n{out}")
+}
+
+/// A column of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Its heading.
+    pub title: &'static str,
+    /// Whether it has numbers, which are flush right.
+    pub is_number: bool,
+}
+
+/// Columns of texts and, behind a `#`, of numbers.
+#[must_use]
+pub fn columns<const N: usize>(titles: [&'static str; N]) -> [Column; N] {
+    titles.map(|title| match title.strip_prefix('#') {
+        Some(title) => Column { title, is_number: true },
+        None => Column { title, is_number: false },
+    })
+}
+
+/// A row of a table.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Row {
+    /// `whole`, `part`, `bad` or nothing.
+    pub class: &'static str,
+    /// Its cells.
+    pub cells: Vec<String>,
+}
+
+/// A table. Rows beyond `most` are counted, not written.
+pub fn table(out: &mut Markup, columns: &[Column], rows: &[Row], caption: &str, most: usize) {
+    let class = |column: Option<&Column>| if column.is_some_and(|column| column.is_number) { "n" } else { "t" };
+    out.element("div", &[("class", &"wide")], |out| {
+        out.element("table", &[], |out| {
+            let more = rows.len().saturating_sub(most);
+            if more > 0 || !caption.is_empty() {
+                let counted = if more > 0 { format!("{more} more rows are not shown. ") } else { String::new() };
+                out.leaf("caption", &[], format_args!("{counted}{caption}"));
+            }
+            out.element("thead", &[], |out| {
+                out.element("tr", &[], |out| {
+                    for column in columns {
+                        out.leaf("th", &[("class", &class(Some(column))), ("scope", &"col")], column.title);
+                    }
+                });
+            });
+            out.element("tbody", &[], |out| {
+                for row in rows.iter().take(most) {
+                    out.element("tr", &[("class", &row.class)], |out| {
+                        for (k, cell) in row.cells.iter().enumerate() {
+                            out.leaf("td", &[("class", &class(columns.get(k)))], cell);
+                        }
+                    });
+                }
+            });
+        });
+    });
+}
+
+/// Numbers that sum a page up: what each is, and the number.
+pub fn strip(out: &mut Markup, entries: &[(&str, String)]) {
+    out.element("div", &[("class", &"strip")], |out| {
+        for (what, number) in entries {
+            out.element("div", &[], |out| {
+                out.leaf("span", &[], what);
+                out.leaf("b", &[], number);
+            });
+        }
+    });
+}
+
+/// Pictures side by side as the window has room.
+pub fn pictures(out: &mut Markup, inside: impl FnOnce(&mut Markup)) {
+    out.element("div", &[("class", &"pictures")], inside);
+}
+
+/// A picture with what is said of it.
+pub fn figure(out: &mut Markup, picture: &impl Picture, caption: impl Display) {
+    let caption = caption.to_string();
+    out.element("figure", &[], |out| {
+        picture.draw(out);
+        if !caption.is_empty() {
+            out.leaf("figcaption", &[], caption);
+        }
+    });
+}

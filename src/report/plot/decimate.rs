@@ -1,0 +1,70 @@
+//! Many points in few columns: what a picture can show of a million of them.
+
+/// The points of one column of pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// The first of them.
+    pub first: f64,
+    /// The last of them.
+    pub last: f64,
+    /// The smallest.
+    pub low: f64,
+    /// The largest.
+    pub high: f64,
+    /// How many there are.
+    pub count: usize,
+}
+
+/// The smallest and largest value in each of `columns` columns; `None` where a column has none. A place is 0 at the left end and 1 at the right
+/// one; points beyond, and those that are no number, are left out.
+#[must_use]
+pub fn spans(points: impl IntoIterator<Item = (f64, f64)>, columns: usize) -> Vec<Option<Span>> {
+    let mut out: Vec<Option<Span>> = vec![None; columns];
+    for (place, value) in points {
+        let at = place * columns as f64;
+        if !value.is_finite() || !(-1e-6..=columns as f64 + 1e-6).contains(&at) {
+            continue;
+        }
+        // Not negative and small here.
+        let column = (at.max(0.0) as usize).min(columns.saturating_sub(1));
+        let Some(slot) = out.get_mut(column) else { continue };
+        match slot {
+            Some(span) => {
+                span.last = value;
+                span.low = span.low.min(value);
+                span.high = span.high.max(value);
+                span.count += 1;
+            }
+            None => *slot = Some(Span { first: value, last: value, low: value, high: value, count: 1 }),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extremes_survive() {
+        let points = (0..1_000_000).map(|k| {
+            let value = if k == 654_321 { 99.0 } else { f64::from(k % 7) };
+            (f64::from(k) / 999_999.0, value)
+        });
+        let found = spans(points, 500);
+        assert_eq!(found.len(), 500);
+        assert_eq!(found.iter().flatten().map(|span| span.count).sum::<usize>(), 1_000_000);
+        assert!(found.iter().all(|span| span.is_some_and(|span| span.low == 0.0)));
+        let with_peak: Vec<usize> =
+            found.iter().enumerate().filter(|(_, span)| span.is_some_and(|span| span.high == 99.0)).map(|(k, _)| k).collect();
+        // 654321 / 999999 · 500 = 327.16
+        assert_eq!(with_peak, [327]);
+    }
+
+    #[test]
+    fn what_is_no_number_is_left_out() {
+        let found = spans([(0.1, f64::NAN), (f64::NAN, 1.0), (2.0, 1.0), (1.0, 3.0), (0.0, -3.0)], 2);
+        assert_eq!(found.iter().map(|span| span.map(|span| span.low)).collect::<Vec<_>>(), [Some(-3.0), Some(3.0)]);
+        assert!(spans([(0.5, 1.0)], 0).is_empty());
+    }
+}

@@ -1,0 +1,118 @@
+//! Pictures of plain data as SVG: points and lines over an axis, bars, histograms, traces of a ball-bar.
+//!
+//! A picture is a value with public fields that draws itself: into a page with [`Picture::draw`], or as a file of its own with
+//! [`Picture::svg`]. A million points become what the columns of pixels can show, so that no picture outgrows some ten kilobytes. Colors are
+//! those of Okabe and Ito, which people with any color vision can tell; markers and dashes differ besides. In a page the colors follow the
+//! light or dark scheme by variables of [`STYLE`]; what knows no variables sees the light ones.
+
+mod bars;
+mod chart;
+mod decimate;
+mod frame;
+mod histogram;
+mod polar;
+mod ticks;
+
+pub use bars::{Bar, Bars};
+pub use chart::{Chart, Line, Series, Shape};
+pub use decimate::{Span, spans};
+pub use histogram::Histogram;
+pub use polar::{Polar, Trace};
+pub use ticks::{Scale, round_step};
+
+use super::markup::Markup;
+
+/// Width of every picture in its own units.
+pub const WIDTH: f64 = 720.0;
+
+/// Colors of series on white paper.
+const COLORS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#b0508a", "#a67c00", "#4a5568"];
+
+/// Dashes of lines: their number shares no divisor with that of the colors, so that thirty lines differ.
+const DASHES: [&str; 5] = ["none", "6 3", "2 3", "9 3 2 3", "1 4"];
+
+/// The rules of style that pictures need, for a page or a file.
+pub const STYLE: &str = "\
+:root{color-scheme:light dark;--paper:#fff;--ink:#1b1f24;--soft:#59636e;--grid:#dde2e7;--bad:#b3261e;\
+--s0:#0072b2;--s1:#d55e00;--s2:#009e73;--s3:#b0508a;--s4:#a67c00;--s5:#4a5568}\n\
+@media (prefers-color-scheme:dark){:root{--paper:#14181d;--ink:#e6e9ed;--soft:#9aa5b1;--grid:#333b44;--bad:#ff8a80;\
+--s0:#56b4e9;--s1:#ff8f47;--s2:#2fc79a;--s3:#e59bc8;--s4:#f0c23c;--s5:#a9b4c2}}\n\
+@media print{:root{color-scheme:light;--paper:#fff;--ink:#000;--soft:#444;--grid:#ccc;--bad:#900;\
+--s0:#0072b2;--s1:#d55e00;--s2:#009e73;--s3:#b0508a;--s4:#a67c00;--s5:#4a5568}}\n\
+.plot{fill:var(--ink)}.plot .paper{fill:var(--paper)}.plot .soft{fill:var(--soft)}\
+.plot .grid{stroke:var(--grid)}.plot .axis{stroke:var(--soft)}\
+.plot .s0{fill:var(--s0);stroke:var(--s0)}.plot .s1{fill:var(--s1);stroke:var(--s1)}.plot .s2{fill:var(--s2);stroke:var(--s2)}\
+.plot .s3{fill:var(--s3);stroke:var(--s3)}.plot .s4{fill:var(--s4);stroke:var(--s4)}.plot .s5{fill:var(--s5);stroke:var(--s5)}\n";
+
+/// Something that draws itself.
+pub trait Picture {
+    /// What it shows, in a few words.
+    fn title(&self) -> &str;
+
+    /// Its height in the units of [`WIDTH`].
+    fn height(&self) -> f64;
+
+    /// Draws what is inside, within [`WIDTH`] and the height.
+    fn inside(&self, out: &mut Markup);
+
+    /// Draws it as an element of a page whose style has [`STYLE`].
+    fn draw(&self, out: &mut Markup) {
+        drawing(self, out, false);
+    }
+
+    /// The text of a file of its own.
+    fn svg(&self) -> String {
+        let mut out = Markup::new();
+        drawing(self, &mut out, true);
+        out.to_string()
+    }
+}
+
+fn drawing<P: Picture + ?Sized>(picture: &P, out: &mut Markup, is_alone: bool) {
+    let height = picture.height();
+    let whole = format!("0 0 {WIDTH} {height:.0}");
+    out.element(
+        "svg",
+        &[
+            ("xmlns", &"http://www.w3.org/2000/svg"),
+            ("class", &"plot"),
+            ("viewBox", &whole),
+            ("width", &WIDTH),
+            ("height", &format_args!("{height:.0}")),
+            ("role", &"img"),
+            ("font-family", &"system-ui, sans-serif"),
+            ("font-size", &"12"),
+            ("fill", &"#1b1f24"),
+        ],
+        |out| {
+            out.leaf("title", &[], picture.title());
+            if is_alone {
+                out.leaf("style", &[], STYLE);
+            }
+            out.empty(
+                "rect",
+                &[("class", &"paper"), ("width", &WIDTH), ("height", &format_args!("{height:.0}")), ("fill", &"#fff")],
+            );
+            picture.inside(out);
+        },
+    );
+}
+
+/// A text that is no longer than `most` characters.
+fn shortened(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    text.chars().take(most.saturating_sub(1)).chain(['…']).collect()
+}
+
+/// The class and the color of the series of a number.
+fn color(number: usize) -> (String, &'static str) {
+    let which = number % COLORS.len();
+    (format!("s{which}"), COLORS.get(which).copied().unwrap_or("#000"))
+}
+
+/// The dashes of the line of a number.
+fn dash(number: usize) -> &'static str {
+    DASHES.get(number % DASHES.len()).copied().unwrap_or("none")
+}
