@@ -27,7 +27,7 @@ const SHOWN: &[(&str, f64)] = &[
 ];
 
 /// A sample machine without its errors.
-fn bare(name: &str) -> String {
+pub(crate) fn bare(name: &str) -> String {
     let text = std::fs::read_to_string(repository(&format!("samples/machines/{name}.toml"))).unwrap();
     let mut is_kept = true;
     let mut out = String::new();

@@ -5,16 +5,15 @@ use crate::calibrate::{Column, Estimate, Fit};
 use crate::csv::Table;
 use crate::diagnostic::Place;
 use crate::measure::data::DataSet;
+use crate::measure::kind::Unknown;
 use crate::model::ErrorModel;
 use crate::report::calibration;
+use crate::report::compared::DOES_NOT_FIT;
 use crate::units::{um_from_mm, urad_from_rad};
-
-/// Rows that count less than this do not fit: a residual of 3.3 standard deviations.
-pub(super) const DOES_NOT_FIT: f64 = 0.25;
 
 /// A number that was found; `start` is the error model before.
 pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -> calibration::Estimate {
-    let (factor, unit) = unit_of(&found.column);
+    let (factor, unit) = unit_of(&found.column, data);
     let name = found.column.name(data).to_string();
     let (before, effect_um) = match &found.column {
         Column::Parameter(name) => (name.get(start), Some(um_from_mm(found.effect_mm))),
@@ -32,9 +31,13 @@ pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -
 }
 
 /// The factor from mm, rad and powers of them to the unit that is shown: µm, µrad, per power of m or rad.
-fn unit_of(column: &Column) -> (f64, String) {
+fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
     const MM_OF_M: f64 = 1000.0;
-    let (factor, unit) = if column.is_angle() { (urad_from_rad(1.0), "µrad") } else { (um_from_mm(1.0), "µm") };
+    let (factor, unit) = if column.is_angle() || is_zero_of_angles(column, data) {
+        (urad_from_rad(1.0), "µrad")
+    } else {
+        (um_from_mm(1.0), "µm")
+    };
     let Column::Parameter(name) = column else { return (factor, unit.into()) };
     let degree = name.degree();
     let is_rotary = name.component.axis().is_some_and(|axis| axis.is_rotary());
@@ -44,6 +47,15 @@ fn unit_of(column: &Column) -> (f64, String) {
         1 => (factor, format!("{unit}/{per}")),
         degree => (factor, format!("{unit}/{per}^{degree}")),
     }
+}
+
+/// Whether a column is the zero of an instrument that reads angles.
+fn is_zero_of_angles(column: &Column, data: &[DataSet]) -> bool {
+    let Column::Unknown(number, Unknown::Offset(which, _)) = column else { return false };
+    data.get(*number).filter(|set| !set.targets.is_empty()).is_some_and(|set| {
+        let target = Some(which % set.targets.len());
+        set.observations.iter().find(|row| row.target == target).is_some_and(is_angle)
+    })
 }
 
 /// The rows that count for less because they do not fit, once each, with their places and the number of their measurement.

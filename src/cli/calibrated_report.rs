@@ -62,11 +62,7 @@ pub(super) fn machine_input(start: &Source) -> Input {
 
 /// The files of a measurement.
 pub(super) fn inputs(one: &Measurement, is_held_out: bool) -> [Input; 2] {
-    let roles = if is_held_out {
-        ["readings, held out", "description, held out"]
-    } else {
-        ["readings", "description"]
-    };
+    let roles = if is_held_out { ["readings, held out", "description, held out"] } else { ["readings", "description"] };
     let file = |k: usize| Input {
         file: one.sources[k].name().to_owned(),
         role: roles[k],
@@ -226,7 +222,7 @@ fn shown_circle(found: &circles::Circle, data: &DataSet, points: &[Point]) -> Ci
         Some(1) => ("YZ".to_owned(), ["Y", "Z"].map(String::from)),
         Some(_) => ("ZX".to_owned(), ["Z", "X"].map(String::from)),
         None => {
-            let azimuth = format!("{:.0}°", found.azimuth().to_degrees());
+            let azimuth = format!("{:.0}°", found.azimuth().to_degrees()).replace('-', "\u{2212}");
             (format!("in the plane at {azimuth}"), [azimuth, "Z".to_owned()])
         }
     };

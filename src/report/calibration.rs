@@ -130,7 +130,8 @@ impl Calibration {
     #[must_use]
     pub fn efficiency(&self, is_held_out: bool, unit: &str) -> Option<f64> {
         let own = self.data.iter().filter(|one| one.is_held_out == is_held_out && one.unit == unit);
-        let [measured, left] = own.fold([0.0, 0.0], |[measured, left], one| [measured + one.sums[0], left + one.sums[1]]);
+        let [measured, left] =
+            own.fold([0.0, 0.0], |[measured, left], one| [measured + one.sums[0], left + one.sums[1]]);
         (measured > 0.0).then(|| 1.0 - left / measured)
     }
 

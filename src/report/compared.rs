@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+/// Readings that count less than this do not fit: a residual of 3.3 standard deviations.
+pub const DOES_NOT_FIT: f64 = 0.25;
+
 /// The readings of one direction or component of a measurement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Part {

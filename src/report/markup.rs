@@ -72,6 +72,14 @@ impl Display for Markup {
     }
 }
 
+/// A text as XML takes it for text, for markup that is not written with [`Markup`].
+#[must_use]
+pub fn escaped(text: &str) -> String {
+    let mut out = Markup::new();
+    out.text(text);
+    out.text
+}
+
 /// Escapes what passes.
 struct Escaped<'a>(&'a mut String);
 

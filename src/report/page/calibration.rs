@@ -64,7 +64,9 @@ fn summary(out: &mut Markup, found: &Calibration, is_refused: bool) {
         entries.push(("condition", significant(condition)));
         entries.push(("rounds", count(found.rounds)));
     }
-    for (unit, of) in [("µm", ["efficiency, used", "efficiency, held out"]), ("µrad", ["angles, used", "angles, held out"])] {
+    for (unit, of) in
+        [("µm", ["efficiency, used", "efficiency, held out"]), ("µrad", ["angles, used", "angles, held out"])]
+    {
         for (is_held_out, what) in [false, true].into_iter().zip(of) {
             if let Some(efficiency) = found.efficiency(is_held_out, unit) {
                 entries.push((what, percent(efficiency)));
@@ -87,8 +89,7 @@ fn findings(out: &mut Markup, all: &[Finding]) {
         for finding in all.iter().take(MOST_ROWS) {
             out.element("li", &[("class", &finding.severity)], |out| {
                 out.element("p", &[], |out| {
-                    out.leaf("b", &[], format_args!("{} {}", finding.severity, finding.code));
-                    out.text(": ");
+                    out.leaf("b", &[], format_args!("{} {}:", finding.severity, finding.code));
                     out.text(&finding.message);
                 });
                 out.element("p", &[("class", &"soft")], |out| {
@@ -157,8 +158,7 @@ fn estimates(out: &mut Markup, found: &Calibration) {
     let row = |one: &Estimate| {
         let [value, sigma, effect, inflation] = one.cells();
         let told = |text: String, number: f64| if number.is_finite() { text } else { "not told".into() };
-        let start = if one.effect_um.is_some() { significant(one.start) } else { String::new() };
-        // Less than two uncertainties from zero: shown, and nobody should build on it.
+        let start = if one.effect_um.is_some() { significant(one.start + 0.0) } else { String::new() };
         let cells = vec![
             one.name.clone(),
             value,
@@ -179,10 +179,11 @@ fn estimates(out: &mut Markup, found: &Calibration) {
         side_by_side(out, |out| {
             let share = |one: &Estimate| if one.value == 0.0 { 0.0 } else { (one.sigma / one.value).abs() };
             let effect = |one: &Estimate| one.effect_um.unwrap_or(f64::NAN);
-            let effects = found
-                .parameters
-                .iter()
-                .map(|one| Bar { label: one.name.clone(), value: effect(one), error: effect(one) * share(one) });
+            let effects = found.parameters.iter().map(|one| Bar {
+                label: one.name.clone(),
+                value: effect(one),
+                error: effect(one) * share(one),
+            });
             let picture = Bars {
                 title: "Effect of each parameter on the tip".into(),
                 across: "root of the mean square over the readings, ± 1σ, in µm".into(),
@@ -231,16 +232,28 @@ fn weighted_down(out: &mut Markup, found: &Calibration) {
             Row { class: "", cells }
         })
         .collect();
-    table(out, &columns(["row", "#left", "unit", "#counts"]), &rows, "They are kept in the file, and counted so much.", MOST_ROWS);
+    table(
+        out,
+        &columns(["row", "#left", "unit", "#counts"]),
+        &rows,
+        "They are kept in the file, and counted so much.",
+        MOST_ROWS,
+    );
 }
 
 fn origin(out: &mut Markup, found: &Calibration) {
+    const NOTE: &str = "Hash: first 12 digits of the SHA-256 of the length of the file (8 bytes, the lowest first) and its bytes, as in the head of a \
+                        machine file.";
     out.leaf("h2", &[], "Where this comes from");
     let rows: Vec<Row> = found
         .inputs
         .iter()
         .map(|input| Row { class: "", cells: vec![input.file.clone(), input.role.into(), input.hash.clone()] })
         .collect();
-    table(out, &columns(["file", "what", "SHA-256 with length, first 12 digits"]), &rows, "", MOST_ROWS);
-    out.leaf("p", &[("class", &"soft")], format_args!("ncfix {}, model {}, machine {}", found.version, found.model, found.machine));
+    table(out, &columns(["file", "what", "hash"]), &rows, NOTE, MOST_ROWS);
+    out.leaf(
+        "p",
+        &[("class", &"soft")],
+        format_args!("ncfix {}, model {}, machine {}", found.version, found.model, found.machine),
+    );
 }

@@ -14,15 +14,16 @@ const PAGE_STYLE: &str = "\
 body{margin:0 auto;padding:1.5rem clamp(1rem,3vw,3rem) 3rem;max-width:1800px;background:var(--paper);color:var(--ink);\
 font:15px/1.5 system-ui,-apple-system,'Segoe UI',Roboto,sans-serif;font-variant-numeric:tabular-nums}\n\
 h1{font-size:1.7rem;line-height:1.2;margin:0 0 .2rem}h2{font-size:1.25rem;margin:2.2rem 0 .6rem;border-bottom:1px solid var(--grid);\
-padding-bottom:.2rem}h3{font-size:1.05rem;margin:1.6rem 0 .4rem}p{margin:.4rem 0;max-width:75em}.soft{color:var(--soft)}\n\
-.banner{border-left:4px solid var(--s2);padding:.5rem .9rem;margin:1rem 0;background:color-mix(in srgb,var(--s2) 10%,var(--paper))}\
+padding-bottom:.2rem}h3{font-size:1.05rem;margin:1.6rem 0 .4rem}p{margin:.4rem 0;max-width:60em}.soft{color:var(--soft)}\n\
+.banner{max-width:none;border-left:4px solid var(--s2);padding:.5rem .9rem;margin:1rem 0;background:color-mix(in srgb,var(--s2) 10%,var(--paper))}\
 .banner.bad{border-color:var(--bad);background:color-mix(in srgb,var(--bad) 10%,var(--paper))}\n\
 .strip{display:flex;flex-wrap:wrap;gap:.7rem;margin:1rem 0}.strip div{border:1px solid var(--grid);border-radius:6px;padding:.45rem .9rem;\
 min-width:8.5rem}.strip span{display:block;color:var(--soft);font-size:.83rem}.strip b{font-size:1.2rem}\n\
 .wide{overflow-x:auto;margin:.6rem 0}table{border-collapse:collapse;font-size:.93rem}\
 th,td{padding:.22rem .75rem;text-align:left;border-bottom:1px solid var(--grid);white-space:nowrap}\
-th{color:var(--soft);font-weight:600;vertical-align:bottom}.n{text-align:right}tr.whole td{font-weight:600}tr.part td:first-child{padding-left:2rem}\
-tr.bad td{color:var(--bad)}caption{caption-side:bottom;text-align:left;color:var(--soft);padding:.3rem .75rem;font-size:.87rem}\n\
+th{white-space:normal;color:var(--soft);font-weight:600;vertical-align:bottom}.n{text-align:right}tr.whole td{font-weight:600}tr.part td:first-child{padding-left:2rem}\
+tr.bad td{color:var(--bad)}.note{color:var(--soft);font-size:.87rem}\n\
+@media (max-width:1000px){table{font-size:.85rem}th,td{padding:.2rem .4rem}}\n\
 .pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,560px),1fr));gap:1rem;align-items:start}\
 figure{margin:0;border:1px solid var(--grid);border-radius:6px;padding:.4rem}\
 figure svg{width:100%;height:auto;display:block}figcaption{color:var(--soft);font-size:.87rem;padding:.2rem .4rem}\n\
@@ -81,16 +82,11 @@ pub struct Row {
     pub cells: Vec<String>,
 }
 
-/// A table. Rows beyond `most` are counted, not written.
+/// A table with a note below. Rows beyond `most` are counted, not written.
 pub fn table(out: &mut Markup, columns: &[Column], rows: &[Row], caption: &str, most: usize) {
     let class = |column: Option<&Column>| if column.is_some_and(|column| column.is_number) { "n" } else { "t" };
     out.element("div", &[("class", &"wide")], |out| {
         out.element("table", &[], |out| {
-            let more = rows.len().saturating_sub(most);
-            if more > 0 || !caption.is_empty() {
-                let counted = if more > 0 { format!("{more} more rows are not shown. ") } else { String::new() };
-                out.leaf("caption", &[], format_args!("{counted}{caption}"));
-            }
             out.element("thead", &[], |out| {
                 out.element("tr", &[], |out| {
                     for column in columns {
@@ -109,6 +105,11 @@ pub fn table(out: &mut Markup, columns: &[Column], rows: &[Row], caption: &str, 
             });
         });
     });
+    let more = rows.len().saturating_sub(most);
+    if more > 0 || !caption.is_empty() {
+        let counted = if more > 0 { format!("{more} more rows are not shown. ") } else { String::new() };
+        out.leaf("p", &[("class", &"note")], format_args!("{counted}{caption}"));
+    }
 }
 
 /// Numbers that sum a page up: what each is, and the number.

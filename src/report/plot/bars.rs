@@ -126,10 +126,25 @@ impl Picture for Bars {
         let (class, fallback) = color(0);
         out.empty(
             "path",
-            &[("class", &class), ("fill", &fallback), ("fill-opacity", &"0.55"), ("stroke-width", &"0"), ("d", &shapes)],
+            &[
+                ("class", &class),
+                ("fill", &fallback),
+                ("fill-opacity", &"0.55"),
+                ("stroke-width", &"0"),
+                ("d", &shapes),
+            ],
         );
         if !lines.is_empty() {
-            out.empty("path", &[("class", &"axis"), ("stroke", &"#59636e"), ("stroke-width", &"1.5"), ("fill", &"none"), ("d", &lines)]);
+            out.empty(
+                "path",
+                &[
+                    ("class", &"axis"),
+                    ("stroke", &"#59636e"),
+                    ("stroke-width", &"1.5"),
+                    ("fill", &"none"),
+                    ("d", &lines),
+                ],
+            );
         }
         if let Some(more) = self.bars.len().checked_sub(MOST_BARS).filter(|&more| more > 0) {
             text(out, [LEFT - 8.0, bottom - 4.0], "end", &format!("… {more} more"));

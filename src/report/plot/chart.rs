@@ -10,6 +10,10 @@ use crate::report::markup::Markup;
 
 /// Points that are drawn one by one, in a picture together.
 const MOST_POINTS: usize = 3000;
+/// Points beyond the quartiles by this many times their distance are far from the others.
+const FAR: f64 = 5.0;
+/// With less points none is far.
+const FEW: usize = 20;
 /// Half of the size of a marker.
 const HALF: f64 = 2.2;
 
@@ -28,6 +32,8 @@ pub struct Chart {
     pub levels: Vec<Line>,
     /// Whether 0 is in the middle of the axis up.
     pub is_balanced: bool,
+    /// Whether points that are far from the others are drawn at the edge, so that one wrong value does not hide what the others say.
+    pub is_clipped: bool,
 }
 
 /// Points that belong together.
@@ -67,7 +73,9 @@ impl Chart {
     fn frame(&self) -> Frame {
         let points = || self.series.iter().flat_map(|series| &series.points);
         let across = Scale::around(points().map(|point| point.0), 8);
-        let ups = points().map(|point| point.1).chain(self.levels.iter().map(|level| level.value));
+        let fence = if self.is_clipped { self.fence() } else { None };
+        let is_near = |value: &f64| fence.is_none_or(|[low, high]| (low..=high).contains(value));
+        let ups = points().map(|point| point.1).filter(is_near).chain(self.levels.iter().map(|level| level.value));
         let bars = self.series.iter().flat_map(|series| {
             let ends = |(point, error): (&(f64, f64), &f64)| [point.1 - error, point.1 + error];
             series.points.iter().zip(&series.errors).flat_map(ends)
@@ -75,6 +83,16 @@ impl Chart {
         let ups = ups.chain(bars);
         let up = if self.is_balanced { Scale::balanced(ups, 6) } else { Scale::around(ups, 6) };
         Frame::new(across, up, self.height())
+    }
+
+    /// Between which values points are not far from the others.
+    fn fence(&self) -> Option<[f64; 2]> {
+        let all = self.series.iter().flat_map(|series| &series.points).map(|point| point.1);
+        let mut sorted: Vec<f64> = all.filter(|value| value.is_finite()).collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let [first, third] = [1, 3].map(|k| sorted.get(sorted.len() * k / 4).copied().unwrap_or(0.0));
+        let far = FAR * (third - first);
+        (sorted.len() >= FEW && far > 0.0).then_some([first - far, third + far])
     }
 
     /// The paths of a series: filled or stroked shapes, and thin lines.
@@ -94,7 +112,15 @@ impl Chart {
             return [shapes, lines];
         }
         match series.shape {
-            Shape::Markers => points().for_each(|(x, y)| shapes.push_str(&marker(number, frame.x(x), frame.y(y)))),
+            Shape::Markers => points().for_each(|(x, y)| {
+                let [at, up] = [frame.x(x), frame.y(y)];
+                match frame.beyond(y) {
+                    // A triangle that points to where the value is.
+                    beyond if beyond > 0.0 => shapes.push_str(&format!("M{at:.1} {:.1}l5 9h-10z", up - 6.0)),
+                    beyond if beyond < 0.0 => shapes.push_str(&format!("M{at:.1} {:.1}l5-9h-10z", up + 6.0)),
+                    _ => shapes.push_str(&marker(number, at, up)),
+                }
+            }),
             Shape::Line => {
                 for (k, (x, y)) in points().enumerate() {
                     let _ = write!(lines, "{}{:.1} {:.1}", if k == 0 { 'M' } else { 'L' }, frame.x(x), frame.y(y));
@@ -138,7 +164,7 @@ impl Picture for Chart {
                     ("d", &path),
                 ],
             );
-            text(out, [WIDTH - 20.0, y - 4.0], "end", &level.label);
+            frame.beside(out, level.value, &level.label);
         }
         let count: usize = self.series.iter().map(|series| series.points.len()).sum();
         for (number, series) in self.series.iter().enumerate() {
@@ -164,6 +190,11 @@ impl Picture for Chart {
                     );
                 }
             });
+        }
+        let all = self.series.iter().flat_map(|series| &series.points);
+        let beyond = all.filter(|point| point.1.is_finite() && frame.beyond(point.1) != 0.0).count();
+        if beyond > 0 {
+            text(out, [WIDTH - 16.0, 18.0], "end", &format!("{beyond} beyond the picture"));
         }
         let labels: Vec<&str> = self.series.iter().map(|series| series.label.as_str()).collect();
         legend(out, &labels, |out, number, [x, y]| match self.series.get(number).map(|series| series.shape) {

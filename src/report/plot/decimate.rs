@@ -55,8 +55,12 @@ mod tests {
         assert_eq!(found.len(), 500);
         assert_eq!(found.iter().flatten().map(|span| span.count).sum::<usize>(), 1_000_000);
         assert!(found.iter().all(|span| span.is_some_and(|span| span.low == 0.0)));
-        let with_peak: Vec<usize> =
-            found.iter().enumerate().filter(|(_, span)| span.is_some_and(|span| span.high == 99.0)).map(|(k, _)| k).collect();
+        let with_peak: Vec<usize> = found
+            .iter()
+            .enumerate()
+            .filter(|(_, span)| span.is_some_and(|span| span.high == 99.0))
+            .map(|(k, _)| k)
+            .collect();
         // 654321 / 999999 · 500 = 327.16
         assert_eq!(with_peak, [327]);
     }

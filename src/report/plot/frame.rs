@@ -6,13 +6,13 @@ use crate::report::markup::Markup;
 
 /// Margins.
 const LEFT: f64 = 66.0;
-const RIGHT: f64 = 16.0;
-const TOP: f64 = 46.0;
+const RIGHT: f64 = 40.0;
+const TOP: f64 = 54.0;
 const BOTTOM: f64 = 46.0;
 /// How far the base of a text is below its middle.
 pub(super) const HALF_LETTER: f64 = 4.0;
 /// Width of a letter, roughly.
-const LETTER: f64 = 6.4;
+const LETTER: f64 = 6.8;
 /// Entries of a legend at most.
 const MOST_ENTRIES: usize = 8;
 
@@ -37,6 +37,20 @@ impl Frame {
     /// Height of a value, within the frame.
     pub(super) fn y(&self, value: f64) -> f64 {
         self.height - BOTTOM - self.up.share(value).clamp(0.0, 1.0) * (self.height - TOP - BOTTOM)
+    }
+
+    /// A name beside a height, right of the frame.
+    pub(super) fn beside(&self, out: &mut Markup, value: f64, label: &str) {
+        text(out, [WIDTH - RIGHT + 4.0, self.y(value) + HALF_LETTER], "start", label);
+    }
+
+    /// On which side of the frame a value is: 1 above, −1 below, 0 inside.
+    pub(super) fn beyond(&self, value: f64) -> f64 {
+        match self.up.share(value) {
+            share if share > 1.0 + 1e-9 => 1.0,
+            share if share < -1e-9 => -1.0,
+            _ => 0.0,
+        }
     }
 
     /// Columns of pixels.
@@ -80,11 +94,7 @@ pub(super) fn heading(out: &mut Markup, title: &str) {
 
 /// A text at a place.
 pub(super) fn text(out: &mut Markup, [x, y]: [f64; 2], anchor: &str, text: &str) {
-    out.leaf(
-        "text",
-        &[("x", &format_args!("{x:.1}")), ("y", &format_args!("{y:.1}")), ("text-anchor", &anchor)],
-        text,
-    );
+    out.leaf("text", &[("x", &format_args!("{x:.1}")), ("y", &format_args!("{y:.1}")), ("text-anchor", &anchor)], text);
 }
 
 /// One line with what each color means; `sample` draws what stands for an entry at a place.
@@ -97,16 +107,16 @@ pub(super) fn legend(out: &mut Markup, labels: &[&str], sample: impl Fn(&mut Mar
         .collect();
     let mut x = 10.0;
     for (shown, (number, label)) in named.iter().enumerate() {
-        let width = 26.0 + label.chars().count() as f64 * LETTER;
+        let width = 34.0 + label.chars().count() as f64 * LETTER;
         if shown >= MOST_ENTRIES || x + width > WIDTH - 70.0 {
             text(out, [x, 36.0 + HALF_LETTER], "start", &format!("… {} more", named.len() - shown));
             return;
         }
         let (class, fallback) = color(*number);
         out.element("g", &[("class", &class), ("fill", &fallback), ("stroke", &fallback)], |out| {
-            sample(out, *number, [x + 7.0, 36.0]);
+            sample(out, *number, [x + 8.0, 36.0]);
         });
-        text(out, [x + 18.0, 36.0 + HALF_LETTER], "start", label);
+        text(out, [x + 20.0, 36.0 + HALF_LETTER], "start", label);
         x += width;
     }
 }

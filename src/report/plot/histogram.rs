@@ -44,8 +44,7 @@ impl Histogram {
         let at = |share: f64| sorted.get((share * sorted.len() as f64) as usize).copied().unwrap_or(0.0);
         let [first, third] = [at(0.25), at(0.75)];
         let between = third - first;
-        let is_near =
-            |value: f64| between <= 0.0 || (first - FAR * between..=third + FAR * between).contains(&value);
+        let is_near = |value: f64| between <= 0.0 || (first - FAR * between..=third + FAR * between).contains(&value);
         let near: Vec<f64> = sorted.iter().copied().filter(|&value| is_near(value)).collect();
         let (Some(&low), Some(&high)) = (near.first(), near.last()) else {
             return Bins { low: 0.0, width: 1.0, counts: Vec::new(), beyond: 0 };
@@ -96,8 +95,13 @@ impl Picture for Histogram {
             let _ = write!(shapes, "M{left:.1} {base:.1}V{up:.1}H{right:.1}V{base:.1}z");
         }
         let (class, fallback) = color(0);
-        let attributes: crate::report::markup::Attributes<'_> =
-            &[("class", &class), ("fill", &fallback), ("fill-opacity", &"0.55"), ("stroke-width", &"0"), ("d", &shapes)];
+        let attributes: crate::report::markup::Attributes<'_> = &[
+            ("class", &class),
+            ("fill", &fallback),
+            ("fill-opacity", &"0.55"),
+            ("stroke-width", &"0"),
+            ("d", &shapes),
+        ];
         out.empty("path", attributes);
         if let Some(sigma) = sigma {
             let [from, to] = across.ends();
@@ -110,7 +114,13 @@ impl Picture for Histogram {
             let (class, fallback) = color(1);
             out.empty(
                 "path",
-                &[("class", &class), ("stroke", &fallback), ("stroke-width", &"2"), ("fill-opacity", &"0"), ("d", &path)],
+                &[
+                    ("class", &class),
+                    ("stroke", &fallback),
+                    ("stroke-width", &"2"),
+                    ("fill-opacity", &"0"),
+                    ("d", &path),
+                ],
             );
         }
         if bins.beyond > 0 {

@@ -106,7 +106,11 @@ impl Picture for Polar {
         });
         let times = self.radius_mm * 1000.0 / RADIUS * DIVISION / division;
         let note = if times.is_finite() && times > 1.0 {
-            format!("1 division = {} {}, exaggerated {times:.0} times; bold circle: nominal", short(division), self.unit)
+            format!(
+                "1 division = {} {}, exaggerated {times:.0} times; bold circle: nominal",
+                short(division),
+                self.unit
+            )
         } else {
             format!("1 division = {} {}; bold circle: nominal", short(division), self.unit)
         };

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::report::calibration::Data;
-use crate::report::compared::Point;
+use crate::report::compared::{DOES_NOT_FIT, Point};
 use crate::report::markup::Markup;
 use crate::report::page::{figure, pictures};
 use crate::report::plot::{Chart, Histogram, Line, Polar, Series, Trace};
@@ -29,6 +29,7 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
             series: series(data, |point| point.setup, &data.shown.setups, place),
             levels: levels.clone(),
             is_balanced: true,
+            is_clipped: true,
         };
         figure(out, &by_setup("Left over the rows, by set-up".into(), "row of the table".into(), &rows), "");
         let names: Vec<String> = data.parts.iter().map(|part| part.name.clone()).collect();
@@ -40,6 +41,7 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
                 series: series(data, |point| point.part, &names, &rows),
                 levels: levels.clone(),
                 is_balanced: true,
+                is_clipped: true,
             };
             figure(out, &chart, "");
         }
@@ -66,7 +68,7 @@ fn levels(data: &Data) -> Vec<Line> {
     [(2.0, "+2σ"), (-2.0, "−2σ")].map(|(times, label)| Line { value: times * sigma, label: label.into() }).to_vec()
 }
 
-/// Readings by set-up or direction; one without a name where there is one.
+/// Readings by set-up or direction, one without a name where there is one; then those that do not fit.
 fn series(
     data: &Data,
     group: impl Fn(&Point) -> usize,
@@ -86,8 +88,13 @@ fn series(
             Series { label, ..Series::default() }
         })
         .collect();
+    if data.shown.points.iter().any(|point| point.weight < DOES_NOT_FIT) {
+        let label = format!("counts less than {:.0} %", DOES_NOT_FIT * 100.0);
+        out.push(Series { label, ..Series::default() });
+    }
     for (number, point) in data.shown.points.iter().enumerate() {
-        if let Some(series) = out.get_mut(group(point).min(count - 1)) {
+        let which = if point.weight < DOES_NOT_FIT { count } else { group(point).min(count - 1) };
+        if let Some(series) = out.get_mut(which) {
             series.points.push((place(number, point), point.left));
         }
     }
