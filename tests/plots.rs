@@ -43,11 +43,11 @@ fn points_lie_where_their_values_say() {
         ..Chart::default()
     };
     let text = sound(&chart);
-    // The frame is from 66 to 680 across and from 254 to 54 upwards: 61.4 and 20 to a unit.
+    // The frame is from 66 to 560 across and from 254 to 54 upwards: 49.4 and 20 to a unit.
     let paths = paths(&text);
-    assert_eq!(paths[0], "M66.0 254.0L680.0 54.0L373.0 204.0");
-    assert!(paths[1].starts_with("M370.8 151.8h4.4"), "{}", paths[1]);
-    assert_eq!(paths[2], "M370.0 174.0h6M370.0 134.0h6M373.0 174.0V134.0");
+    assert_eq!(paths[0], "M66.0 254.0L560.0 54.0L313.0 204.0");
+    assert!(paths[1].starts_with("M310.8 151.8h4.4"), "{}", paths[1]);
+    assert_eq!(paths[2], "M310.0 174.0h6M310.0 134.0h6M313.0 174.0V134.0");
 }
 
 #[test]
@@ -88,17 +88,17 @@ fn bars_end_at_their_values() {
     let bars = vec![bar(10.0, 1.0), bar(-4.0, 0.0), bar(f64::INFINITY, f64::NAN)];
     let text = sound(&Bars { bars: bars.clone(), ..Bars::default() });
     assert!(text.contains("not told"), "{text}");
-    // From −5 to 15: 526 units of the picture for 20, so zero at 301.5, 10 at 564.5, −4 at 196.3.
-    assert!(text.contains("M301.5 35.5H564.5v11H301.5z") && text.contains("M301.5 53.5H196.3v11H301.5z"), "{text}");
-    assert!(text.contains("M538.2 41.0H590.8"), "{text}");
+    // From −5 to 15: 406 units of the picture for 20, so zero at 271.5, 10 at 474.5, −4 at 190.3.
+    assert!(text.contains("M271.5 35.5H474.5v11H271.5z") && text.contains("M271.5 53.5H190.3v11H271.5z"), "{text}");
+    assert!(text.contains("M454.2 41.0H494.8"), "{text}");
     // 1 … 100 in decades: 10 is in the middle.
     let bars = vec![bar(10.0, 0.0), bar(100.0, 0.0)];
-    assert!(sound(&Bars { bars, is_logarithmic: true, ..Bars::default() }).contains("H433.0v11"));
+    assert!(sound(&Bars { bars, is_logarithmic: true, ..Bars::default() }).contains("H373.0v11"));
 }
 
 #[test]
 fn traces_are_about_the_nominal_circle() {
-    // 4 µm is four divisions, each 15 of the picture, beyond the nominal radius of 130 about 360, 260.
+    // 4 µm is four divisions, each 15 of the picture, beyond the nominal radius of 130 about 300, 260.
     let points = vec![(0.0, 4.0), (std::f64::consts::FRAC_PI_2, 0.0), (std::f64::consts::PI, -4.0)];
     let polar = Polar {
         title: HOSTILE.into(),
@@ -109,7 +109,7 @@ fn traces_are_about_the_nominal_circle() {
     };
     assert_eq!(polar.division(), 1.0);
     let text = sound(&polar);
-    assert!(paths(&text).contains(&"M550.0 260.0L360.0 130.0L290.0 260.0".to_owned()), "{text}");
+    assert!(paths(&text).contains(&"M490.0 260.0L300.0 130.0L230.0 260.0".to_owned()), "{text}");
     // 150 mm are 130 units, a division of 15 units is 17.3 mm, which is 17308 times 1 µm.
     assert!(text.contains("1 division = 1 µm, exaggerated 17308 times"), "{text}");
     sound(&Polar::default());

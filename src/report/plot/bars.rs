@@ -107,7 +107,7 @@ impl Picture for Bars {
         let zero = x(0.0);
         for (number, bar) in self.shown().enumerate() {
             let middle = TOP + STEP * (number as f64 + 0.5);
-            text(out, [LEFT - 8.0, middle + HALF_LETTER], "end", &shortened(&bar.label, 26));
+            text(out, [LEFT - 8.0, middle + HALF_LETTER], "end", &shortened(&bar.label, 22));
             if !bar.value.is_finite() {
                 text(out, [zero + 6.0, middle + HALF_LETTER], "start", "not told");
                 continue;

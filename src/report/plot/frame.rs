@@ -12,7 +12,7 @@ const BOTTOM: f64 = 46.0;
 /// How far the base of a text is below its middle.
 pub(super) const HALF_LETTER: f64 = 4.0;
 /// Width of a letter, roughly.
-const LETTER: f64 = 6.8;
+const LETTER: f64 = 7.2;
 /// Entries of a legend at most.
 const MOST_ENTRIES: usize = 8;
 
@@ -88,7 +88,7 @@ impl Frame {
 
 /// The title of a picture.
 pub(super) fn heading(out: &mut Markup, title: &str) {
-    let title = shortened(title, 90);
+    let title = shortened(title, 62);
     out.leaf("text", &[("x", &"10"), ("y", &"18"), ("font-size", &"14"), ("font-weight", &"600")], title);
 }
 

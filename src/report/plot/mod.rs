@@ -23,7 +23,7 @@ pub use ticks::{Scale, round_step};
 use super::markup::Markup;
 
 /// Width of every picture in its own units.
-pub const WIDTH: f64 = 720.0;
+pub const WIDTH: f64 = 600.0;
 
 /// Colors of series on white paper.
 const COLORS: [&str; 6] = ["#0072b2", "#d55e00", "#009e73", "#b0508a", "#a67c00", "#4a5568"];
@@ -81,7 +81,7 @@ fn drawing<P: Picture + ?Sized>(picture: &P, out: &mut Markup, is_alone: bool) {
             ("height", &format_args!("{height:.0}")),
             ("role", &"img"),
             ("font-family", &"system-ui, sans-serif"),
-            ("font-size", &"12"),
+            ("font-size", &"13"),
             ("fill", &"#1b1f24"),
         ],
         |out| {
