@@ -216,7 +216,7 @@ fn a_million_readings_are_a_page_that_opens() {
         axes: ["X".into(), "Y".into()],
         radius_mm: 150.0,
         is_counterclockwise: true,
-        angles: (0..COUNT).skip(setup).step_by(40).map(|k| (k, at(k) * 6.28)).collect(),
+        angles: (0..COUNT).skip(setup).step_by(40).map(|k| (k, at(k) * std::f64::consts::TAU)).collect(),
     };
     let shown = Readings {
         setups: (0..40).map(|k| format!("<{k}")).collect(),

@@ -193,7 +193,7 @@ impl Held<'_> {
         names
     }
 
-    /// Positions of the axes that moved.
+    /// Time, where it is known, and positions of the axes that moved.
     fn axes(&self, machine: &Machine, lines: &[Compared]) -> Vec<(String, Vec<f64>)> {
         let of = |axis: Axis| -> Vec<f64> {
             let factor = if axis.is_rotary() { 1.0_f64.to_degrees() } else { 1.0 };
@@ -201,10 +201,12 @@ impl Held<'_> {
             lines.iter().map(place).collect()
         };
         let moved = |values: &[f64]| values.iter().any(|value| Some(value) != values.first());
+        let times: Vec<f64> =
+            lines.iter().map(|line| self.row(line).and_then(|row| row.t_s).unwrap_or(f64::NAN)).collect();
         let axes = machine.axes.iter().flatten().map(|data| data.axis);
-        axes.map(|axis| (format!("{axis} in {}", if axis.is_rotary() { "°" } else { "mm" }), of(axis)))
-            .filter(|(_, values)| moved(values))
-            .collect()
+        let axes = axes.map(|axis| (format!("{axis} in {}", if axis.is_rotary() { "°" } else { "mm" }), of(axis)));
+        let all = timed(times).into_iter().chain(axes);
+        all.filter(|(_, values)| moved(values)).collect()
     }
 
     fn circles(&self, machine: &Machine, points: &[Point]) -> Vec<Circle> {
@@ -214,6 +216,21 @@ impl Held<'_> {
         let found = circles(machine, self.data);
         found.iter().map(|circle| shown_circle(circle, self.data, points)).collect()
     }
+}
+
+/// Times in a unit in which they are no long numbers; `None` where a reading has none.
+fn timed(times: Vec<f64>) -> Option<(String, Vec<f64>)> {
+    if times.iter().any(|time| !time.is_finite()) {
+        return None;
+    }
+    let first = times.iter().copied().fold(f64::INFINITY, f64::min);
+    let range = times.iter().fold(0.0, |range, time| f64::max(range, time - first));
+    let (unit, seconds) = match range {
+        range if range < 600.0 => ("s", 1.0),
+        range if range < 4.0 * 3600.0 => ("min", 60.0),
+        _ => ("h", 3600.0),
+    };
+    Some((format!("time in {unit}"), times.into_iter().map(|time| time / seconds).collect()))
 }
 
 fn shown_circle(found: &circles::Circle, data: &DataSet, points: &[Point]) -> Circle {
@@ -235,5 +252,19 @@ fn shown_circle(found: &circles::Circle, data: &DataSet, points: &[Point]) -> Ci
         radius_mm: data.setups.get(found.setup).map_or(0.0, |setup| setup.length_mm),
         is_counterclockwise: found.is_counterclockwise,
         angles: found.rows.iter().filter_map(|&(row, angle)| Some((number(row)?, angle))).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_in_a_unit_of_their_size() {
+        let of = |times: &[f64]| timed(times.to_vec()).map(|(name, times)| (name, times[1]));
+        assert_eq!(of(&[0.0, 90.0]), Some(("time in s".into(), 90.0)));
+        assert_eq!(of(&[100.0, 4000.0 + 200.0]), Some(("time in min".into(), 70.0)));
+        assert_eq!(of(&[0.0, 36_000.0]), Some(("time in h".into(), 10.0)));
+        assert_eq!(of(&[0.0, f64::NAN]), None);
     }
 }

@@ -52,7 +52,7 @@ pub fn circles(machine: &Machine, data: &DataSet) -> Vec<Circle> {
     let mut out = Vec::new();
     let mut run: Vec<(usize, Vector)> = Vec::new();
     let mut normal: Option<Vector> = None;
-    let mut setup = 0;
+    let (mut setup, mut number) = (0, 0);
     for (row, observation) in data.observations.iter().enumerate() {
         let Some(described) = data.setups.get(observation.setup) else { continue };
         let mut command = AxisVector::ZERO;
@@ -61,7 +61,9 @@ pub fn circles(machine: &Machine, data: &DataSet) -> Vec<Circle> {
         let reading = &observation.reading;
         let bar = model.nominal(&reading.position, &reading.tool_mm).translation - ball;
         let Some(bar) = bar.try_normalize(1e-9) else { continue };
-        let follows = observation.setup == setup && run.last().is_none_or(|(_, last)| last.dot(&bar) > JUMP.cos());
+        let follows = observation.setup == setup
+            && observation.run == number
+            && run.last().is_none_or(|(_, last)| last.dot(&bar) > JUMP.cos());
         let fits = follows && normal.is_none_or(|normal| normal.dot(&bar).abs() < OFF_PLANE);
         if !fits {
             out.extend(circles_of(setup, &run, normal));
@@ -70,7 +72,7 @@ pub fn circles(machine: &Machine, data: &DataSet) -> Vec<Circle> {
             run.clear();
             normal = None;
             run.extend(last);
-            setup = observation.setup;
+            (setup, number) = (observation.setup, observation.run);
         }
         if normal.is_none() {
             let first = run.first().map(|(_, first)| first.cross(&bar));

@@ -46,7 +46,7 @@ pub struct Readings {
     pub setups: Vec<String>,
     /// The readings in the order of the table.
     pub points: Vec<Point>,
-    /// Axes that moved: letter with unit, and the position of each reading.
+    /// Time and axes that moved: name with unit (`X in mm`), and the value of each reading.
     pub axes: Vec<(String, Vec<f64>)>,
     /// Circles of a ball-bar.
     pub circles: Vec<Circle>,
