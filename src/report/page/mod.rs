@@ -23,8 +23,8 @@ min-width:8.5rem}.strip span{display:block;color:var(--soft);font-size:.83rem}.s
 th,td{padding:.22rem .75rem;text-align:left;border-bottom:1px solid var(--grid);white-space:nowrap}\
 th{white-space:normal;color:var(--soft);font-weight:600;vertical-align:bottom}.n{text-align:right}tr.whole td{font-weight:600}tr.part td:first-child{padding-left:2rem}\
 tr.bad td{color:var(--bad)}.note{color:var(--soft);font-size:.87rem}\n\
-@media (max-width:1000px){table{font-size:.85rem}th,td{padding:.2rem .4rem}}\n\
-.pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,560px),1fr));gap:1rem;align-items:start}\
+@media (max-width:1000px){table{font-size:.85rem}th,td{padding:.2rem .3rem}}\n\
+.pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,480px),1fr));gap:1rem;align-items:start}\
 figure{margin:0;border:1px solid var(--grid);border-radius:6px;padding:.4rem}\
 figure svg{width:100%;height:auto;display:block}figcaption{color:var(--soft);font-size:.87rem;padding:.2rem .4rem}\n\
 .findings{padding-left:0;list-style:none}.findings li{margin:.5rem 0;padding-left:.8rem;border-left:3px solid var(--s4)}\
