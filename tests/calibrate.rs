@@ -47,6 +47,8 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
     DataSet {
         balls: Vec::new(),
         is_plan: false,
+        fixed: Vec::new(),
+        conditions: Vec::new(),
         name: kind.to_owned(),
         kind: KINDS.iter().find(|known| known.name == kind).unwrap(),
         sigma: None,
@@ -71,6 +73,7 @@ pub(crate) fn observation(reading: Reading, setup: usize) -> Observation {
         setup,
         run: 0,
         t_s: None,
+        condition: 0,
         values: [Some(0.0); 3],
         target: None,
         component: None,

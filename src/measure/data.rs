@@ -1,12 +1,15 @@
 //! One measurement: readings, the set-ups in which they were taken, and what is unknown of these.
 
+mod condition;
 mod description;
 mod rows;
 
+use std::sync::LazyLock;
+
 use crate::csv::{Row, Table};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::geometry::Vector;
-use crate::machine::Machine;
+use crate::geometry::{Axis, Vector};
+use crate::machine::{Condition, Machine};
 use crate::model::ErrorName;
 use crate::source::Source;
 
@@ -38,8 +41,44 @@ pub struct DataSet {
     pub balls: Vec<(String, Vector)>,
     /// Whether it is the plan of a measurement, without readings yet.
     pub is_plan: bool,
+    /// Where axes stood throughout that have no column, mm or rad.
+    pub fixed: Vec<(Axis, f64)>,
+    /// The conditions of the machine in which readings were taken; none where the table does not say: the reference state.
+    pub conditions: Vec<Condition>,
     /// Readings in the order of the file.
     pub observations: Vec<Observation>,
+}
+
+impl DataSet {
+    /// The condition of the machine in a row; the reference state where the table does not say.
+    #[must_use]
+    pub fn condition(&self, observation: &Observation) -> &Condition {
+        static REFERENCE: LazyLock<Condition> = LazyLock::new(Condition::default);
+        self.conditions.get(observation.condition).unwrap_or(&REFERENCE)
+    }
+
+    /// Lays the conditions of the rows over another one, which fills in what the table does not say.
+    pub fn fill_in(&mut self, base: &Condition) {
+        if self.conditions.is_empty() {
+            self.conditions = vec![Condition::default()];
+            self.observations.iter_mut().for_each(|row| row.condition = 0);
+        }
+        for condition in &mut self.conditions {
+            let over = |own: &Condition| {
+                let mut whole = base.clone();
+                whole.lay_over(own.clone());
+                if own.has_temperatures() && own.time_range_s().is_some_and(|[first, last]| first < last) {
+                    whole.set_time(own.time_s());
+                }
+                whole
+            };
+            let mut whole = over(condition);
+            if let Some(zero) = condition.zero() {
+                whole.set_zero(over(zero));
+            }
+            *condition = whole;
+        }
+    }
 }
 
 /// What may be unknown of a set-up.
@@ -90,6 +129,8 @@ pub struct Observation {
     pub run: usize,
     /// When it was taken, where the table says so.
     pub t_s: Option<f64>,
+    /// Number of the condition of the machine.
+    pub condition: usize,
     /// What was read: deviations along X, Y, Z, or one value; mm, or rad where an angle was read. `None` for an empty cell.
     pub values: [Option<f64>; 3],
     /// The ball that was probed.
@@ -131,7 +172,7 @@ fn load_as(
     findings.extend(found);
     let (Some(mut data), Some(rows)) = (description, rows) else { return (None, findings) };
     data.is_plan = is_plan;
-    match Readings::new(&rows, machine) {
+    match Readings::with(&rows, machine, &data.fixed) {
         Err(found) => findings.extend(found),
         Ok(readings) => rows::read(&rows, readings, &mut data, &mut findings),
     }

@@ -22,6 +22,8 @@ pub struct Readings<'a> {
     machine: &'a Machine,
     sign: DecimalSign,
     axes: Vec<(Axis, usize)>,
+    /// Where axes stand that have no column.
+    fixed: AxisVector,
     senses: Vec<(Axis, usize)>,
     tool: [Option<usize>; 3],
     run: Option<usize>,
@@ -46,6 +48,21 @@ impl<'a> Readings<'a> {
     /// # Errors
     /// Findings for axes without a column, columns of axes that the machine lacks, and decimal signs that contradict each other.
     pub fn new(table: &Table, machine: &'a Machine) -> Result<Readings<'a>, Vec<Diagnostic>> {
+        Readings::with(table, machine, &[])
+    }
+
+    /// Finds the columns, where axes that are `fixed` need none, mm and rad.
+    ///
+    /// # Errors
+    /// As of [`Readings::new`].
+    pub fn with(
+        table: &Table,
+        machine: &'a Machine,
+        fixed: &[(Axis, f64)],
+    ) -> Result<Readings<'a>, Vec<Diagnostic>> {
+        let mut standing = AxisVector::ZERO;
+        fixed.iter().for_each(|&(axis, at)| standing[axis] = at);
+        let is_fixed = |axis: Axis| fixed.iter().any(|&(known, _)| known == axis);
         let mut findings = Vec::new();
         let (mut axes, mut senses) = (Vec::new(), Vec::new());
         for axis in AXES {
@@ -54,6 +71,7 @@ impl<'a> Readings<'a> {
             if machine.axis(axis).is_some() {
                 match position {
                     Some(column) => axes.push((axis, column)),
+                    None if is_fixed(axis) => {}
                     None => findings.push(missing(table, axis)),
                 }
                 senses.extend(sense.map(|column| (axis, column)));
@@ -78,7 +96,7 @@ impl<'a> Readings<'a> {
             return Err(findings);
         }
         let run = table.column("run");
-        Ok(Readings { machine, sign, axes, senses, tool, run, last: HashMap::new() })
+        Ok(Readings { machine, sign, axes, fixed: standing, senses, tool, run, last: HashMap::new() })
     }
 
     /// The axes and their columns.
@@ -99,7 +117,7 @@ impl<'a> Readings<'a> {
     /// Findings for cells that are no numbers and positions outside the travel.
     pub fn read(&mut self, row: &Row) -> Result<Reading, Vec<Diagnostic>> {
         let mut findings = Vec::new();
-        let mut position = AxisVector::ZERO;
+        let mut position = self.fixed;
         for &(axis, column) in &self.axes {
             match row.number(column, self.sign) {
                 Ok(number) => {

@@ -6,51 +6,19 @@
 //! 60,21.9,,1700,-280
 //! ```
 //!
-//! | column | meaning |
-//! | --- | --- |
-//! | `t_s` | time; it does not go back |
-//! | `T_head_C` | temperature of the sensor `T_head`, as the machine file calls it: the name of the column without `_C` |
-//! | `load_N`, `load_x_mm`, `load_y_mm`, `load_z_mm` | weight on the table and its place, from this row on |
+//! The columns are those of [`super::columns`]; `t_s` does not go back.
 //!
 //! Other columns are for others. An empty cell is no reading: temperatures are linear between the readings that there are, a load stays.
 
 use crate::csv::{DecimalSign, Row, Table};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::Vector;
 use crate::source::Source;
 
-use super::file::PLAUSIBLE_C;
+use super::columns::{Column, NO_LOAD, check_load, read_cell};
 use super::{Condition, Load, Trace};
 
 /// More findings than this help nobody.
 const MOST_FINDINGS: usize = 50;
-
-/// What a column holds.
-#[derive(Clone, Debug, PartialEq)]
-enum Column {
-    Time,
-    Sensor(String),
-    Force,
-    /// x, y or z of the place of the load.
-    LoadPlace(usize),
-    Other,
-}
-
-impl Column {
-    fn of(name: &str) -> Column {
-        match name {
-            "t_s" => Column::Time,
-            "load_N" => Column::Force,
-            "load_x_mm" => Column::LoadPlace(0),
-            "load_y_mm" => Column::LoadPlace(1),
-            "load_z_mm" => Column::LoadPlace(2),
-            other => match other.strip_suffix("_C") {
-                Some(sensor) if !sensor.is_empty() => Column::Sensor(sensor.to_owned()),
-                _ => Column::Other,
-            },
-        }
-    }
-}
 
 /// Whether a file looks like a log and not like a state file, whose first line is a comment, a section or a key with its value.
 #[must_use]
@@ -71,7 +39,7 @@ pub fn is_log(source: &Source) -> bool {
 pub fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
     let (table, mut findings) = Table::read(source);
     let Some(table) = table else { return (None, findings) };
-    let columns: Vec<Column> = table.names().iter().map(|name| Column::of(name)).collect();
+    let columns = Column::all(&table);
     check_columns(&table, &columns, &mut findings);
     let numbers: Vec<usize> =
         (0..columns.len()).filter(|&column| columns.get(column) != Some(&Column::Other)).collect();
@@ -104,14 +72,13 @@ fn check_columns(table: &Table, columns: &[Column], findings: &mut Vec<Diagnosti
     if !columns.contains(&Column::Time) {
         report("the log has no column t_s", "add a column t_s with the time of each row in s");
     }
-    let has_force = columns.contains(&Column::Force);
-    if !has_force && columns.iter().any(|column| matches!(column, Column::LoadPlace(_))) {
-        let help = "add a column load_N with the weight, or remove the place";
-        report("the log has the place of a load but not load_N", help);
-    } else if !has_force && !columns.iter().any(|column| matches!(column, Column::Sensor(_))) {
+    let says_something =
+        |column: &Column| matches!(column, Column::Sensor(_) | Column::Force | Column::LoadPlace(_));
+    if !columns.iter().any(says_something) {
         let help = "name the columns of temperatures like their sensors with _C behind, T_head_C for the sensor T_head";
         report("the log has no column of a temperature or a load", help);
     }
+    check_load(table, columns, findings);
 }
 
 /// What was read so far.
@@ -129,8 +96,7 @@ struct Readings {
 impl Readings {
     fn new(columns: Vec<Column>, sign: DecimalSign) -> Readings {
         let traces = vec![Trace::default(); columns.len()];
-        let load = Load { force_n: 0.0, position_mm: Vector::zeros() };
-        Readings { columns, sign, traces, time_s: None, load, loads: Vec::new() }
+        Readings { columns, sign, traces, time_s: None, load: NO_LOAD, loads: Vec::new() }
     }
 
     fn read_row(&mut self, row: &Row<'_>, findings: &mut Vec<Diagnostic>) {
@@ -139,11 +105,11 @@ impl Readings {
             Err(finding) => return findings.extend(finding),
         };
         let last = self.load;
-        for index in 0..self.columns.len() {
-            if !row.text(index).is_empty()
-                && let Err(finding) = self.read_cell(row, index, time_s)
-            {
-                findings.push(finding);
+        for (index, (column, trace)) in self.columns.iter().zip(&mut self.traces).enumerate() {
+            match read_cell(row, index, column, self.sign, &mut self.load) {
+                Ok(Some(value)) if matches!(column, Column::Sensor(_)) => trace.add(time_s, value),
+                Ok(_) => {}
+                Err(finding) => findings.push(finding),
             }
         }
         if self.load != last {
@@ -162,30 +128,6 @@ impl Readings {
         }
         self.time_s = Some(time_s);
         Ok(time_s)
-    }
-
-    fn read_cell(&mut self, row: &Row<'_>, index: usize, time_s: f64) -> Result<(), Diagnostic> {
-        let Some(column) = self.columns.get(index).filter(|column| !matches!(column, Column::Time | Column::Other))
-        else {
-            return Ok(());
-        };
-        let value = row.number(index, self.sign)?;
-        let fault = |message: String, help: &str| Err(Diagnostic::at(Code::DATA_CELL, row.place(index), message, help));
-        let [low, high] = PLAUSIBLE_C;
-        match column {
-            Column::Sensor(_) if !(low..=high).contains(&value) => {
-                let help = "leave the cell empty where a sensor has no reading; temperatures are -30 to 150 °C";
-                return fault(format!("{value} °C is no temperature of a machine"), help);
-            }
-            Column::Force if value < 0.0 => {
-                return fault(format!("{value} N is no weight"), "write the weight in N, 0 for an empty table");
-            }
-            Column::Sensor(_) => self.traces.get_mut(index).into_iter().for_each(|trace| trace.add(time_s, value)),
-            Column::Force => self.load.force_n = value,
-            Column::LoadPlace(axis) => self.load.position_mm[*axis] = value,
-            Column::Time | Column::Other => {}
-        }
-        Ok(())
     }
 
     fn condition(self) -> Condition {

@@ -3,6 +3,7 @@
 //! What changes from move to move is [`super::State`]. A condition is one instant of a log of readings, or a single reading; sources of
 //! error ask it for temperatures, with a lag where they follow slowly, and for loads.
 
+pub mod columns;
 pub mod file;
 pub mod log;
 mod trace;
@@ -10,6 +11,7 @@ mod trace;
 pub use trace::Trace;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::geometry::{AxisVector, Vector};
 
@@ -30,7 +32,8 @@ pub struct Load {
 /// The slow state at one instant. The default is the reference state: no load, no deviation of any temperature.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Condition {
-    sensors: BTreeMap<String, Trace>,
+    /// Shared by the conditions at all instants of one log.
+    sensors: Arc<BTreeMap<String, Trace>>,
     /// Those that stand there now; the one of the log comes first.
     loads: Vec<Load>,
     /// What stands on the table from a time on, s, in the order of time.
@@ -62,18 +65,19 @@ pub struct ZeroPose {
 impl Condition {
     /// Adds a reading of a sensor, °C; readings of one sensor come in the order of time.
     pub fn add_reading(&mut self, sensor: &str, time_s: f64, temperature_c: f64) {
-        if let Some(trace) = self.sensors.get_mut(sensor) {
+        let sensors = Arc::make_mut(&mut self.sensors);
+        if let Some(trace) = sensors.get_mut(sensor) {
             trace.add(time_s, temperature_c);
         } else {
             let mut trace = Trace::default();
             trace.add(time_s, temperature_c);
-            self.sensors.insert(sensor.to_owned(), trace);
+            sensors.insert(sensor.to_owned(), trace);
         }
     }
 
     /// Adds the readings of a sensor in place of those that it has.
     pub fn set_trace(&mut self, sensor: &str, trace: Trace) {
-        self.sensors.insert(sensor.to_owned(), trace);
+        Arc::make_mut(&mut self.sensors).insert(sensor.to_owned(), trace);
     }
 
     /// Puts a workpiece on the table, beside those that are there.
@@ -145,7 +149,12 @@ impl Condition {
     /// Lays another condition over this one: its sensors, its loads if it has any, its zero point if it has one, its instant.
     pub fn lay_over(&mut self, other: Condition) {
         let has_loads = !other.loads.is_empty() || !other.load_log.is_empty();
-        self.sensors.extend(other.sensors);
+        if self.sensors.is_empty() {
+            self.sensors = other.sensors;
+        } else {
+            let sensors = other.sensors.iter().map(|(sensor, trace)| (sensor.clone(), trace.clone()));
+            Arc::make_mut(&mut self.sensors).extend(sensors);
+        }
         if has_loads {
             self.loads = other.loads;
             self.load_log = other.load_log;

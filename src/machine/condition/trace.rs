@@ -1,15 +1,67 @@
 //! Readings of one sensor over time, linear between readings, constant outside.
 
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Followers with this many different time constants are kept.
+const MOST_KEPT: usize = 8;
+/// Traces with less readings are gone through every time.
+const SHORT: usize = 8;
+
 /// Readings in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Time, s, and temperature, °C.
     points: Vec<(f64, f64)>,
+    followers: Followers,
+}
+
+/// What follows the readings, at each of them, for the time constants that were asked for: the same trace is asked at thousands of instants.
+#[derive(Clone, Default)]
+struct Followers(Arc<Mutex<Vec<Follower>>>);
+
+/// A time constant and what follows with it.
+type Follower = (f64, Arc<[f64]>);
+
+impl Followers {
+    /// Those with a time constant, which `make` gives where they are not kept yet.
+    fn with(&self, lag_s: f64, make: impl FnOnce() -> Vec<f64>) -> Arc<[f64]> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, found)) = kept.iter().find(|(known_s, _)| *known_s == lag_s) {
+            return Arc::clone(found);
+        }
+        if kept.len() >= MOST_KEPT {
+            kept.remove(0);
+        }
+        let made: Arc<[f64]> = make().into();
+        kept.push((lag_s, Arc::clone(&made)));
+        made
+    }
+
+    fn forget(&mut self) {
+        if self.0.lock().is_ok_and(|kept| !kept.is_empty()) {
+            *self = Followers::default();
+        }
+    }
+}
+
+impl fmt::Debug for Followers {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Followers")
+    }
+}
+
+impl PartialEq for Followers {
+    fn eq(&self, _: &Followers) -> bool {
+        // They follow from the readings.
+        true
+    }
 }
 
 impl Trace {
     /// Adds a reading; one that is older than the last is left out, one at the same time replaces it.
     pub fn add(&mut self, time_s: f64, temperature_c: f64) {
+        self.followers.forget();
         match self.points.last_mut() {
             Some(last) if time_s < last.0 => {}
             Some(last) if time_s <= last.0 => last.1 = temperature_c,
@@ -28,6 +80,14 @@ impl Trace {
     /// `None` without readings.
     #[must_use]
     pub fn lagged(&self, time_s: f64, lag_s: f64) -> Option<f64> {
+        if self.points.len() > SHORT && time_s.is_finite() {
+            let next = self.points.partition_point(|&(from_s, _)| from_s < time_s);
+            let Some(before) = next.checked_sub(1) else { return self.points.first().map(|&(_, first)| first) };
+            let &(from_s, from) = self.points.get(before)?;
+            let slope = self.points.get(next).map_or(0.0, |&(to_s, to)| (to - from) / (to_s - from_s));
+            let start = if lag_s > 0.0 { *self.at_readings(lag_s).get(before)? } else { from };
+            return Some(follow(start, from, slope, time_s - from_s, lag_s));
+        }
         let mut follower = self.points.first()?.1;
         for pair in self.points.windows(2) {
             let [(from_s, from), (to_s, to)] = [pair[0], pair[1]];
@@ -39,6 +99,14 @@ impl Trace {
         }
         let &(last_s, last) = self.points.last()?;
         Some(if time_s > last_s { follow(follower, last, 0.0, time_s - last_s, lag_s) } else { follower })
+    }
+
+    /// What follows with a time constant, at each reading.
+    fn at_readings(&self, lag_s: f64) -> Arc<[f64]> {
+        self.followers.with(lag_s, || {
+            let times_s: Vec<f64> = self.points.iter().map(|&(time_s, _)| time_s).collect();
+            self.lagged_at(&times_s, lag_s)
+        })
     }
 
     /// [`Trace::lagged`] at many times in one pass; they do not go back. Empty without readings.
@@ -109,14 +177,31 @@ mod tests {
 
     #[test]
     fn many_times_in_one_pass_are_the_same() {
-        let trace = trace(&[(0.0, 20.0), (100.0, 40.0), (130.0, 41.0), (400.0, 38.0)]);
+        let short = trace(&[(0.0, 20.0), (100.0, 40.0), (130.0, 41.0), (400.0, 38.0)]);
+        let mut long = trace(&[(0.0, 20.0)]);
+        (1..40).for_each(|k| long.add(10.0 * f64::from(k), 20.0 + f64::from(k * k % 17)));
         let times_s = [-10.0, 0.0, 3.0, 50.0, 100.0, 110.0, 250.0, 250.0, 400.0, 900.0];
-        for lag_s in [0.0, 1.0, 60.0, 5000.0] {
+        let lags_s = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 60.0, 5000.0, 1.0];
+        for (trace, lag_s) in [&short, &long].into_iter().flat_map(|trace| lags_s.map(|lag_s| (trace, lag_s))) {
             for (&time_s, value) in times_s.iter().zip(trace.lagged_at(&times_s, lag_s)) {
                 assert!((trace.lagged(time_s, lag_s).unwrap() - value).abs() < 1e-12, "{time_s} {lag_s}");
             }
         }
         assert!(Trace::default().lagged_at(&times_s, 1.0).is_empty());
+    }
+
+    #[test]
+    fn a_reading_that_is_added_counts() {
+        let mut trace = trace(&[]);
+        (0..20).for_each(|k| trace.add(f64::from(k), 20.0));
+        let copy = trace.clone();
+        assert_eq!(trace.lagged(30.0, 5.0), Some(20.0));
+        trace.add(20.0, 40.0);
+        // 20 K/s from 19 s on: 20 K - 100 K + 100 K exp(-1/5), and then 40 °C for 10 s.
+        let at_20 = 20.0 + 20.0 - 100.0 + 100.0 * f64::exp(-0.2);
+        let expected = 40.0 + (at_20 - 40.0) * f64::exp(-2.0);
+        assert!((trace.lagged(30.0, 5.0).unwrap() - expected).abs() < 1e-12);
+        assert_eq!(copy.lagged(30.0, 5.0), Some(20.0));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The description of a measurement: NAME.toml.
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::Vector;
+use crate::geometry::{AXES, Axis, Vector};
 use crate::machine::file::{MachineFile, Section};
 use crate::source::Source;
 use crate::units::{mm_from_um, rad_from_urad};
@@ -48,11 +48,13 @@ pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnos
         }
         section.finish(&mut findings);
     }
+    let fixed = root.section("position").map_or_else(Vec::new, |section| read_fixed(section, &mut findings));
     let balls = root.section("ball").map_or_else(Vec::new, |section| read_balls(section, &mut findings));
     root.finish(&mut findings);
     let data = data.map(|mut data: DataSet| {
         data.setups = setups;
         data.balls = balls;
+        data.fixed = fixed;
         for (from, to, value_mm, sigma_mm) in lengths {
             let between = [from, to].map(|label| number_of(&mut data.targets, &label));
             data.lengths.push(KnownLength { between, value_mm, sigma_mm });
@@ -60,6 +62,18 @@ pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnos
         data
     });
     (data, findings)
+}
+
+/// `X_mm = 350`, `B_deg = 0`: where axes stood that have no column.
+fn read_fixed(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(Axis, f64)> {
+    let mut fixed = Vec::new();
+    for axis in AXES {
+        let key = format!("{axis}_{}", if axis.is_rotary() { "deg" } else { "mm" });
+        let value = section.number(&key);
+        fixed.extend(value.map(|value| (axis, if axis.is_rotary() { value.to_radians() } else { value })));
+    }
+    section.finish(findings);
+    fixed
 }
 
 fn read_balls(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(String, Vector)> {
@@ -119,6 +133,8 @@ fn read_measurement(name: &str, section: &mut Section<'_>) -> Option<DataSet> {
         lengths: Vec::new(),
         balls: Vec::new(),
         is_plan: false,
+        fixed: Vec::new(),
+        conditions: Vec::new(),
         observations: Vec::new(),
     })
 }

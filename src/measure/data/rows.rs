@@ -7,11 +7,12 @@ use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AxisVector, Vector};
 
 use super::super::reading::Readings;
-use super::{DataSet, Observation, Setup, text};
+use super::{DataSet, Observation, Setup, condition, text};
 
 /// Reads all rows into `data`.
 pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet, findings: &mut Vec<Diagnostic>) {
     let [setup_column, run_column, time_column] = ["setup", "run", "t_s"].map(|name| rows.column(name));
+    let mut conditions = condition::begin(rows, findings);
     let mut seen: HashMap<(Vec<u64>, usize, usize), Place> = HashMap::new();
     // A column of another meaning may have as many labels as rows.
     let mut runs: HashMap<String, usize> = HashMap::new();
@@ -60,11 +61,20 @@ pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet,
                 data.runs.push(label.clone());
                 data.runs.len() - 1
             });
+        let number = conditions.as_mut().map(|all| all.read(&row, readings.sign(), run, setup, t_s));
+        let number = match number.transpose() {
+            Ok(number) => number.unwrap_or(0),
+            Err(found) => {
+                findings.extend(found);
+                continue;
+            }
+        };
         let mut observation = Observation {
             reading,
             setup,
             run,
             t_s,
+            condition: number,
             values: [None; 3],
             target: None,
             component: None,
@@ -88,6 +98,7 @@ pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet,
         }
         data.observations.push(observation);
     }
+    data.conditions = conditions.map_or_else(Vec::new, condition::Conditions::finish);
     if data.observations.is_empty() && findings.is_empty() {
         let help = "write at least one reading";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, rows.header_place(None), "the table has no rows", help));
@@ -107,7 +118,7 @@ fn bits(observation: &Observation) -> Vec<u64> {
         .chain(&senses)
         .chain(tool.iter())
         .chain(&spindle)
-        .chain(&[observation.run as f64, observation.t_s.unwrap_or(f64::NAN)])
+        .chain(&[observation.run as f64, observation.t_s.unwrap_or(f64::NAN), observation.condition as f64])
         .map(|value| value.to_bits())
         .collect()
 }

@@ -385,6 +385,7 @@ pub(super) fn observation(reading: Reading, setup: usize) -> Observation {
         setup,
         run: 0,
         t_s: None,
+        condition: 0,
         values: [None; 3],
         target: None,
         component: None,

@@ -142,6 +142,8 @@ fn empty(kind: &'static super::kind::Kind, free: &[super::data::Free]) -> DataSe
         sigma_rad: None,
         balls: Vec::new(),
         is_plan: true,
+        fixed: Vec::new(),
+        conditions: Vec::new(),
         name: kind.name.to_owned(),
         kind,
         sigma: None,
