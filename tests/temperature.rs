@@ -240,7 +240,15 @@ fn nothing_is_added_without_parameters_rise_or_readings() {
             *value = 0.0;
         });
     }
-    let expected = ["X@Z0.T_head", "X@Z300.T_head", "Y.T_head", "Y.T_bed", "X.scale", "X.workpiece"].map(str::to_owned);
+    let expected = [
+        "drift.X@Z0.T_head",
+        "drift.X@Z300.T_head",
+        "drift.Y.T_head",
+        "drift.Y.T_bed",
+        "expansion.X.scale",
+        "expansion.X.workpiece",
+    ]
+    .map(str::to_owned);
     assert_eq!(names, expected);
     assert!(Model::at(&machine, &errors, &warm).is_empty());
 }

@@ -6,13 +6,26 @@ use crate::measure::data::DataSet;
 use crate::measure::kind::Unknown;
 use crate::model::parameter::ParameterName;
 
+use super::effect::{EffectParameter, Parameter};
+
 /// One unknown number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Column {
-    /// A parameter of the machine.
+    /// A parameter of the geometry of the machine.
     Parameter(ParameterName),
+    /// A parameter of an effect.
+    Effect(EffectParameter),
     /// An unknown of the measurement of this number.
     Unknown(usize, Unknown),
+}
+
+impl From<Parameter> for Column {
+    fn from(parameter: Parameter) -> Column {
+        match parameter {
+            Parameter::Geometry(name) => Column::Parameter(name),
+            Parameter::Effect(parameter) => Column::Effect(parameter),
+        }
+    }
 }
 
 impl Column {
@@ -22,11 +35,18 @@ impl Column {
         Named { column: self, data }
     }
 
+    /// Whether it is a parameter of the machine, not of a measurement.
+    #[must_use]
+    pub fn is_of_machine(&self) -> bool {
+        !matches!(self, Column::Unknown(..))
+    }
+
     /// Whether it is an angle, rad, rather than a length, mm.
     #[must_use]
     pub fn is_angle(&self) -> bool {
         match self {
             Column::Parameter(name) => name.component.direction.is_rotation(),
+            Column::Effect(_) => false,
             Column::Unknown(_, unknown) => matches!(unknown, Unknown::Rotation(..)),
         }
     }
@@ -41,6 +61,7 @@ impl fmt::Display for Named<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (number, unknown) = match self.column {
             Column::Parameter(name) => return write!(f, "{name}"),
+            Column::Effect(parameter) => return f.write_str(parameter.name()),
             Column::Unknown(number, unknown) => (*number, *unknown),
         };
         let Some(set) = self.data.get(number) else { return Ok(()) };

@@ -2,14 +2,16 @@
 
 use std::f64::consts::TAU;
 
-use crate::geometry::{AxisVector, Vector};
+use crate::geometry::{AxisVector, Matrix, Vector};
 use crate::machine::{Condition, Machine};
 use crate::measure::data::DataSet;
 use crate::measure::kind::{Equation, Seen};
+use crate::measure::reading::Reading;
 use crate::model::parameter::ParameterName;
 use crate::model::{ErrorModel, ErrorName, Model};
 
 use super::column::Column;
+use super::effect::{EffectParameter, Parameter, Part};
 
 /// Known distances have this standard uncertainty where the description gives none, mm.
 const TIE_SIGMA: f64 = 1e-4;
@@ -23,10 +25,13 @@ const WEAK: f64 = 0.01;
 pub(super) struct Design<'a> {
     machine: &'a Machine,
     pub(super) data: &'a [DataSet],
-    parameters: Vec<ParameterName>,
-    /// The components of the parameters, each once, and which of them each parameter belongs to.
+    pub(super) parameters: Vec<Parameter>,
+    /// The components of the parameters of the geometry, each once.
     components: Vec<ErrorName>,
-    component_of: Vec<usize>,
+    /// The parameters of the geometry, with their columns and components.
+    geometry: Vec<(usize, ParameterName, usize)>,
+    /// Those of effects, with their columns.
+    effects: Vec<(usize, EffectParameter)>,
     /// Place of the first unknown of each measurement among the columns, and behind the last one.
     first: Vec<usize>,
     pub(super) columns: Vec<Column>,
@@ -66,25 +71,35 @@ impl Line {
 }
 
 impl<'a> Design<'a> {
-    pub(super) fn new(machine: &'a Machine, data: &'a [DataSet], parameters: &[ParameterName]) -> Design<'a> {
+    pub(super) fn new(
+        machine: &'a Machine,
+        data: &'a [DataSet],
+        parameters: &[impl Clone + Into<Parameter>],
+    ) -> Design<'a> {
+        let parameters: Vec<Parameter> = parameters.iter().cloned().map(Into::into).collect();
         let mut components = Vec::new();
-        let component_of = parameters
-            .iter()
-            .map(|name| {
-                components.iter().position(|known| *known == name.component).unwrap_or_else(|| {
-                    components.push(name.component);
-                    components.len() - 1
-                })
-            })
-            .collect();
-        let mut columns: Vec<Column> = parameters.iter().copied().map(Column::Parameter).collect();
+        let (mut geometry, mut effects) = (Vec::new(), Vec::new());
+        for (column, parameter) in parameters.iter().enumerate() {
+            match parameter {
+                Parameter::Geometry(name) => {
+                    geometry.push((column, *name, number_of(&mut components, name.component)));
+                }
+                Parameter::Effect(parameter) => effects.push((column, parameter.clone())),
+            }
+        }
+        let mut columns: Vec<Column> = parameters.iter().cloned().map(Column::from).collect();
         let mut first = Vec::new();
         for (number, set) in data.iter().enumerate() {
             first.push(columns.len());
             columns.extend((set.kind.unknowns)(set).into_iter().map(|unknown| Column::Unknown(number, unknown)));
         }
         first.push(columns.len());
-        Design { machine, data, parameters: parameters.to_vec(), components, component_of, first, columns }
+        Design { machine, data, parameters, components, geometry, effects, first, columns }
+    }
+
+    /// Whether there are parameters whose factors change from round to round.
+    pub(super) fn is_curved(&self) -> bool {
+        !self.parameters.iter().all(Parameter::is_linear)
     }
 
     /// Values of the columns from which the fit starts.
@@ -111,11 +126,10 @@ impl<'a> Design<'a> {
 
     /// Calls `out` with every equation: its line, and its factors by all columns where they are wanted.
     pub(super) fn walk(&self, errors: &ErrorModel, values: &[f64], factors: bool, mut out: impl FnMut(Line, &[f64])) {
-        let model = Model::at(self.machine, errors, &Condition::default());
+        let mut model = Model::at(self.machine, errors, &Condition::default());
+        let mut units = Units::new(self);
         let mut equations: Vec<Equation> = Vec::new();
         let mut row_factors = vec![0.0; self.columns.len()];
-        let mut moved = vec![[Vector::zeros(); 2]; self.components.len()];
-        let mut weights = vec![0.0; self.parameters.len()];
         for (set_number, (set, bounds)) in self.data.iter().zip(self.first.windows(2)).enumerate() {
             let [from, until] = [bounds[0], bounds[1]];
             let own = values.get(from..until).unwrap_or_default();
@@ -128,30 +142,25 @@ impl<'a> Design<'a> {
                 let Equation { residual, is_angle, .. } = *equation;
                 out(Line { residual, set: set_number, origin, is_angle }, row_factors);
             };
+            let mut now = None;
             for (row, observation) in set.observations.iter().enumerate() {
+                if now.replace(observation.condition) != Some(observation.condition) {
+                    let condition = set.condition(observation);
+                    model = Model::at(self.machine, errors, condition);
+                    if factors {
+                        units.enter(errors, condition);
+                    }
+                }
                 let reading = &observation.reading;
                 let seen = Seen::new(self.machine, &model, reading, &reading.tool_mm);
                 equations.clear();
                 (set.kind.equations)(set, observation, &seen, own, &mut equations);
                 if factors {
-                    for (name, moved) in self.components.iter().zip(&mut moved) {
-                        let unit = model.sensitivity(*name, &reading.position, &reading.tool_mm);
-                        *moved = [seen.nominal.rotation * unit.translation, seen.nominal.rotation * unit.rotation];
-                    }
-                    let command = self.within_turn(&reading.position);
-                    for (weight, name) in weights.iter_mut().zip(&self.parameters) {
-                        *weight = name.weight(&command, &reading.state);
-                    }
+                    units.stand(&model, reading, &seen.nominal.rotation);
                 }
                 for equation in &equations {
                     if factors {
-                        row_factors.fill(0.0);
-                        for ((factor, weight), &component) in
-                            row_factors.iter_mut().zip(&weights).zip(&self.component_of)
-                        {
-                            let [tip, turn] = &moved[component];
-                            *factor = (equation.by_tip.dot(tip) + equation.by_turn.dot(turn)) * weight;
-                        }
+                        units.factors(&equation.by_tip, &equation.by_turn, &mut row_factors);
                     }
                     emit(equation, Origin::Row(row), &mut row_factors);
                 }
@@ -166,22 +175,25 @@ impl<'a> Design<'a> {
     }
 
     /// By how much each parameter moves the tip, root of the mean square over the readings, mm per unit.
-    pub(super) fn effects(&self) -> Vec<f64> {
+    pub(super) fn effects(&self, errors: &ErrorModel) -> Vec<f64> {
         let model = Model::new(self.machine, &ErrorModel::default());
+        let mut units = Units::new(self);
         let mut sums = vec![0.0; self.parameters.len()];
+        let mut moved = vec![Vector::zeros(); self.parameters.len()];
         let mut count = 0.0_f64;
-        for observation in self.data.iter().flat_map(|set| &set.observations) {
-            let reading = &observation.reading;
-            let units: Vec<f64> = self
-                .components
-                .iter()
-                .map(|name| model.sensitivity(*name, &reading.position, &reading.tool_mm).translation.norm())
-                .collect();
-            let command = self.within_turn(&reading.position);
-            for ((sum, name), &component) in sums.iter_mut().zip(&self.parameters).zip(&self.component_of) {
-                *sum += (units[component] * name.weight(&command, &reading.state)).powi(2);
+        for set in self.data {
+            let mut now = None;
+            for observation in &set.observations {
+                if now.replace(observation.condition) != Some(observation.condition) {
+                    units.enter(errors, set.condition(observation));
+                }
+                units.stand(&model, &observation.reading, &Matrix::identity());
+                units.moved(&mut moved);
+                for (sum, moved) in sums.iter_mut().zip(&moved) {
+                    *sum += moved.norm_squared();
+                }
+                count += 1.0;
             }
-            count += 1.0;
         }
         sums.iter().map(|sum| (sum / count.max(1.0)).sqrt()).collect()
     }
@@ -199,13 +211,86 @@ impl<'a> Design<'a> {
 /// An equation and its factors by every column: what a fit is made of.
 pub type Factored = (Line, Vec<f64>);
 
+/// The number of a component, which is added where it is new.
+fn number_of(components: &mut Vec<ErrorName>, name: ErrorName) -> usize {
+    components.iter().position(|known| *known == name).unwrap_or_else(|| {
+        components.push(name);
+        components.len() - 1
+    })
+}
+
+/// What one unit of each parameter does to the tool, in one condition and at one pose.
+struct Units<'a> {
+    design: &'a Design<'a>,
+    /// The components of all parameters.
+    components: Vec<ErrorName>,
+    /// What the parameters of effects do in the condition, with their columns and components.
+    parts: Vec<(usize, usize, Part)>,
+    /// What one unit of each component does to tip and direction of the tool.
+    by_component: Vec<[Vector; 2]>,
+    /// How much of a component is in one unit of a parameter: column, component, share.
+    shares: Vec<(usize, usize, f64)>,
+}
+
+impl<'a> Units<'a> {
+    fn new(design: &'a Design<'a>) -> Units<'a> {
+        let shares = design.geometry.iter().map(|&(column, _, component)| (column, component, 0.0)).collect();
+        Units { design, components: design.components.clone(), parts: Vec::new(), by_component: Vec::new(), shares }
+    }
+
+    /// Goes to another condition.
+    fn enter(&mut self, errors: &ErrorModel, condition: &Condition) {
+        self.parts.clear();
+        for (column, parameter) in &self.design.effects {
+            for part in parameter.parts(self.design.machine, errors, condition) {
+                let component = number_of(&mut self.components, part.component);
+                self.parts.push((*column, component, part));
+            }
+        }
+        self.shares.truncate(self.design.geometry.len());
+        self.shares.extend(self.parts.iter().map(|&(column, component, _)| (column, component, 0.0)));
+    }
+
+    /// Goes to a pose; directions turn by `turn`.
+    fn stand(&mut self, model: &Model, reading: &Reading, turn: &Matrix) {
+        self.by_component.clear();
+        self.by_component.extend(self.components.iter().map(|name| {
+            let unit = model.sensitivity(*name, &reading.position, &reading.tool_mm);
+            [turn * unit.translation, turn * unit.rotation]
+        }));
+        let command = self.design.within_turn(&reading.position);
+        let geometry = self.design.geometry.iter().map(|(_, name, _)| name.weight(&command, &reading.state));
+        let effects = self.parts.iter().map(|(_, _, part)| part.value(&command, &reading.state));
+        for ((_, _, share), value) in self.shares.iter_mut().zip(geometry.chain(effects)) {
+            *share = value;
+        }
+    }
+
+    /// The factors of all parameters, from the derivatives of a reading by tip and direction; those of the unknowns are 0.
+    fn factors(&self, by_tip: &Vector, by_turn: &Vector, out: &mut [f64]) {
+        out.fill(0.0);
+        for &(column, component, share) in &self.shares {
+            let [tip, turn] = &self.by_component[component];
+            out[column] += (by_tip.dot(tip) + by_turn.dot(turn)) * share;
+        }
+    }
+
+    /// How a unit of each parameter moves the tip.
+    fn moved(&self, out: &mut [Vector]) {
+        out.fill(Vector::zeros());
+        for &(column, component, share) in &self.shares {
+            out[column] += self.by_component[component][0] * share;
+        }
+    }
+}
+
 /// The columns of a fit, and the equations with values of the unknowns beside those that the error model holds: zeros, and the
 /// middle of where balls were probed, where `unknowns` is `None`.
 #[must_use]
 pub fn equations(
     machine: &Machine,
     errors: &ErrorModel,
-    parameters: &[ParameterName],
+    parameters: &[impl Clone + Into<Parameter>],
     data: &[DataSet],
     unknowns: Option<&[f64]>,
 ) -> (Vec<Column>, Vec<Factored>) {

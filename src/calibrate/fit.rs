@@ -7,11 +7,11 @@
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
-use crate::model::parameter::ParameterName;
 use crate::numeric::{Normal, RANK_LIMIT, Solution, Step, System};
 
 use super::column::Column;
 use super::design::{Design, Line, Origin};
+use super::effect::Parameter;
 use super::noise::{FIRST_SIGMA, Noise, group_of};
 use super::robust::TUKEY_VARIANCE;
 use super::words::{self, Lost};
@@ -74,7 +74,7 @@ impl Fit {
 }
 
 /// One number that was found.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// What it is.
     pub column: Column,
@@ -108,16 +108,21 @@ pub enum Fault {
 ///
 /// # Errors
 /// [`Fault`].
-pub fn fit(
+pub fn fit<P: Clone + Into<Parameter>>(
     machine: &Machine,
     start: &ErrorModel,
-    parameters: &[ParameterName],
+    parameters: &[P],
     data: &[DataSet],
     options: Options,
 ) -> Result<Fit, Fault> {
     let design = Design::new(machine, data, parameters);
     let mut errors = start.clone();
-    let mut values = design.start(start);
+    let linear: Vec<Parameter> = design.parameters.iter().filter(|one| one.is_linear()).cloned().collect();
+    if linear.len() < design.parameters.len() && !linear.is_empty() {
+        // An arm or a time constant does nothing where what it changes is 0.
+        errors = fit(machine, start, &linear, data, options)?.errors;
+    }
+    let mut values = design.start(&errors);
     let mut rounds = Rounds::new(&design, data, options);
     let mut is_last = false;
     for round in 0..MAX_ROUNDS {
@@ -132,11 +137,11 @@ pub fn fit(
             (None, Some(solution)) => step_of(solution),
             (None, None) => step_of(&rounds.solved()?),
         };
-        for (value, step) in values.iter_mut().zip(step.unknowns.iter()) {
-            *value += step;
+        for (k, (value, step)) in values.iter_mut().zip(step.unknowns.iter()).enumerate() {
+            *value = design.parameters.get(k).map_or(*value + step, |parameter| parameter.stepped(*value, *step));
         }
-        for (name, &value) in parameters.iter().zip(&values) {
-            name.set(&mut errors, value);
+        for (parameter, &value) in design.parameters.iter().zip(&values) {
+            parameter.set(&mut errors, value);
         }
         if !values.iter().all(|value| value.is_finite()) {
             return Err(Fault::NotSettled);
@@ -207,7 +212,7 @@ impl<'a> Rounds<'a> {
         self.is_first = round == 0;
         self.values = values.to_vec();
         // Directions of readings depend on where the unknowns of the set-ups are, which the first rounds find.
-        let with_factors = round < 2 || round == self.early() + 1 || is_last;
+        let with_factors = self.design.is_curved() || round < 2 || round == self.early() + 1 || is_last;
         let width = self.design.columns.len();
         let (lines, kept) = (&mut self.lines, &mut self.factors);
         lines.clear();
@@ -352,7 +357,7 @@ fn largest_step(step: &Step) -> f64 {
 }
 
 fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Solution, count: usize) -> Fit {
-    let effects = rounds.design.effects();
+    let effects = rounds.design.effects(&errors);
     let spread = if rounds.options.robust { TUKEY_VARIANCE } else { 1.0 };
     let estimates = rounds
         .design
@@ -360,7 +365,7 @@ fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Sol
         .iter()
         .zip(values)
         .enumerate()
-        .map(|(k, (&column, &value))| (k, column, value, rounds.lost.loose.contains(&k)))
+        .map(|(k, (column, &value))| (k, column.clone(), value, rounds.lost.loose.contains(&k)))
         .map(|(k, column, value, is_loose)| Estimate {
             column,
             value,

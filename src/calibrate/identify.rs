@@ -3,11 +3,11 @@
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
-use crate::model::parameter::ParameterName;
 use crate::numeric::System;
 
 use super::column::Column;
 use super::design::Design;
+use super::effect::Parameter;
 use super::noise::{FIRST_ANGLE_SIGMA, FIRST_SIGMA};
 use super::words::{self, Lost};
 
@@ -39,7 +39,7 @@ pub struct Identified {
 pub fn identify(
     machine: &Machine,
     start: &ErrorModel,
-    parameters: &[ParameterName],
+    parameters: &[impl Clone + Into<Parameter>],
     data: &[DataSet],
 ) -> Option<Identified> {
     let design = Design::new(machine, data, parameters);

@@ -7,6 +7,7 @@
 
 mod column;
 mod design;
+pub mod effect;
 mod fit;
 mod identify;
 mod noise;
@@ -17,6 +18,7 @@ mod told;
 pub mod words;
 
 pub use column::Column;
+pub use effect::{EffectParameter, Parameter};
 pub use design::{Factored, Line, Origin, equations};
 pub use fit::{Estimate, Fault, Fit, Options, fit};
 pub use identify::{Identified, identify};

@@ -7,6 +7,7 @@ use crate::machine::Machine;
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
 
+use super::effect::Parameter;
 use super::fit::{Fault, Options, fit};
 
 /// A measurement and a model.
@@ -84,7 +85,7 @@ pub fn quality(machine: &Machine, errors: &ErrorModel, data: &DataSet) -> Result
     let set = std::slice::from_ref(data);
     let of = |errors: &ErrorModel| -> Result<Vec<(usize, f64)>, Fault> {
         // Without the errors of the machine what is left is no noise that could tell which rows do not fit.
-        let found = fit(machine, errors, &[], set, Options { robust: false })?;
+        let found = fit::<Parameter>(machine, errors, &[], set, Options { robust: false })?;
         Ok(found.residuals.iter().map(|&(_, row, residual, _)| (row, residual)).collect())
     };
     let (measured, left) = (of(&ErrorModel::default())?, of(errors)?);

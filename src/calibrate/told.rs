@@ -7,9 +7,9 @@ use nalgebra::{DMatrix, DVector};
 use crate::machine::Machine;
 use crate::measure::data::{DataSet, Observation};
 use crate::model::ErrorModel;
-use crate::model::parameter::ParameterName;
 
 use super::design::Design;
+use super::effect::Parameter;
 use super::words;
 
 /// Candidates that are tried out in full in every round of [`improve`].
@@ -40,7 +40,7 @@ pub struct Told {
 
 /// Judges measurements by where they are made; the values of readings do not matter, but a cell without one gives no equation.
 #[must_use]
-pub fn told(machine: &Machine, parameters: &[ParameterName], data: &[DataSet]) -> Told {
+pub fn told(machine: &Machine, parameters: &[impl Clone + Into<Parameter>], data: &[DataSet]) -> Told {
     let design = Design::new(machine, data, parameters);
     let rows = factors(&design);
     let mut squares = vec![0.0; design.columns.len()];
@@ -91,7 +91,7 @@ pub fn told(machine: &Machine, parameters: &[ParameterName], data: &[DataSet]) -
 #[must_use]
 pub fn improve(
     machine: &Machine,
-    parameters: &[ParameterName],
+    parameters: &[impl Clone + Into<Parameter>],
     data: &DataSet,
     candidates: &[Observation],
     count: usize,

@@ -11,6 +11,7 @@ use crate::measure::data::DataSet;
 use crate::model::parameter::Term;
 
 use super::column::Column;
+use super::effect;
 
 /// Parts of a direction that are smaller than this share of its largest one are left out.
 const COUNTS: f64 = 0.01;
@@ -45,7 +46,7 @@ pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -
     let mut lost = Lost::default();
     for (own, direction) in &found {
         let text = sentence(*own, direction, columns, data);
-        if matches!(columns.get(*own), Some(Column::Parameter(_))) {
+        if columns.get(*own).is_some_and(Column::is_of_machine) {
             lost.parameters.push(text);
         } else {
             // Unknowns come first: what has one of them for its own column has no parameter at all.
@@ -66,6 +67,7 @@ fn simplicity(columns: &[Column], k: usize) -> (u8, u8) {
             Term::Backlash => (2, 0),
             Term::Knot { degree, .. } => (3, degree),
         },
+        Some(Column::Effect(parameter)) => (4, u8::try_from(parameter.index()).unwrap_or(u8::MAX)),
         _ => (0, 0),
     }
 }
@@ -99,7 +101,7 @@ fn sentence(own: usize, direction: &DVector<f64>, columns: &[Column], data: &[Da
     let parts = direction.iter().enumerate().filter(|&(k, part)| k != own && part.abs() >= COUNTS * largest);
     // Parameters of the machine first: they are what is asked for.
     let mut others: Vec<usize> = parts.map(|(k, _)| k).collect();
-    others.sort_by_key(|&k| (!matches!(columns.get(k), Some(Column::Parameter(_))), k));
+    others.sort_by_key(|&k| (!columns.get(k).is_some_and(Column::is_of_machine), k));
     let hint = hint(own, &others, columns, data);
     if others.is_empty() {
         return format!("{} moves nothing that was measured{hint}", name(own));
@@ -121,6 +123,16 @@ fn hint(own: usize, others: &[usize], columns: &[Column], data: &[DataSet]) -> S
             _ => None,
         })
     };
+    let effects: Vec<&str> = std::iter::once(&own)
+        .chain(others)
+        .filter_map(|&k| match columns.get(k) {
+            Some(Column::Effect(parameter)) => Some(parameter.name()),
+            _ => None,
+        })
+        .collect();
+    if let Some(text) = Some(&effects).filter(|names| !names.is_empty()).and_then(|names| effect::hint(names, data)) {
+        return text.to_owned();
+    }
     let mut axes: Vec<Axis> = names().filter_map(|name| name.component.axis()).collect();
     axes.sort_unstable();
     axes.dedup();

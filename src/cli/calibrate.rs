@@ -13,12 +13,11 @@ use super::measurement::{self, Measurement, description_of, is_angle, reads_angl
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
-use super::{parameters, print, tell};
-use crate::calibrate::{Column, Fault, Fit, Options, fit, quality};
+use super::{conditions, parameters, print, tell};
+use crate::calibrate::{Fault, Fit, Options, Parameter, fit, quality};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Vector;
 use crate::measure::data::DataSet;
-use crate::model::parameter::ParameterName;
 use crate::model::{ErrorModel, file, write};
 use crate::report::number::{micrometers, significant};
 use crate::report::{calibration, json};
@@ -90,7 +89,7 @@ fn calibrate(
     report.inputs.push(calibrated_report::machine_input(&start));
     let Some(chosen) = chosen else { return Ok(()) };
     report.machine.clone_from(&chosen.machine.name);
-    let parameters = parameters::choose(&arguments.model, &chosen.machine, findings)?;
+    let parameters = parameters::choose(&arguments.model, &chosen.machine, &chosen.errors, findings)?;
     let mut all = Vec::new();
     for (number, path) in arguments.data.iter().chain(&arguments.hold_out).enumerate() {
         let read = measurement::read(path, number, false, &chosen.machine, findings)?;
@@ -101,6 +100,10 @@ fn calibrate(
         all.extend(read);
     }
     let Some(parameters) = parameters.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    conditions::check(&chosen, &all, &parameters, findings);
+    if findings.has_errors() {
+        return Ok(());
+    }
     let held_out = all.split_off(arguments.data.len().min(all.len()));
     let job = Job { arguments, chosen: &chosen, parameters: &parameters };
     let Some(fit) = job.fit(&all, findings, report) else { return Ok(()) };
@@ -121,7 +124,7 @@ fn calibrate(
 struct Job<'a> {
     arguments: &'a CalibrateArguments,
     chosen: &'a Chosen,
-    parameters: &'a [ParameterName],
+    parameters: &'a [Parameter],
 }
 
 impl Job<'_> {
@@ -138,7 +141,7 @@ impl Job<'_> {
         };
         for found in &fit.estimates {
             let one = calibrated::estimate(found, &self.chosen.errors, &data);
-            let is_parameter = matches!(found.column, Column::Parameter(_));
+            let is_parameter = found.column.is_of_machine();
             if is_parameter && found.effect_mm > self.arguments.max {
                 let effect = micrometers(um_from_mm(found.effect_mm));
                 let message = format!("{} would move the tool by {effect} (root of the mean square)", one.name);

@@ -1,7 +1,8 @@
 //! What `ncfix calibrate` reports of a fit: numbers in the units of people.
 
 use super::measurement::{Measurement, is_angle};
-use crate::calibrate::{Column, Estimate, Fit};
+use crate::calibrate::effect::coefficient_unit;
+use crate::calibrate::{Column, Estimate, Fit, Parameter};
 use crate::csv::Table;
 use crate::diagnostic::Place;
 use crate::measure::data::DataSet;
@@ -17,6 +18,7 @@ pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -
     let name = found.column.name(data).to_string();
     let (before, effect_um) = match &found.column {
         Column::Parameter(name) => (name.get(start), Some(um_from_mm(found.effect_mm))),
+        Column::Effect(parameter) => (Parameter::from(parameter.clone()).get(start), Some(um_from_mm(found.effect_mm))),
         Column::Unknown(..) => (0.0, None),
     };
     calibration::Estimate {
@@ -32,20 +34,18 @@ pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -
 
 /// The factor from mm, rad and powers of them to the unit that is shown: µm, µrad, per power of m or rad.
 fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
-    const MM_OF_M: f64 = 1000.0;
-    let (factor, unit) = if column.is_angle() || is_zero_of_angles(column, data) {
-        (urad_from_rad(1.0), "µrad")
-    } else {
-        (um_from_mm(1.0), "µm")
-    };
-    let Column::Parameter(name) = column else { return (factor, unit.into()) };
-    let degree = name.degree();
-    let is_rotary = name.component.axis().is_some_and(|axis| axis.is_rotary());
-    let (factor, per) = if is_rotary { (factor, "rad") } else { (factor * MM_OF_M.powi(i32::from(degree)), "m") };
-    match degree {
-        0 => (factor, unit.into()),
-        1 => (factor, format!("{unit}/{per}")),
-        degree => (factor, format!("{unit}/{per}^{degree}")),
+    match column {
+        Column::Parameter(name) => {
+            let is_rotary = name.component.axis().is_some_and(|axis| axis.is_rotary());
+            coefficient_unit(column.is_angle(), is_rotary, name.degree())
+        }
+        Column::Effect(parameter) => {
+            let (factor, unit) = parameter.unit();
+            (factor, unit.to_owned())
+        }
+        Column::Unknown(..) => {
+            coefficient_unit(column.is_angle() || is_zero_of_angles(column, data), false, 0)
+        }
     }
 }
 

@@ -9,6 +9,7 @@ mod calibrate;
 mod calibrated;
 mod calibrated_report;
 mod check;
+mod conditions;
 mod exit_code;
 mod explain;
 mod findings;

@@ -8,9 +8,15 @@ use super::input;
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
+use crate::calibrate::effect::{self, EffectParameter, effect_parameters};
+use crate::calibrate::Parameter;
 use crate::model::parameter::ParameterName;
+use crate::model::ErrorModel;
 use crate::model::preset::{PRESETS, find};
 use crate::source::{FileId, Source, Span};
+
+/// Names in a help at most.
+const MOST_SHOWN: usize = 12;
 
 /// The parameters of `--model`; `None` where findings forbid to use them. A preset goes before a file of its name.
 ///
@@ -19,13 +25,14 @@ use crate::source::{FileId, Source, Span};
 pub(super) fn choose(
     model: &str,
     machine: &Machine,
+    errors: &ErrorModel,
     findings: &mut Findings,
-) -> Result<Option<Vec<ParameterName>>, Stop> {
+) -> Result<Option<Vec<Parameter>>, Stop> {
     if let Some(preset) = find(model) {
         let parameters = (preset.parameters)(machine).map_err(|reason| {
             Stop::Usage(format!("preset {model} does not suit the machine {}: {reason}", machine.name))
         })?;
-        return Ok(Some(parameters));
+        return Ok(Some(parameters.into_iter().map(Parameter::from).collect()));
     }
     let path = Path::new(model);
     if !path.is_file() {
@@ -34,15 +41,32 @@ pub(super) fn choose(
         return Err(Stop::Usage(format!("--model {model} is no file and no preset; the presets are {known}")));
     }
     let source = input::read(path, FileId(0))?;
-    let (parameters, found) = read(&source, machine);
+    let (parameters, found) = read(&source, machine, errors);
     let is_sound = found.is_empty();
     findings.extend(found, std::slice::from_ref(&source));
     Ok(is_sound.then_some(parameters))
 }
 
+/// What to say of a line that begins like the parameters of effects but names none of this machine file.
+fn no_effect(text: &str, effects: &[EffectParameter]) -> Option<(String, String)> {
+    const SECTIONS: [&str; 4] = ["load", "drift", "expansion", "segment"];
+    let end = text.find(['.', '@', '[', '~']).unwrap_or(text.len());
+    let section = SECTIONS.into_iter().find(|&section| text.get(..end) == Some(section))?;
+    let own: Vec<&str> =
+        effects.iter().map(EffectParameter::name).filter(|name| name.split('.').next() == Some(section)).collect();
+    if own.is_empty() {
+        let message = format!("{text}: the machine file has no [[{section}]]");
+        return Some((message, format!("add [[{section}]] with values to begin with to the machine file")));
+    }
+    let shown = own.iter().take(MOST_SHOWN).copied().collect::<Vec<_>>().join(", ");
+    let more = if own.len() > MOST_SHOWN { " …" } else { "" };
+    Some((format!("{text} is no parameter of [[{section}]]"), format!("there are {shown}{more}")))
+}
+
 /// Reads a file of parameters: one in each line, comments behind `#`.
-fn read(source: &Source, machine: &Machine) -> (Vec<ParameterName>, Vec<Diagnostic>) {
+fn read(source: &Source, machine: &Machine, errors: &ErrorModel) -> (Vec<Parameter>, Vec<Diagnostic>) {
     let (mut parameters, mut findings) = (Vec::new(), Vec::new());
+    let effects = effect_parameters(errors);
     let mut seen = HashSet::new();
     let mut start = 0;
     for line in source.bytes().split(|&byte| byte == b'\n' || byte == b'\r') {
@@ -59,7 +83,22 @@ fn read(source: &Source, machine: &Machine) -> (Vec<ParameterName>, Vec<Diagnost
             findings.push(Diagnostic::at(Code::BAD_PARAMETER, place, message, help));
         };
         let text = String::from_utf8_lossy(word);
-        let help = "write one in each line: EC0Y, EXX1, EXXb or EXX2@150; comments behind #";
+        let of_effects = effect::named(&effects, &text);
+        if !of_effects.is_empty() {
+            for one in of_effects {
+                if seen.insert(one.name().to_owned()) {
+                    parameters.push(Parameter::from(one));
+                } else {
+                    report(format!("{} is there twice", one.name()), "take one of the lines out");
+                }
+            }
+            continue;
+        }
+        if let Some((message, help)) = no_effect(&text, &effects) {
+            report(message, &help);
+            continue;
+        }
+        let help = "write one in each line: EC0Y, EXX1, EXXb, EXX2@150, load.EAX or drift; comments behind #";
         match text.parse::<ParameterName>() {
             Err(_) => report(format!("'{text}' is no parameter"), help),
             Ok(name) => match name.component.axis().filter(|&axis| machine.axis(axis).is_none()) {
@@ -67,8 +106,8 @@ fn read(source: &Source, machine: &Machine) -> (Vec<ParameterName>, Vec<Diagnost
                     format!("{name}: the machine {} has no axis {axis}", machine.name),
                     "take it out, or check --machine",
                 ),
-                None if !seen.insert(name) => report(format!("{name} is there twice"), "take one of them out"),
-                None => parameters.push(name),
+                None if !seen.insert(name.to_string()) => report(format!("{name} is there twice"), "take one of them out"),
+                None => parameters.push(Parameter::from(name)),
             },
         }
     }

@@ -18,7 +18,7 @@ use crate::measure::data::Observation;
 use crate::measure::noise::Noise;
 use crate::measure::reading::Readings;
 use crate::measure::simulate::{Read, Simulation};
-use crate::model::Model;
+use crate::model::{ErrorModel, Model};
 use crate::units::{rad_from_urad, um_from_mm, urad_from_rad};
 
 /// Decimals of readings in µm and µrad.
@@ -59,10 +59,11 @@ fn simulate(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Op
         protect(target, chosen.files.iter().chain(&inputs), findings);
     }
     let read = measurement::read(&arguments.plan, 0, true, &chosen.machine, findings)?;
-    let Some(plan) = read.filter(|_| !findings.has_errors()) else { return Ok(None) };
+    let Some(mut plan) = read.filter(|_| !findings.has_errors()) else { return Ok(None) };
     let (Some(table), _) = Table::read(&plan.sources[0]) else { return Ok(None) };
+    plan.data.fill_in(&chosen.condition);
     let model = chosen.model();
-    let job = Job { machine: &chosen.machine, model: &model, plan: &plan, table: &table };
+    let job = Job { machine: &chosen.machine, errors: &chosen.errors, model: &model, plan: &plan, table: &table };
     let rows = job.rows(arguments, findings);
     if findings.has_errors() {
         return Ok(None);
@@ -83,6 +84,7 @@ fn simulate(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Op
 
 struct Job<'a> {
     machine: &'a Machine,
+    errors: &'a ErrorModel,
     model: &'a Model,
     plan: &'a Measurement,
     table: &'a Table,
@@ -99,7 +101,7 @@ impl Job<'_> {
     /// What is read in every row.
     fn rows(&self, arguments: &SimulateArguments, findings: &mut Findings) -> Vec<Vec<Cell>> {
         let data = &self.plan.data;
-        let simulation = Simulation::new(self.machine, self.model, data);
+        let mut simulation = Simulation::new(self.machine, self.errors, data);
         let mut noise = Noise::new(arguments.seed);
         let mut next = |sigma: f64| if arguments.noise.is_some() { sigma * noise.normal() } else { 0.0 };
         let sigma_mm = arguments.noise.unwrap_or(0.0);
@@ -166,7 +168,7 @@ impl Job<'_> {
 
     /// Writes the table with the cells; columns that are not there are added behind the others.
     fn write(&self, rows: &[Vec<Cell>], out: &mut dyn std::io::Write) -> std::io::Result<()> {
-        let sign = Readings::new(self.table, self.machine).map_or(DecimalSign::Point, |readings| readings.sign());
+        let sign = Readings::with(self.table, self.machine, &self.plan.data.fixed).map_or(DecimalSign::Point, |readings| readings.sign());
         let separator = char::from(self.table.separator());
         let mut added: Vec<&str> = Vec::new();
         for cell in rows.iter().flatten() {

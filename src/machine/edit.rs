@@ -57,6 +57,31 @@ impl Edit {
         table.map(|table| put(table, key, given)).is_some()
     }
 
+    /// Changes a value somewhere in the entry of this number in a list of sections, by keys and numbers: `knots[0].coefficients[2]`. The last
+    /// key may be new. Whether that is possible.
+    pub fn set_at(&mut self, list: &str, index: usize, path: &str, given: &Given) -> bool {
+        let Some(mut item) = self.0.get_mut(list).and_then(|item| item.get_mut(index)) else { return false };
+        let mut words = path.split('.').peekable();
+        while let Some(word) = words.next() {
+            let (key, numbers) = word.split_at(word.find('[').unwrap_or(word.len()));
+            if numbers.is_empty() && words.peek().is_none() {
+                return item.as_table_like_mut().map(|table| put(table, key, given)).is_some();
+            }
+            let Some(next) = item.as_table_like_mut().and_then(|table| table.get_mut(key)) else { return false };
+            item = next;
+            for number in numbers.split_terminator(']') {
+                let number = number.strip_prefix('[').and_then(|number| number.parse::<usize>().ok());
+                let Some(next) = number.and_then(|number| item.get_mut(number)) else { return false };
+                item = next;
+            }
+        }
+        let mut value = value(given);
+        let Some(old) = item.as_value_mut() else { return false };
+        *value.decor_mut() = old.decor().clone();
+        *old = value;
+        true
+    }
+
     /// Adds an entry behind the others of a list of sections; whether that is possible.
     pub fn push(&mut self, list: &str, entries: &[(String, Given)]) -> bool {
         let item = self.0.entry(list).or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
@@ -126,6 +151,21 @@ mod tests {
             edit.text(),
             "# mine\n[a]\nb = 0.3   # why\n\n[[m]]   # first\nk = [0.0, -1.7e-5]\n\n[z]\nlast = true\n"
         );
+    }
+
+    #[test]
+    fn values_are_changed_where_they_stand() {
+        let text = "[[m]]\n[[m]] # second\nk = [1, [2, 3]] # why\ns = [{ name = \"a\", v = 1 }, { name = \"b\" }]\nt = { u = 2 }\n";
+        let mut edit = Edit::parse(text).unwrap();
+        for (path, number) in [("k[1][0]", 5.0), ("s[0].v", -1.0), ("s[1].w", 7.0), ("t.u", 9.0), ("new", 4.0)] {
+            assert!(edit.set_at("m", 1, path, &Given::Number(number)), "{path}");
+        }
+        for path in ["k[2]", "k[1][5]", "s[2].v", "x.y", "t.u.v", "k[a]", "k[0].z"] {
+            assert!(!edit.set_at("m", 1, path, &Given::Number(0.0)), "{path}");
+        }
+        assert!(!edit.set_at("m", 2, "new", &Given::Number(0.0)) && !edit.set_at("n", 0, "new", &Given::Number(0.0)));
+        let changed = "[[m]]\n[[m]] # second\nk = [1, [5.0, 3]] # why\ns = [{ name = \"a\", v = -1.0 }, { name = \"b\" , w = 7.0 }]\nt = { u = 9.0 }\nnew = 4.0\n";
+        assert_eq!(edit.text(), changed);
     }
 
     #[test]

@@ -5,7 +5,7 @@
 
 use crate::geometry::{Axis, AxisVector, Matrix, Vector};
 use crate::machine::Machine;
-use crate::model::Model;
+use crate::model::{ErrorModel, Model};
 
 use super::data::{DataSet, Observation};
 use super::kind::{Equation, Seen};
@@ -32,7 +32,10 @@ pub struct OutOfReach;
 #[derive(Debug)]
 pub struct Simulation<'a> {
     machine: &'a Machine,
-    model: &'a Model,
+    errors: &'a ErrorModel,
+    /// In the condition of this number.
+    model: Model,
+    condition: usize,
     data: &'a DataSet,
     /// What is unknown of the set-ups.
     values: Vec<f64>,
@@ -41,7 +44,8 @@ pub struct Simulation<'a> {
 impl<'a> Simulation<'a> {
     /// Balls lie where the description has them, else in the mean of the nominal tips of their rows.
     #[must_use]
-    pub fn new(machine: &'a Machine, model: &'a Model, data: &'a DataSet) -> Simulation<'a> {
+    pub fn new(machine: &'a Machine, errors: &'a ErrorModel, data: &'a DataSet) -> Simulation<'a> {
+        let model = Model::new(machine, errors);
         let mut values = Vec::new();
         let has_places = data.observations.iter().any(reads_positions);
         for (number, label) in data.targets.iter().enumerate().filter(|_| has_places) {
@@ -54,14 +58,18 @@ impl<'a> Simulation<'a> {
             });
             values.extend(place.iter());
         }
-        Simulation { machine, model, data, values }
+        Simulation { machine, errors, model, condition: usize::MAX, data, values }
     }
 
-    /// What is read in a row of the plan.
+    /// What is read in a row of the plan, in the condition of the row.
     ///
     /// # Errors
     /// [`OutOfReach`].
-    pub fn read(&self, row: &Observation) -> Result<Read, OutOfReach> {
+    pub fn read(&mut self, row: &Observation) -> Result<Read, OutOfReach> {
+        if self.condition != row.condition {
+            self.condition = row.condition;
+            self.model = Model::at(self.machine, self.errors, self.data.condition(row));
+        }
         if reads_positions(row) {
             self.position(row).map(Read::Position)
         } else {
@@ -71,7 +79,7 @@ impl<'a> Simulation<'a> {
 
     /// What is left of the equations of a row.
     fn residuals(&self, row: &Observation) -> Vec<f64> {
-        let seen = Seen::new(self.machine, self.model, &row.reading, &row.reading.tool_mm);
+        let seen = Seen::new(self.machine, &self.model, &row.reading, &row.reading.tool_mm);
         let mut equations: Vec<Equation> = Vec::new();
         (self.data.kind.equations)(self.data, row, &seen, &self.values, &mut equations);
         equations.iter().map(|equation| equation.residual).collect()

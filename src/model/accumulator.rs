@@ -119,6 +119,21 @@ impl<'a> Accumulator<'a> {
         }
     }
 
+    /// Everything that was added: location errors with their values, motion errors with their functions. Components may come more than once.
+    #[must_use]
+    pub fn parts(&self) -> Vec<(ErrorName, Option<&Function>, f64)> {
+        let axes = self.machine.axes.iter().flatten().map(|data| Carrier::Axis(data.axis));
+        let places = axes.chain([Carrier::Spindle]).flat_map(|carrier| {
+            let values = self.location(carrier);
+            DIRECTIONS.into_iter().map(move |direction| {
+                let name = ErrorName { direction, carrier, kind: ErrorKind::Location };
+                (name, None, values[direction.index()])
+            })
+        });
+        let motion = self.motion.iter().map(|error| (error.name, Some(&error.function), 1.0));
+        places.filter(|&(_, _, value)| value != 0.0).chain(motion).collect()
+    }
+
     /// Location errors of a carrier: EX EY EZ (mm), EA EB EC (rad).
     pub(super) fn location(&self, carrier: Carrier) -> [f64; 6] {
         match carrier {

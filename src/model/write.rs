@@ -1,13 +1,13 @@
 //! Writes changed errors into the text of a machine file, which else stays as it is.
 //!
-//! The errors must be those that were read from this text with some numbers changed and entries added behind the others, as
+//! Parameters of effects stand where their sources say ([`super::source::Written`]). The other errors must be those that were read from this text with some numbers changed and entries added behind the others, as
 //! [`ParameterName::set`](super::parameter::ParameterName::set) does it.
 
 use crate::machine::edit::{Edit, Given};
 use crate::units::{um_from_mm, urad_from_rad};
 
 use super::motion::{Function, MotionError};
-use super::{ErrorModel, LocationError};
+use super::{Effect, ErrorModel, LocationError};
 
 /// Why a change cannot be written: a sentence without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,7 +41,35 @@ pub fn write(text: &str, read: &ErrorModel, changed: &ErrorModel) -> Result<Stri
             return Err(NotWritable(format!("the machine file has no [[motion]] number {}", index + 1)));
         }
     }
+    for (number, (changed, old)) in changed.effects.iter().zip(&read.effects).enumerate() {
+        let is_done = values_of(&**changed).iter().zip(values_of(&**old)).all(|(new, old)| {
+            new.value.to_bits() == old.value.to_bits()
+                || new.key.as_ref().is_some_and(|(entry, key)| {
+                    let list = changed.source().sections.first().copied().unwrap_or_default();
+                    edit.set_at(list, *entry, key, &Given::Number(new.value * new.factor))
+                })
+        });
+        if !is_done {
+            return Err(NotWritable(format!("the machine file has no effect number {} of {}", number + 1, changed.label())));
+        }
+    }
     Ok(edit.text())
+}
+
+/// A parameter of an effect and where it stands in the file.
+struct Shown {
+    value: f64,
+    key: Option<(usize, String)>,
+    factor: f64,
+}
+
+fn values_of(effect: &dyn Effect) -> Vec<Shown> {
+    let mut out = Vec::new();
+    effect.boxed().visit_parameters(&mut |parameter, value| {
+        let factor = parameter.written.map_or(1.0, |written| written.factor);
+        out.push(Shown { value: *value, key: parameter.written.map(|written| (written.entry, written.key.to_owned())), factor });
+    });
+    out
 }
 
 fn value_of(error: &LocationError) -> Given {

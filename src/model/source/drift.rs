@@ -15,9 +15,9 @@ use crate::model::accumulator::Accumulator;
 use crate::model::motion::Function;
 use crate::model::motion::table::Table;
 use crate::model::name::{DIRECTIONS, Direction};
-use crate::units::mm_from_um;
+use crate::units::{mm_from_um, um_from_mm};
 
-use super::{Effect, Parameter, Reading, Source};
+use super::{Effect, Parameter, Reading, Source, Written};
 
 /// The source.
 pub(super) const SOURCE: Source = Source {
@@ -56,6 +56,8 @@ struct Drift {
 /// The drift at one position.
 #[derive(Clone, Debug)]
 struct Node {
+    /// Number of its section.
+    entry: usize,
     /// Position of the axis, mm or rad.
     at: f64,
     terms: Vec<Term>,
@@ -128,11 +130,22 @@ impl Effect for Drift {
                 Some(axis) => format!("{direction}@{axis}{}", node.at),
                 None => direction.to_string(),
             };
-            for term in &mut node.terms {
-                let sensor = &term.sensor;
-                visit(&Parameter { name: &format!("{place}.{sensor}"), is_linear: true }, &mut term.mm_per_k);
+            let entry = node.entry;
+            for index in 0..node.terms.len() {
+                let (before, rest) = node.terms.split_at_mut(index);
+                let Some(term) = rest.first_mut() else { continue };
+                // A sensor may stand there twice, with and without a lag.
+                let again = before.iter().filter(|other| other.sensor == term.sensor).count();
+                let number = if again > 0 { format!("~{}", again + 1) } else { String::new() };
+                let name = format!("drift.{place}.{}{number}", term.sensor);
+                let key = format!("sensors[{index}].um_per_K");
+                let written = Some(Written { entry, key: &key, factor: um_from_mm(1.0) });
+                visit(&Parameter { name: &name, is_linear: true, written }, &mut term.mm_per_k);
                 if term.lag_s > 0.0 {
-                    visit(&Parameter { name: &format!("{place}.{sensor}.lag"), is_linear: false }, &mut term.lag_s);
+                    let key = format!("sensors[{index}].lag_s");
+                    let written = Some(Written { entry, key: &key, factor: 1.0 });
+                    let name = format!("{name}.lag_s");
+                    visit(&Parameter { name: &name, is_linear: false, written }, &mut term.lag_s);
                 }
             }
         }
@@ -155,7 +168,11 @@ fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     let (axes, machine) = (reading.axes, reading.machine);
     let sections = reading.root.sections("drift");
     let entries: Vec<Entry> =
-        sections.into_iter().filter_map(|section| read_entry(section, axes, machine, reading.findings)).collect();
+        sections.into_iter().enumerate().filter_map(|(number, section)| {
+            let mut entry = read_entry(section, axes, machine, reading.findings)?;
+            entry.node.entry = number;
+            Some(entry)
+        }).collect();
     for direction in DIRECTIONS.into_iter().take(3) {
         let own = entries.iter().filter(|entry| entry.direction == direction).collect();
         errors.effects.extend(join(own, reading.findings).map(|drift| Box::new(drift) as Box<dyn Effect>));
@@ -204,7 +221,7 @@ fn read_entry(
     let place = section.place();
     section.finish(findings);
     let (over, at) = over?;
-    Some(Entry { direction: direction?, over, node: Node { at, terms: terms? }, place })
+    Some(Entry { direction: direction?, over, node: Node { entry: 0, at, terms: terms? }, place })
 }
 
 fn read_direction(section: &mut Section<'_>) -> Option<Direction> {

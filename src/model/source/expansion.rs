@@ -18,7 +18,7 @@ use crate::model::motion::polynomial::Polynomial;
 use crate::model::name::DIRECTIONS;
 use crate::model::{ErrorModel, ErrorName};
 
-use super::{Effect, Parameter, Reading, Source};
+use super::{Effect, Parameter, Reading, Source, Written};
 
 /// The source.
 pub(super) const SOURCE: Source = Source {
@@ -41,6 +41,8 @@ const PER_UM_PER_M: f64 = 1e-6;
 /// The expansion of one body along one axis.
 #[derive(Clone, Debug)]
 struct Expansion {
+    /// Number of its section.
+    entry: usize,
     axis: Axis,
     body: Body,
     per_k: f64,
@@ -106,8 +108,10 @@ impl Effect for Expansion {
     }
 
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
-        let name = format!("{}.{}", self.axis, self.body.key());
-        visit(&Parameter { name: &name, is_linear: true }, &mut self.per_k);
+        let name = format!("expansion.{}.{}", self.axis, self.body.key());
+        let key = format!("{}.um_per_m_K", self.body.key());
+        let written = Some(Written { entry: self.entry, key: &key, factor: 1.0 / PER_UM_PER_M });
+        visit(&Parameter { name: &name, is_linear: true, written }, &mut self.per_k);
     }
 
     fn sensors(&self) -> Vec<&str> {
@@ -121,7 +125,7 @@ impl Effect for Expansion {
 
 fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     let mut seen = AxisSet::EMPTY;
-    for mut section in reading.root.sections("expansion") {
+    for (entry, mut section) in reading.root.sections("expansion").into_iter().enumerate() {
         let axis = read_axis(&mut section, reading.axes, &mut seen);
         let fixed_mm = section.number("fixed_mm");
         for body in [Body::Scale, Body::Workpiece] {
@@ -129,7 +133,7 @@ fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
                 let mut findings = Vec::new();
                 let read = read_body(part, body, axis, fixed_mm, &mut findings);
                 section.add(findings);
-                errors.effects.extend(read.map(|expansion| Box::new(expansion) as Box<dyn Effect>));
+                errors.effects.extend(read.map(|own| Box::new(Expansion { entry, ..own }) as Box<dyn Effect>));
             }
         }
         if !section.has("scale") && !section.has("workpiece") {
@@ -182,6 +186,7 @@ fn read_body(
     let sensors = read_sensors(&mut section);
     section.finish(findings);
     Some(Expansion {
+        entry: 0,
         axis: axis?,
         body,
         per_k: um_per_m_k? * PER_UM_PER_M,

@@ -53,7 +53,7 @@ impl Effect for LocationError {
     }
 
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
-        visit(&Parameter { name: &self.name.to_string(), is_linear: true }, &mut self.value);
+        visit(&Parameter { name: &self.name.to_string(), is_linear: true, written: None }, &mut self.value);
     }
 
     fn boxed(&self) -> Box<dyn Effect> {
@@ -81,7 +81,7 @@ impl Effect for MotionError {
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
         let component = self.name.to_string();
         self.function.visit_values(&mut |name, value| {
-            visit(&Parameter { name: &format!("{component}.{name}"), is_linear: true }, value);
+            visit(&Parameter { name: &format!("{component}.{name}"), is_linear: true, written: None }, value);
         });
     }
 

@@ -9,7 +9,7 @@
 //! e(x, F₀) is what a load of F₀ does to a motion error (in the center of the table; at p₀ for the second) or to a location error, F the weight
 //! and p its place from the center of the table along a direction of F. The effects of several loads add up.
 
-use super::{Effect, Parameter, Reading, Source};
+use super::{Effect, Parameter, Reading, Source, Written};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::AxisSet;
 use crate::machine::file::Section;
@@ -18,6 +18,7 @@ use crate::model::accumulator::Accumulator;
 use crate::model::motion::{Entry, Function};
 use crate::model::name::{ErrorKind, ErrorName};
 use crate::model::{ErrorModel, file};
+use crate::units::{um_from_mm, urad_from_rad};
 
 /// The source.
 pub(super) const SOURCE: Source = Source {
@@ -47,9 +48,9 @@ value_urad = -45
 const ALONG: [&str; 3] = ["X", "Y", "Z"];
 
 fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
-    for section in reading.root.sections("load") {
+    for (entry, section) in reading.root.sections("load").into_iter().enumerate() {
         if let Some(effect) = read_effect(section, reading.axes, reading.findings) {
-            errors.effects.push(Box::new(effect));
+            errors.effects.push(Box::new(LoadEffect { entry, ..effect }));
         }
     }
 }
@@ -94,7 +95,7 @@ fn read_effect(mut section: Section<'_>, axes: AxisSet, findings: &mut Vec<Diagn
             function.map(Amount::Function)
         }
     };
-    Some(LoadEffect { name, amount: amount?, reference_n: reference_n?, lean: lean? })
+    Some(LoadEffect { entry: 0, name, amount: amount?, reference_n: reference_n?, lean: lean? })
 }
 
 /// Reads `along` with `arm_mm` or `at_mm`.
@@ -133,6 +134,8 @@ fn read_lean(section: &mut Section<'_>) -> Option<Lean> {
 /// What a load does to one component.
 #[derive(Clone, Debug, PartialEq)]
 struct LoadEffect {
+    /// Number of its section.
+    entry: usize,
     name: ErrorName,
     /// With a load of `reference_n`, in the center of the table or at `at_mm`.
     amount: Amount,
@@ -146,6 +149,19 @@ enum Amount {
     Constant(f64),
     /// Of a motion error.
     Function(Function),
+}
+
+/// The key of a value of a function in the file, and what a value is multiplied with there: coefficients are in mm and rad, all else has a unit.
+fn written_as(name: &str, is_rotation: bool) -> (String, f64) {
+    if name.contains("coefficients") {
+        return (name.to_owned(), 1.0);
+    }
+    let (word, index) = name.split_at(name.find('[').unwrap_or(name.len()));
+    if is_rotation {
+        (format!("{word}_urad{index}"), urad_from_rad(1.0))
+    } else {
+        (format!("{word}_um{index}"), um_from_mm(1.0))
+    }
 }
 
 /// How the place of the load counts.
@@ -193,21 +209,26 @@ impl Effect for LoadEffect {
 
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
         let component = format!("load.{}", self.name);
+        let is_rotation = self.name.direction.is_rotation();
+        let entry = self.entry;
         match &mut self.amount {
-            Amount::Constant(value) => visit(&Parameter { name: &component, is_linear: true }, value),
+            Amount::Constant(value) => {
+                let (key, factor) = written_as("value", is_rotation);
+                visit(&Parameter { name: &component, is_linear: true, written: Some(Written { entry, key: &key, factor }) }, value);
+            }
             Amount::Function(function) => function.visit_values(&mut |name, value| {
-                visit(&Parameter { name: &format!("{component}.{name}"), is_linear: true }, value);
+                let (key, factor) = written_as(name, is_rotation);
+                let name = format!("{component}.{name}");
+                visit(&Parameter { name: &name, is_linear: true, written: Some(Written { entry, key: &key, factor }) }, value);
             }),
         }
-        match &mut self.lean {
-            Lean::None => {}
-            Lean::Arm { arm_mm, .. } => {
-                visit(&Parameter { name: &format!("{component}.arm_mm"), is_linear: false }, arm_mm);
-            }
-            Lean::Moment { at_mm, .. } => {
-                visit(&Parameter { name: &format!("{component}.at_mm"), is_linear: false }, at_mm);
-            }
-        }
+        let (key, arm) = match &mut self.lean {
+            Lean::None => return,
+            Lean::Arm { arm_mm, .. } => ("arm_mm", arm_mm),
+            Lean::Moment { at_mm, .. } => ("at_mm", at_mm),
+        };
+        let written = Some(Written { entry, key, factor: 1.0 });
+        visit(&Parameter { name: &format!("{component}.{key}"), is_linear: false, written }, arm);
     }
 
     fn needs_load(&self) -> bool {

@@ -102,6 +102,19 @@ pub struct Parameter<'a> {
     pub name: &'a str,
     /// Whether the error is proportional to it (with all others of the effect that are).
     pub is_linear: bool,
+    /// Where it stands in the machine file; `None` for location and motion errors, which have names of their own there.
+    pub written: Option<Written<'a>>,
+}
+
+/// Where a parameter stands in the machine file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Written<'a> {
+    /// Number of the entry in the list of sections of the source.
+    pub entry: usize,
+    /// The key in it: `knots[0].coefficients[2]`, `sensors[1].um_per_K`.
+    pub key: &'a str,
+    /// What its value is multiplied with to give that of the file.
+    pub factor: f64,
 }
 
 /// A machine file while sources read their sections.

@@ -16,7 +16,7 @@
 //! errors, and so zero-point drift and squareness; where an axis slides along the segment, motion errors of that axis: its scale, straightness and
 //! angles.
 
-use super::{Effect, Parameter, Reading, Source};
+use super::{Effect, Parameter, Reading, Source, Written};
 use crate::diagnostic::Code;
 use crate::geometry::{Axis, Vector};
 use crate::machine::file::Section;
@@ -67,6 +67,8 @@ sensors_from = [\"T_b1\", \"T_b2\"]
 /// A beam.
 #[derive(Clone, Debug, PartialEq)]
 struct Segment {
+    /// Number of its section.
+    entry: usize,
     name: String,
     /// What its end carries.
     before: Carrier,
@@ -197,10 +199,14 @@ impl Effect for Segment {
     }
 
     fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
-        let name = self.name.clone();
-        visit(&Parameter { name: &format!("{name}.expansion"), is_linear: true }, &mut self.expansion);
-        visit(&Parameter { name: &format!("{name}.torsion_share"), is_linear: false }, &mut self.torsion_share);
-        visit(&Parameter { name: &format!("{name}.lag_s"), is_linear: false }, &mut self.lag_s);
+        let (segment, entry) = (self.name.clone(), self.entry);
+        let mut show = |name: &str, is_linear, key, factor, value: &mut f64| {
+            let written = Some(Written { entry, key, factor });
+            visit(&Parameter { name: &format!("segment.{segment}.{name}"), is_linear, written }, value);
+        };
+        show("expansion", true, "um_per_m_K", 1e6, &mut self.expansion);
+        show("torsion_share", false, "torsion_share", 1.0, &mut self.torsion_share);
+        show("lag_s", false, "lag_s", 1.0, &mut self.lag_s);
     }
 
     fn sensors(&self) -> Vec<&str> {
@@ -233,10 +239,10 @@ fn substituted(powers: &[f64; POWERS], offset: f64, sense: f64) -> Vec<f64> {
 }
 
 fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
-    for mut section in reading.root.sections("segment") {
+    for (entry, mut section) in reading.root.sections("segment").into_iter().enumerate() {
         let segment = read_segment(&mut section, reading);
         section.finish(reading.findings);
-        errors.effects.extend(segment.map(|segment| Box::new(segment) as Box<dyn Effect>));
+        errors.effects.extend(segment.map(|own| Box::new(Segment { entry, ..own }) as Box<dyn Effect>));
     }
 }
 
@@ -315,6 +321,7 @@ fn read_segment(section: &mut Section<'_>, reading: &Reading<'_, '_>) -> Option<
     };
     section.accept("at_mm");
     Some(Segment {
+        entry: 0,
         name: name?.to_owned(),
         before,
         slide_mm,

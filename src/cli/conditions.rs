@@ -1,0 +1,76 @@
+//! What measurements say of temperatures and loads, against what the effects of the machine need.
+
+use super::findings::Findings;
+use super::machine_choice::Chosen;
+use super::measurement::Measurement;
+use crate::calibrate::Parameter;
+use crate::csv::Table;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::machine::condition::columns::Column;
+use crate::model::Effect;
+
+/// Says which sensors and loads are missing: refused where a parameter that is fitted needs them and no table has them, pointed out where
+/// an effect counts as in the reference state.
+pub(super) fn check(chosen: &Chosen, all: &[Measurement], parameters: &[Parameter], findings: &mut Findings) {
+    let columns: Vec<Vec<Column>> = all
+        .iter()
+        .map(|one| Table::read(&one.sources[0]).0.map(|table| Column::all(&table)).unwrap_or_default())
+        .collect();
+    let has_sensor = |columns: &[Column], sensor: &str| {
+        columns.iter().any(|column| matches!(column, Column::Sensor(name) if name == sensor))
+    };
+    let mut wanted: Vec<&str> = Vec::new();
+    for parameter in parameters {
+        let Parameter::Effect(parameter) = parameter else { continue };
+        let Some(effect) = parameter.effect(&chosen.errors) else { continue };
+        // A parameter of one sensor has its name.
+        let sensors = effect.sensors();
+        let last = parameter.name().split('.').nth(2).unwrap_or_default();
+        let own = sensors.iter().copied().filter(|sensor| last.split('~').next() == Some(*sensor));
+        let own: Vec<&str> = own.collect();
+        wanted.extend(if own.is_empty() { sensors } else { own });
+        if effect.needs_load() && !columns.iter().any(|columns| columns.contains(&Column::Force)) {
+            let message = format!("{} is about the weight of workpieces, and no table has load_N", parameter.name());
+            let help = "add load_N and the place of the load, load_x_mm load_y_mm load_z_mm, to the tables";
+            findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
+            return;
+        }
+    }
+    wanted.sort_unstable();
+    wanted.dedup();
+    let missing: Vec<&str> =
+        wanted.into_iter().filter(|sensor| !columns.iter().any(|columns| has_sensor(columns, sensor))).collect();
+    if !missing.is_empty() {
+        let names = missing.join(", ");
+        let message = format!("no table has the temperature of {names}, and the parameters that are fitted need it");
+        let help = "add a column with the name of the sensor and _C behind, or correct the name in the machine file";
+        findings.add(Diagnostic::nowhere(Code::MISSING_SENSOR, message, help), &[]);
+        return;
+    }
+    let known = chosen.errors.sensors();
+    let needs_load = chosen.errors.effects().any(Effect::needs_load);
+    for (one, columns) in all.iter().zip(&columns) {
+        let missing: Vec<&str> = known.iter().copied().filter(|sensor| !has_sensor(columns, sensor)).collect();
+        let name = &one.data.name;
+        if !missing.is_empty() {
+            let message = format!(
+                "{name}: no temperature of {}: what they do counts as at their reference temperatures",
+                missing.join(", ")
+            );
+            let unknown = columns.iter().find_map(|column| match column {
+                Column::Sensor(sensor) if !known.contains(&sensor.as_str()) => Some(sensor),
+                _ => None,
+            });
+            let help = match unknown {
+                Some(sensor) => format!("add columns with the name of the sensor and _C behind; no effect uses the column {sensor}_C"),
+                None => "add columns with the name of the sensor and _C behind".to_owned(),
+            };
+            findings.add(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help), &[]);
+        }
+        if needs_load && !columns.contains(&Column::Force) {
+            let message = format!("{name}: no workpiece weight is given: the table is taken as empty");
+            let help = "add a column load_N, 0 for none";
+            findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
+        }
+    }
+}
