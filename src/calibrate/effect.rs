@@ -93,6 +93,15 @@ impl Parameter {
         }
     }
 
+    /// Whether it does nothing because all that it changes is 0.
+    pub(super) fn is_idle(&self, errors: &ErrorModel) -> bool {
+        let Parameter::Effect(parameter) = self else { return false };
+        let Some(effect) = parameter.effect(errors).filter(|_| !parameter.is_linear) else { return false };
+        let mut is_idle = true;
+        change(&mut *effect.boxed(), |_, is_linear, value| is_idle &= !is_linear || *value == 0.0);
+        is_idle
+    }
+
     /// The value behind a step.
     pub(super) fn stepped(&self, value: f64, step: f64) -> f64 {
         let most = LARGEST_CHANGE * value.abs();

@@ -117,10 +117,10 @@ pub fn fit<P: Clone + Into<Parameter>>(
 ) -> Result<Fit, Fault> {
     let design = Design::new(machine, data, parameters);
     let mut errors = start.clone();
-    let linear: Vec<Parameter> = design.parameters.iter().filter(|one| one.is_linear()).cloned().collect();
-    if linear.len() < design.parameters.len() && !linear.is_empty() {
-        // An arm or a time constant does nothing where what it changes is 0.
-        errors = fit(machine, start, &linear, data, options)?.errors;
+    if design.parameters.iter().any(|parameter| parameter.is_idle(start)) {
+        // An arm or a time constant does nothing where what it changes is 0; a first value of that does.
+        let linear: Vec<Parameter> = design.parameters.iter().filter(|one| one.is_linear()).cloned().collect();
+        errors = fit(machine, start, &linear, data, Options { robust: false })?.errors;
     }
     let mut values = design.start(&errors);
     let mut rounds = Rounds::new(&design, data, options);

@@ -18,8 +18,8 @@ mod told;
 pub mod words;
 
 pub use column::Column;
-pub use effect::{EffectParameter, Parameter};
 pub use design::{Factored, Line, Origin, equations};
+pub use effect::{EffectParameter, Parameter};
 pub use fit::{Estimate, Fault, Fit, Options, fit};
 pub use identify::{Identified, identify};
 pub use quality::{Compared, Quality, quality};

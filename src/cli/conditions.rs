@@ -62,7 +62,9 @@ pub(super) fn check(chosen: &Chosen, all: &[Measurement], parameters: &[Paramete
                 _ => None,
             });
             let help = match unknown {
-                Some(sensor) => format!("add columns with the name of the sensor and _C behind; no effect uses the column {sensor}_C"),
+                Some(sensor) => format!(
+                    "add columns with the name of the sensor and _C behind; no effect uses the column {sensor}_C"
+                ),
                 None => "add columns with the name of the sensor and _C behind".to_owned(),
             };
             findings.add(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help), &[]);

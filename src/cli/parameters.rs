@@ -6,12 +6,12 @@ use std::path::Path;
 use super::findings::Findings;
 use super::input;
 use super::stop::Stop;
+use crate::calibrate::Parameter;
+use crate::calibrate::effect::{self, EffectParameter, effect_parameters};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
-use crate::calibrate::effect::{self, EffectParameter, effect_parameters};
-use crate::calibrate::Parameter;
-use crate::model::parameter::ParameterName;
 use crate::model::ErrorModel;
+use crate::model::parameter::ParameterName;
 use crate::model::preset::{PRESETS, find};
 use crate::source::{FileId, Source, Span};
 
@@ -106,7 +106,9 @@ fn read(source: &Source, machine: &Machine, errors: &ErrorModel) -> (Vec<Paramet
                     format!("{name}: the machine {} has no axis {axis}", machine.name),
                     "take it out, or check --machine",
                 ),
-                None if !seen.insert(name.to_string()) => report(format!("{name} is there twice"), "take one of them out"),
+                None if !seen.insert(name.to_string()) => {
+                    report(format!("{name} is there twice"), "take one of them out")
+                }
                 None => parameters.push(Parameter::from(name)),
             },
         }

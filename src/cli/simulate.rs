@@ -168,7 +168,8 @@ impl Job<'_> {
 
     /// Writes the table with the cells; columns that are not there are added behind the others.
     fn write(&self, rows: &[Vec<Cell>], out: &mut dyn std::io::Write) -> std::io::Result<()> {
-        let sign = Readings::with(self.table, self.machine, &self.plan.data.fixed).map_or(DecimalSign::Point, |readings| readings.sign());
+        let sign = Readings::with(self.table, self.machine, &self.plan.data.fixed)
+            .map_or(DecimalSign::Point, |readings| readings.sign());
         let separator = char::from(self.table.separator());
         let mut added: Vec<&str> = Vec::new();
         for cell in rows.iter().flatten() {

@@ -324,8 +324,8 @@ the description are wrong. The same is said of a parameter that would move the t
 a larger --max.";
     BAD_PARAMETER = "E0609" "no parameter of this machine"
 "A file for --model has a parameter in each line, and comments behind #: EC0Y is a location error, EXX1 the coefficient of degree 1 of a motion error,
-EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm. The axis must be there in the machine file, and a parameter
-stands there once.";
+EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm; load.EAX, drift.Y or expansion.X.scale are those of effects, which must be there in
+the machine file. The axis must be there, too, and a parameter stands there once.";
 
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
@@ -390,7 +390,7 @@ for the same parts, twice as much is corrected. Both are right in one file only 
 "[sensor.NAME] gives the reference temperature of a sensor that is in no [[drift]], [[expansion]] or [[segment]]. A misspelt name leaves the sensor that was
 meant at the reference temperature of the machine.";
     NO_TEMPERATURES = "W0501" "temperatures not given"
-"The error model has sources that depend on temperatures, and no --state gives them. They count as if all sensors were at their
+"The error model has sources that depend on temperatures, and no --state, or in a calibration the table of readings, gives them. They count as if all sensors were at their
 reference temperature: no drift, no expansion.";
     NO_LOAD = "W0502" "workpiece weight not given, or without effect"
 "The error model has effects of the weight on the table, and neither --load nor --state says what stands there. The table counts as

@@ -7,7 +7,7 @@ mod rows;
 use std::sync::LazyLock;
 
 use crate::csv::{Row, Table};
-use crate::diagnostic::{Diagnostic, Place};
+use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{Axis, Vector};
 use crate::machine::{Condition, Machine};
 use crate::model::ErrorName;
@@ -171,6 +171,11 @@ fn load_as(
     let (rows, found) = Table::read(table);
     findings.extend(found);
     let (Some(mut data), Some(rows)) = (description, rows) else { return (None, findings) };
+    for (axis, _) in data.fixed.iter().filter(|(axis, _)| machine.axis(*axis).is_none()) {
+        let message = format!("the machine {} has no axis {axis}, and [position] says where it stood", machine.name);
+        let help = "check --machine, or take it out of the description";
+        findings.push(Diagnostic::at(Code::DATA_COLUMN, rows.header_place(None), message, help));
+    }
     data.is_plan = is_plan;
     match Readings::with(&rows, machine, &data.fixed) {
         Err(found) => findings.extend(found),

@@ -55,11 +55,7 @@ impl<'a> Readings<'a> {
     ///
     /// # Errors
     /// As of [`Readings::new`].
-    pub fn with(
-        table: &Table,
-        machine: &'a Machine,
-        fixed: &[(Axis, f64)],
-    ) -> Result<Readings<'a>, Vec<Diagnostic>> {
+    pub fn with(table: &Table, machine: &'a Machine, fixed: &[(Axis, f64)]) -> Result<Readings<'a>, Vec<Diagnostic>> {
         let mut standing = AxisVector::ZERO;
         fixed.iter().for_each(|&(axis, at)| standing[axis] = at);
         let is_fixed = |axis: Axis| fixed.iter().any(|&(known, _)| known == axis);

@@ -50,7 +50,11 @@ pub fn write(text: &str, read: &ErrorModel, changed: &ErrorModel) -> Result<Stri
                 })
         });
         if !is_done {
-            return Err(NotWritable(format!("the machine file has no effect number {} of {}", number + 1, changed.label())));
+            return Err(NotWritable(format!(
+                "the machine file has no effect number {} of {}",
+                number + 1,
+                changed.label()
+            )));
         }
     }
     Ok(edit.text())
@@ -67,7 +71,11 @@ fn values_of(effect: &dyn Effect) -> Vec<Shown> {
     let mut out = Vec::new();
     effect.boxed().visit_parameters(&mut |parameter, value| {
         let factor = parameter.written.map_or(1.0, |written| written.factor);
-        out.push(Shown { value: *value, key: parameter.written.map(|written| (written.entry, written.key.to_owned())), factor });
+        out.push(Shown {
+            value: *value,
+            key: parameter.written.map(|written| (written.entry, written.key.to_owned())),
+            factor,
+        });
     });
     out
 }

@@ -72,8 +72,7 @@ fn check_columns(table: &Table, columns: &[Column], findings: &mut Vec<Diagnosti
     if !columns.contains(&Column::Time) {
         report("the log has no column t_s", "add a column t_s with the time of each row in s");
     }
-    let says_something =
-        |column: &Column| matches!(column, Column::Sensor(_) | Column::Force | Column::LoadPlace(_));
+    let says_something = |column: &Column| matches!(column, Column::Sensor(_) | Column::Force | Column::LoadPlace(_));
     if !columns.iter().any(says_something) {
         let help = "name the columns of temperatures like their sensors with _C behind, T_head_C for the sensor T_head";
         report("the log has no column of a temperature or a load", help);

@@ -182,7 +182,9 @@ mod tests {
         (1..40).for_each(|k| long.add(10.0 * f64::from(k), 20.0 + f64::from(k * k % 17)));
         let times_s = [-10.0, 0.0, 3.0, 50.0, 100.0, 110.0, 250.0, 250.0, 400.0, 900.0];
         let lags_s: Vec<f64> = (0..50).map(f64::from).chain([60.0, 5000.0, 1.0]).collect();
-        for (trace, lag_s) in [&short, &long].into_iter().flat_map(|trace| lags_s.iter().map(move |&lag_s| (trace, lag_s))) {
+        for (trace, lag_s) in
+            [&short, &long].into_iter().flat_map(|trace| lags_s.iter().map(move |&lag_s| (trace, lag_s)))
+        {
             for (&time_s, value) in times_s.iter().zip(trace.lagged_at(&times_s, lag_s)) {
                 assert!((trace.lagged(time_s, lag_s).unwrap() - value).abs() < 1e-12, "{time_s} {lag_s}");
             }

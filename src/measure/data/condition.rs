@@ -60,7 +60,8 @@ pub(super) fn begin(table: &Table, findings: &mut Vec<Diagnostic>) -> Option<Con
     if let Some(force) = columns.iter().position(|column| *column == Column::Force)
         && !columns.iter().any(|column| matches!(column, Column::LoadPlace(_)))
     {
-        let help = "add load_x_mm, load_y_mm, load_z_mm, any of them: mm from the center of the table, 0 for the center";
+        let help =
+            "add load_x_mm, load_y_mm, load_z_mm, any of them: mm from the center of the table, 0 for the center";
         let message = "there is the weight of a load but not its place";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(Some(force)), message, help));
     }

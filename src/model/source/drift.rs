@@ -167,12 +167,15 @@ impl Effect for Drift {
 fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
     let (axes, machine) = (reading.axes, reading.machine);
     let sections = reading.root.sections("drift");
-    let entries: Vec<Entry> =
-        sections.into_iter().enumerate().filter_map(|(number, section)| {
+    let entries: Vec<Entry> = sections
+        .into_iter()
+        .enumerate()
+        .filter_map(|(number, section)| {
             let mut entry = read_entry(section, axes, machine, reading.findings)?;
             entry.node.entry = number;
             Some(entry)
-        }).collect();
+        })
+        .collect();
     for direction in DIRECTIONS.into_iter().take(3) {
         let own = entries.iter().filter(|entry| entry.direction == direction).collect();
         errors.effects.extend(join(own, reading.findings).map(|drift| Box::new(drift) as Box<dyn Effect>));

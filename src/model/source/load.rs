@@ -214,12 +214,22 @@ impl Effect for LoadEffect {
         match &mut self.amount {
             Amount::Constant(value) => {
                 let (key, factor) = written_as("value", is_rotation);
-                visit(&Parameter { name: &component, is_linear: true, written: Some(Written { entry, key: &key, factor }) }, value);
+                visit(
+                    &Parameter {
+                        name: &component,
+                        is_linear: true,
+                        written: Some(Written { entry, key: &key, factor }),
+                    },
+                    value,
+                );
             }
             Amount::Function(function) => function.visit_values(&mut |name, value| {
                 let (key, factor) = written_as(name, is_rotation);
                 let name = format!("{component}.{name}");
-                visit(&Parameter { name: &name, is_linear: true, written: Some(Written { entry, key: &key, factor }) }, value);
+                visit(
+                    &Parameter { name: &name, is_linear: true, written: Some(Written { entry, key: &key, factor }) },
+                    value,
+                );
             }),
         }
         let (key, arm) = match &mut self.lean {

@@ -1,0 +1,177 @@
+//! `ncfix simulate` and `ncfix calibrate` with temperatures and loads at each reading: sessions, what is refused, what is written.
+
+use std::fmt::Write as _;
+
+use crate::calibrate_effects::{halved, levels};
+use crate::support::{Shop, repository};
+
+const DIRECT: &str = "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\n";
+const MODEL: &str = "load.EAX   # all coefficients\nload.EAX.arm_mm\nload.EA0B\n";
+
+fn loads() -> Shop {
+    let maho = std::fs::read_to_string(repository("samples/machines/maho700s.toml")).unwrap();
+    Shop::new()
+        .file("true.toml", maho)
+        .file("start.toml", halved())
+        .file("plan.csv", levels())
+        .file("plan.toml", DIRECT)
+        .file("model.txt", MODEL)
+}
+
+#[test]
+fn a_session_of_levels_with_loads() {
+    let shop = loads();
+    let more = ["--machine", "true.toml", "--noise", "0.5um", "--seed"];
+    shop.run(["simulate", "plan.csv", "-o", "levels.csv"].into_iter().chain(more).chain(["1"])).exits(0);
+    shop.run(["simulate", "plan.csv", "-o", "held.csv"].into_iter().chain(more).chain(["2"])).exits(0);
+    let arguments =
+        ["calibrate", "levels.csv", "--machine", "start.toml", "--model", "model.txt", "-o", "machine.toml"];
+    let run = shop.run(arguments.into_iter().chain(["--hold-out", "held.csv", "--json"])).exits(0);
+    let report = run.json();
+    let list = report["parameters"].as_array().unwrap();
+    // As the sample file has it: rad per power of mm, shown in µrad per power of m.
+    let expected = [
+        ("load.EAX.coefficients[0]", 85.75, "µrad"),
+        ("load.EAX.coefficients[1]", -490.0, "µrad/m"),
+        ("load.EAX.coefficients[2]", 700.0, "µrad/m^2"),
+        ("load.EAX.knots[0].coefficients[2]", -1400.0, "µrad/m^2"),
+        ("load.EAX.arm_mm", 375.0, "mm"),
+        ("load.EA0B", -150.0, "µrad"),
+    ];
+    assert_eq!(list.len(), expected.len(), "{report}");
+    for (name, value, unit) in expected {
+        let one = list.iter().find(|one| one["name"] == name).unwrap_or_else(|| panic!("{name}: {report}"));
+        let [found, sigma] = ["value", "sigma"].map(|key| one[key].as_f64().unwrap());
+        assert!((found - value).abs() < 4.0 * sigma && sigma < 0.05 * value.abs(), "{name}: {one}");
+        assert_eq!(one["unit"], unit);
+        assert!(one["effect_um"].as_f64().unwrap() >= 0.0 && one["inflation"].as_f64().unwrap() >= 1.0);
+    }
+    for data in report["data"].as_array().unwrap() {
+        assert!((data["left_rms"].as_f64().unwrap() / 0.5 - 1.0).abs() < 0.25, "{data}");
+    }
+    let codes: Vec<&str> =
+        report["diagnostics"].as_array().unwrap().iter().filter_map(|one| one["code"].as_str()).collect();
+    assert_eq!(codes, ["W0501", "W0501"], "{report}");
+    let (start, written) = (shop.text("start.toml"), shop.text("machine.toml"));
+    let changed: Vec<&str> = start.lines().filter(|line| !written.lines().any(|new| new == *line)).collect();
+    assert_eq!(changed.len(), 4, "{changed:?}");
+    assert!(written.contains("# from a sketch") && written.contains("# guessed"), "{written}");
+    shop.run(["machine", "check", "machine.toml"]).exits(0);
+}
+
+#[test]
+fn one_load_does_not_tell_its_effect_from_the_geometry() {
+    let mut table = "X,Y,Z,B,component,value_urad,load_N,load_z_mm\n".to_owned();
+    for k in 0..15 {
+        let _ = writeln!(table, "{},200,100,0,EAX,{},4800,0", 50 * k, k % 3);
+    }
+    let shop =
+        loads().file("one.csv", table).file("one.toml", DIRECT).file("model.txt", "EAX1\nload.EAX.coefficients[1]\n");
+    let run = shop.run(["calibrate", "one.csv", "--machine", "start.toml", "--model", "model.txt", "-o", "m.toml"]);
+    let run = run.exits(4).says("E0606").says("load.EAX.coefficients[1] cannot be told from EAX1");
+    run.says("there was only one load: measure without it, too");
+    assert!(!shop.names().contains(&"m.toml".to_owned()));
+}
+
+const THREE: &str = "[machine]\nname = \"three\"\ntopology = \"wFXYZSt\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 700]\n\
+    [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 600]\n";
+
+fn drift(um_per_k: f64) -> String {
+    format!(
+        "{THREE}[[drift]]\ndirection = \"Z\"\nsensors = [{{ name = \"T_head\", um_per_K = {um_per_k}, lag_s = 300 }}]   # one is enough\n"
+    )
+}
+
+/// A table as `ncfix sensors` reads it: no columns of axes, no set-ups.
+#[test]
+fn a_table_of_drift_needs_no_columns_of_axes() {
+    let mut table = "t_s,dz_um,T_head_C\n".to_owned();
+    let mut follower = 21.0;
+    let head = |t_s: f64| 21.0 + t_s.min(3000.0) / 500.0;
+    for k in 0..40 {
+        let t_s = 120.0 * f64::from(k);
+        // 2.5 µm/K of what follows with 300 s, from the first row on; ± 0.1 µm.
+        let noise = if k % 2 == 0 { 0.1 } else { -0.1 };
+        let _ = writeln!(table, "{t_s},{:.4},{}", 2.5 * (follower - 21.0) + noise, head(t_s));
+        for step in 0..1200 {
+            let at = t_s + 0.1 * (f64::from(step) + 0.5);
+            follower += 0.1 * (head(at) - follower) / 300.0;
+        }
+    }
+    let description =
+        "[measurement]\nkind = \"displacement\"\nsigma_um = 0.1\n[position]\nX_mm = 350\nY_mm = 250\nZ_mm = 300\n";
+    let shop = Shop::new()
+        .file("start.toml", drift(0.0))
+        .file("run.csv", table)
+        .file("run.toml", description)
+        .file("model.txt", "drift\ndrift.Z.T_head.lag_s\n");
+    let arguments =
+        ["calibrate", "run.csv", "--machine", "start.toml", "--model", "model.txt", "-o", "m.toml", "--json"];
+    let report = shop.run(arguments).exits(0).json();
+    let list = report["parameters"].as_array().unwrap();
+    for (one, (name, value, unit)) in
+        list.iter().zip([("drift.Z.T_head", 2.5, "µm/K"), ("drift.Z.T_head.lag_s", 300.0, "s")])
+    {
+        assert_eq!((one["name"].as_str(), one["unit"].as_str()), (Some(name), Some(unit)));
+        let [found, sigma] = ["value", "sigma"].map(|key| one[key].as_f64().unwrap());
+        assert!((found - value).abs() < 3.0 * sigma && sigma < 0.05 * value, "{one}");
+    }
+    assert_eq!(list.len(), 2);
+    let written = shop.text("m.toml");
+    assert!(written.contains("# one is enough") && written.contains("um_per_K = 2."), "{written}");
+    // The same table selects sensors.
+    shop.run(["sensors", "run.csv", "--machine", "start.toml"]).exits(0);
+    // Its axes must be somewhere, on this machine.
+    let shop = shop.file("run.toml", "[measurement]\nkind = \"displacement\"\n[position]\nX_mm = 350\nZ_mm = 300\n");
+    let arguments = &arguments[..arguments.len() - 1];
+    shop.run(arguments).exits(4).says("E0602").says("there is no column Y");
+    let shop = shop.file("run.toml", format!("{description}A_deg = 3\n"));
+    shop.run(arguments).exits(4).says("E0602").says("has no axis A");
+}
+
+#[test]
+fn wrong_conditions_are_found_at_their_place() {
+    let cases = [
+        ("X,Y,Z,dz_um,T_head_C\n1,2,3,4,20\n1,2,4,4,nan\n", "E0603", "3:9"),
+        ("X,Y,Z,dz_um,T_head_C\n1,2,3,4,20\n1,2,4,4,warm\n", "E0603", "3:9"),
+        ("X,Y,Z,dz_um,T_head_C\n1,2,3,4,2000\n1,2,4,4,20\n", "E0603", "2:9"),
+        ("X,Y,Z,dz_um,T_head_C\n1,2,3,4,20\n1,2,4,4,\n", "E0603", "3:9"),
+        ("t_s,X,Y,Z,dz_um,T_head_C\n5,1,2,3,4,20\n4,1,2,4,4,21\n", "E0603", "3:1"),
+        ("t_s,X,Y,Z,dz_um,T_head_C\n5,1,2,3,4,20\n,1,2,4,4,21\n", "E0603", "3:1"),
+        ("X,Y,Z,dz_um,T_head_C,load_N\n1,2,3,4,20,100\n", "E0602", "1:22"),
+        ("X,Y,Z,dz_um,T_head_C,load_z_mm\n1,2,3,4,20,100\n", "E0602", "1:1"),
+        ("X,Y,Z,dz_um,T_head_C,load_N,load_z_mm\n1,2,3,4,20,-100,0\n", "E0603", "2:12"),
+        ("X,Y,Z,dz_um,T_head_C,load_N,load_z_mm\n1,2,3,4,20,1e9,0\n", "E0603", "2:12"),
+    ];
+    for (table, code, place) in cases {
+        let shop = Shop::new()
+            .file("start.toml", drift(1.0))
+            .file("run.csv", table)
+            .file("run.toml", "[measurement]\nkind = \"displacement\"\n")
+            .file("model.txt", "drift\n");
+        let run = shop.run(["calibrate", "run.csv", "--machine", "start.toml", "--model", "model.txt", "-o", "m.toml"]);
+        run.exits(4).says(code).says(&format!("run.csv:{place}"));
+        assert!(!shop.names().contains(&"m.toml".to_owned()), "{table}");
+    }
+}
+
+#[test]
+fn lines_and_sensors_that_are_unknown_are_named() {
+    let table = "t_s,X,Y,Z,dz_um,T_hed_C\n0,1,2,3,4,20\n9,1,2,3,5,25\n";
+    let shop = Shop::new()
+        .file("start.toml", drift(1.0))
+        .file("run.csv", table)
+        .file("run.toml", "[measurement]\nkind = \"displacement\"\n");
+    let calibrate = |model: &str| {
+        let shop = shop.run(["calibrate", "run.csv", "--machine", "start.toml", "--model", model, "-o", "m.toml"]);
+        shop.exits(4)
+    };
+    std::fs::write(shop.path("a.txt"), "EZZ1\n drift.Z.T_nose # this\n").unwrap();
+    calibrate("a.txt").says("E0609").says("a.txt:2:2").says("drift.Z.T_head");
+    std::fs::write(shop.path("b.txt"), "load\n").unwrap();
+    calibrate("b.txt").says("E0609").says("b.txt:1:1").says("no [[load]]");
+    std::fs::write(shop.path("c.txt"), "drift\ndrift.Z\n").unwrap();
+    calibrate("c.txt").says("c.txt:2:1").says("there twice");
+    std::fs::write(shop.path("d.txt"), "drift\n").unwrap();
+    calibrate("d.txt").says("E0501").says("T_head");
+}
