@@ -5,10 +5,10 @@
 use std::fmt::Write as _;
 
 use ncfix::calibrate::effect::{effect_parameters, named};
-use ncfix::calibrate::{Options, Parameter, fit, quality};
+use ncfix::calibrate::{Options, Parameter, equations, fit, quality};
 use ncfix::machine::Machine;
 use ncfix::measure::data::{self, DataSet};
-use ncfix::model::{ErrorModel, file};
+use ncfix::model::{ErrorModel, SOURCES, file, write};
 use ncfix::source::{FileId, Source};
 
 use crate::model::Random;
@@ -361,4 +361,56 @@ fn runs_that_begin_again_have_clocks_of_their_own_and_steady_rows_share_a_condit
     };
     assert_eq!([2, 4, 5].map(zero), [20.0, 30.0, 31.0]);
     assert_eq!(data.condition(&data.observations[5]).trace("T_a").unwrap().points().len(), 3);
+}
+
+/// Every source with parameters: its factors are the derivatives of what the whole model says, and a changed machine file reads back as changed.
+#[test]
+fn factors_are_derivatives_and_what_is_written_reads_back() {
+    let own = SOURCES.iter().filter(|source| ["load", "structure", "drift", "expansion"].contains(&source.name));
+    let text = three_axes(&own.map(|source| source.example).collect::<String>());
+    let (loaded, findings) = file::load(&source(0, "machine.toml", &text));
+    assert!(findings.iter().all(|finding| !finding.is_error()), "{findings:?}");
+    let (machine, errors) = loaded.unwrap();
+    let sensors = errors.sensors();
+    let mut random = Random(9);
+    let mut table = format!("t_s,X,Y,Z,dx_um,dy_um,dz_um,tool_z_mm,load_N,load_z_mm,{}_C\n", sensors.join("_C,"));
+    for k in 0..8 {
+        let warm =
+            sensors.iter().map(|_| format!("{:.3}", 24.0 + 4.0 * random.symmetric())).collect::<Vec<_>>().join(",");
+        let [x, y, z] = [700.0, 500.0, 600.0].map(|travel| travel * (0.5 + 0.5 * random.symmetric()));
+        let _ = writeln!(table, "{},{x},{y},{z},,,,-90,{},{},{warm}", 300 * k, 1000 * k, 40 * k - 100);
+    }
+    let data = [plan(&table, "[measurement]\nkind = \"displacement\"\n", &machine)];
+    let all: Vec<Parameter> = effect_parameters(&errors).into_iter().map(Parameter::from).collect();
+    assert!(all.len() > 20);
+    let seen = |errors: &ErrorModel| equations(&machine, errors, &all, &data, None).1;
+    let factored = seen(&errors);
+    for (k, parameter) in all.iter().enumerate() {
+        let value = parameter.get(&errors);
+        if !parameter.is_linear() && value == 0.0 {
+            continue;
+        }
+        let largest = factored.iter().fold(0.0, |most, (_, factors)| f64::max(most, factors[k].abs()));
+        assert!(largest > 0.0, "{parameter} does nothing");
+        let step = if parameter.is_linear() { 1e-4 / largest } else { 1e-3 * value.abs() };
+        let [above, below] = [step, -step].map(|side| {
+            let mut moved = errors.clone();
+            parameter.set(&mut moved, value + side);
+            seen(&moved)
+        });
+        for (((_, factors), (above, _)), (below, _)) in factored.iter().zip(&above).zip(&below) {
+            let slope = (below.residual - above.residual) / (2.0 * step);
+            assert!((slope - factors[k]).abs() < 2e-3 * largest, "{parameter}: {slope:e} is not {:e}", factors[k]);
+        }
+    }
+    let mut changed = errors.clone();
+    for (k, parameter) in all.iter().enumerate() {
+        parameter.set(&mut changed, parameter.get(&errors) * (1.1 + 0.01 * k as f64));
+    }
+    let written = write::write(&text, &errors, &changed).unwrap();
+    let (_, again) = file::load(&source(0, "machine.toml", &written)).0.unwrap();
+    for parameter in &all {
+        let [one, other] = [&changed, &again].map(|errors| parameter.get(errors));
+        assert!((one - other).abs() <= 1e-10 * one.abs(), "{parameter}: {one:e} is written as {other:e}");
+    }
 }
