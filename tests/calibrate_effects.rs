@@ -391,7 +391,11 @@ fn factors_are_derivatives_and_what_is_written_reads_back() {
             continue;
         }
         let largest = factored.iter().fold(0.0, |most, (_, factors)| f64::max(most, factors[k].abs()));
-        assert!(largest > 0.0, "{parameter} does nothing");
+        // Two sensors at an end tell no torsion.
+        assert_eq!(largest > 0.0, parameter.to_string() != "segment.bed.torsion_share", "{parameter}");
+        if largest == 0.0 {
+            continue;
+        }
         let step = if parameter.is_linear() { 1e-4 / largest } else { 1e-3 * value.abs() };
         let [above, below] = [step, -step].map(|side| {
             let mut moved = errors.clone();

@@ -287,6 +287,16 @@ impl EffectParameter {
             });
             collect(machine, moved, condition, 0.5 / side, &mut out);
         }
+        // What it does not change at all is no small number left by the arithmetic.
+        let (above, below) = out.split_at(out.len() / 2);
+        let alike = |(one, other): (&Part, &Part)| {
+            one.component == other.component
+                && one.function == other.function
+                && one.factor.to_bits() == (-other.factor).to_bits()
+        };
+        if above.len() == below.len() && above.iter().zip(below).all(alike) {
+            out.clear();
+        }
         out
     }
 }

@@ -20,6 +20,8 @@ use super::words::{self, Lost};
 const MAX_ROUNDS: usize = 60;
 /// Rounds with weights that cannot lock on to a wrong start.
 const EARLY_ROUNDS: usize = 4;
+/// The same where parameters are not proportional.
+const CURVED_ROUNDS: usize = 16;
 /// Steps below this share of their uncertainty say nothing.
 const SETTLED: f64 = 1e-3;
 /// Steps that are still like this after the last round are good enough: weights that go to and fro.
@@ -203,7 +205,12 @@ impl<'a> Rounds<'a> {
 
     /// Rounds whose weights are not those of the end.
     fn early(&self) -> usize {
-        if self.options.robust { EARLY_ROUNDS } else { 1 }
+        match (self.options.robust, self.design.is_curved()) {
+            (false, _) => 1,
+            (true, false) => EARLY_ROUNDS,
+            // What is not proportional gets to where residuals say something in more rounds.
+            (true, true) => CURVED_ROUNDS,
+        }
     }
 
     /// Looks at the residuals: finds noise and weights. Returns whether the noise stayed the same.
@@ -244,9 +251,9 @@ impl<'a> Rounds<'a> {
         // A first step brings the residuals to where they say something.
         let is_same = round > 0 && self.noise.update(&self.lines, &self.used, self.options.robust);
         let counts = self.options.robust && round > 0;
-        let noise = &self.noise;
+        let (noise, early) = (&self.noise, self.early().max(EARLY_ROUNDS));
         let weight = |line: &Line| {
-            if counts && line.row().is_some() { noise.weight(line, round <= EARLY_ROUNDS) } else { 1.0 }
+            if counts && line.row().is_some() { noise.weight(line, round <= early) } else { 1.0 }
         };
         self.weights = self.lines.iter().map(weight).collect();
         Ok(is_same)
