@@ -43,9 +43,7 @@ fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
             let (factor, unit) = parameter.unit();
             (factor, unit.to_owned())
         }
-        Column::Unknown(..) => {
-            coefficient_unit(column.is_angle() || is_zero_of_angles(column, data), false, 0)
-        }
+        Column::Unknown(..) => coefficient_unit(column.is_angle() || is_zero_of_angles(column, data), false, 0),
     }
 }
 
