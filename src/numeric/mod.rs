@@ -1,7 +1,9 @@
-//! Least squares and statistics: plain arithmetic that knows no machine tools.
+//! Least squares, the choice of columns, and statistics: plain arithmetic that knows no machine tools.
 
 pub mod least_squares;
 pub mod normal;
+pub mod stepwise;
+pub mod student;
 
 pub use least_squares::{RANK_LIMIT, Solution, System};
 pub use normal::{Normal, Step};

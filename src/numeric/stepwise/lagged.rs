@@ -1,0 +1,206 @@
+//! Rows whose noise follows that of the row before: products of columns for any correlation, and the correlation that the rows say.
+//!
+//! First-order autoregression within each series: a row less ρ times the one before it, over √(1 − ρ²), has noise of its own; the first row of
+//! a series stays. The products of rows treated like this are a sum of three matrices with factors of ρ alone, so that a ρ costs no new pass over
+//! the rows. ρ is that of the greatest restricted likelihood (Patterson & Thompson 1971), which does not mistake what the columns use up for
+//! a lack of correlation.
+
+use nalgebra::linalg::Cholesky;
+use nalgebra::{DMatrix, DMatrixView};
+
+/// Columns (rows of the data) that are multiplied at once.
+const BLOCK: usize = 512;
+/// No correlation is assumed to be larger, nor one below 0: that would make slow effects look surer than they are.
+pub(super) const MOST: f64 = 0.99;
+/// Trials on the way to a correlation.
+const TRIALS: usize = 24;
+/// Rounds over the groups of noise.
+const ROUNDS: usize = 2;
+/// Share of the interval that is left at each trial of the golden section.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Where the rows of one group of noise stand, and which of them begin a series; groups stand one after the other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Group {
+    pub(super) from: usize,
+    pub(super) until: usize,
+    /// Rows that begin a series, the first one of the group among them.
+    pub(super) begins: Vec<usize>,
+}
+
+#[derive(Clone, Debug)]
+struct Products {
+    own: DMatrix<f64>,
+    inner: DMatrix<f64>,
+    lag: DMatrix<f64>,
+    /// Rows that follow another.
+    follow: usize,
+}
+
+/// Products of all columns, a group of noise at a time.
+#[derive(Clone, Debug)]
+pub(super) struct Lagged {
+    groups: Vec<Products>,
+    rows: usize,
+}
+
+/// Adds the products of columns of two matrices.
+pub(super) fn add_products(to: &mut DMatrix<f64>, one: DMatrixView<'_, f64>, other: DMatrixView<'_, f64>, sign: f64) {
+    let mut from = 0;
+    while from < one.ncols() {
+        let count = BLOCK.min(one.ncols() - from);
+        to.gemm(sign, &one.columns(from, count), &other.columns(from, count).transpose(), 1.0);
+        from += count;
+    }
+}
+
+impl Lagged {
+    /// `rows` has a row of the data in each column.
+    pub(super) fn new(rows: &DMatrix<f64>, groups: &[Group]) -> Lagged {
+        let width = rows.nrows();
+        let products = |group: &Group| {
+            let count = group.until - group.from;
+            let mut own = DMatrix::zeros(width, width);
+            let all = rows.columns(group.from, count);
+            add_products(&mut own, all.as_view(), all.as_view(), 1.0);
+            let follow = count - group.begins.len().min(count);
+            let (mut inner, mut lag) = (DMatrix::zeros(0, 0), DMatrix::zeros(0, 0));
+            if follow > 0 {
+                let first = rows.select_columns(&group.begins);
+                let ends = group.begins.iter().skip(1).chain([&group.until]);
+                let last = rows.select_columns(&ends.map(|next| next - 1).collect::<Vec<usize>>());
+                inner = own.clone();
+                add_products(&mut inner, first.as_view(), first.as_view(), -1.0);
+                add_products(&mut inner, last.as_view(), last.as_view(), -1.0);
+                let mut half = DMatrix::zeros(width, width);
+                let (before, behind) = (rows.columns(group.from, count - 1), rows.columns(group.from + 1, count - 1));
+                add_products(&mut half, before.as_view(), behind.as_view(), 1.0);
+                // Where one series ends and another begins.
+                let borders = group.begins.len() - 1;
+                add_products(&mut half, last.columns(0, borders).as_view(), first.columns(1, borders).as_view(), -1.0);
+                lag = half.transpose() + &half;
+            }
+            Products { own, inner, lag, follow }
+        };
+        Lagged { groups: groups.iter().map(products).collect(), rows: rows.ncols() }
+    }
+
+    /// Products at these correlations.
+    pub(super) fn gram(&self, correlation: &[f64]) -> DMatrix<f64> {
+        let width = self.groups.first().map_or(0, |group| group.own.nrows());
+        let mut out = DMatrix::zeros(width, width);
+        for (group, &rho) in self.groups.iter().zip(correlation) {
+            if group.follow == 0 {
+                out += &group.own;
+                continue;
+            }
+            let scale = 1.0 / (1.0 - rho * rho);
+            for (((to, own), inner), lag) in
+                out.iter_mut().zip(group.own.iter()).zip(group.inner.iter()).zip(group.lag.iter())
+            {
+                *to += (own + rho * (rho * inner - lag)) * scale;
+            }
+        }
+        out
+    }
+
+    /// The same of some columns, the last of which is the value.
+    pub(super) fn only(&self, columns: &[usize]) -> Lagged {
+        let part = |matrix: &DMatrix<f64>| {
+            if matrix.is_empty() { matrix.clone() } else { matrix.select_columns(columns).select_rows(columns) }
+        };
+        let groups = self.groups.iter().map(|group| Products {
+            own: part(&group.own),
+            inner: part(&group.inner),
+            lag: part(&group.lag),
+            follow: group.follow,
+        });
+        Lagged { groups: groups.collect(), rows: self.rows }
+    }
+
+    /// −2 ln of the restricted likelihood; infinite where the columns are not independent.
+    fn deviance(&self, correlation: &[f64]) -> f64 {
+        let gram = self.gram(correlation);
+        let count = gram.nrows().saturating_sub(1);
+        let freedom = self.rows.saturating_sub(count).max(1) as f64;
+        let Some(factored) = Cholesky::new(gram) else { return f64::INFINITY };
+        let pivots = factored.l_dirty().diagonal();
+        let volume: f64 = pivots.iter().take(count).map(|pivot| 2.0 * pivot.ln()).sum();
+        let left = pivots.iter().next_back().map_or(0.0, |pivot| 2.0 * pivot.ln());
+        let noise = self.groups.iter().zip(correlation);
+        freedom * left
+            + volume
+            + noise.map(|(group, rho)| group.follow as f64 * (1.0 - rho * rho).ln()).sum::<f64>()
+    }
+
+    /// The correlation of each group at the greatest likelihood, and the variance of each.
+    pub(super) fn correlations(&self) -> (Vec<f64>, Vec<f64>) {
+        let mut found = vec![0.0; self.groups.len()];
+        for _ in 0..ROUNDS.min(self.groups.len()) {
+            for number in 0..found.len() {
+                if self.groups.get(number).is_some_and(|group| group.follow > 0) {
+                    let at = |rho: f64| self.deviance(&with(&found, number, rho));
+                    let best = least(at);
+                    found[number] = best;
+                }
+            }
+        }
+        let variances = (0..found.len()).map(|number| self.variance(&found, number)).collect();
+        (found, variances)
+    }
+
+    /// From the curvature of the likelihood, which is not trusted beyond what as many rows can say.
+    fn variance(&self, found: &[f64], number: usize) -> f64 {
+        let Some((group, &rho)) = self.groups.get(number).zip(found.get(number)).filter(|(group, _)| group.follow > 0)
+        else {
+            return 0.0;
+        };
+        let step = step_at(rho);
+        let middle = rho.max(step).min(1.0 - 2.0 * step);
+        let at = |rho: f64| self.deviance(&with(found, number, rho));
+        let curvature = (at(middle - step) - 2.0 * at(middle) + at(middle + step)) / (step * step);
+        let least = (1.0 - rho * rho) / group.follow as f64;
+        if curvature.is_finite() && curvature > 0.0 { (2.0 / curvature).clamp(least, 1.0 / 3.0) } else { least.max(0.1) }
+    }
+
+    /// Whether the rows of a group follow each other.
+    pub(super) fn follows(&self, number: usize) -> bool {
+        self.groups.get(number).is_some_and(|group| group.follow > 0)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.groups.len()
+    }
+}
+
+/// By how much a correlation is changed to see what follows from it.
+pub(super) fn step_at(rho: f64) -> f64 {
+    0.25 * (1.0 - rho)
+}
+
+/// Correlations with another one in one place.
+pub(super) fn with(correlation: &[f64], number: usize, rho: f64) -> Vec<f64> {
+    correlation.iter().enumerate().map(|(k, &own)| if k == number { rho } else { own }).collect()
+}
+
+/// Where a function of the correlation is least.
+fn least(at: impl Fn(f64) -> f64) -> f64 {
+    // In what is left to 1, whose logarithm is what correlations differ by.
+    let rho = |scale: f64| 1.0 - (1.0 - MOST).powf(scale);
+    let (mut low, mut high) = (0.0, 1.0);
+    let (mut one, mut two) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+    let (mut at_one, mut at_two) = (at(rho(one)), at(rho(two)));
+    for _ in 0..TRIALS {
+        if at_one <= at_two {
+            (high, two, at_two) = (two, one, at_one);
+            one = high - GOLDEN * (high - low);
+            at_one = at(rho(one));
+        } else {
+            (low, one, at_one) = (one, two, at_two);
+            two = low + GOLDEN * (high - low);
+            at_two = at(rho(two));
+        }
+    }
+    let middle = rho(f64::midpoint(low, high));
+    if at(0.0) <= at(middle) { 0.0 } else { middle }
+}

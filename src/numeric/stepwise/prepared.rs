@@ -1,0 +1,156 @@
+//! Rows as the choice needs them: candidates and value less what the columns that are always in say of them, neighbours beside each other.
+
+use std::collections::HashMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Rows;
+use super::lagged::Group;
+
+/// A column of which less than this share is left by those before it is told by them; as [`crate::numeric::RANK_LIMIT`].
+const LEAST_LEFT: f64 = crate::numeric::RANK_LIMIT;
+
+/// The rows, one in each column: what is always in, the candidates that are told, the value.
+#[derive(Clone, Debug)]
+pub(super) struct Prepared {
+    pub(super) rows: DMatrix<f64>,
+    /// How many columns are always in.
+    pub(super) always: usize,
+    /// The candidates that are told, by their numbers among all candidates.
+    pub(super) told: Vec<usize>,
+    /// The others.
+    pub(super) not_told: Vec<usize>,
+    /// The length of each candidate that is told before it was made 1.
+    pub(super) lengths: Vec<f64>,
+    pub(super) groups: Vec<Group>,
+    /// Whether a row begins a series.
+    pub(super) begins: Vec<bool>,
+    /// The group of noise of each row.
+    pub(super) noise: Vec<usize>,
+    /// Where each row stood.
+    pub(super) order: Vec<usize>,
+}
+
+impl Prepared {
+    /// `None` where numbers are not finite or counts disagree.
+    pub(super) fn new(rows: &Rows) -> Option<Prepared> {
+        let (count, width) = rows.factors.shape();
+        let agree = [rows.values.len(), rows.series.len(), rows.noise.len(), rows.cluster.len(), rows.run.len()];
+        let candidates = width.checked_sub(rows.always)?;
+        if agree.iter().any(|&length| length != count) || rows.handicaps.len() != candidates {
+            return None;
+        }
+        if !rows.factors.iter().chain(rows.values.iter()).all(|value| value.is_finite()) {
+            return None;
+        }
+        let order = order(rows);
+        let sorted = rows.factors.select_rows(&order);
+        let base = directions(&sorted, rows.always);
+        let mut others = DMatrix::zeros(count, candidates + 1);
+        others.columns_mut(0, candidates).copy_from(&sorted.columns(rows.always, candidates));
+        others.set_column(candidates, &DVector::from_iterator(count, order.iter().map(|&row| rows.values[row])));
+        drop(sorted);
+        let before: Vec<f64> = others.column_iter().map(|column| column.norm()).collect();
+        if base.ncols() > 0 {
+            let across = base.transpose();
+            for _ in 0..2 {
+                let along = &across * &others;
+                others.gemm(-1.0, &base, &along, 1.0);
+            }
+        }
+        let (mut told, mut not_told, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
+        for (candidate, &before) in before.iter().enumerate().take(candidates) {
+            let left = others.column(candidate).norm();
+            if left > LEAST_LEFT * before && left > f64::MIN_POSITIVE {
+                others.column_mut(candidate).scale_mut(1.0 / left);
+                told.push(candidate);
+                lengths.push(left);
+            } else {
+                not_told.push(candidate);
+            }
+        }
+        let kept: Vec<usize> = told.iter().copied().chain([candidates]).collect();
+        let mut all = DMatrix::zeros(base.ncols() + kept.len(), count);
+        all.rows_mut(0, base.ncols()).copy_from(&base.transpose());
+        for (place, &column) in kept.iter().enumerate() {
+            all.row_mut(base.ncols() + place).copy_from(&others.column(column).transpose());
+        }
+        let (groups, begins) = grouped(rows, &order);
+        let noise = order.iter().map(|&row| rows.noise[row]).collect();
+        Some(Prepared { rows: all, always: base.ncols(), told, not_told, lengths, groups, begins, noise, order })
+    }
+
+    pub(super) fn width(&self) -> usize {
+        self.rows.nrows()
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.rows.ncols()
+    }
+}
+
+/// Rows of one group of noise together, in it those of one series, in it as they came.
+fn order(rows: &Rows) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..rows.series.len()).collect();
+    order.sort_by_key(|&row| (rows.noise[row], rows.series[row], row));
+    order
+}
+
+/// Orthogonal directions of the first columns, without those that are told by others.
+fn directions(factors: &DMatrix<f64>, count: usize) -> DMatrix<f64> {
+    let mut found: DMatrix<f64> = DMatrix::zeros(factors.nrows(), count);
+    let mut filled = 0;
+    for column in factors.column_iter().take(count) {
+        let before = column.norm();
+        let mut own = column.into_owned();
+        if filled > 0 {
+            let known = found.columns(0, filled);
+            for _ in 0..2 {
+                let along = known.tr_mul(&own);
+                own.gemv(-1.0, &known, &along, 1.0);
+            }
+        }
+        let left = own.norm();
+        if left > LEAST_LEFT * before && left > f64::MIN_POSITIVE {
+            found.set_column(filled, &(own / left));
+            filled += 1;
+        }
+    }
+    found.columns(0, filled).into_owned()
+}
+
+/// Where groups and series begin.
+fn grouped(rows: &Rows, order: &[usize]) -> (Vec<Group>, Vec<bool>) {
+    let mut groups: Vec<Group> = Vec::new();
+    let mut begins = Vec::with_capacity(order.len());
+    let mut last = None;
+    for (place, &row) in order.iter().enumerate() {
+        let own = (rows.noise[row], rows.series[row]);
+        let is_new_group = last.is_none_or(|(noise, _)| noise != own.0);
+        let is_new = last != Some(own);
+        begins.push(is_new);
+        if is_new_group {
+            groups.push(Group { from: place, until: place, begins: Vec::new() });
+        }
+        if let Some(group) = groups.last_mut() {
+            group.until = place + 1;
+            if is_new {
+                group.begins.push(place);
+            }
+        }
+        last = Some(own);
+    }
+    (groups, begins)
+}
+
+/// Dense numbers of labels, in the order in which they come.
+pub(super) fn numbers<T: std::hash::Hash + Eq>(labels: impl Iterator<Item = T>) -> (Vec<usize>, usize) {
+    let mut known = HashMap::new();
+    let found = labels
+        .map(|label| {
+            let next = known.len();
+            *known.entry(label).or_insert(next)
+        })
+        .collect();
+    (found, known.len())
+}

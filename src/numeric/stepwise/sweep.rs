@@ -1,0 +1,155 @@
+//! A Gram matrix from which columns are swept in and out: everything that one more, one less or another column would change is read off.
+//!
+//! The symmetric sweep operator: with the columns S inside, an element outside is what S leaves of it, one between inside and outside a
+//! coefficient, one inside −(XᵀX)⁻¹ (Lange 2010, ch. 7). The last column is the value.
+
+use nalgebra::DMatrix;
+
+/// A column of which the others leave a smaller share (of its square) is told by them.
+const LEAST_LEFT: f64 = 1e-8;
+
+/// The matrix.
+#[derive(Clone, Debug)]
+pub(super) struct Swept {
+    matrix: DMatrix<f64>,
+    squares: Vec<f64>,
+    inside: Vec<bool>,
+}
+
+impl Swept {
+    /// With nothing inside.
+    pub(super) fn new(gram: DMatrix<f64>) -> Swept {
+        let squares: Vec<f64> = gram.diagonal().iter().copied().collect();
+        let inside = vec![false; squares.len()];
+        Swept { matrix: gram, squares, inside }
+    }
+
+    fn value(&self) -> usize {
+        self.squares.len().saturating_sub(1)
+    }
+
+    pub(super) fn is_inside(&self, column: usize) -> bool {
+        self.inside.get(column).copied().unwrap_or(false)
+    }
+
+    /// Whether a column outside says something that those inside do not.
+    pub(super) fn is_told(&self, column: usize) -> bool {
+        let left = self.matrix[(column, column)];
+        left > LEAST_LEFT * self.squares[column] && left > f64::MIN_POSITIVE
+    }
+
+    /// Sweeps a column in or out; false where it cannot be told from those inside.
+    pub(super) fn pivot(&mut self, column: usize) -> bool {
+        let is_inside = self.is_inside(column);
+        if !is_inside && !self.is_told(column) {
+            return false;
+        }
+        let own = self.matrix.column(column).into_owned();
+        let pivot = own[column];
+        for (k, &factor) in own.iter().enumerate() {
+            if factor == 0.0 || k == column {
+                continue;
+            }
+            self.matrix.column_mut(k).axpy(-factor / pivot, &own, 1.0);
+        }
+        let scale = if is_inside { -1.0 / pivot } else { 1.0 / pivot };
+        for (k, &factor) in own.iter().enumerate() {
+            self.matrix[(k, column)] = factor * scale;
+            self.matrix[(column, k)] = factor * scale;
+        }
+        self.matrix[(column, column)] = -1.0 / pivot;
+        if let Some(inside) = self.inside.get_mut(column) {
+            *inside = !is_inside;
+        }
+        true
+    }
+
+    /// Sum of the squares that is left of the value.
+    pub(super) fn left(&self) -> f64 {
+        self.matrix[(self.value(), self.value())].max(0.0)
+    }
+
+    /// The coefficient of a column inside.
+    pub(super) fn coefficient(&self, column: usize) -> f64 {
+        self.matrix[(column, self.value())]
+    }
+
+    /// Its variance at unit noise; of a column outside the one that it would have inside.
+    pub(super) fn variance(&self, column: usize) -> f64 {
+        let own = self.matrix[(column, column)];
+        if self.is_inside(column) { -own } else { 1.0 / own }
+    }
+
+    /// By how much the squares fall when a column enters.
+    pub(super) fn gain(&self, column: usize) -> f64 {
+        self.coefficient(column).powi(2) / self.matrix[(column, column)]
+    }
+
+    /// By how much they rise when a column leaves.
+    pub(super) fn loss(&self, column: usize) -> f64 {
+        self.coefficient(column).powi(2) / self.variance(column)
+    }
+
+    /// By how much they fall when `leaves` makes room for `enters`; `None` where the other columns tell that one.
+    pub(super) fn exchange(&self, leaves: usize, enters: usize) -> Option<f64> {
+        let (variance, shared) = (self.variance(leaves), self.matrix[(leaves, enters)]);
+        let coefficient = self.coefficient(leaves);
+        let left = self.matrix[(enters, enters)] + shared * shared / variance;
+        let along = self.coefficient(enters) + shared * coefficient / variance;
+        (left > LEAST_LEFT * self.squares[enters]).then(|| along * along / left - coefficient * coefficient / variance)
+    }
+
+    /// Correlation of two columns outside, less what those inside say of them.
+    pub(super) fn correlation(&self, one: usize, other: usize) -> f64 {
+        self.matrix[(one, other)] / (self.matrix[(one, one)] * self.matrix[(other, other)]).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Four columns and a value of seven rows.
+    fn rows() -> DMatrix<f64> {
+        DMatrix::from_row_slice(
+            7,
+            5,
+            &[
+                1.0, 2.0, 0.5, 3.0, 1.1, 1.0, -1.0, 0.2, 1.0, 2.0, 1.0, 0.3, -2.0, 0.0, 0.7, 1.0, 4.0, 1.0, -1.0, 3.3, 1.0,
+                0.0, 0.0, 2.0, -1.0, 1.0, 1.5, 3.0, 1.0, 0.4, 1.0, -2.0, 1.0, 1.0, 5.0,
+            ],
+        )
+    }
+
+    fn squares(columns: &[usize]) -> (f64, Vec<f64>) {
+        let rows = rows();
+        let (x, y) = (rows.select_columns(columns), rows.column(4).into_owned());
+        let found = (x.transpose() * &x).try_inverse().unwrap() * x.transpose() * &y;
+        ((y - x * &found).norm_squared(), found.iter().copied().collect())
+    }
+
+    #[test]
+    fn entering_leaving_and_exchange_are_those_of_least_squares() {
+        let rows = rows();
+        let mut swept = Swept::new(rows.transpose() * &rows);
+        assert!(swept.pivot(0) && swept.pivot(2));
+        let (both, found) = squares(&[0, 2]);
+        assert!((swept.left() - both).abs() < 1e-9);
+        assert!((swept.coefficient(0) - found[0]).abs() < 1e-9 && (swept.coefficient(2) - found[1]).abs() < 1e-9);
+        assert!((swept.gain(3) - (both - squares(&[0, 2, 3]).0)).abs() < 1e-9);
+        assert!((swept.loss(2) - (squares(&[0]).0 - both)).abs() < 1e-9);
+        assert!((swept.exchange(2, 1).unwrap() - (both - squares(&[0, 1]).0)).abs() < 1e-9);
+        assert!(swept.pivot(2));
+        assert!((swept.left() - squares(&[0]).0).abs() < 1e-9 && !swept.is_inside(2));
+    }
+
+    #[test]
+    fn what_others_tell_does_not_enter() {
+        let mut rows = rows();
+        let sum = rows.column(0) + rows.column(1);
+        rows.set_column(2, &sum);
+        let mut swept = Swept::new(rows.transpose() * &rows);
+        assert!(swept.pivot(0) && swept.pivot(1) && !swept.pivot(2));
+        assert!(swept.exchange(1, 2).is_some(), "but it may stand for one of them");
+    }
+}
