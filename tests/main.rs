@@ -14,6 +14,7 @@ mod calibrate_effects;
 mod calibrate_factors;
 mod calibrate_rank;
 mod calibrate_recover;
+mod calibrate_select;
 mod calibration_report;
 mod cli_calibrate;
 mod cli_check;

@@ -13,11 +13,12 @@ use super::measurement::{self, Measurement, description_of, is_angle, reads_angl
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
-use super::{conditions, parameters, print, tell};
-use crate::calibrate::{Fault, Fit, Options, Parameter, fit, quality};
+use super::{conditions, parameters, print, select, tell};
+use crate::calibrate::{Fault, Fit, Options, Parameter, Refusal, fit, quality};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Vector;
 use crate::measure::data::DataSet;
+use crate::model::parameter::ParameterName;
 use crate::model::{ErrorModel, file, write};
 use crate::report::number::{micrometers, significant};
 use crate::report::{calibration, json};
@@ -56,7 +57,7 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
     }
     findings.draw();
     result?;
-    if !report.parameters.is_empty() {
+    if !report.parameters.is_empty() || report.selection.is_some() {
         tell(&report.table());
     }
     if findings.has_errors() {
@@ -89,7 +90,10 @@ fn calibrate(
     report.inputs.push(calibrated_report::machine_input(&start));
     let Some(chosen) = chosen else { return Ok(()) };
     report.machine.clone_from(&chosen.machine.name);
-    let parameters = parameters::choose(&arguments.model, &chosen.machine, &chosen.errors, findings)?;
+    let parameters = match arguments.model.as_str() {
+        "none" if arguments.select.is_some() => Some(Vec::new()),
+        model => parameters::choose(model, &chosen.machine, &chosen.errors, findings)?,
+    };
     let mut all = Vec::new();
     for (number, path) in arguments.data.iter().chain(&arguments.hold_out).enumerate() {
         let read = measurement::read(path, number, false, &chosen.machine, findings)?;
@@ -105,13 +109,19 @@ fn calibrate(
         return Ok(());
     }
     let held_out = all.split_off(arguments.data.len().min(all.len()));
-    let job = Job { arguments, chosen: &chosen, parameters: &parameters };
+    let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
+    let candidates = match &arguments.select {
+        Some(words) => select::candidates(arguments, words, &chosen.machine, &data, findings)?,
+        None => Some(Vec::new()),
+    };
+    let Some(candidates) = candidates else { return Ok(()) };
+    let job = Job { arguments, chosen: &chosen, parameters: &parameters, candidates: &candidates };
     let Some(fit) = job.fit(&all, findings, report) else { return Ok(()) };
     job.compare(&fit, &all, &held_out, findings, report);
     if findings.has_errors() {
         return Ok(());
     }
-    let text = job.text(&start, &fit.errors, &all)?;
+    let text = job.text(&start, &fit, &all)?;
     let mut spool = Spool::new(target)?;
     if let Err(error) = spool.writer().write_all(text.as_bytes()) {
         return Err(spool.fault(&error));
@@ -125,17 +135,17 @@ struct Job<'a> {
     arguments: &'a CalibrateArguments,
     chosen: &'a Chosen,
     parameters: &'a [Parameter],
+    candidates: &'a [ParameterName],
 }
 
 impl Job<'_> {
     /// Fits; `None` where the data do not allow it, which findings say.
     fn fit(&self, all: &[Measurement], findings: &mut Findings, report: &mut calibration::Calibration) -> Option<Fit> {
         let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
-        let options = Options { robust: !self.arguments.no_robust };
-        let fit = match fit(&self.chosen.machine, &self.chosen.errors, self.parameters, &data, options) {
+        let fit = match self.found(&data, report) {
             Ok(fit) => fit,
-            Err(fault) => {
-                findings.extend(refusals(fault, ""), &[]);
+            Err(refusal) => {
+                findings.extend(select::refusals(refusal), &[]);
                 return None;
             }
         };
@@ -162,6 +172,17 @@ impl Job<'_> {
             report.weighted_down.push(row);
         }
         Some(fit)
+    }
+
+    fn found(&self, data: &[DataSet], report: &mut calibration::Calibration) -> Result<Fit, Refusal> {
+        let (machine, start) = (&self.chosen.machine, &self.chosen.errors);
+        if self.arguments.select.is_none() {
+            let options = Options { robust: !self.arguments.no_robust };
+            return Ok(fit(machine, start, self.parameters, data, options)?);
+        }
+        let (found, told) = select::chosen(self.arguments, machine, start, self.parameters, self.candidates, data)?;
+        report.selection = Some(told);
+        Ok(found.fit)
     }
 
     /// Holds the result against all measurements.
@@ -201,9 +222,10 @@ impl Job<'_> {
     }
 
     /// The new machine file: the text of the old one with the parameters, and a head that says where they come from.
-    fn text(&self, start: &Source, errors: &ErrorModel, used: &[Measurement]) -> Result<String, Stop> {
+    fn text(&self, start: &Source, fit: &Fit, used: &[Measurement]) -> Result<String, Stop> {
         let wrong = |reason: String| Stop::Usage(format!("cannot write into the text of {}: {reason}", start.name()));
         let old = std::str::from_utf8(start.bytes()).map_err(|_| wrong("it is not UTF-8".into()))?;
+        let errors = &fit.errors;
         let body = write::write(old, &self.chosen.errors, errors).map_err(|reason| wrong(reason.0))?;
         // A name may have any character; a comment ends with its line.
         let name = |text: &str| text.replace(char::is_control, " ");
@@ -224,7 +246,8 @@ impl Job<'_> {
         let Some((_, written)) = file::load(&again).0 else {
             return Err(wrong("the result is no machine file".into()));
         };
-        for parameter in self.parameters {
+        for column in fit.estimates.iter().map(|one| one.column) {
+            let Column::Parameter(parameter) = column else { continue };
             let (found, read) = (parameter.get(errors), parameter.get(&written));
             if (found - read).abs() > 1e-9 * found.abs() + f64::MIN_POSITIVE {
                 return Err(wrong(format!("{parameter} would read {read:e} in place of {found:e}")));
@@ -235,7 +258,7 @@ impl Job<'_> {
 }
 
 /// Findings for a fit that is not possible.
-fn refusals(fault: Fault, of: &str) -> Vec<Diagnostic> {
+pub(super) fn refusals(fault: Fault, of: &str) -> Vec<Diagnostic> {
     match fault {
         Fault::TooFew { equations, unknowns } => {
             let message = format!("{of}{equations} readings cannot tell {unknowns} unknowns");

@@ -27,6 +27,7 @@ mod plan;
 mod presets;
 mod program;
 mod progress;
+mod select;
 mod sensors;
 mod simulate;
 mod snc;

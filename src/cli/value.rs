@@ -13,6 +13,26 @@ pub(super) fn positive_length_mm(text: &str) -> Result<f64, String> {
     if length_mm > 0.0 { Ok(length_mm) } else { Err(format!("'{text}' is not greater than zero")) }
 }
 
+/// A length of whole mm.
+pub(super) fn whole_mm(text: &str) -> Result<i32, String> {
+    let length_mm = positive_length_mm(text)?;
+    let whole = length_mm.round();
+    if (whole - length_mm).abs() < 1e-9 && (1.0..=1e6).contains(&whole) {
+        Ok(whole as i32)
+    } else {
+        Err(format!("'{text}' is no whole number of mm"))
+    }
+}
+
+/// A share in percent, as a number.
+pub(super) fn percent(text: &str) -> Result<f64, String> {
+    let value = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
+    let value = value.filter(|value| *value > 0.0 && *value <= 50.0);
+    value
+        .map(|value| value / 100.0)
+        .ok_or_else(|| "write a number above 0 and up to 50 with %, for example 1%".to_owned())
+}
+
 /// A difference of temperature above zero.
 pub(super) fn kelvin(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|value| (0.0..=100.0).contains(value) && *value > 0.0);

@@ -8,6 +8,7 @@ use super::compared::{Input, Part, Readings};
 use super::correction::push_row;
 use super::json::Finding;
 use super::number::significant;
+use super::selection::Selection;
 
 /// Rows that do not fit, as far as they are shown.
 const MOST_SHOWN: usize = 20;
@@ -33,6 +34,8 @@ pub struct Calibration {
     pub model: String,
     /// Name of the machine.
     pub machine: String,
+    /// How parameters were chosen, where they were.
+    pub selection: Option<Selection>,
     /// The written machine file; `null` where there is none.
     pub output: Option<String>,
     /// The written page; `null` where there is none.
@@ -138,7 +141,7 @@ impl Calibration {
     /// The tables for people, with a line feed behind every line.
     #[must_use]
     pub fn table(&self) -> String {
-        let mut out = String::new();
+        let mut out = self.selection.as_ref().map_or_else(String::new, Selection::table);
         let wide = |names: &mut dyn Iterator<Item = usize>| names.max().unwrap_or(0).max(12) + 1;
         // Writing into a String cannot fail.
         for (title, list) in [("parameter", &self.parameters), ("set-up", &self.unknowns)] {

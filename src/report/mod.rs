@@ -16,6 +16,7 @@ pub mod page;
 pub mod plot;
 pub mod presets;
 mod scale;
+pub mod selection;
 pub mod sensors;
 pub mod shares;
 pub mod steps;

@@ -14,7 +14,14 @@ Where the data cannot tell the parameters apart the message says which, and noth
 
 Examples:
   ncfix calibrate balls.csv circles.csv --machine start.toml --model mayer-13 -o machine.toml --hold-out balls_2.csv
-  ncfix calibrate balls.csv --machine start.toml --model mayer-13 -o machine.toml --report balls.html";
+  ncfix calibrate balls.csv --machine start.toml --model mayer-13 -o machine.toml --report balls.html
+  ncfix calibrate laser.csv --machine start.toml --model none --select motion --knots 50mm -o machine.toml
+  ncfix calibrate laser.csv level.csv --machine start.toml --model spaan-21 --select EXX,EYX1@300 -o machine.toml
+
+--select finds which further parameters the data needs: candidates enter, leave and take each other's place as long as a criterion falls, are tested with \
+the correlation of neighbouring readings, and must say something of readings that were held out. Candidates are presets, motion (all motion errors of the \
+linear axes), errors (EXX), parameters (EXX2@150) and files with one of them in each line, with commas between them; errors have degrees up to \
+--degree, and knots every --knots inside what was measured.";
 
 /// `ncfix calibrate`.
 #[derive(Clone, Debug, Args)]
@@ -25,9 +32,21 @@ pub(in crate::cli) struct CalibrateArguments {
     /// Machine file to begin with
     #[arg(long, value_name = "START.toml")]
     pub(in crate::cli) machine: PathBuf,
-    /// Parameters that are fitted: a preset (see `ncfix machine presets`), or a file with one of them in each line
+    /// Parameters that are fitted: a preset (see `ncfix machine presets`), a file with one of them in each line, or none beside --select
     #[arg(long, value_name = "PRESET|FILE")]
     pub(in crate::cli) model: String,
+    /// Candidates, of which the data chooses those that it needs beside --model: a preset, motion, EXX, EXX2@150, or a file, with commas
+    #[arg(long, value_name = "CANDIDATES")]
+    pub(in crate::cli) select: Option<String>,
+    /// Distance of the knots of candidates, whole mm
+    #[arg(long, value_name = "LENGTH", default_value = "50mm", value_parser = value::whole_mm, requires = "select")]
+    pub(in crate::cli) knots: i32,
+    /// Highest degree of candidates; truncated powers have 2 at most
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=9), requires = "select")]
+    pub(in crate::cli) degree: u8,
+    /// Chance that a candidate is chosen where there is no effect at all
+    #[arg(long, value_name = "PERCENT", default_value = "1%", value_parser = value::percent, requires = "select")]
+    pub(in crate::cli) significance: f64,
     /// The machine file to write; - for standard output
     #[arg(short, long, value_name = "MACHINE.toml")]
     pub(in crate::cli) output: PathBuf,

@@ -157,8 +157,7 @@ impl<'a> Folds<'a> {
 
     /// The same for the same terms in all folds.
     pub(super) fn losses_of(&self, terms: &[usize]) -> Vec<f64> {
-        let all: Vec<Vec<(usize, f64)>> =
-            (0..self.training.len()).map(|fold| self.coefficients(fold, terms)).collect();
+        let all: Vec<Vec<(usize, f64)>> = (0..self.training.len()).map(|fold| self.coefficients(fold, terms)).collect();
         self.losses(&all)
     }
 

@@ -128,9 +128,7 @@ impl Lagged {
         let volume: f64 = pivots.iter().take(count).map(|pivot| 2.0 * pivot.ln()).sum();
         let left = pivots.iter().next_back().map_or(0.0, |pivot| 2.0 * pivot.ln());
         let noise = self.groups.iter().zip(correlation);
-        freedom * left
-            + volume
-            + noise.map(|(group, rho)| group.follow as f64 * (1.0 - rho * rho).ln()).sum::<f64>()
+        freedom * left + volume + noise.map(|(group, rho)| group.follow as f64 * (1.0 - rho * rho).ln()).sum::<f64>()
     }
 
     /// The correlation of each group at the greatest likelihood, and the variance of each.
@@ -160,7 +158,11 @@ impl Lagged {
         let at = |rho: f64| self.deviance(&with(found, number, rho));
         let curvature = (at(middle - step) - 2.0 * at(middle) + at(middle + step)) / (step * step);
         let least = (1.0 - rho * rho) / group.follow as f64;
-        if curvature.is_finite() && curvature > 0.0 { (2.0 / curvature).clamp(least, 1.0 / 3.0) } else { least.max(0.1) }
+        if curvature.is_finite() && curvature > 0.0 {
+            (2.0 / curvature).clamp(least, 1.0 / 3.0)
+        } else {
+            least.max(0.1)
+        }
     }
 
     /// Whether the rows of a group follow each other.

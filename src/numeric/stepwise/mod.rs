@@ -169,8 +169,8 @@ pub struct Choice {
     pub tried: usize,
     /// The correlation of neighbours in each group of noise, by its label.
     pub correlation: Vec<(usize, f64)>,
-    /// All terms against none, with the choice repeated in every fold.
-    pub gain: Gain,
+    /// All terms against none, with the choice repeated in every fold; `None` where nothing was held out.
+    pub gain: Option<Gain>,
 }
 
 /// Chooses. `None` where numbers are not finite, or there are not more rows than columns that are always in.
@@ -181,8 +181,7 @@ pub fn choose(rows: &Rows, rule: Rule) -> Option<Choice> {
         return None;
     }
     let search = Search::new(&prepared, rows, rule);
-    let mut choice =
-        Choice { not_told: prepared.not_told.clone(), tried: prepared.told.len(), ..Choice::default() };
+    let mut choice = Choice { not_told: prepared.not_told.clone(), tried: prepared.told.len(), ..Choice::default() };
     let mut chosen: Vec<usize> = Vec::new();
     let mut noise = search.noise(&chosen);
     let criterion = search.criterion();
@@ -300,8 +299,11 @@ impl<'a> Search<'a> {
             let step = step_at(rho);
             let ends = [(rho - step).max(0.0), rho + step];
             let [below, above] = ends.map(|rho| at(&with(&noise.correlation, number, rho)));
+            // The noise that fits best changes with the correlation.
+            let noise = (above.left() / below.left()).ln();
             for (sum, column) in inverse.iter_mut().zip(columns.clone()) {
-                let slope = (above.variance(column) / below.variance(column)).ln() / (ends[1] - ends[0]);
+                let factor = (above.variance(column) / below.variance(column)).ln();
+                let slope = (factor + noise) / (ends[1] - ends[0]);
                 *sum += if slope.is_finite() { slope * slope * variance / 2.0 } else { 1.0 };
             }
         }
@@ -432,8 +434,9 @@ impl<'a> Search<'a> {
                 folds.coefficients(fold, &own)
             })
             .collect();
-        choice.gain = folds.gain(&folds.losses_of(&[]), &folds.losses(&of_folds));
-        let is_real = choice.gain.is_real();
+        let gain = folds.gain(&folds.losses_of(&[]), &folds.losses(&of_folds));
+        choice.gain = Some(gain);
+        let is_real = gain.is_real();
         while !chosen.is_empty() {
             let with_all = folds.losses_of(chosen);
             let gains = chosen.iter().map(|&column| {

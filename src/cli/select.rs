@@ -1,0 +1,180 @@
+//! `--select`: which candidates there are, and what is said of the choice among them.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use super::arguments::CalibrateArguments;
+use super::calibrate;
+use super::findings::Findings;
+use super::parameters;
+use super::stop::Stop;
+use crate::calibrate::candidates::{Pieces, of_component, of_motion};
+use crate::calibrate::{Change, Gain, Options, Refusal, Rule, Selected, select};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::machine::Machine;
+use crate::measure::data::DataSet;
+use crate::model::ErrorModel;
+use crate::model::name::{ErrorKind, ErrorName};
+use crate::model::parameter::ParameterName;
+use crate::model::preset;
+use crate::report::selection;
+
+/// Candidates at most.
+const MOST: usize = 2000;
+
+/// The candidates of `--select`; `None` where findings forbid to use them.
+///
+/// # Errors
+/// Where a word is nothing, or there are too many of them.
+pub(super) fn candidates(
+    arguments: &CalibrateArguments,
+    words: &str,
+    machine: &Machine,
+    data: &[DataSet],
+    findings: &mut Findings,
+) -> Result<Option<Vec<ParameterName>>, Stop> {
+    let pieces = Pieces { spacing_mm: arguments.knots, degree: arguments.degree };
+    let mut all = Vec::new();
+    for word in words.split(',').map(str::trim) {
+        if preset::find(word).is_some() || (Path::new(word).is_file() && word != "motion") {
+            let Some(found) = parameters::choose(word, machine, findings)? else { return Ok(None) };
+            all.extend(found);
+        } else if word == "motion" {
+            all.extend(of_motion(machine, data, pieces));
+        } else {
+            all.extend(named(word, machine, data, pieces)?);
+        }
+    }
+    if all.len() > MOST {
+        let count = all.len();
+        return Err(Stop::Usage(format!(
+            "--select gives {count} candidates, of which {MOST} can be tried; give wider --knots"
+        )));
+    }
+    Ok(Some(all))
+}
+
+/// An error with all its terms, or a parameter.
+fn named(word: &str, machine: &Machine, data: &[DataSet], pieces: Pieces) -> Result<Vec<ParameterName>, Stop> {
+    let component = word.parse::<ErrorName>().ok().filter(|name| name.kind == ErrorKind::Motion);
+    let found = match component {
+        Some(component) => of_component(component, data, pieces),
+        None => vec![word.parse::<ParameterName>().map_err(|_| {
+            Stop::Usage(format!(
+                "--select {word} is no preset, no error such as EXX, no parameter such as EXX2@150 and no file; motion has all motion errors of the \
+                 linear axes"
+            ))
+        })?],
+    };
+    match found.iter().find_map(|name| name.component.axis().filter(|&axis| machine.axis(axis).is_none())) {
+        Some(axis) => Err(Stop::Usage(format!("--select {word}: the machine {} has no axis {axis}", machine.name))),
+        None => Ok(found),
+    }
+}
+
+/// Chooses and fits.
+///
+/// # Errors
+/// [`Refusal`].
+pub(super) fn chosen(
+    arguments: &CalibrateArguments,
+    machine: &Machine,
+    start: &ErrorModel,
+    base: &[ParameterName],
+    candidates: &[ParameterName],
+    data: &[DataSet],
+) -> Result<(Selected, selection::Selection), Refusal> {
+    let rule = Rule { significance: arguments.significance, ..Rule::default() };
+    let options = Options { robust: !arguments.no_robust };
+    let found = select(machine, start, base, candidates, data, options, rule)?;
+    let report = told(&found, rule, data);
+    Ok((found, report))
+}
+
+/// Findings for a choice that is not possible.
+pub(super) fn refusals(refusal: Refusal) -> Vec<Diagnostic> {
+    match refusal {
+        Refusal::Fault(fault) => calibrate::refusals(fault, ""),
+        Refusal::TooLarge { equations, columns } => {
+            let message =
+                format!("{equations} readings times {columns} parameters and candidates are more than fit into memory");
+            vec![Diagnostic::nowhere(Code::NOT_TOLD, message, "name fewer candidates, or give wider --knots")]
+        }
+    }
+}
+
+fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> selection::Selection {
+    let choice = &found.choice;
+    let name = |number: usize| found.candidates.get(number).map_or_else(String::new, ParameterName::to_string);
+    let gain = |gain: Gain| selection::Gain {
+        before: gain.before,
+        after: gain.after,
+        gain: gain.share,
+        error: gain.uncertainty,
+    };
+    let steps = choice.steps.iter().map(|step| selection::Step {
+        change: match step.change {
+            Change::Entered | Change::Replaced(_) => "in",
+            Change::Left => "out",
+            Change::NotSignificant => "not significant",
+            Change::NoGain => "no gain",
+        },
+        name: name(step.candidate),
+        instead_of: match step.change {
+            Change::Replaced(other) => Some(name(other)),
+            _ => None,
+        },
+        t: step.t,
+        freedom: step.freedom,
+        p: step.p,
+        correlation: step.correlation,
+    });
+    let terms = choice.terms.iter().map(|term| selection::Term {
+        name: name(term.candidate),
+        t: term.t,
+        freedom: term.freedom,
+        p: term.p,
+        held_out: gain(term.gain),
+        rivals: term.rivals.iter().map(|rival| name(rival.candidate)).collect(),
+    });
+    let correlation = choice.correlation.iter().filter_map(|&(group, correlation)| {
+        let set = data.get(group / 2)?;
+        let name = if group % 2 == 1 { format!("{}, angles", set.name) } else { set.name.clone() };
+        Some(selection::Correlation { name, correlation })
+    });
+    selection::Selection {
+        tried: choice.tried,
+        significance: rule.significance,
+        not_told: not_told(found),
+        steps: steps.collect(),
+        terms: terms.collect(),
+        correlation: correlation.collect(),
+        held_out: choice.gain.filter(|gain| gain.uncertainty.is_finite()).map(gain),
+        passes: found.passes,
+        is_settled: found.is_settled,
+    }
+}
+
+/// Candidates that are not told; an error of which no term is told has one entry.
+fn not_told(found: &Selected) -> Vec<String> {
+    let mut terms: HashMap<ErrorName, usize> = HashMap::new();
+    for name in &found.candidates {
+        *terms.entry(name.component).or_default() += 1;
+    }
+    let lost: Vec<&ParameterName> =
+        found.choice.not_told.iter().filter_map(|&number| found.candidates.get(number)).collect();
+    let mut names = Vec::new();
+    let mut whole: Vec<ErrorName> = Vec::new();
+    for name in &lost {
+        let count = lost.iter().filter(|other| other.component == name.component).count();
+        if count > 1 && terms.get(&name.component) == Some(&count) {
+            if !whole.contains(&name.component) {
+                whole.push(name.component);
+                names.push(format!("{} (all {count} terms)", name.component));
+            }
+        } else {
+            names.push(name.to_string());
+        }
+    }
+    names
+}
