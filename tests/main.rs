@@ -22,6 +22,7 @@ mod cli_conditions;
 mod cli_explain;
 mod cli_fix;
 mod cli_machine;
+mod cli_select;
 mod cli_snc;
 mod cli_state;
 mod cli_verify;

@@ -15,8 +15,8 @@ use crate::model::parameter::{ParameterName, Term};
 const MOST_KNOT_DEGREE: u8 = 2;
 /// Knots of an axis at most: a travel of 20 m every 20 mm.
 const MOST_KNOTS: usize = 1000;
-/// What a truncated power has to win beside its limit, in −2 ln of the likelihood.
-const KNOT_HANDICAP: f64 = 2.0;
+/// What a truncated power has to win beside its limit, in −2 ln of the likelihood: two standard deviations.
+const KNOT_HANDICAP: f64 = 4.0;
 
 /// Piecewise polynomials.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub fn of_motion(machine: &Machine, data: &[DataSet], pieces: Pieces) -> Vec<Par
     components.flat_map(|component| of_component(component, data, pieces)).collect()
 }
 
-/// What a candidate has to win more than others: of two that say the same, the one without a knot comes first.
+/// What a candidate has to win more than others: of two that the data cannot tell apart, the one without a knot is chosen.
 #[must_use]
 pub fn handicap(name: &ParameterName) -> f64 {
     if matches!(name.term, Term::Knot { .. }) { KNOT_HANDICAP } else { 0.0 }

@@ -20,7 +20,7 @@ pub mod sensors;
 mod told;
 pub mod words;
 
-pub use crate::numeric::stepwise::{Change, Choice, Gain, Rule};
+pub use crate::numeric::stepwise::{Change, Choice, Gain, Rule, Term};
 pub use column::Column;
 pub use design::{Factored, Line, Origin, equations};
 pub use effect::{EffectParameter, Parameter};
