@@ -1,5 +1,8 @@
 //! What is found in noise, and what is found of effects.
 
+use nalgebra::DMatrix;
+
+use super::lagged::Lagged;
 use super::*;
 
 /// Normal numbers from a seed.
@@ -138,6 +141,30 @@ fn shares_of_many_trials() {
         println!("{runs} runs of {length}: {claims} of {trials}");
         assert!(claims * 100 <= 5 * trials);
     }
+}
+
+#[test]
+#[ignore = "large: seconds"]
+#[allow(clippy::print_stdout, reason = "the time is what one wants to see")]
+fn many_candidates_of_many_rows_take_seconds() {
+    let (count, candidates) = (20_000, 500);
+    let mut random = Random(1);
+    let mut rows = drift(1, 10, &mut random);
+    rows.always = 1;
+    rows.factors = DMatrix::from_fn(count, candidates + 1, |_, column| if column == 0 { 1.0 } else { random.normal() });
+    rows.values = random.correlated(0.8, count);
+    let column = rows.factors.column(77).into_owned();
+    rows.values.iter_mut().zip(column.iter()).for_each(|(value, own)| *value += 0.3 * own);
+    rows.series = (0..count).map(|row| row / 1000).collect();
+    (rows.run, rows.noise) = (rows.series.clone(), vec![0; count]);
+    rows.cluster = vec![Some(0); count];
+    rows.handicaps = vec![0.0; candidates];
+    let begun = std::time::Instant::now();
+    let choice = choose(&rows, Rule::default()).unwrap();
+    let taken = begun.elapsed();
+    println!("{taken:?}");
+    assert_eq!(choice.terms.iter().map(|term| term.candidate).collect::<Vec<usize>>(), [76]);
+    assert!(taken.as_secs() < 60, "{taken:?}");
 }
 
 #[test]

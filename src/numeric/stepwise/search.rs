@@ -1,0 +1,298 @@
+//! The parts of a choice: noise beside columns, t values and their freedom, what has to go out, what could stand for what.
+
+use super::descent::{Criterion, descend};
+use super::held_out::Folds;
+use super::lagged::{Lagged, step_at, with};
+use super::prepared::Prepared;
+use super::sweep::Swept;
+use super::{Change, Choice, Rival, Rows, Rule, Step, Term};
+use crate::numeric::student;
+
+/// Correlations that differ by less are the same.
+const SAME: f64 = 1e-3;
+/// Columns whose correlation is larger cannot be told apart.
+const ALIKE: f64 = 0.95;
+/// Nor can those whose exchange raises ν ln of the squares by less: two standard deviations.
+const NOT_APART: f64 = 4.0;
+
+/// A t value.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tested {
+    t: f64,
+    freedom: f64,
+    p: f64,
+}
+
+/// Correlations, and how well they are known.
+#[derive(Clone, Debug)]
+pub(super) struct Noise {
+    pub(super) correlation: Vec<f64>,
+    variance: Vec<f64>,
+}
+
+impl Noise {
+    pub(super) fn same(&self, other: &Noise) -> bool {
+        self.correlation.iter().zip(&other.correlation).all(|(one, other)| (one - other).abs() < SAME)
+    }
+
+    fn most(&self) -> f64 {
+        self.correlation.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// A search in prepared rows.
+pub(super) struct Search<'a> {
+    prepared: &'a Prepared,
+    lagged: Lagged,
+    rule: Rule,
+    /// Of the candidates that are told.
+    handicaps: Vec<f64>,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(prepared: &'a Prepared, rows: &Rows, rule: Rule) -> Search<'a> {
+        let lagged = Lagged::new(&prepared.rows, &prepared.groups);
+        let handicaps = prepared.told.iter().map(|&candidate| rows.handicaps[candidate]).collect();
+        Search { prepared, lagged, rule, handicaps }
+    }
+
+    /// What is always in, then these columns.
+    fn inside(&self, chosen: &[usize]) -> impl Iterator<Item = usize> {
+        (0..self.prepared.always).chain(chosen.iter().copied())
+    }
+
+    /// The columns of candidates.
+    fn candidates(&self) -> std::ops::Range<usize> {
+        self.prepared.always..self.prepared.width() - 1
+    }
+
+    pub(super) fn noise(&self, chosen: &[usize]) -> Noise {
+        let count = self.lagged.len();
+        if !self.rule.correlated {
+            return Noise { correlation: vec![0.0; count], variance: vec![0.0; count] };
+        }
+        let columns: Vec<usize> = self.inside(chosen).chain([self.prepared.width() - 1]).collect();
+        let (correlation, variance) = self.lagged.only(&columns).correlations();
+        Noise { correlation, variance }
+    }
+
+    fn swept_at(&self, correlation: &[f64], chosen: &[usize]) -> Swept {
+        let mut swept = Swept::new(self.lagged.gram(correlation));
+        self.inside(chosen).for_each(|column| {
+            swept.pivot(column);
+        });
+        swept
+    }
+
+    pub(super) fn swept(&self, noise: &Noise, chosen: &[usize]) -> Swept {
+        self.swept_at(&noise.correlation, chosen)
+    }
+
+    /// The freedom of the t value of each column: that of the noise, less what the uncertainty of the correlation takes.
+    fn freedoms_by(
+        &self,
+        noise: &Noise,
+        columns: std::ops::Range<usize>,
+        own: f64,
+        at: impl Fn(&[f64]) -> Swept,
+    ) -> Vec<f64> {
+        let mut inverse = vec![1.0 / own; columns.len()];
+        for (number, (&rho, &variance)) in noise.correlation.iter().zip(&noise.variance).enumerate() {
+            if !self.rule.correlated || !self.lagged.follows(number) {
+                continue;
+            }
+            let step = step_at(rho);
+            let ends = [(rho - step).max(0.0), rho + step];
+            let [below, above] = ends.map(|rho| at(&with(&noise.correlation, number, rho)));
+            // The noise that fits best changes with the correlation.
+            let noise = (above.left() / below.left()).ln();
+            for (sum, column) in inverse.iter_mut().zip(columns.clone()) {
+                let factor = (above.variance(column) / below.variance(column)).ln();
+                let slope = (factor + noise) / (ends[1] - ends[0]);
+                *sum += if slope.is_finite() { slope * slope * variance / 2.0 } else { 1.0 };
+            }
+        }
+        inverse.into_iter().map(|inverse| (1.0 / inverse).clamp(1.0, own.max(1.0))).collect()
+    }
+
+    fn freedom(&self, terms: usize) -> f64 {
+        self.prepared.count().saturating_sub(self.prepared.always + terms).max(1) as f64
+    }
+
+    fn tried(&self) -> f64 {
+        self.prepared.told.len().max(1) as f64
+    }
+
+    /// The limit of the descent is that of a known correlation. Before the effects are in, they look like correlation, and the freedom that it leaves
+    /// would be too small for any of them; what is chosen is held to its own freedom afterwards.
+    pub(super) fn criterion(&self) -> Criterion {
+        let freedom = self.freedom(0);
+        let limit = student::limit(self.rule.significance / self.tried(), freedom);
+        let price = freedom * (limit * limit / freedom).ln_1p();
+        Criterion {
+            first: self.prepared.always,
+            freedom,
+            prices: self.handicaps.iter().map(|handicap| price + handicap).collect(),
+            most: (self.prepared.count() - self.prepared.always) / 3,
+        }
+    }
+
+    /// What is tested of each of these columns where they are in.
+    fn tested(&self, noise: &Noise, chosen: &[usize]) -> Vec<Tested> {
+        let columns: Vec<usize> = self.inside(chosen).chain([self.prepared.width() - 1]).collect();
+        let own = self.lagged.only(&columns);
+        let (first, count) = (self.prepared.always, columns.len() - 1);
+        let at = |correlation: &[f64]| {
+            let mut swept = Swept::new(own.gram(correlation));
+            (0..count).for_each(|column| {
+                swept.pivot(column);
+            });
+            swept
+        };
+        let swept = at(&noise.correlation);
+        let freedom = self.freedom(chosen.len());
+        let freedoms = self.freedoms_by(noise, first..count, freedom, at);
+        let tested = (first..count).zip(freedoms).map(|(column, freedom_of_t)| {
+            let t = swept.coefficient(column) / (swept.left() / freedom * swept.variance(column)).sqrt();
+            // What is told by the others is out.
+            let t = if swept.is_inside(column) && !t.is_nan() { t } else { 0.0 };
+            Tested { t, freedom: freedom_of_t, p: (student::two_sided(t, freedom_of_t) * self.tried()).min(1.0) }
+        });
+        tested.collect()
+    }
+
+    /// Writes down what happened, step by step.
+    pub(super) fn record(&self, log: &[(usize, Change)], noise: &Noise, chosen: &[usize], steps: &mut Vec<Step>) {
+        // The state before the first step: what the steps did, undone.
+        let mut now: Vec<usize> = chosen.to_vec();
+        for &(column, change) in log.iter().rev() {
+            match change {
+                Change::Entered => now.retain(|&own| own != column),
+                Change::Replaced(other) => {
+                    now.retain(|&own| own != column);
+                    now.push(other);
+                }
+                _ => now.push(column),
+            }
+        }
+        for &(column, change) in log {
+            let before = now.clone();
+            match change {
+                Change::Entered => now.push(column),
+                Change::Replaced(other) => {
+                    now.retain(|&own| own != other);
+                    now.push(column);
+                }
+                _ => now.retain(|&own| own != column),
+            }
+            let is_in = now.contains(&column);
+            steps.push(self.step(column, change, noise, if is_in { &now } else { &before }));
+        }
+    }
+
+    fn step(&self, column: usize, change: Change, noise: &Noise, with: &[usize]) -> Step {
+        let tested = self.tested(noise, with);
+        let found = with.iter().zip(&tested).find(|(own, _)| **own == column).map(|(_, tested)| *tested);
+        let Tested { t, freedom, p } = found.unwrap_or_default();
+        let change = match change {
+            Change::Replaced(other) => Change::Replaced(self.candidate(other)),
+            other => other,
+        };
+        Step { candidate: self.candidate(column), change, t, freedom, p, correlation: noise.most() }
+    }
+
+    fn candidate(&self, column: usize) -> usize {
+        column.checked_sub(self.prepared.always).and_then(|told| self.prepared.told.get(told)).copied().unwrap_or(0)
+    }
+
+    /// Takes out what is not significant beside the others, the worst one first.
+    pub(super) fn demand_significance(&self, noise: &mut Noise, chosen: &mut Vec<usize>, steps: &mut Vec<Step>) {
+        while !chosen.is_empty() {
+            *noise = self.noise(chosen);
+            let tested = self.tested(noise, chosen);
+            let worst = tested.iter().zip(chosen.iter()).max_by(|one, other| one.0.p.total_cmp(&other.0.p));
+            let Some((p, column)) = worst.map(|(tested, &column)| (tested.p, column)) else { return };
+            if p <= self.rule.significance {
+                return;
+            }
+            steps.push(self.step(column, Change::NotSignificant, noise, chosen));
+            chosen.retain(|&own| own != column);
+        }
+        *noise = self.noise(chosen);
+    }
+
+    /// Takes out what does not help with held-out blocks: each term beside the others, then all of them.
+    pub(super) fn demand_gain(&self, folds: &Folds<'_>, noise: &Noise, chosen: &mut Vec<usize>, choice: &mut Choice) {
+        let prices = self.criterion();
+        let of_folds: Vec<Vec<(usize, f64)>> = folds
+            .training()
+            .enumerate()
+            .map(|(fold, (training, rows))| {
+                let mut swept = Swept::new(training.clone());
+                (0..self.prepared.always).for_each(|column| {
+                    swept.pivot(column);
+                });
+                let freedom = rows.saturating_sub(self.prepared.always).max(1);
+                let criterion = Criterion { freedom: freedom as f64, most: freedom / 3, ..prices.clone() };
+                let mut own = Vec::new();
+                descend(&mut swept, &criterion, &mut own, |_, _| {});
+                folds.coefficients(fold, &own)
+            })
+            .collect();
+        let gain = folds.gain(&folds.losses_of(&[]), &folds.losses(&of_folds));
+        choice.gain = Some(gain);
+        let is_real = gain.is_real();
+        while !chosen.is_empty() {
+            let with_all = folds.losses_of(chosen);
+            let gains = chosen.iter().map(|&column| {
+                let others: Vec<usize> = chosen.iter().copied().filter(|&own| own != column).collect();
+                (folds.gain(&folds.losses_of(&others), &with_all), column)
+            });
+            let worst = gains.min_by(|one, other| {
+                (one.0.share - one.0.uncertainty).total_cmp(&(other.0.share - other.0.uncertainty))
+            });
+            let Some((gain, column)) = worst else { return };
+            if is_real && gain.is_real() {
+                return;
+            }
+            choice.steps.push(self.step(column, Change::NoGain, noise, chosen));
+            chosen.retain(|&own| own != column);
+        }
+    }
+
+    pub(super) fn terms(&self, noise: &Noise, chosen: &[usize], folds: Option<&Folds<'_>>) -> Vec<Term> {
+        let mut swept = self.swept(noise, chosen);
+        let with_all = folds.map(|folds| folds.losses_of(chosen)).unwrap_or_default();
+        let mut sorted = chosen.to_vec();
+        sorted.sort_unstable();
+        let mut terms = Vec::new();
+        for (&column, Tested { t, freedom, p }) in sorted.iter().zip(self.tested(noise, &sorted)) {
+            let length = self.prepared.lengths.get(column - self.prepared.always).copied().unwrap_or(1.0);
+            let others: Vec<usize> = chosen.iter().copied().filter(|&own| own != column).collect();
+            let gain = folds.map(|folds| folds.gain(&folds.losses_of(&others), &with_all)).unwrap_or_default();
+            let rivals = self.rivals(&mut swept, column);
+            let value = swept.coefficient(column) / length;
+            terms.push(Term { candidate: self.candidate(column), value, t, freedom, p, gain, rivals });
+        }
+        terms
+    }
+
+    /// The candidates that could stand for a column.
+    fn rivals(&self, swept: &mut Swept, column: usize) -> Vec<Rival> {
+        let (freedom, left) = (self.freedom(0), swept.left().max(f64::MIN_POSITIVE));
+        let outside = self.candidates().filter(|&other| !swept.is_inside(other));
+        let worse: Vec<(usize, f64)> = outside
+            .filter_map(|other| Some((other, freedom * ((left - swept.exchange(column, other)?) / left).ln())))
+            .collect();
+        swept.pivot(column);
+        let mut rivals: Vec<Rival> = worse
+            .into_iter()
+            .map(|(other, worse)| (other, worse, swept.correlation(column, other)))
+            .filter(|&(_, worse, correlation)| correlation.abs() > ALIKE || worse < NOT_APART)
+            .map(|(other, worse, correlation)| Rival { candidate: self.candidate(other), correlation, worse })
+            .collect();
+        swept.pivot(column);
+        rivals.sort_by(|one, other| one.worse.total_cmp(&other.worse));
+        rivals
+    }
+}
