@@ -24,8 +24,8 @@ use super::robust::{spread, weight};
 
 /// Choices at most.
 const MOST_PASSES: usize = 3;
-/// Factors at most: 512 MB.
-const MOST_FACTORS: usize = 1 << 26;
+/// Factors at most: 256 MB, of which the choice makes a few copies.
+const MOST_FACTORS: usize = 1 << 25;
 /// Rounds of weights that cannot lock on to a wrong start, and of those that reject; one of each where there is much to multiply.
 const WEIGHT_ROUNDS: usize = 3;
 const MUCH: f64 = 5e8;

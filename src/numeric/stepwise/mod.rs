@@ -1,9 +1,9 @@
 //! Which of many columns a value needs: stepwise regression that is honest where neighbours have the same noise.
 //!
 //! Some columns are always in. Candidates enter, leave and take each other's place as long as one criterion falls strictly: ν ln of the squares that
-//! are left, and for each column what a t value at its limit would win. Rows are made independent first (generalised least squares, see
-//! [`lagged`]); the limit is that of Student's t at the freedom that the uncertainty of the correlation leaves (Satterthwaite 1946), by the number of
-//! candidates (Bonferroni). What is chosen must say something of blocks that were held out, by more than one standard error: each term alone, and all
+//! are left, and for each column what a t value at its limit would win. Rows are made independent first (generalised least squares). What is chosen
+//! is held to Student's t at the freedom that the uncertainty of the correlation leaves (Satterthwaite 1946), by the number of candidates
+//! (Bonferroni), and must say something of blocks that were held out, by more than one standard error: each term alone, and all
 //! together with the choice repeated in every fold. Without all this a t test at 99.99 % finds an effect in noise of correlation 0.95 nearly always.
 
 mod descent;
