@@ -11,6 +11,8 @@ use crate::measure::data::DataSet;
 use crate::model::name::{DIRECTIONS, ErrorName};
 use crate::model::parameter::{ParameterName, Term};
 
+use super::effect::Parameter;
+
 /// Truncated powers have no higher degree.
 const MOST_KNOT_DEGREE: u8 = 2;
 /// Knots of an axis at most: a travel of 20 m every 20 mm.
@@ -49,8 +51,12 @@ pub fn of_motion(machine: &Machine, data: &[DataSet], pieces: Pieces) -> Vec<Par
 
 /// What a candidate has to win more than others: of two that the data cannot tell apart, the one without a knot is chosen.
 #[must_use]
-pub fn handicap(name: &ParameterName) -> f64 {
-    if matches!(name.term, Term::Knot { .. }) { KNOT_HANDICAP } else { 0.0 }
+pub fn handicap(parameter: &Parameter) -> f64 {
+    if matches!(parameter, Parameter::Geometry(ParameterName { term: Term::Knot { .. }, .. })) {
+        KNOT_HANDICAP
+    } else {
+        0.0
+    }
 }
 
 /// Whole multiples of the spacing between the first and the last position of an axis.
@@ -87,6 +93,7 @@ mod tests {
                 setup: 0,
                 run: 0,
                 t_s: None,
+                condition: 0,
                 values: [Some(0.0); 3],
                 target: None,
                 component: None,
@@ -110,6 +117,8 @@ mod tests {
             lengths: Vec::new(),
             balls: Vec::new(),
             is_plan: false,
+            conditions: Vec::new(),
+            fixed: Vec::new(),
             observations,
         }]
     }

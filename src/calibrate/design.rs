@@ -20,6 +20,11 @@ const TIE_SIGMA: f64 = 1e-4;
 /// be less than 1 µm, and its own square more.
 const WEAK: f64 = 0.01;
 
+/// Standard uncertainty of a known distance of a measurement, mm.
+pub(super) fn tie_sigma(data: &[DataSet], set: usize, tie: usize) -> f64 {
+    data.get(set).and_then(|set| set.lengths.get(tie)).and_then(|length| length.sigma_mm).unwrap_or(TIE_SIGMA)
+}
+
 /// Parameters and data, laid out in columns.
 #[derive(Clone, Debug)]
 pub(super) struct Design<'a> {
@@ -111,11 +116,6 @@ impl<'a> Design<'a> {
             values.resize(until, 0.0);
         }
         values
-    }
-
-    /// Standard uncertainty of a known distance, mm.
-    pub(super) fn tie_sigma(&self, set: usize, tie: usize) -> f64 {
-        self.data.get(set).and_then(|set| set.lengths.get(tie)).and_then(|length| length.sigma_mm).unwrap_or(TIE_SIGMA)
     }
 
     /// Unknowns of set-ups that are not told by themselves, by the largest factor of each column.

@@ -10,7 +10,7 @@ use crate::model::ErrorModel;
 use crate::numeric::{Normal, RANK_LIMIT, Solution, Step, System};
 
 use super::column::Column;
-use super::design::{Design, Line, Origin};
+use super::design::{Design, Line, Origin, tie_sigma};
 use super::effect::Parameter;
 use super::noise::{FIRST_SIGMA, Noise, group_of};
 use super::robust::TUKEY_VARIANCE;
@@ -266,7 +266,7 @@ impl<'a> Rounds<'a> {
                 Origin::Row(_) => self.noise.sigma(group_of(line)),
                 // What can be told does not depend on how well a distance is known.
                 Origin::Tie(_) if self.is_first => FIRST_SIGMA,
-                Origin::Tie(tie) => self.design.tie_sigma(line.set, tie),
+                Origin::Tie(tie) => tie_sigma(self.design.data, line.set, tie),
             };
             weight.sqrt() / sigma
         };

@@ -11,13 +11,13 @@ use nalgebra::DMatrix;
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
-use crate::model::parameter::ParameterName;
 use crate::numeric::Normal;
 use crate::numeric::stepwise::{Choice, Rows, Rule, choose};
 
 use super::candidates::handicap;
 use super::column::Column;
-use super::design::{Design, Line, Origin};
+use super::design::{Design, Line, Origin, tie_sigma};
+use super::effect::Parameter;
 use super::fit::{Fault, Fit, Options, fit};
 use super::noise::{FIRST_ANGLE_SIGMA, FIRST_SIGMA, group_of};
 use super::robust::{spread, weight};
@@ -42,9 +42,9 @@ pub struct Selected {
     /// The fit of what is always in and what was chosen.
     pub fit: Fit,
     /// Its parameters.
-    pub parameters: Vec<ParameterName>,
+    pub parameters: Vec<Parameter>,
     /// The candidates that [`Self::choice`] numbers.
-    pub candidates: Vec<ParameterName>,
+    pub candidates: Vec<Parameter>,
     /// How it went: the last choice.
     pub choice: Choice,
     /// Choices that were made.
@@ -80,16 +80,16 @@ impl From<Fault> for Refusal {
 pub fn select(
     machine: &Machine,
     start: &ErrorModel,
-    base: &[ParameterName],
-    candidates: &[ParameterName],
+    base: &[Parameter],
+    candidates: &[Parameter],
     data: &[DataSet],
     options: Options,
     rule: Rule,
 ) -> Result<Selected, Refusal> {
-    let mut own: Vec<ParameterName> = Vec::new();
+    let mut own: Vec<Parameter> = Vec::new();
     for name in candidates {
         if !base.contains(name) && !own.contains(name) {
-            own.push(*name);
+            own.push(name.clone());
         }
     }
     let job = Job { machine, start, base, candidates: &own, data, options };
@@ -115,8 +115,8 @@ pub fn select(
 struct Job<'a> {
     machine: &'a Machine,
     start: &'a ErrorModel,
-    base: &'a [ParameterName],
-    candidates: &'a [ParameterName],
+    base: &'a [Parameter],
+    candidates: &'a [Parameter],
     data: &'a [DataSet],
     options: Options,
 }
@@ -138,14 +138,14 @@ impl Equations {
 }
 
 impl Job<'_> {
-    fn parameters(&self, chosen: &[usize]) -> Vec<ParameterName> {
+    fn parameters(&self, chosen: &[usize]) -> Vec<Parameter> {
         let chosen = chosen.iter().filter_map(|&number| self.candidates.get(number));
-        self.base.iter().chain(chosen).copied().collect()
+        self.base.iter().chain(chosen).cloned().collect()
     }
 
     /// The equations at a fitted point. The values are what is left there and what the candidates do there, beyond what they do at the start.
     fn equations(&self, fitted: &Fit) -> Result<Equations, Refusal> {
-        let all: Vec<ParameterName> = self.base.iter().chain(self.candidates).copied().collect();
+        let all: Vec<Parameter> = self.base.iter().chain(self.candidates).cloned().collect();
         let design = Design::new(self.machine, self.data, &all);
         let width = design.columns.len();
         let rows: usize = self.data.iter().map(|set| 3 * set.observations.len() + set.lengths.len()).sum();
@@ -234,7 +234,7 @@ impl Job<'_> {
     /// A known distance counts as much as it is known.
     fn tie_sigma(&self, line: &Line) -> f64 {
         match line.origin {
-            Origin::Tie(tie) => Design::new(self.machine, self.data, &[]).tie_sigma(line.set, tie),
+            Origin::Tie(tie) => tie_sigma(self.data, line.set, tie),
             Origin::Row(_) => FIRST_SIGMA,
         }
     }

@@ -14,12 +14,11 @@ use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
 use super::{conditions, parameters, print, select, tell};
-use crate::calibrate::{Fault, Fit, Options, Parameter, Refusal, fit, quality};
+use crate::calibrate::{Column, Fault, Fit, Options, Parameter, Refusal, fit, quality};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Vector;
 use crate::measure::data::DataSet;
-use crate::model::parameter::ParameterName;
-use crate::model::{ErrorModel, file, write};
+use crate::model::{file, write};
 use crate::report::number::{micrometers, significant};
 use crate::report::{calibration, json};
 use crate::source::{FileId, Source};
@@ -111,7 +110,7 @@ fn calibrate(
     let held_out = all.split_off(arguments.data.len().min(all.len()));
     let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
     let candidates = match &arguments.select {
-        Some(words) => select::candidates(arguments, words, &chosen.machine, &data, findings)?,
+        Some(words) => select::candidates(arguments, words, &chosen.machine, &chosen.errors, &data, findings)?,
         None => Some(Vec::new()),
     };
     let Some(candidates) = candidates else { return Ok(()) };
@@ -135,7 +134,7 @@ struct Job<'a> {
     arguments: &'a CalibrateArguments,
     chosen: &'a Chosen,
     parameters: &'a [Parameter],
-    candidates: &'a [ParameterName],
+    candidates: &'a [Parameter],
 }
 
 impl Job<'_> {
@@ -246,8 +245,12 @@ impl Job<'_> {
         let Some((_, written)) = file::load(&again).0 else {
             return Err(wrong("the result is no machine file".into()));
         };
-        for column in fit.estimates.iter().map(|one| one.column) {
-            let Column::Parameter(parameter) = column else { continue };
+        for one in &fit.estimates {
+            let parameter = match &one.column {
+                Column::Parameter(name) => Parameter::from(*name),
+                Column::Effect(parameter) => Parameter::from(parameter.clone()),
+                Column::Unknown(..) => continue,
+            };
             let (found, read) = (parameter.get(errors), parameter.get(&written));
             if (found - read).abs() > 1e-9 * found.abs() + f64::MIN_POSITIVE {
                 return Err(wrong(format!("{parameter} would read {read:e} in place of {found:e}")));

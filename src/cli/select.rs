@@ -9,7 +9,7 @@ use super::findings::Findings;
 use super::parameters;
 use super::stop::Stop;
 use crate::calibrate::candidates::{Pieces, of_component, of_motion};
-use crate::calibrate::{Change, Gain, Options, Refusal, Rule, Selected, select};
+use crate::calibrate::{Change, Gain, Options, Parameter, Refusal, Rule, Selected, select};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
@@ -30,19 +30,20 @@ pub(super) fn candidates(
     arguments: &CalibrateArguments,
     words: &str,
     machine: &Machine,
+    errors: &ErrorModel,
     data: &[DataSet],
     findings: &mut Findings,
-) -> Result<Option<Vec<ParameterName>>, Stop> {
+) -> Result<Option<Vec<Parameter>>, Stop> {
     let pieces = Pieces { spacing_mm: arguments.knots, degree: arguments.degree };
-    let mut all = Vec::new();
+    let mut all: Vec<Parameter> = Vec::new();
     for word in words.split(',').map(str::trim) {
         if preset::find(word).is_some() || (Path::new(word).is_file() && word != "motion") {
-            let Some(found) = parameters::choose(word, machine, findings)? else { return Ok(None) };
+            let Some(found) = parameters::choose(word, machine, errors, findings)? else { return Ok(None) };
             all.extend(found);
         } else if word == "motion" {
-            all.extend(of_motion(machine, data, pieces));
+            all.extend(of_motion(machine, data, pieces).into_iter().map(Parameter::from));
         } else {
-            all.extend(named(word, machine, data, pieces)?);
+            all.extend(named(word, machine, data, pieces)?.into_iter().map(Parameter::from));
         }
     }
     if all.len() > MOST {
@@ -80,8 +81,8 @@ pub(super) fn chosen(
     arguments: &CalibrateArguments,
     machine: &Machine,
     start: &ErrorModel,
-    base: &[ParameterName],
-    candidates: &[ParameterName],
+    base: &[Parameter],
+    candidates: &[Parameter],
     data: &[DataSet],
 ) -> Result<(Selected, selection::Selection), Refusal> {
     let rule = Rule { significance: arguments.significance, ..Rule::default() };
@@ -105,7 +106,7 @@ pub(super) fn refusals(refusal: Refusal) -> Vec<Diagnostic> {
 
 fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> selection::Selection {
     let choice = &found.choice;
-    let name = |number: usize| found.candidates.get(number).map_or_else(String::new, ParameterName::to_string);
+    let name = |number: usize| found.candidates.get(number).map_or_else(String::new, Parameter::to_string);
     let gain = |gain: Gain| selection::Gain {
         before: gain.before,
         after: gain.after,
@@ -157,23 +158,28 @@ fn told(found: &Selected, rule: Rule, data: &[DataSet]) -> selection::Selection 
 
 /// Candidates that are not told; an error of which no term is told has one entry.
 fn not_told(found: &Selected) -> Vec<String> {
+    let component = |parameter: &Parameter| match parameter {
+        Parameter::Geometry(name) => Some(name.component),
+        Parameter::Effect(_) => None,
+    };
     let mut terms: HashMap<ErrorName, usize> = HashMap::new();
-    for name in &found.candidates {
-        *terms.entry(name.component).or_default() += 1;
+    for name in found.candidates.iter().filter_map(component) {
+        *terms.entry(name).or_default() += 1;
     }
-    let lost: Vec<&ParameterName> =
+    let lost: Vec<&Parameter> =
         found.choice.not_told.iter().filter_map(|&number| found.candidates.get(number)).collect();
     let mut names = Vec::new();
     let mut whole: Vec<ErrorName> = Vec::new();
-    for name in &lost {
-        let count = lost.iter().filter(|other| other.component == name.component).count();
-        if count > 1 && terms.get(&name.component) == Some(&count) {
-            if !whole.contains(&name.component) {
-                whole.push(name.component);
-                names.push(format!("{} (all {count} terms)", name.component));
+    for &parameter in &lost {
+        let own = component(parameter);
+        let count = lost.iter().filter(|other| own.is_some() && component(other) == own).count();
+        match own.filter(|name| count > 1 && terms.get(name) == Some(&count)) {
+            Some(name) if whole.contains(&name) => {}
+            Some(name) => {
+                whole.push(name);
+                names.push(format!("{name} (all {count} terms)"));
             }
-        } else {
-            names.push(name.to_string());
+            None => names.push(parameter.to_string()),
         }
     }
     names
