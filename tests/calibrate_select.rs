@@ -1,7 +1,7 @@
 //! Which terms the data needs: hidden ones are found and named, and where there is nothing nothing is found, also in noise that drifts.
 
 use ncfix::calibrate::candidates::{Pieces, of_component};
-use ncfix::calibrate::{Options, Rule, Selected, Term, quality, select};
+use ncfix::calibrate::{Options, Parameter, Rule, Selected, Term, quality, select};
 use ncfix::machine::State;
 use ncfix::measure::data::{DataSet, Free};
 use ncfix::model::ErrorModel;
@@ -64,18 +64,26 @@ fn drifting(bench: &Bench, rho: f64, random: &mut Random) -> Vec<DataSet> {
     data
 }
 
-fn candidates(bench: &Bench, degree: u8) -> Vec<ParameterName> {
+fn candidates(bench: &Bench, degree: u8) -> Vec<Parameter> {
     let pieces = Pieces { spacing_mm: 50, degree };
-    ["EXX", "EYX"].iter().flat_map(|name| of_component(name.parse().unwrap(), &bench.data, pieces)).collect()
+    ["EXX", "EYX"]
+        .iter()
+        .flat_map(|name| of_component(name.parse().unwrap(), &bench.data, pieces))
+        .map(Parameter::from)
+        .collect()
 }
 
-fn selected(bench: &Bench, data: &[DataSet], candidates: &[ParameterName]) -> Selected {
+fn parameters(names: Vec<ParameterName>) -> Vec<Parameter> {
+    names.into_iter().map(Parameter::from).collect()
+}
+
+fn selected(bench: &Bench, data: &[DataSet], candidates: &[Parameter]) -> Selected {
     let options = Options { robust: true };
     select(&bench.machine, &ErrorModel::default(), &[], candidates, data, options, Rule::default()).unwrap()
 }
 
-fn names(parameters: &[ParameterName]) -> Vec<String> {
-    let mut names: Vec<String> = parameters.iter().map(ParameterName::to_string).collect();
+fn names(parameters: &[Parameter]) -> Vec<String> {
+    let mut names: Vec<String> = parameters.iter().map(Parameter::to_string).collect();
     names.sort();
     names
 }
@@ -150,7 +158,7 @@ fn what_the_data_does_not_tell_never_enters() {
     let bench = with(lines(), &[("EXX1", 3.2e-5)]);
     let data = drifting(&bench, 0.0, &mut Random(3));
     // Y and Z stand still; a shift of the instrument is unknown.
-    let all = named("EYY1 EAZ1 EXX0 EXX1 EBX2@900");
+    let all = parameters(named("EYY1 EAZ1 EXX0 EXX1 EBX2@900"));
     let found = selected(&bench, &data, &all);
     assert_eq!(names(&found.parameters), ["EXX1"]);
     let lost: Vec<String> = found.choice.not_told.iter().map(|&number| all[number].to_string()).collect();
@@ -163,7 +171,7 @@ fn what_cannot_be_told_apart_is_a_class() {
     let bench = with(lines(), &[("EXX1", 3.2e-5)]);
     let data = drifting(&bench, 0.0, &mut Random(4));
     // All positions are on one side of −100 mm, and beside an unknown shift both are the same line.
-    let found = selected(&bench, &data, &named("EXX1 EXX1@-100"));
+    let found = selected(&bench, &data, &parameters(named("EXX1 EXX1@-100")));
     assert_eq!(names(&found.parameters), ["EXX1"], "the one without a knot");
     let rivals = &found.choice.terms[0].rivals;
     assert_eq!(rivals.iter().map(|rival| rival.candidate).collect::<Vec<usize>>(), [1]);
