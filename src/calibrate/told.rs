@@ -19,6 +19,9 @@ const SHORT_LIST: usize = 8;
 /// of 1e-7 to 1e-6, and what is told 100 000 times worse than the rest is told by nothing that can be measured.
 const LOST: f64 = 1e-10;
 
+/// What a reading of 1 rad counts as, mm.
+const MM_PER_RAD: f64 = 1000.0;
+
 /// What measurements tell of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Told {
@@ -87,17 +90,17 @@ pub fn told(machine: &Machine, parameters: &[impl Clone + Into<Parameter>], data
     }
 }
 
-/// The candidates for measurement `set` that raise its smallest singular value most, one after the other: numbers into `candidates`.
+/// The candidates for the first measurement that raise the smallest singular value of all measurements together most, one after the other:
+/// numbers into `candidates`.
 #[must_use]
 pub fn improve(
     machine: &Machine,
     parameters: &[impl Clone + Into<Parameter>],
-    data: &DataSet,
+    data: &[DataSet],
     candidates: &[Observation],
     count: usize,
 ) -> Vec<usize> {
-    let one = std::slice::from_ref(data);
-    let design = Design::new(machine, one, parameters);
+    let design = Design::new(machine, data, parameters);
     let width = design.columns.len();
     let mut normal = DMatrix::<f64>::zeros(width, width);
     for row in factors(&design) {
@@ -105,10 +108,14 @@ pub fn improve(
         normal.ger(1.0, &row, &row, 1.0);
     }
     let mut sets: Vec<(usize, Vec<DVector<f64>>)> = Vec::new();
-    let mut single = DataSet { observations: Vec::new(), lengths: Vec::new(), ..data.clone() };
+    // Without readings all measurements still have their columns.
+    let bare = |set: &DataSet| DataSet { observations: Vec::new(), lengths: Vec::new(), ..set.clone() };
+    let mut single: Vec<DataSet> = data.iter().map(bare).collect();
     for (number, candidate) in candidates.iter().enumerate() {
-        single.observations = vec![*candidate];
-        let design = Design::new(machine, std::slice::from_ref(&single), parameters);
+        if let Some(first) = single.first_mut() {
+            first.observations = vec![*candidate];
+        }
+        let design = Design::new(machine, &single, parameters);
         sets.push((number, factors(&design).into_iter().map(DVector::from_vec).collect()));
     }
     // One scale for all rounds: that of what could be measured.
@@ -179,6 +186,10 @@ fn weakest(normal: &DMatrix<f64>) -> Vec<DVector<f64>> {
 fn factors(design: &Design<'_>) -> Vec<Vec<f64>> {
     let values = vec![0.0; design.columns.len()];
     let mut rows = Vec::new();
-    design.walk(&ErrorModel::default(), &values, true, |_, row| rows.push(row.to_vec()));
+    design.walk(&ErrorModel::default(), &values, true, |line, row| {
+        // 1 µrad is told as well as 1 µm.
+        let weight = if line.is_angle { MM_PER_RAD } else { 1.0 };
+        rows.push(row.iter().map(|factor| factor * weight).collect());
+    });
     rows
 }

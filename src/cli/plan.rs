@@ -1,7 +1,7 @@
 //! `ncfix plan`: poses of a measurement and the program that runs them.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::arguments::PlanArguments;
 use super::exit_code::ExitCode;
@@ -10,16 +10,15 @@ use super::machine_choice::{self, Chosen};
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
-use super::tell;
 use super::value::ToolVector;
+use super::{measurement, parameters, tell};
 use crate::calibrate::{improve, told};
 use crate::emit::flat;
 use crate::machine::Machine;
-use crate::measure::data::DataSet;
+use crate::measure::data::{DataSet, Observation};
 use crate::measure::plan::builder::Builder;
 use crate::measure::plan::{Wishes, table};
 use crate::model::parameter::ParameterName;
-use crate::model::preset::{PRESETS, find};
 
 /// What a row without a reading is taken for when it is asked what it tells.
 const READ: f64 = 0.0;
@@ -59,9 +58,11 @@ fn plan(arguments: &PlanArguments, findings: &mut Findings) -> Result<Option<Str
     let wishes = wishes(arguments, &chosen.machine)?;
     let refused = |reason: String| Stop::Usage(format!("no plan {}: {reason}", arguments.kind.name));
     let mut plan = (arguments.kind.build)(&chosen.machine, &wishes).map_err(|reason| refused(reason.to_string()))?;
+    let Some(others) = others(&arguments.with, &chosen.machine, findings)? else { return Ok(None) };
     let mut report = String::new();
     if let Some(name) = &arguments.model {
-        report = judge(name, arguments.improve.unwrap_or(0), &chosen, &mut plan)?;
+        let Some(parameters) = parameters::choose(name, &chosen.machine, findings)? else { return Ok(None) };
+        report = judge(name, arguments.improve.unwrap_or(0), &chosen, &mut plan, others, &parameters)?;
     }
     for note in &plan.notes {
         let _ = writeln!(report, "note: {note}");
@@ -96,47 +97,81 @@ fn plan(arguments: &PlanArguments, findings: &mut Findings) -> Result<Option<Str
     Ok(Some(report))
 }
 
-/// Asks what the plan tells of a preset, and adds poses.
-fn judge(name: &str, more: usize, chosen: &Chosen, plan: &mut Builder) -> Result<String, Stop> {
-    if !plan.is_geometric {
-        return Err(Stop::Usage("a drift has no parameters of a preset; leave --model out".into()));
+/// Measurements and plans that are there already; `None` where one is no such thing. Empty cells of a measurement say nothing, a table without any
+/// reading is a plan.
+fn others(tables: &[PathBuf], machine: &Machine, findings: &mut Findings) -> Result<Option<Vec<DataSet>>, Stop> {
+    let mut out = Vec::new();
+    let mut is_sound = true;
+    for (number, table) in tables.iter().enumerate() {
+        let mut found = Findings::default();
+        let made = measurement::read(table, number, false, machine, &mut found)?;
+        let made = made.filter(|one| one.data.observations.iter().any(has_reading));
+        let read = if made.is_some() { made } else { measurement::read(table, number, true, machine, findings)? };
+        match read {
+            Some(read) => out.push(read.data),
+            None => is_sound = false,
+        }
     }
-    let preset = find(name).ok_or_else(|| {
-        let known: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
-        Stop::Usage(format!("there is no preset '{name}'; the presets are {}", known.join(", ")))
-    })?;
+    Ok(is_sound.then_some(out))
+}
+
+/// Whether something was read in a row: a value, or the position at a ball.
+fn has_reading(row: &Observation) -> bool {
+    row.values.iter().any(Option::is_some) || row.target.is_some() && row.component.is_none()
+}
+
+/// Asks what the plan tells of a preset, together with other measurements, and adds poses.
+fn judge(
+    name: &str,
+    more: usize,
+    chosen: &Chosen,
+    plan: &mut Builder,
+    others: Vec<DataSet>,
+    parameters: &[ParameterName],
+) -> Result<String, Stop> {
+    if !plan.is_geometric {
+        return Err(Stop::Usage("this plan is no measurement of a preset's parameters; leave --model out".into()));
+    }
     let machine = &chosen.machine;
-    let parameters = (preset.parameters)(machine)
-        .map_err(|reason| Stop::Usage(format!("preset {name} does not suit the machine {}: {reason}", machine.name)))?;
-    let mut report = said("the plan", name, chosen, &parameters, plan);
+    let mut all = vec![as_read(plan)];
+    let mut report = String::new();
+    let who = match others.len() {
+        0 => "the plan".to_owned(),
+        count => {
+            report.push_str(&said("the plan alone", name, chosen, parameters, &all));
+            all.extend(others);
+            format!("with {count} other{} it", if count > 1 { "s" } else { "" })
+        }
+    };
+    report.push_str(&said(&who, name, chosen, parameters, &all));
     if more > 0 {
         if plan.candidates.is_empty() {
             return Err(Stop::Usage("this plan has no further poses to choose from; leave --improve out".into()));
         }
-        let mut read = as_read(plan);
         let mut candidates = plan.candidates.clone();
         for candidate in &mut candidates {
             candidate.values = values(plan);
         }
-        read.sigma = None;
-        for chosen_one in improve(machine, &parameters, &read, &candidates, more) {
+        for chosen_one in improve(machine, parameters, &all, &candidates, more) {
             if let Some(candidate) = plan.candidates.get(chosen_one).copied() {
                 plan.visit(&candidate, "more")
                     .map_err(|reason| Stop::Usage(format!("no way to a further pose: {reason}")))?;
             }
         }
-        report.push_str(&said(&format!("with {more} more poses it"), name, chosen, &parameters, plan));
+        if let Some(own) = all.first_mut() {
+            *own = as_read(plan);
+        }
+        report.push_str(&said(&format!("with {more} more poses it"), name, chosen, parameters, &all));
     }
     Ok(report)
 }
 
 /// What a plan tells, in words.
-fn said(who: &str, name: &str, chosen: &Chosen, parameters: &[ParameterName], plan: &Builder) -> String {
-    let read = as_read(plan);
-    let told = told(&chosen.machine, parameters, std::slice::from_ref(&read));
+fn said(who: &str, name: &str, chosen: &Chosen, parameters: &[ParameterName], data: &[DataSet]) -> String {
+    let told = told(&chosen.machine, parameters, data);
     let unknowns = told.columns - told.parameters;
     let mut out = format!(
-        "preset {name}, {} parameters and {unknowns} unknowns of the set-up: {who} tells {} of {} (condition {:.0})\n",
+        "model {name}, {} parameters and {unknowns} unknowns of the set-up: {who} tells {} of {} (condition {:.0})\n",
         told.parameters, told.rank, told.columns, told.condition
     );
     if !told.idle.is_empty() {
@@ -174,7 +209,7 @@ fn values(plan: &Builder) -> [Option<f64>; 3] {
 /// What the command line wishes, in the units of the program.
 fn wishes(arguments: &PlanArguments, machine: &Machine) -> Result<Wishes, Stop> {
     let given = [
-        ("centre", arguments.centre.is_some()),
+        ("centre", !arguments.centre.is_empty()),
         ("radius", arguments.radius.is_some()),
         ("feed", arguments.feed.is_some()),
         ("plane", !arguments.plane.is_empty()),
@@ -192,6 +227,8 @@ fn wishes(arguments: &PlanArguments, machine: &Machine) -> Result<Wishes, Stop> 
         ("points", arguments.points.is_some()),
         ("runs", arguments.runs.is_some()),
         ("dwell", arguments.dwell.is_some()),
+        ("force", !arguments.force.is_empty()),
+        ("place", !arguments.place.is_empty()),
         ("hours", arguments.hours.is_some()),
         ("speed", arguments.speed.is_some()),
         ("seed", arguments.seed.is_some()),
@@ -206,6 +243,9 @@ fn wishes(arguments: &PlanArguments, machine: &Machine) -> Result<Wishes, Stop> 
     if arguments.tool.len() > 1 && kind.name != "plate" {
         return Err(Stop::Usage(format!("a plan {} has one --tool", kind.name)));
     }
+    if arguments.centre.len() > 1 && kind.name != "plate" {
+        return Err(Stop::Usage(format!("a plan {} has one --centre", kind.name)));
+    }
     let spindle = machine.spindle.axis;
     let tool = |tool: &ToolVector| match tool {
         ToolVector::Tip(tip_mm) => *tip_mm,
@@ -215,11 +255,14 @@ fn wishes(arguments: &PlanArguments, machine: &Machine) -> Result<Wishes, Stop> 
     let is_turned = arguments.axis.is_some_and(|axis| axis.is_rotary());
     Ok(Wishes {
         tools_mm: arguments.tool.iter().map(tool).collect(),
-        centre_mm: arguments.centre,
+        centres_mm: arguments.centre.clone(),
+        margin_mm: arguments.margin,
+        forces_n: arguments.force.clone(),
+        places_mm: arguments.place.clone(),
         radius_mm: arguments.radius,
         feed: arguments.feed,
         planes: arguments.plane.clone(),
-        every: if kind.name == "plate" { arguments.every } else { angle(arguments.every) },
+        every: if matches!(kind.name, "plate" | "load") { arguments.every } else { angle(arguments.every) },
         sweep: angle(arguments.sweep),
         overlap: angle(arguments.overlap),
         chord: angle(arguments.chord),

@@ -1,9 +1,9 @@
 //! Flat programs from nothing: positions of the axes in machine coordinates, for test plans.
 //!
-//! No zero offset and no tool length may act on them: Sinumerik writes `SUPA` in every block and `D0`, Grundig `G53`. Fanuc and RS274/NGC know
-//! machine coordinates on straight (Fanuc: rapid) moves only, so there rapid moves are `G90 G53 G0` and all others increments of what has been
-//! written, which no offset changes and which add up exactly, being counts of increments. Behind a stop or a cycle they begin with a `G90 G53 G0`
-//! to where the axes were left.
+//! No zero offset and no tool length may act on them: Sinumerik writes `SUPA` in every block and `D0`, Grundig `G53`. Fanuc knows machine
+//! coordinates on rapid moves only, RS274/NGC on straight ones; there these are `G90 G53` and all others increments of what has been written, which
+//! no offset changes and which add up exactly, being counts of increments. Behind a stop or a cycle they begin with a `G90 G53 G0` to where the
+//! axes were left. The first comments say what must be off.
 
 use super::comment::in_parentheses;
 use super::number::{Decimals, push_pointed, push_value};
@@ -41,7 +41,7 @@ pub fn flat(machine: &Machine, title: &str, elements: &[Kind]) -> Result<Vec<u8>
         plane: None,
         feed: 0.0,
         is_incremental: false,
-        is_lost: false,
+        is_stale: [false; AXIS_COUNT],
         number: 0,
         out: Vec::new(),
     };
@@ -64,8 +64,8 @@ struct Flat<'a> {
     plane: Option<Plane>,
     feed: f64,
     is_incremental: bool,
-    /// Whether somebody else may have moved the axes since.
-    is_lost: bool,
+    /// Axes that somebody else may have moved since.
+    is_stale: [bool; AXIS_COUNT],
     number: u32,
     out: Vec<u8>,
 }
@@ -75,8 +75,15 @@ impl Flat<'_> {
         match self.language {
             Language::Sinumerik => {
                 self.comment(title.as_bytes());
-                self.line(b"G17 G71 G90 G94 G40");
+                self.notes(&[
+                    "positions of the axes in machine coordinates: SUPA and D0, no zero offset and no tool length act",
+                    "feed in mm/min",
+                ]);
+                self.line(b"G17 G710 G90 G94 G40 G60");
                 self.line(b"D0");
+                if self.has_rotary() {
+                    self.line(b"TRAFOOF");
+                }
             }
             Language::Grundig => {
                 self.out.extend_from_slice(b"%PM");
@@ -86,6 +93,10 @@ impl Flat<'_> {
                 self.out.push(b' ');
                 self.out.extend_from_slice(&in_parentheses(title.to_ascii_uppercase().as_bytes()));
                 self.out.push(b'\n');
+                self.notes(&[
+                    "positions of the axes in machine coordinates: G53 takes zero offsets off",
+                    "the length of the tool in the spindle counts: load one of length 0 before the start",
+                ]);
                 self.line(b"G17 G71 G90 G94 G40");
                 self.line(b"G53");
             }
@@ -95,14 +106,32 @@ impl Flat<'_> {
                 self.out.push(b' ');
                 self.out.extend_from_slice(&in_parentheses(title.to_ascii_uppercase().as_bytes()));
                 self.out.push(b'\n');
+                self.notes(&[
+                    "positions of the axes in machine coordinates: G53, and increments from there",
+                    "no rotation, scaling or mirror image may be on; G49 takes the tool length off",
+                    "rapid of G53 at the first position and from stop to stop: use the override",
+                ]);
                 self.line(b"G21 G17 G90 G94 G40 G49 G80");
             }
             Language::Rs274 => {
                 self.comment(title.as_bytes());
-                self.line(b"G21 G17 G90 G94 G40 G49 G80");
+                self.notes(&[
+                    "positions of the axes in machine coordinates: G53, arcs as increments from there",
+                    "no rotation of coordinates may be on; G49 takes the tool length off",
+                ]);
+                self.line(b"G21 G17 G90 G94 G40 G49 G80 G61");
             }
         }
         self.plane = Some(Plane::XY);
+    }
+
+    /// What a user must know before the start.
+    fn notes(&mut self, notes: &[&str]) {
+        notes.iter().for_each(|note| self.comment(note.as_bytes()));
+    }
+
+    fn has_rotary(&self) -> bool {
+        AXES.into_iter().any(|axis| axis.is_rotary() && self.machine.axis(axis).is_some())
     }
 
     fn foot(&mut self) {
@@ -139,7 +168,9 @@ impl Flat<'_> {
                     }
                 }
                 self.line(&line);
-                self.is_lost |= line == b"M0";
+                if line == b"M0" {
+                    self.is_stale = [true; AXIS_COUNT];
+                }
             }
             Kind::Comment(text) => self.comment(text),
             Kind::Verbatim(text) => {
@@ -148,7 +179,7 @@ impl Flat<'_> {
                     self.line(b"G90");
                 }
                 self.line(text);
-                self.is_lost = true;
+                self.is_stale = [true; AXIS_COUNT];
             }
             _ => {}
         }
@@ -158,9 +189,11 @@ impl Flat<'_> {
         let relative = matches!(self.language, Language::Fanuc | Language::Rs274);
         // Nothing to be relative to yet.
         let is_first = AXES.into_iter().any(|axis| self.machine.axis(axis).is_some() && self.last_of(axis).is_none());
-        let is_absolute = !relative || motion.rapid || is_first;
-        let is_rapid = motion.rapid || relative && is_first;
-        if std::mem::take(&mut self.is_lost) && !is_absolute {
+        let is_straight = self.language == Language::Rs274 && motion.arc.is_none();
+        let is_absolute = !relative || motion.rapid || is_first || is_straight;
+        let is_rapid = motion.rapid || relative && is_first && !is_straight;
+        let is_stale = |axis: Axis| self.machine.axis(axis).is_some() && self.is_stale[axis.slot()];
+        if !is_absolute && AXES.into_iter().any(is_stale) {
             self.come_back();
         }
         let mut line = Vec::new();
@@ -193,17 +226,22 @@ impl Flat<'_> {
         for axis in AXES.into_iter().filter(|&axis| self.machine.axis(axis).is_some()) {
             let count = self.count(axis, motion.target[axis]);
             let before = self.last_of(axis);
+            let is_known = before.is_some() && !self.is_stale[axis.slot()];
+            if !is_known && !motion.named.contains(axis) {
+                continue;
+            }
             let is_in_plane = motion.arc.is_some_and(|arc| {
                 let [abscissa, ordinate, _] = arc.plane.axes();
                 axis == abscissa || axis == ordinate
             });
-            if before == Some(count) && !is_in_plane {
+            if before == Some(count) && is_known && !is_in_plane {
                 continue;
             }
             self.name(&mut line, axis);
             let shown = if is_absolute { count } else { count - before.unwrap_or(0) };
             self.decimals(axis).1.push(&mut line, shown);
             self.last[axis.slot()] = Some(count);
+            self.is_stale[axis.slot()] = false;
         }
         if line.len() == bare {
             return;
@@ -235,6 +273,7 @@ impl Flat<'_> {
             }
         }
         self.is_incremental = false;
+        self.is_stale = [false; AXIS_COUNT];
         self.line(&line);
     }
 

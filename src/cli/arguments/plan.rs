@@ -14,29 +14,32 @@ use crate::model::ErrorName;
 pub(super) const AFTER_HELP: &str = "\
 Kinds:
   ballbar  circles in XY, YZ, ZX, both senses, with overlap (ISO 230-4)
-           --centre --radius --feed --plane --every --sweep --overlap
-  sphere   hemisphere of five meridians; --variant spaan: eight spheres (Spaan 1995, Table 3.1)
+           --centre --radius --feed --plane --every --sweep --overlap --dwell
+  sphere   hemisphere of five meridians; --variant esmaeili: forth and back, spaan: eight spheres (Spaan 1995, Table 3.1)
            --centre --radius --feed --every --chord --variant
-  probe    balls on the table; --variant samba (Table 4-1), rumba (Table 5-3), or generated poses
+  probe    balls on the table; --variant samba (Table 4-1), rumba (Table 5-3), rumba-check (Table 5-4), or generated poses
            --ball --radius --variant --points --tilt --clearance --feed --dwell --line
   laser    an axis in steps, forth and back (ISO 230-2); --variant equal: equal steps
            --axis --component --range --points --runs --centre --feed --dwell --variant --seed
-  drift    spindle speeds; --variant din (DIN 8602), random (Spaan 1995)
+  drift    spindle speeds; --variant din (DIN 8602), pseudo-din, random (Spaan 1995)
            --variant --hours --speed --seed --centre --feed
-  plate    grid of holes in a plane; a set-up for every --tool
+  plate    grid of holes in a plane; a set-up for every --tool and --centre
            --plane --centre --points --every --clearance --feed --dwell --line
+  load     weights on the table; --variant level: an axis, plate: grid of holes
+           --force --place --variant --axis --component --range --points --runs --centre --plane --every --clearance --feed --dwell --line
 
 PLAN.csv gets the poses with empty readings, PLAN.toml beside it the description. The program has axis positions in machine coordinates, without \
 zero offset and tool length; it stops (M0) where the instrument is mounted. Run it without one first.
 
 Examples:
   ncfix plan ballbar --machine mill.toml --tool 150 --centre 300,200,350 -o circles.csv --program CIRCLES.MPF
-  ncfix plan probe --variant rumba --machine five.toml --tool 200 --model 81 -o balls.csv --program BALLS.MPF";
+  ncfix plan probe --variant rumba --machine five.toml --tool 200 --model 81 -o balls.csv --program BALLS.MPF
+  ncfix plan plate --plane YZ --tool 150 --tool 0,-80,-100 --machine mill.toml --model spaan-21 --with xy.csv --with zx.csv -o yz.csv";
 
 /// `ncfix plan`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct PlanArguments {
-    /// Kind of measurement: ballbar, sphere, probe, laser, drift or plate
+    /// Kind of measurement: ballbar, sphere, probe, laser, drift, plate or load
     #[arg(value_name = "KIND", value_parser = kind)]
     pub(in crate::cli) kind: &'static PlanKind,
     /// Table of poses; its description is written beside it (.toml)
@@ -48,19 +51,25 @@ pub(in crate::cli) struct PlanArguments {
     #[command(flatten)]
     /// Which machine.
     pub(in crate::cli) machine: MachineChoice,
-    /// Preset of parameters that the measurement shall tell: says what it cannot
-    #[arg(long, value_name = "PRESET")]
+    /// Preset of parameters, or a file of them, that the measurement shall tell: says what it cannot
+    #[arg(long, value_name = "PRESET|FILE")]
     pub(in crate::cli) model: Option<String>,
+    /// A measurement or plan that is there already: what the model shall be told from, together with this one; may be given several times
+    #[arg(long, value_name = "OTHER.csv", requires = "model")]
+    pub(in crate::cli) with: Vec<PathBuf>,
     /// Adds the N poses that help the model most
     #[arg(long, value_name = "N", requires = "model")]
     pub(in crate::cli) improve: Option<usize>,
     /// Tool: its length in mm along the spindle, or X,Y,Z from the gauge point to the tip in F's directions; may be given several times
     #[arg(long, value_name = "LENGTH|X,Y,Z", value_parser = value::tool, allow_hyphen_values = true)]
     pub(in crate::cli) tool: Vec<value::ToolVector>,
-    /// Centre as a position at the tool point (axis positions plus tool vector), mm; without it the middle of the travel
+    /// What stays free at both ends of the travel of linear axes, mm: errors of the machine lead beyond a position: 2mm
+    #[arg(long, value_name = "MM", value_parser = margin)]
+    pub(in crate::cli) margin: Option<f64>,
+    /// Centre as a position at the tool point (axis positions plus tool vector), mm; without it the middle of the travel; a plate may have several
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub(in crate::cli) centre: Option<Vector>,
-    /// Radius, mm: 100 (ballbar), 150 (sphere), 80 (circle of balls)
+    pub(in crate::cli) centre: Vec<Vector>,
+    /// Radius, mm: 100 (ballbar), 150 (sphere), 70 (circle of balls)
     #[arg(long, value_name = "MM", value_parser = above_zero)]
     pub(in crate::cli) radius: Option<f64>,
     /// Feed, mm/min
@@ -69,7 +78,7 @@ pub(in crate::cli) struct PlanArguments {
     /// Plane: XY, YZ or ZX; may be given several times
     #[arg(long, value_name = "PLANE", value_parser = plane)]
     pub(in crate::cli) plane: Vec<Plane>,
-    /// Distance of rows: deg (ballbar 2, sphere 5), or of holes, mm (plate 50)
+    /// Distance of rows: deg (ballbar 2, sphere 5), or of holes, mm (plate, load 50)
     #[arg(long, value_name = "DEG|MM", value_parser = above_zero)]
     pub(in crate::cli) every: Option<f64>,
     /// Angle of the arc that counts, deg: 360 across the spindle, else 220
@@ -102,15 +111,21 @@ pub(in crate::cli) struct PlanArguments {
     /// First and last position of the axis, mm or deg; without it the travel
     #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true)]
     pub(in crate::cli) range: Option<[f64; 2]>,
-    /// How many targets of an axis (11), angles of the rotary axes (42), holes along a side (5)
+    /// How many targets of an axis (laser 11, load 8), angles of the rotary axes (42), holes along a side (5)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) points: Option<usize>,
-    /// How often forth and back: 5
+    /// How often forth and back: 5 (laser), 1 (load)
     #[arg(long, value_name = "N")]
     pub(in crate::cli) runs: Option<usize>,
-    /// Waiting time at a pose, s: 4 (laser), 3 (plate); probe stops with M0 without it
+    /// Waiting time at a pose, s: 4 (laser, level), 3 (plate), 2 (before a circle); probe stops with M0 without it
     #[arg(long, value_name = "S", value_parser = not_negative)]
     pub(in crate::cli) dwell: Option<f64>,
+    /// Weight on the table, N; may be given several times
+    #[arg(long, value_name = "N", value_parser = above_zero)]
+    pub(in crate::cli) force: Vec<f64>,
+    /// Where the weights are put, mm; may be given several times: 0,0,0
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub(in crate::cli) place: Vec<Vector>,
     /// How long the drift is measured, h: once through (din), 24 (random)
     #[arg(long, value_name = "H", value_parser = above_zero)]
     pub(in crate::cli) hours: Option<f64>,
@@ -143,6 +158,10 @@ fn above_zero(text: &str) -> Result<f64, String> {
 
 fn not_negative(text: &str) -> Result<f64, String> {
     number(text).and_then(|value| if value >= 0.0 { Ok(value) } else { Err(format!("'{text}' is below 0")) })
+}
+
+fn margin(text: &str) -> Result<f64, String> {
+    not_negative(text.trim().strip_suffix("mm").unwrap_or(text))
 }
 
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {

@@ -14,12 +14,14 @@ use crate::measure::data::{Free, Setup};
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "ballbar",
     title: "circles about a ball on the table, both senses (ISO 230-4)",
-    wishes: &["centre", "radius", "feed", "plane", "every", "sweep", "overlap"],
+    wishes: &["centre", "radius", "feed", "plane", "every", "sweep", "overlap", "dwell"],
     build,
 };
 
 /// How far outside its circle the ball waits, mm.
 const FEED_IN_MM: f64 = 1.5;
+/// How long it waits there, s.
+const DWELL_S: f64 = 2.0;
 /// No block turns further: its end then tells the arc.
 const MOST_SWEEP: f64 = TAU / 3.0;
 
@@ -78,7 +80,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let every = wishes.every.unwrap_or(2_f64.to_radians()).max(1e-4);
     let mut data = empty(kind("ballbar")?, &[Free::Centre, Free::Length]);
     data.setups.push(Setup { label: "A".into(), centre_mm, length_mm: radius_mm });
-    let mut plan = Builder::new(machine, data);
+    let mut plan = Builder::new(machine, wishes, data);
     let chord = 1_f64.to_radians();
     plan.reach = Reach::Sphere { chord, feed };
     let planes = if wishes.planes.is_empty() { vec![Plane::XY, Plane::YZ, Plane::ZX] } else { wishes.planes.clone() };
@@ -103,13 +105,15 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
             let outside = circle.at(before, radius_mm + FEED_IN_MM);
             if is_first {
                 plan.stop("take the ball-bar off: the axes go to their first position");
-                plan.go(&outside, Some(feed))?;
+                plan.approach(&outside, feed)?;
                 plan.stop("put the ball-bar on");
                 is_first = false;
             } else {
                 plan.on_sphere(&centre_mm, &tool_mm, &outside, chord, feed)?;
             }
             plan.comment(&run);
+            // The machine is at rest before the way in.
+            plan.dwell(wishes.dwell_s.unwrap_or(DWELL_S));
             plan.go(&circle.at(before, radius_mm), Some(feed))?;
             if overlap > 0.0 {
                 circle.sweep(&mut plan, before, sense * overlap, feed)?;
@@ -123,6 +127,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
             plan.go(&circle.at(end + sense * overlap, radius_mm + FEED_IN_MM), Some(feed))?;
         }
     }
+    plan.stop("take the ball-bar off");
     plan.candidates = sphere::candidates(&plan, 0, radius_mm, &tool_mm);
     plan.notes.push("the ball-bar must reach all planes of the plan in one mounting".into());
     Ok(plan)

@@ -1,17 +1,17 @@
 //! A plan that grows: rows, and the path of the axes through them.
 
 use crate::diagnostic::Place;
-use crate::geometry::{AXES, Arc, Axis, AxisVector, Vector};
+use crate::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Vector};
 use crate::machine::{Kinematics, Machine, State};
 use crate::measure::data::{DataSet, Observation};
 use crate::measure::reading::Reading;
 use crate::model::ErrorName;
 use crate::snc::{Dwell, Kind, Manner, Move, Way, Word, WordValue};
 
-use super::{MOST, Refused};
+use super::{MOST, Refused, Wishes};
 
 /// Travel limits are met with this in hand, mm or rad.
-const ROOM: f64 = 1e-9;
+pub(super) const ROOM: f64 = 1e-9;
 /// Where the travel of an arc is looked at, parts of it.
 const ARC_PARTS: u32 = 90;
 
@@ -26,6 +26,8 @@ pub struct Extra {
     pub speed: Option<f64>,
     /// Feed, mm/min.
     pub feed: Option<f64>,
+    /// Weight on the table, N, and where it is, mm.
+    pub load: Option<(f64, Vector)>,
 }
 
 /// How further poses are reached.
@@ -75,16 +77,23 @@ pub struct Builder {
     pub at_pose: Vec<Kind>,
     /// Which of three readings of a displacement are taken.
     pub reads: [bool; 3],
+    /// The side from which poses are reached, in the workpiece; without it along the tool.
+    pub(super) side: Option<Vector>,
+    /// Weight on the table from here on, N, and where it is, mm.
+    pub(super) load: Option<(f64, Vector)>,
     pub(super) machine: Machine,
     pub(super) kinematics: Kinematics,
-    last: Option<AxisVector>,
+    margin_mm: f64,
+    pub(super) last: Option<AxisVector>,
+    /// Whether the tool has been taken away from the workpiece and nothing has moved since.
+    pub(super) is_away: bool,
     state: State,
 }
 
 impl Builder {
     /// An empty plan.
     #[must_use]
-    pub fn new(machine: &Machine, data: DataSet) -> Builder {
+    pub fn new(machine: &Machine, wishes: &Wishes, data: DataSet) -> Builder {
         Builder {
             data,
             extras: Vec::new(),
@@ -95,9 +104,13 @@ impl Builder {
             reach: Reach::Never,
             at_pose: Vec::new(),
             reads: [true; 3],
+            side: None,
+            load: None,
+            margin_mm: wishes.margin_mm(),
             machine: machine.clone(),
             kinematics: Kinematics::new(machine),
             last: None,
+            is_away: false,
             state: State::default(),
         }
     }
@@ -126,13 +139,19 @@ impl Builder {
         out
     }
 
+    /// The travel of an axis less the margin: errors of the machine move an axis by some of it to where the tip is to be.
+    pub(super) fn travel(&self, axis: Axis) -> Option<[f64; 2]> {
+        let margin = if axis.is_rotary() { 0.0 } else { self.margin_mm };
+        self.machine.axis(axis)?.travel.map(|[low, high]| [low + margin, high - margin])
+    }
+
     /// The axis that has no such position.
     pub(super) fn outside(&self, position: &AxisVector) -> Option<Axis> {
         AXES.into_iter().find(|&axis| match self.machine.axis(axis) {
-            Some(data) => {
+            Some(_) => {
                 let value = position[axis];
-                !value.is_finite()
-                    || data.travel.is_some_and(|[low, high]| !(low - ROOM..=high + ROOM).contains(&value))
+                let is_within = |[low, high]: [f64; 2]| (low - ROOM..=high + ROOM).contains(&value);
+                !value.is_finite() || !self.travel(axis).is_none_or(is_within)
             }
             None => position[axis].abs() > ROOM,
         })
@@ -149,12 +168,15 @@ impl Builder {
         let show = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
         let unit = if axis.is_rotary() { "deg" } else { "mm" };
         let [low, high] = data.travel.unwrap_or_default();
-        Err(Refused(format!(
-            "{axis} would go to {:.4} {unit}, which is outside its travel of {} to {} {unit}; move the centre, or make the plan smaller",
-            show(position[axis]),
-            show(low),
-            show(high)
-        )))
+        let place = format!("{axis} would go to {:.4} {unit}", show(position[axis]));
+        let travel = format!("its travel of {} to {} {unit}", show(low), show(high));
+        let help = "move the centre, or make the plan smaller";
+        Err(Refused(if (low..=high).contains(&position[axis]) {
+            let margin = self.margin_mm;
+            format!("{place}, less than the margin of {margin} mm from an end of {travel}; {help}, or the --margin")
+        } else {
+            format!("{place}, which is outside {travel}; {help}")
+        }))
     }
 
     /// Where the path stands.
@@ -181,16 +203,27 @@ impl Builder {
     }
 
     fn push(&mut self, to: AxisVector, arc: Option<Arc>, feed: Option<f64>) -> Result<(), Refused> {
+        self.push_named(to, arc, feed, self.machine.axis_set())
+    }
+
+    pub(super) fn push_named(
+        &mut self,
+        to: AxisVector,
+        arc: Option<Arc>,
+        feed: Option<f64>,
+        named: AxisSet,
+    ) -> Result<(), Refused> {
         self.check(&to)?;
         if let Some(last) = &self.last {
             self.state.note_motion(last, &to);
         }
         self.last = Some(to);
+        self.is_away = false;
         self.path.push(Kind::Move(Move {
             rapid: feed.is_none(),
             arc,
             target: to,
-            named: self.machine.axis_set(),
+            named,
             known: self.machine.axis_set(),
             feed: feed.unwrap_or(0.0),
             feed_named: feed.is_some(),
@@ -216,6 +249,7 @@ impl Builder {
         extra: Extra,
     ) -> Result<(), Refused> {
         self.check(position)?;
+        let extra = Extra { load: self.load, ..extra };
         let reading = Reading { position: *position, tool_mm, state: self.state };
         self.data.observations.push(observation(reading, setup));
         self.extras.push(extra);
@@ -255,125 +289,6 @@ impl Builder {
     /// What is done at a pose.
     pub(super) fn at_pose(&mut self) {
         self.path.extend_from_slice(&self.at_pose.clone());
-    }
-
-    /// Adds a candidate as a row and the way to it.
-    ///
-    /// # Errors
-    /// Where the way leaves the travel.
-    pub fn visit(&mut self, candidate: &Observation, run: &str) -> Result<(), Refused> {
-        let position = self.on_increments(&candidate.reading.position);
-        let tool_mm = candidate.reading.tool_mm;
-        let mut extra = Extra { run: run.to_owned(), ..Extra::default() };
-        if self.data.observations.last().is_some_and(|last| last.setup != candidate.setup) {
-            let label = self.data.setups.get(candidate.setup).map_or_else(String::new, |setup| setup.label.clone());
-            self.stop(&format!("set-up {label}"));
-        }
-        match self.reach.clone() {
-            Reach::Never => return Err(Refused("the plan has no further poses".into())),
-            Reach::Sphere { chord, feed } => {
-                let setup = self.data.setups.get(candidate.setup);
-                let centre = setup.map_or_else(Vector::zeros, |setup| setup.centre_mm);
-                self.on_sphere(&centre, &tool_mm, &position, chord, feed)?;
-                extra.feed = Some(feed);
-            }
-            Reach::Above { clearance_mm, above_mm, retract, feed } => {
-                self.above(&position, &tool_mm, [clearance_mm, above_mm], retract, feed)?;
-            }
-        }
-        // Where a ball is probed nobody commands: the row is exact.
-        let exact = self.data.kind.name == "probe";
-        let row = if exact { candidate.reading.position } else { position };
-        self.row(&row, tool_mm, candidate.setup, extra)?;
-        self.of_last(candidate.target, candidate.component);
-        self.at_pose();
-        if let Reach::Above { clearance_mm, feed, .. } = self.reach {
-            let up = self.raised(&position, &tool_mm, clearance_mm)?;
-            self.go(&up, Some(feed))?;
-        }
-        Ok(())
-    }
-
-    /// The position whose tip is so far off along the tool, towards the spindle.
-    pub(super) fn raised(&self, position: &AxisVector, tool_mm: &Vector, by_mm: f64) -> Result<AxisVector, Refused> {
-        let tip = self.kinematics.tip_mm(position, tool_mm) + self.kinematics.direction(position) * by_mm;
-        let missing = || Refused(format!("the linear axes of {} cannot place the tool", self.machine.name));
-        self.kinematics.placed(&tip, position, tool_mm).ok_or_else(missing)
-    }
-
-    /// Goes down to a pose from above it.
-    fn above(
-        &mut self,
-        position: &AxisVector,
-        tool_mm: &Vector,
-        [clearance_mm, above_mm]: [f64; 2],
-        retract: bool,
-        feed: f64,
-    ) -> Result<(), Refused> {
-        let high = self.raised(position, tool_mm, clearance_mm)?;
-        let low = self.raised(position, tool_mm, above_mm)?;
-        if retract {
-            let (which, sign) = super::along_spindle(&self.machine);
-            let axis = [Axis::X, Axis::Y, Axis::Z][which.min(2)];
-            let travel = self.machine.axis(axis).and_then(|data| data.travel);
-            let top = travel.map(|[low, high]| if sign > 0.0 { high } else { low });
-            if let (Some(top), Some(mut here)) = (top, self.last) {
-                here[axis] = top;
-                self.go(&here, None)?;
-            }
-            let mut over = high;
-            over[axis] = top.unwrap_or(high[axis]);
-            self.go(&over, None)?;
-        }
-        self.go(&high, Some(feed))?;
-        self.go(&low, Some(feed))
-    }
-
-    /// Goes to a position on the sphere about a centre along a great circle, in chords; across the pole on the spindle's side where the
-    /// way is not given.
-    pub(super) fn on_sphere(
-        &mut self,
-        centre_mm: &Vector,
-        tool_mm: &Vector,
-        to: &AxisVector,
-        chord: f64,
-        feed: f64,
-    ) -> Result<(), Refused> {
-        let centre = self.at_tip(centre_mm, tool_mm).xyz();
-        let Some(from) = self.last.map(|last| last.xyz() - centre) else { return self.go(to, Some(feed)) };
-        let target = to.xyz() - centre;
-        let (start, end) = (from.norm(), target.norm());
-        if start < ROOM || end < ROOM {
-            return self.go(to, Some(feed));
-        }
-        let (one, other) = (from / start, target / end);
-        let (which, sign) = super::along_spindle(&self.machine);
-        let mut way = vec![one, other];
-        if one.dot(&other) < -0.999 {
-            let mut pole = Vector::zeros();
-            pole[which] = sign;
-            way.insert(1, if one.dot(&pole).abs() > 0.9 { Vector::ith((which + 1) % 3, 1.0) } else { pole });
-        }
-        let legs = way.len() - 1;
-        for (leg, pair) in way.windows(2).enumerate() {
-            let is_last = leg + 1 == legs;
-            let &[one, other] = pair else { continue };
-            let angle = one.dot(&other).clamp(-1.0, 1.0).acos();
-            let pieces = (angle / chord.max(1e-4)).ceil().max(1.0) as usize;
-            for piece in 1..=pieces {
-                let share = piece as f64 / pieces as f64;
-                let turned = if angle > 1e-9 {
-                    (one * ((1.0 - share) * angle).sin() + other * (share * angle).sin()) / angle.sin()
-                } else {
-                    other
-                };
-                let mut next = *to;
-                let radius = if is_last { start + (end - start) * share } else { start };
-                next.set_xyz(centre + turned * radius);
-                self.go(&next, Some(feed))?;
-            }
-        }
-        Ok(())
     }
 }
 

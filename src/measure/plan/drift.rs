@@ -1,7 +1,8 @@
 //! Thermal drift: the spindle runs at speeds of a spectrum while the tool holder is measured every minute.
 //!
 //! `din`: levels in steps of 25 % of the highest speed, 15 min each, with 30 min at 25 % from 135 min on, which is what Spaan 1995 (ch. 5) says of
-//! DIN 8602; the order of the other levels is our choice. `random`: speeds between 800 1/min and the highest, or none, for 5 to 45 min each,
+//! DIN 8602; the order of the other levels is our choice. `pseudo-din`: his way for test workpieces, 15 min there too, so that the twelfth level
+//! is the highest speed. `random`: speeds between 800 1/min and the highest, or none, for 5 to 45 min each,
 //! over a day (Spaan 1995, ch. 5), as a seed has it.
 
 use super::builder::{Builder, Extra};
@@ -13,7 +14,7 @@ use crate::measure::data::{Free, Setup};
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "drift",
-    title: "spindle speeds and readings every minute: variants din (DIN 8602), random (Spaan 1995)",
+    title: "spindle speeds and readings every minute: variants din (DIN 8602), pseudo-din, random (Spaan 1995)",
     wishes: &["variant", "hours", "speed", "seed", "centre", "feed"],
     build,
 };
@@ -22,6 +23,8 @@ pub(super) const PLAN: PlanKind = PlanKind {
 const EVERY_S: u32 = 60;
 /// Percent of the highest speed, each for 15 min.
 const DIN: [u8; 16] = [25, 50, 75, 100, 75, 50, 25, 0, 100, 25, 25, 50, 100, 75, 50, 0];
+/// The same with 25 % for 15 min only from 135 min on, so that the twelfth level is the highest speed.
+const PSEUDO_DIN: [u8; 15] = [25, 50, 75, 100, 75, 50, 25, 0, 100, 25, 50, 100, 75, 50, 0];
 /// How long a level lasts, s.
 const LEVEL_S: u32 = 900;
 /// Lowest speed of the random spectrum, 1/min.
@@ -36,12 +39,13 @@ fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, Refused> {
     let most = wishes.speed.unwrap_or(6300.0);
     let end_s = |hours: f64| (hours.clamp(0.1, 1000.0) * 3600.0).round() as u32;
     match wishes.variant.as_deref() {
-        None | Some("din") => {
+        variant @ (None | Some("din" | "pseudo-din")) => {
+            let levels: &[u8] = if variant == Some("pseudo-din") { &PSEUDO_DIN } else { &DIN };
             let mut left_s = wishes.hours.map_or(u32::MAX, end_s);
             let mut out = Vec::new();
             let once = wishes.hours.is_none();
-            let levels = DIN.iter().cycle().take(if once { DIN.len() } else { usize::MAX });
-            for percent in levels {
+            let count = if once { levels.len() } else { usize::MAX };
+            for percent in levels.iter().cycle().take(count) {
                 if left_s == 0 {
                     break;
                 }
@@ -70,7 +74,9 @@ fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, Refused> {
             }
             Ok(out)
         }
-        Some(other) => Err(Refused(format!("there is no spectrum '{other}'; the variants are din, random"))),
+        Some(other) => {
+            Err(Refused(format!("there is no spectrum '{other}'; the variants are din, pseudo-din, random")))
+        }
     }
 }
 
@@ -78,12 +84,12 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let tool_mm = wishes.tool_mm();
     let mut data = empty(kind("displacement")?, &[Free::Offset]);
     data.setups.push(Setup { label: "A".into(), centre_mm: crate::geometry::Vector::zeros(), length_mm: 0.0 });
-    let mut plan = Builder::new(machine, data);
+    let mut plan = Builder::new(machine, wishes, data);
     plan.is_geometric = false;
     let centre_mm = wishes.centre_or_middle(machine, &tool_mm);
     let pose = plan.at_tip(&centre_mm, &tool_mm);
     plan.stop("clear the way: the axes go to the sensors");
-    plan.go(&pose, Some(wishes.feed.unwrap_or(1000.0)))?;
+    plan.approach(&pose, wishes.feed.unwrap_or(1000.0))?;
     let pose = plan.last().unwrap_or(pose);
     plan.stop("set the sensors to zero");
     let mut time_s = 0;

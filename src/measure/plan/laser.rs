@@ -45,7 +45,10 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     }
     let [low, high] = wishes
         .range
-        .or(data.travel)
+        .or_else(|| {
+            let margin = if axis.is_rotary() { 0.0 } else { wishes.margin_mm() };
+            data.travel.map(|[low, high]| [low + margin, high - margin])
+        })
         .ok_or_else(|| Refused(format!("{axis} has no limits of travel; give --range FROM,TO")))?;
     let count = wishes.points.unwrap_or(11).clamp(2, 10_000);
     let runs = wishes.runs.unwrap_or(5).clamp(1, 1000);
@@ -71,12 +74,12 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     set.setups.push(Setup { label: "A".into(), centre_mm: crate::geometry::Vector::zeros(), length_mm: 0.0 });
     let numbers: Vec<usize> =
         components.iter().map(|component| number_of(&mut set.targets, &component.to_string())).collect();
-    let mut plan = Builder::new(machine, set);
+    let mut plan = Builder::new(machine, wishes, set);
     let centre_mm = wishes.centre_or_middle(machine, &tool_mm);
     let mut pose = plan.at_tip(&centre_mm, &tool_mm);
     plan.stop("clear the way: the axes go to their first position");
     pose[axis] = low;
-    plan.go(&pose, Some(feed))?;
+    plan.approach(&pose, feed)?;
     plan.stop("set the instrument to zero");
     for run in 1..=runs {
         for is_back in [false, true] {

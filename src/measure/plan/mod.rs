@@ -8,11 +8,13 @@ mod ballbar;
 pub mod builder;
 mod drift;
 mod laser;
+mod load;
 mod plate;
 mod probe;
 mod random;
 mod sphere;
 pub mod table;
+mod way;
 
 use std::fmt;
 
@@ -37,7 +39,8 @@ pub struct PlanKind {
 }
 
 /// All kinds of plans.
-pub const PLANS: &[PlanKind] = &[ballbar::PLAN, sphere::PLAN, probe::PLAN, laser::PLAN, drift::PLAN, plate::PLAN];
+pub const PLANS: &[PlanKind] =
+    &[ballbar::PLAN, sphere::PLAN, probe::PLAN, laser::PLAN, drift::PLAN, plate::PLAN, load::PLAN];
 
 /// The plan of a name.
 #[must_use]
@@ -50,8 +53,8 @@ pub fn find(name: &str) -> Option<&'static PlanKind> {
 pub struct Wishes {
     /// Tool vectors, from the spindle gauge point to the tip, along F's directions at the zero pose.
     pub tools_mm: Vec<Vector>,
-    /// Centre, as a position at the tool point.
-    pub centre_mm: Option<Vector>,
+    /// Centres, as positions at the tool point; all kinds but plates have one.
+    pub centres_mm: Vec<Vector>,
     /// Radius of circles and spheres, or of the circle of balls.
     pub radius_mm: Option<f64>,
     /// Feed.
@@ -86,6 +89,12 @@ pub struct Wishes {
     pub runs: Option<usize>,
     /// Waiting time at a pose.
     pub dwell_s: Option<f64>,
+    /// What stays free at both ends of the travel of linear axes.
+    pub margin_mm: Option<f64>,
+    /// Weights on the table, N.
+    pub forces_n: Vec<f64>,
+    /// Where they are put, mm.
+    pub places_mm: Vec<Vector>,
     /// How long the whole lasts.
     pub hours: Option<f64>,
     /// Highest speed of the spindle, 1/min.
@@ -111,7 +120,16 @@ impl std::error::Error for Refused {}
 /// The most rows and moves of a plan: a mistyped step shall not fill the disk.
 const MOST: usize = 500_000;
 
+/// What stays free at both ends of the travel without another wish, mm: a spindle or table that is off its nominal place by more is in need
+/// of other help than a calibration.
+const MARGIN_MM: f64 = 2.0;
+
 impl Wishes {
+    /// What stays free at both ends of the travel of linear axes.
+    fn margin_mm(&self) -> f64 {
+        self.margin_mm.unwrap_or(MARGIN_MM).max(0.0)
+    }
+
     /// The only tool; none is a tool of length 0.
     fn tool_mm(&self) -> Vector {
         self.tools_mm.first().copied().unwrap_or_else(Vector::zeros)
@@ -119,7 +137,7 @@ impl Wishes {
 
     /// The centre, or the middle of the travel, as a position at the tool point.
     fn centre_or_middle(&self, machine: &Machine, tool_mm: &Vector) -> Vector {
-        self.centre_mm.unwrap_or_else(|| middle(machine) + tool_mm)
+        self.centres_mm.first().copied().unwrap_or_else(|| middle(machine) + tool_mm)
     }
 }
 

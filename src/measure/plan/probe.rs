@@ -16,10 +16,13 @@ use crate::snc::{Dwell, Kind};
 /// The plan.
 pub(super) const PLAN: PlanKind = PlanKind {
     name: "probe",
-    title: "probing of balls on the table: variants samba (Table 4-1), rumba (Table 5-3), or generated",
+    title: "probing of balls on the table: variants samba (Table 4-1), rumba (Table 5-3), rumba-check (Table 5-4), or generated",
     wishes: &["ball", "radius", "variant", "points", "tilt", "clearance", "feed", "dwell", "line"],
     build,
 };
+
+/// Radius of the circle of balls: all angles of the printed tables are within the travel of the machines for which they were made.
+const RADIUS_MM: f64 = 70.0;
 
 /// Spindle, B, C in degrees and the balls (Esmaeili 2021, Table 4-1).
 const SAMBA: [([i16; 3], &[usize]); 32] = [
@@ -68,6 +71,19 @@ const RUMBA: [[i16; 2]; 42] = [
     [-38, 197], [-5, 345],
 ];
 
+/// A and C in degrees, for the one ball of the validation (Esmaeili 2021, Table 5-4).
+#[rustfmt::skip]
+const RUMBA_CHECK: [[i16; 2]; 60] = [
+    [8, 55], [16, 120], [40, 180], [38, 240], [55, 300], [50, 330], [45, 270], [36, 210],
+    [23, 150], [12, 90], [4, 30], [-5, -30], [-12, -90], [-28, -150], [-31, -210], [-48, -270],
+    [-52, -330], [-5, -300], [-43, -240], [-34, -180], [-23, -120], [-11, -55], [8, 140], [18, 190],
+    [12, 250], [30, 290], [22, 310], [47, 10], [24, 50], [38, 100], [41, 160], [53, 200],
+    [-34, -45], [-43, -140], [-50, -170], [-20, -220], [-15, -280], [-10, -310], [-5, -70], [-16, 135],
+    [-50, 280], [-36, 94], [-10, 20], [-26, 200], [28, -40], [50, -300], [20, -280], [37, -100],
+    [10, -280], [0, 0], [0, 90], [0, 240], [0, 300], [0, 180], [0, 45], [0, -45],
+    [0, -180], [0, -300], [0, -240], [0, -90],
+];
+
 /// Rotary axes, spindle angle and ball of a probing.
 type Pose = (AxisVector, i16, usize);
 
@@ -76,20 +92,22 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let variant = wishes.variant.as_deref().unwrap_or("indexed");
     let (poses, balls_needed, free): (Vec<Pose>, usize, &[Free]) = match variant {
         "samba" => (samba(machine)?, 6, &[]),
-        "rumba" => (rumba(machine)?, 4, &[Free::Tool]),
+        "rumba" => (rumba(machine, &RUMBA, 4)?, 4, &[Free::Tool]),
+        "rumba-check" => (rumba(machine, &RUMBA_CHECK, 1)?, 1, &[Free::Tool]),
         "indexed" => {
             let balls = if wishes.balls_mm.is_empty() { 4 } else { wishes.balls_mm.len() };
             (indexed(machine, wishes, balls)?, balls, &[Free::Tool])
         }
         other => {
-            let message = format!("there is no way of probing '{other}'; the variants are samba, rumba, indexed");
+            let message =
+                format!("there is no way of probing '{other}'; the variants are samba, rumba, rumba-check, indexed");
             return Err(Refused(message));
         }
     };
     let balls_mm = balls(machine, wishes, balls_needed)?;
     let mut data = empty(kind("probe")?, free);
     data.targets = (1..=balls_needed).map(|number| format!("b{number}")).collect();
-    let mut plan = Builder::new(machine, data);
+    let mut plan = Builder::new(machine, wishes, data);
     let clearance_mm = wishes.clearance_mm.unwrap_or(20.0).max(0.0);
     let feed = wishes.feed.unwrap_or(2000.0);
     plan.reach = Reach::Above { clearance_mm, above_mm: clearance_mm, retract: true, feed };
@@ -97,7 +115,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         (Some(line), _) => vec![Kind::Verbatim(line.as_bytes().to_vec())],
         (None, Some(seconds)) => vec![Kind::Dwell(Dwell::Seconds(seconds))],
         (None, None) => {
-            let mut stop = Builder::new(machine, plan.data.clone());
+            let mut stop = Builder::new(machine, wishes, plan.data.clone());
             stop.words(&[(b'M', 0.0)]);
             stop.path
         }
@@ -112,7 +130,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         Ok(Observation { target: Some(*ball), ..observation(reading, setup) })
     };
     let mut spindle = None;
-    let mut left_out = 0;
+    let (mut left_out, mut near) = (0, 0);
     let mut label = String::new();
     for pose in &poses {
         let (rotary, turned, ball) = pose;
@@ -120,23 +138,35 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
             spindle = Some(*turned);
             label = format!("S{turned}");
             plan.data.setups.push(Setup { label: label.clone(), centre_mm: Vector::zeros(), length_mm: 0.0 });
+            plan.retract()?;
             plan.stop(&format!("turn the spindle to {turned} deg"));
         } else if plan.data.setups.is_empty() {
             plan.data.setups.push(Setup { label: "A".into(), centre_mm: Vector::zeros(), length_mm: 0.0 });
         }
         let setup = plan.data.setups.len().saturating_sub(1);
         let row = row(&plan, pose, setup)?;
-        if variant == "indexed" && !is_reachable(&plan, &row, clearance_mm) {
+        if variant == "indexed"
+            && !(is_reachable(&plan, &row, clearance_mm) && is_clear(&plan, &row, &balls_mm, clearance_mm))
+        {
             left_out += 1;
             continue;
         }
+        near += usize::from(!is_clear(&plan, &row, &balls_mm, clearance_mm));
         let angles = plan.kinematics.rotary_axes().map(|axis| format!(" {axis}{:.1}", rotary[axis].to_degrees()));
         let angles: String = angles.collect();
         plan.comment(&format!("ball b{}{angles}", ball + 1));
         plan.visit(&row, &label)?;
     }
     if left_out > 0 {
-        plan.notes.push(format!("{left_out} of {} poses are out of reach and left out", poses.len()));
+        plan.notes.push(format!(
+            "{left_out} of {} poses are out of reach, or another ball is in the way, and left out",
+            poses.len()
+        ));
+    }
+    if near > 0 {
+        plan.notes.push(format!(
+            "at {near} poses the tool passes another ball by less than {clearance_mm} mm: look before you run it"
+        ));
     }
     if wishes.balls_mm.is_empty() {
         let shown = balls_mm.iter().map(|ball| format!("{:.0},{:.0},{:.0}", ball.x, ball.y, ball.z));
@@ -152,7 +182,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let more = indexed(machine, &Wishes { points: Some(60), ..wishes.clone() }, balls_needed)?;
     for (rotary, turned, ball) in more {
         let row = row(&plan, &(rotary, turned, ball), 0)?;
-        if is_reachable(&plan, &row, clearance_mm) {
+        if is_reachable(&plan, &row, clearance_mm) && is_clear(&plan, &row, &balls_mm, clearance_mm) {
             plan.candidates.push(row);
         }
     }
@@ -163,6 +193,14 @@ fn is_reachable(plan: &Builder, row: &Observation, clearance_mm: f64) -> bool {
     let position = plan.on_increments(&row.reading.position);
     let high = plan.raised(&position, &row.reading.tool_mm, clearance_mm);
     plan.outside(&position).is_none() && high.is_ok_and(|high| plan.outside(&high).is_none())
+}
+
+/// Whether the tool, from its tip on and on its way out, keeps a distance from all other balls.
+fn is_clear(plan: &Builder, row: &Observation, balls_mm: &[Vector], distance_mm: f64) -> bool {
+    let tip = plan.kinematics.tip_mm(&row.reading.position, &row.reading.tool_mm);
+    let along = plan.kinematics.direction(&row.reading.position);
+    let others = balls_mm.iter().enumerate().filter(|(number, _)| Some(*number) != row.target);
+    others.map(|(_, ball)| ball - tip).all(|off| (off - along * off.dot(&along).max(0.0)).norm() >= distance_mm)
 }
 
 /// Refuses a machine whose table has other axes.
@@ -188,10 +226,10 @@ fn samba(machine: &Machine) -> Result<Vec<Pose>, Refused> {
     Ok(out)
 }
 
-fn rumba(machine: &Machine) -> Result<Vec<Pose>, Refused> {
-    needs(machine, [Axis::A, Axis::C], "Table 5-3")?;
-    let poses = |ball| RUMBA.into_iter().map(move |[a, c]| (rotary([(Axis::A, a), (Axis::C, c)]), 0, ball));
-    Ok((0..4).flat_map(poses).collect())
+fn rumba(machine: &Machine, angles: &'static [[i16; 2]], balls: usize) -> Result<Vec<Pose>, Refused> {
+    needs(machine, [Axis::A, Axis::C], if balls == 1 { "Table 5-4" } else { "Table 5-3" })?;
+    let poses = |ball| angles.iter().map(move |&[a, c]| (rotary([(Axis::A, a), (Axis::C, c)]), 0, ball));
+    Ok((0..balls).flat_map(poses).collect())
 }
 
 fn rotary(angles: [(Axis, i16); 2]) -> AxisVector {
@@ -257,11 +295,14 @@ fn balls(machine: &Machine, wishes: &Wishes, count: usize) -> Result<Vec<Vector>
         let refused = || Refused(format!("{count} balls are needed, and {given} are given"));
         return enough.then(|| wishes.balls_mm.clone()).ok_or_else(refused);
     }
-    let radius_mm = wishes.radius_mm.unwrap_or(80.0);
+    let radius_mm = wishes.radius_mm.unwrap_or(RADIUS_MM);
     let table = machine.topology.workpiece.iter().rev().find(|axis| axis.is_rotary());
     let (origin, axis) = match table.and_then(|&axis| machine.axis(axis)) {
         Some(data) => {
-            let sign = if data.direction.dot(&machine.spindle.axis) < 0.0 { -1.0 } else { 1.0 };
+            // Balls stand on the side of the spindle; where the table turns across it, on the positive side.
+            let along = data.direction.dot(&machine.spindle.axis);
+            let side = if along.abs() > 1e-3 { along } else { data.direction[data.direction.iamax()] };
+            let sign = if side < 0.0 { -1.0 } else { 1.0 };
             (data.point_mm, data.direction * sign)
         }
         None => (middle(machine) + machine.spindle.origin_mm + wishes.tool_mm(), machine.spindle.axis),

@@ -17,11 +17,12 @@ pub fn csv(plan: &Builder) -> String {
     let data = &plan.data;
     let axes: Vec<Axis> = AXES.into_iter().filter(|&axis| plan.machine.axis(axis).is_some()).collect();
     let has = |of: fn(&Extra) -> bool| plan.extras.iter().any(of);
-    let [run, time, speed, feed] = [
+    let [run, time, speed, feed, load] = [
         has(|extra| !extra.run.is_empty()),
         has(|extra| extra.time_s.is_some()),
         has(|extra| extra.speed.is_some()),
         has(|extra| extra.feed.is_some()),
+        has(|extra| extra.load.is_some()),
     ];
     let name = data.kind.name;
     let mut header: Vec<String> = Vec::new();
@@ -46,6 +47,9 @@ pub fn csv(plan: &Builder) -> String {
     }
     named(feed, "feed_mm_min");
     named(speed, "spindle_rpm");
+    for column in ["load_N", "load_x_mm", "load_y_mm", "load_z_mm"] {
+        named(load, column);
+    }
     let readings = readings(plan);
     for column in &readings {
         named(true, column);
@@ -79,6 +83,11 @@ pub fn csv(plan: &Builder) -> String {
         }
         if speed {
             cells.push(extra.speed.map_or_else(String::new, number));
+        }
+        if load {
+            let (force_n, place_mm) = extra.load.unwrap_or_default();
+            cells.push(number(force_n));
+            cells.extend(place_mm.iter().copied().map(number));
         }
         cells.extend(readings.iter().map(|_| String::new()));
         out.push_str(&cells.join(","));
