@@ -1,0 +1,109 @@
+//! Plans that go with measurements which are there already: what they tell together, and which further poses help then.
+
+use ncfix::calibrate::{improve, told};
+use ncfix::geometry::{Plane, Vector};
+use ncfix::machine::Machine;
+use ncfix::measure::data::DataSet;
+use ncfix::measure::plan::builder::Builder;
+use ncfix::measure::plan::{Wishes, find};
+use ncfix::model::parameter::ParameterName;
+use ncfix::source::{FileId, Source};
+
+use crate::support::{Run, Shop, machine};
+
+/// What a plate in XY tells: two gains and a squareness. One in YZ: two gains and another squareness.
+const MODEL: &str = "EXX1\nEYY1\nEZZ1\nEC0X\nEA0Z\nEB0Z\n";
+
+fn plate(shop: &Shop, plane: &str, output: &str, more: &[&str]) -> Run {
+    let demo = machine("demo");
+    let arguments =
+        ["plan", "plate", "--plane", plane, "--tool", "100", "--machine", &demo, "--model", "model.txt", "-o", output];
+    shop.run(arguments.iter().chain(more))
+}
+
+#[test]
+fn plates_of_several_planes_tell_together_what_one_does_not() {
+    let shop = Shop::new().file("model.txt", MODEL);
+    // In each plate two shifts and a rotation are told beside the machine, of six; X and Y only are read on the first.
+    plate(&shop, "XY", "xy.csv", &[])
+        .exits(0)
+        .says("6 parameters and 6 unknowns of the set-up: the plan tells 6 of 12");
+    let both = plate(&shop, "YZ", "yz.csv", &["--with", "xy.csv"]).exits(0);
+    let both = both.says("6 parameters and 6 unknowns of the set-up: the plan alone tells 6 of 12");
+    // EYY1 is in both.
+    let both = both.says("6 parameters and 12 unknowns of the set-up: with 1 other it tells 11 of 18");
+    assert!(both.stderr.contains("EB0Z"), "{}", both.stderr);
+    let all = plate(&shop, "ZX", "zx.csv", &["--with", "xy.csv", "--with", "yz.csv"]).exits(0);
+    all.says("6 parameters and 18 unknowns of the set-up: with 2 others it tells 15 of 24");
+}
+
+#[test]
+fn a_measurement_counts_by_what_was_read() {
+    let shop = Shop::new().file("model.txt", MODEL);
+    plate(&shop, "XY", "xy.csv", &[]).exits(0);
+    let demo = machine("demo");
+    shop.run(["simulate", "xy.csv", "-o", "made.csv", "--noise", "1um", "--machine", &demo]).exits(0);
+    plate(&shop, "YZ", "a.csv", &["--with", "made.csv"]).exits(0).says("with 1 other it tells 11 of 18");
+    // Without the readings of X neither its gain nor, beside the rotation of the plate, the squareness is told, and one shift less.
+    let text = shop.text("made.csv");
+    let column = text.lines().next().unwrap().split(',').position(|name| name == "dx_um").unwrap();
+    let lines = text.lines().enumerate().map(|(number, line)| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        if number > 0 {
+            cells[column] = "";
+        }
+        cells.join(",") + "\n"
+    });
+    std::fs::write(shop.path("half.csv"), lines.collect::<String>()).unwrap();
+    std::fs::copy(shop.path("made.toml"), shop.path("half.toml")).unwrap();
+    // Y only: its gain, a shift, and the rotation or the squareness.
+    plate(&shop, "YZ", "b.csv", &["--with", "half.csv"]).exits(0).says("with 1 other it tells 8 of 18");
+    let wrong = plate(&shop, "YZ", "c.csv", &["--with", "model.txt"]);
+    assert!(wrong.code != 0 && !shop.names().contains(&"c.csv".to_owned()), "{}", wrong.stderr);
+    let alone = shop.run(["plan", "plate", "--machine", &demo, "-o", "d.csv", "--with", "xy.csv"]);
+    assert!(alone.code != 0 && alone.stderr.contains("--model"), "{}", alone.stderr);
+}
+
+fn xyz5() -> Machine {
+    let source = Source::new(FileId(0), "m", std::fs::read(machine("esmaeili_xyz5")).unwrap()).unwrap();
+    ncfix::model::file::load(&source).0.unwrap().0
+}
+
+#[test]
+fn poses_are_chosen_for_what_the_others_do_not_tell() {
+    let machine = xyz5();
+    let tool = Vector::new(0.0, 0.0, -150.0);
+    let build = |kind: &str, wishes: Wishes| -> Builder { (find(kind).unwrap().build)(&machine, &wishes).unwrap() };
+    let mut few = build(
+        "probe",
+        Wishes {
+            tools_mm: vec![tool],
+            balls_mm: vec![Vector::new(70.0, 0.0, 40.0)],
+            points: Some(2),
+            ..Wishes::default()
+        },
+    );
+    few.data.observations.truncate(2);
+    let plates = [Plane::XY, Plane::ZX].map(|plane| {
+        let plan = build("plate", Wishes { tools_mm: vec![tool], planes: vec![plane], ..Wishes::default() });
+        let mut data = plan.data;
+        data.observations.iter_mut().for_each(|row| row.values = plan.reads.map(|read| read.then_some(0.0)));
+        data
+    });
+    let names = "EXX1 EYY1 EZZ1 EA0B EC0B EZ0B EA0C EB0C EX0C EC0Z EA0Z";
+    let parameters: Vec<ParameterName> = names.split(' ').map(|name| name.parse().unwrap()).collect();
+    let together = |more: &[usize]| -> Vec<DataSet> {
+        let mut own = few.data.clone();
+        own.observations.extend(more.iter().map(|&number| few.candidates[number]));
+        std::iter::once(own).chain(plates.clone()).collect()
+    };
+    let rank = |data: &[DataSet]| told(&machine, &parameters, data).rank;
+    let best = (0..few.candidates.len()).map(|number| rank(&together(&[number]))).max().unwrap();
+    let chosen = improve(&machine, &parameters, &together(&[]), &few.candidates, 4);
+    assert_eq!(chosen.len(), 4);
+    assert_eq!(rank(&together(&chosen[..1])), best, "no other pose would have told more");
+    assert!(best > rank(&together(&[])));
+    // Chosen with what is there, four poses tell together at least what those tell that were chosen for the balls alone.
+    let alone = improve(&machine, &parameters, std::slice::from_ref(&few.data), &few.candidates, 4);
+    assert!(rank(&together(&chosen)) >= rank(&together(&alone)));
+}
