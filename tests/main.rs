@@ -75,6 +75,7 @@ mod model;
 mod modes;
 mod motion_kinds;
 mod plan;
+mod plan_compared;
 mod plan_joint;
 mod plan_machines;
 mod plan_programs;
