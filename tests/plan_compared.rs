@@ -433,7 +433,10 @@ fn listed(names: &[String]) -> String {
     if names.is_empty() { "nothing".to_owned() } else { names.join(" ") }
 }
 
-fn page(compared: &Compared, tools: &[(usize, &str, (usize, [f64; 3]))]) -> String {
+/// Places in each plane, tools, rank, and inflation of the roll of Z.
+type Told<'a> = (usize, &'a str, (usize, [f64; 3]));
+
+fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
     let mut out = String::from(
         "# Direct measurement, hole plates and ball-bar compared\n\n\
          Spaan 1995 (ch. 3) calibrated one machine in three ways and held all of them against the same five hole plates, which none had seen. This is\n\
