@@ -15,7 +15,7 @@ use ncfix::model::motion::Function;
 use ncfix::model::motion::periodic::Periodic;
 use ncfix::model::motion::polynomial::Polynomial;
 use ncfix::model::parameter::ParameterName;
-use ncfix::model::{ErrorModel, Model, MotionError};
+use ncfix::model::{ErrorModel, MotionError};
 use ncfix::source::{FileId, Source};
 
 use crate::support::repository;
@@ -161,10 +161,9 @@ impl Shop {
 
     /// Readings of an instrument.
     fn measured(&self, mut data: DataSet, seed: u64, noise: f64) -> DataSet {
-        let model = Model::new(&self.machine, &self.errors);
         let mut random = Noise::new(seed);
         let plan = data.clone();
-        let simulation = Simulation::new(&self.machine, &model, &plan);
+        let mut simulation = Simulation::new(&self.machine, &self.errors, &plan);
         for row in &mut data.observations {
             let Ok(Read::Values(values)) = simulation.read(row) else { panic!("values") };
             row.values = values.map(|value| value.map(|value| value + noise * random.normal()));
@@ -268,7 +267,7 @@ impl Shop {
             if names.is_empty() {
                 let worst = found.columns.iter().zip(&found.sigmas).filter_map(|(column, sigma)| match column {
                     Column::Parameter(name) => Some((at_tip(name) * sigma * PROBE, name.to_string())),
-                    Column::Unknown(..) => None,
+                    Column::Effect(_) | Column::Unknown(..) => None,
                 });
                 let worst = worst.max_by(|one, other| one.0.total_cmp(&other.0)).unwrap();
                 names.extend((worst.0 > MOST).then_some(worst.1));
@@ -286,7 +285,9 @@ impl Shop {
 
     /// What a model leaves of a measurement, by direction, mm: the set-up as it fits best.
     fn left(&self, errors: &ErrorModel, data: &DataSet) -> [Vec<f64>; 3] {
-        let found = fit(&self.machine, errors, &[], std::slice::from_ref(data), Options { robust: false }).unwrap();
+        let found =
+            fit::<ParameterName>(&self.machine, errors, &[], std::slice::from_ref(data), Options { robust: false })
+                .unwrap();
         let mut out = [const { Vec::new() }; 3];
         let mut residuals = found.residuals.iter();
         for row in &data.observations {

@@ -12,13 +12,12 @@ use super::program::protect;
 use super::stop::Stop;
 use super::value::ToolVector;
 use super::{measurement, parameters, tell};
-use crate::calibrate::{improve, told};
+use crate::calibrate::{Parameter, improve, told};
 use crate::emit::flat;
 use crate::machine::Machine;
 use crate::measure::data::{DataSet, Observation};
 use crate::measure::plan::builder::Builder;
 use crate::measure::plan::{Wishes, table};
-use crate::model::parameter::ParameterName;
 
 /// What a row without a reading is taken for when it is asked what it tells.
 const READ: f64 = 0.0;
@@ -61,7 +60,9 @@ fn plan(arguments: &PlanArguments, findings: &mut Findings) -> Result<Option<Str
     let Some(others) = others(&arguments.with, &chosen.machine, findings)? else { return Ok(None) };
     let mut report = String::new();
     if let Some(name) = &arguments.model {
-        let Some(parameters) = parameters::choose(name, &chosen.machine, findings)? else { return Ok(None) };
+        let Some(parameters) = parameters::choose(name, &chosen.machine, &chosen.errors, findings)? else {
+            return Ok(None);
+        };
         report = judge(name, arguments.improve.unwrap_or(0), &chosen, &mut plan, others, &parameters)?;
     }
     for note in &plan.notes {
@@ -127,7 +128,7 @@ fn judge(
     chosen: &Chosen,
     plan: &mut Builder,
     others: Vec<DataSet>,
-    parameters: &[ParameterName],
+    parameters: &[Parameter],
 ) -> Result<String, Stop> {
     if !plan.is_geometric {
         return Err(Stop::Usage("this plan is no measurement of a preset's parameters; leave --model out".into()));
@@ -167,7 +168,7 @@ fn judge(
 }
 
 /// What a plan tells, in words.
-fn said(who: &str, name: &str, chosen: &Chosen, parameters: &[ParameterName], data: &[DataSet]) -> String {
+fn said(who: &str, name: &str, chosen: &Chosen, parameters: &[Parameter], data: &[DataSet]) -> String {
     let told = told(&chosen.machine, parameters, data);
     let unknowns = told.columns - told.parameters;
     let mut out = format!(
