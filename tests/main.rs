@@ -80,6 +80,7 @@ mod plan_joint;
 mod plan_machines;
 mod plan_programs;
 mod plan_tables;
+mod plant;
 mod plots;
 mod positioning;
 mod presets;
