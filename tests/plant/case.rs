@@ -132,7 +132,10 @@ impl Recipe {
         for &row in self.hide.iter().filter(|&&row| row >= catalogue::FIRST_FAULT) {
             let possible: Vec<FaultKind> =
                 fault::kinds_of(row).iter().copied().filter(|&kind| fault::is_possible(kind, self.bench)).collect();
-            kinds.push(random.pick(&possible.get(..).filter(|kinds| !kinds.is_empty())?.to_vec()));
+            if possible.is_empty() {
+                return None;
+            }
+            kinds.push(random.pick(&possible));
         }
         if kinds.iter().any(|&kind| !fault::is_possible(kind, self.bench)) {
             return None;

@@ -80,7 +80,7 @@ impl Machine {
             travel: [[0.0, 700.0], [0.0, 500.0], [-20.0, 520.0], [0.0; 2], [0.0; 2]],
             origin: [0.0; 3],
             known: vec![
-                Known::Location(5, usize::from(variant % 3 != 0), 14e-6),
+                Known::Location(5, usize::from(!variant.is_multiple_of(3)), 14e-6),
                 Known::Polynomial(0, 0, vec![0.0, -1.2e-5, 1.1e-8]),
                 Known::Table(1, 0, vec![0.0, 200.0, 450.0, 700.0], vec![0.0, 3.1e-3, 4.4e-3, -1.2e-3]),
                 Known::Polynomial(4, 2, vec![0.0, 3.0e-8]),

@@ -70,10 +70,10 @@ pub(super) fn at_rest(random: &mut Random, prefix: &str, lines: &[usize], runs: 
         let mut clock = if prefix.is_empty() { 0.0 } else { 7000.0 };
         for &number in lines {
             let setup = add_setup(&mut sheet, ["C", "A", "B"][number]);
-            for axis in 0..3 {
+            for (axis, targets) in targets.iter().enumerate() {
                 let (at, tool) = lie[number];
                 let runs_on = Line { axis, at, tool, setup };
-                line(&mut sheet, runs_on, &targets[axis], &directions, runs, &mut clock);
+                line(&mut sheet, runs_on, targets, &directions, runs, &mut clock);
             }
         }
         if !sheet.angles {

@@ -76,7 +76,7 @@ pub(crate) fn plan(bench: Bench, fineness: f64, seed: u64) -> Plan {
             (mill, vec![used], vec![plate::sheet(random, "held_plate", &[(-20.0, 150.0), (70.0, 30.0)])])
         }
         Bench::Drift => {
-            let places = if seed % 2 == 0 { 1 } else { 3 };
+            let places = if seed.is_multiple_of(2) { 1 } else { 3 };
             let sensors = 6 + (seed % 7) as usize;
             let [used, held] =
                 ["drift", "held_drift"].map(|stem| drift::sheet(random, stem, places, sensors, fineness));
