@@ -70,6 +70,7 @@
 pub mod calibrate;
 pub mod cli;
 pub mod csv;
+pub mod diagnose;
 pub mod diagnostic;
 pub mod dialect;
 pub mod emit;

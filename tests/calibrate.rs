@@ -59,6 +59,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         targets: Vec::new(),
         lengths: Vec::new(),
         observations: Vec::new(),
+        drivers: Vec::new(),
     }
 }
 

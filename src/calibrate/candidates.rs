@@ -119,6 +119,7 @@ mod tests {
             is_plan: false,
             conditions: Vec::new(),
             fixed: Vec::new(),
+            drivers: Vec::new(),
             observations,
         }]
     }

@@ -1,6 +1,7 @@
 //! The command line: commands, options and their help.
 
 mod calibrate;
+mod diagnose;
 mod examples;
 mod load;
 mod machine;
@@ -11,6 +12,7 @@ mod simulate;
 mod steps;
 
 pub(super) use calibrate::CalibrateArguments;
+pub(super) use diagnose::DiagnoseArguments;
 pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
@@ -120,6 +122,9 @@ pub(super) enum Command {
     /// Weigh the workpiece: weight and place from readings of a strain gauge
     #[command(after_help = load::AFTER_HELP)]
     Load(LoadArguments),
+    /// Find what the model gets wrong, and why
+    #[command(after_help = diagnose::AFTER_HELP)]
+    Diagnose(DiagnoseArguments),
     /// Select the sensors of temperature that tell the drift of a machine
     #[command(after_help = sensors::AFTER_HELP)]
     Sensors(SensorsArguments),

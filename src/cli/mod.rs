@@ -10,6 +10,7 @@ mod calibrated;
 mod calibrated_report;
 mod check;
 mod conditions;
+mod diagnose;
 mod exit_code;
 mod explain;
 mod findings;
@@ -75,6 +76,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Verify(arguments) => verify::run(arguments),
         Command::Measured(arguments) => measured::run(arguments),
         Command::Steps(arguments) => steps::run(arguments),
+        Command::Diagnose(arguments) => diagnose::run(arguments),
         Command::Sensors(arguments) => sensors::run(arguments),
         Command::Load(arguments) => load::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),

@@ -2,7 +2,10 @@
 
 mod condition;
 mod description;
+mod drivers;
 mod rows;
+
+pub use drivers::Driver;
 
 use std::sync::LazyLock;
 
@@ -47,6 +50,8 @@ pub struct DataSet {
     pub conditions: Vec<Condition>,
     /// Readings in the order of the file.
     pub observations: Vec<Observation>,
+    /// Other columns of numbers.
+    pub drivers: Vec<Driver>,
 }
 
 impl DataSet {
@@ -179,7 +184,11 @@ fn load_as(
     data.is_plan = is_plan;
     match Readings::with(&rows, machine, &data.fixed) {
         Err(found) => findings.extend(found),
-        Ok(readings) => rows::read(&rows, readings, &mut data, &mut findings),
+        Ok(readings) => {
+            let sign = readings.sign();
+            rows::read(&rows, readings, &mut data, &mut findings);
+            data.drivers = drivers::read(&rows, machine, sign, &data);
+        }
     }
     if findings.is_empty() {
         (data.kind.check)(&data, &rows, &mut findings);

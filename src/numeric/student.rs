@@ -39,7 +39,7 @@ pub fn limit(chance: f64, freedom: f64) -> f64 {
 }
 
 /// I(a, b) at x = 1 − y; both are given because the smaller one has more digits.
-fn incomplete_beta(a: f64, b: f64, x: f64, y: f64) -> f64 {
+pub(super) fn incomplete_beta(a: f64, b: f64, x: f64, y: f64) -> f64 {
     if x <= 0.0 || y <= 0.0 {
         return if x <= 0.0 { 0.0 } else { 1.0 };
     }

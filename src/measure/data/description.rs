@@ -136,5 +136,6 @@ fn read_measurement(name: &str, section: &mut Section<'_>) -> Option<DataSet> {
         fixed: Vec::new(),
         conditions: Vec::new(),
         observations: Vec::new(),
+        drivers: Vec::new(),
     })
 }

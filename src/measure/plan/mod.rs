@@ -171,6 +171,7 @@ fn empty(kind: &'static super::kind::Kind, free: &[super::data::Free]) -> DataSe
         targets: Vec::new(),
         lengths: Vec::new(),
         observations: Vec::new(),
+        drivers: Vec::new(),
     }
 }
 

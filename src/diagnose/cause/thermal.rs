@@ -1,0 +1,160 @@
+//! Temperatures: displacement of the tool from the workpiece, growth of scales, angles between axes that change.
+//!
+//! A body follows a sensor with a time constant; those that are tried grow by a factor of two from the interval of the readings.
+
+use std::sync::Arc;
+
+use super::{Candidate, Cause, Correctable, Effect, Weight, own, sensor_values};
+use crate::diagnose::scene::{Scene, Through};
+use crate::model::name::{DIRECTIONS, ErrorName};
+
+pub(super) const DRIFT: Cause = Cause {
+    name: "drift with a temperature",
+    effect: Effect::ThermalDrift,
+    made_by: "spindle, head and column that grow",
+    shown_by: "readings of one pose while the spindle runs, with temperatures",
+    separate_by: "a cooling run with the spindle off, or a random spectrum of speeds",
+    correctable: Correctable::Live,
+    propose: drift,
+};
+
+pub(super) const EXPANSION: Cause = Cause {
+    name: "growth of a scale",
+    effect: Effect::ThermalExpansion,
+    made_by: "scale, screw, table and workpiece that grow with their temperature",
+    shown_by: "a line measured at two temperatures",
+    separate_by: "the same line at another temperature",
+    correctable: Correctable::Live,
+    propose: expansion,
+};
+
+pub(super) const SQUARENESS: Cause = Cause {
+    name: "squareness with a temperature",
+    effect: Effect::ThermalSquareness,
+    made_by: "a frame that is warmer on one side",
+    shown_by: "a plate measured at two temperatures",
+    separate_by: "sensors on both sides of the frame",
+    correctable: Correctable::Live,
+    propose: squareness,
+};
+
+/// Time constants that are tried, s; 0 is the sensor itself.
+const LAGS_S: [f64; 8] = [0.0, 60.0, 180.0, 420.0, 900.0, 1800.0, 3600.0, 7200.0];
+
+/// A sensor with a lag: its values, as a body follows them.
+struct Sensor {
+    name: String,
+    lag_s: f64,
+    values: Arc<Vec<Vec<f64>>>,
+}
+
+impl Sensor {
+    fn weight(&self, of: impl Fn(&crate::diagnose::row::Row) -> f64 + Send + Sync + 'static) -> Weight {
+        let values = Arc::clone(&self.values);
+        Weight::new(move |row| {
+            values.get(row.set).and_then(|own| own.get(row.number)).map_or(0.0, |value| value * of(row))
+        })
+    }
+}
+
+/// All sensors of a scene, each with all lags that the times allow.
+fn sensors(scene: &Scene<'_>) -> Vec<Sensor> {
+    let mut names: Vec<&str> = scene
+        .sets
+        .iter()
+        .flat_map(|set| &set.drivers)
+        .map(|driver| driver.name.as_str())
+        .filter(|name| name.starts_with("T_") && name.ends_with("_C"))
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    let mut out = Vec::new();
+    for name in names {
+        let Some(values) = sensor_values(scene.sets, name) else { continue };
+        let reference = scene.machine.reference_temperature_c;
+        for lag_s in LAGS_S {
+            let lagged: Option<Vec<Vec<f64>>> = scene
+                .sets
+                .iter()
+                .zip(values.iter())
+                .map(|(set, values)| {
+                    let times: Vec<Option<f64>> = set.observations.iter().map(|one| one.t_s).collect();
+                    lagged(&times, values, lag_s).map(|all| all.iter().map(|value| value - reference).collect())
+                })
+                .collect();
+            if let Some(lagged) = lagged {
+                out.push(Sensor { name: name.to_owned(), lag_s, values: Arc::new(lagged) });
+            }
+        }
+    }
+    out
+}
+
+/// As a body follows with dT/dt = (sensor − T)/τ, beginning with the first reading; `None` for a lag without times in order.
+fn lagged(times: &[Option<f64>], values: &[f64], lag_s: f64) -> Option<Vec<f64>> {
+    if lag_s == 0.0 || values.is_empty() {
+        return Some(values.to_vec());
+    }
+    let mut out = Vec::with_capacity(values.len());
+    let mut state: Option<(f64, f64, f64)> = None;
+    for (&time, &value) in times.iter().zip(values) {
+        let time = time?;
+        let body = match state {
+            None => value,
+            Some((before, _, body)) if time < before => return Some(Vec::new()).filter(|_| body.is_nan()),
+            Some((before, last, body)) => {
+                // Straight between two readings: the exact solution.
+                let step = time - before;
+                if step <= 0.0 {
+                    body
+                } else {
+                    let slope = (value - last) / step;
+                    let decay = (-step / lag_s).exp();
+                    value - slope * lag_s + (body - last + slope * lag_s) * decay
+                }
+            }
+        };
+        out.push(body);
+        state = Some((time, value, body));
+    }
+    Some(out)
+}
+
+fn named(mut one: Candidate, sensor: &Sensor, drivers: &[String]) -> Candidate {
+    one.drivers = std::iter::once(sensor.name.clone()).chain(drivers.iter().cloned()).collect();
+    one.constant = (sensor.lag_s > 0.0).then_some((sensor.lag_s, "s"));
+    one.sensor = Some(sensor.name.clone());
+    one
+}
+
+fn drift(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    for sensor in sensors(scene) {
+        for direction in 0..3 {
+            let weight = sensor.weight(|_| 1.0);
+            let one = Candidate::one(&DRIFT, ["X", "Y", "Z"][direction], Through::Tip(direction), weight);
+            out.push(named(one, &sensor, &[]));
+        }
+    }
+}
+
+fn expansion(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    for sensor in sensors(scene) {
+        for axis in scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary()) {
+            let weight = sensor.weight(move |row| row.position[axis]);
+            let one = Candidate::one(&EXPANSION, own(axis), Through::Component(own(axis)), weight);
+            out.push(named(one, &sensor, &[axis.to_string()]));
+        }
+    }
+}
+
+fn squareness(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    for sensor in sensors(scene) {
+        for axis in scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary()) {
+            for direction in DIRECTIONS.into_iter().filter(|direction| direction.is_rotation()) {
+                let name = ErrorName::location(direction, axis);
+                let one = Candidate::one(&SQUARENESS, name, Through::Component(name), sensor.weight(|_| 1.0));
+                out.push(named(one, &sensor, &[]));
+            }
+        }
+    }
+}

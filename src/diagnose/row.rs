@@ -1,0 +1,162 @@
+//! What an error may depend on, for every row of a measurement: where the axes stood, how they came there, when, how fast, what else was noted.
+
+use std::collections::HashMap;
+
+use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisVector};
+use crate::measure::data::{DataSet, Observation};
+
+/// The name of the column that says how fast the tool goes along its path.
+const FEED: &str = "feed_mm_min";
+/// Motions below this are none, mm or rad.
+const STILL: f64 = 1e-9;
+
+/// One row.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Number of its measurement.
+    pub set: usize,
+    /// Number in its measurement.
+    pub number: usize,
+    /// Rows of one measurement, set-up and run that follow each other: number counted over all measurements.
+    pub sequence: usize,
+    /// Number of its set-up.
+    pub setup: usize,
+    /// Position, mm and rad.
+    pub position: AxisVector,
+    /// Sense of the last motion: −1, 0, 1.
+    pub sense: [i8; AXIS_COUNT],
+    /// Path of each axis since it turned last, mm or rad; infinite before it has turned.
+    pub since_turn: AxisVector,
+    /// Velocity of each axis, mm/s or rad/s; `None` where neither times nor feed say.
+    pub velocity: Option<AxisVector>,
+    /// Acceleration, mm/s² or rad/s².
+    pub acceleration: Option<AxisVector>,
+    /// When, s.
+    pub time_s: Option<f64>,
+}
+
+impl Row {
+    /// Sense of the last motion of an axis as a factor.
+    #[must_use]
+    pub fn sense_of(&self, axis: Axis) -> f64 {
+        f64::from(self.sense.get(axis.slot()).copied().unwrap_or(0))
+    }
+}
+
+/// The rows of measurements, one after another; `first` numbers the sequences.
+pub(super) fn rows(sets: &[DataSet]) -> Vec<Row> {
+    let mut rows = Vec::new();
+    let mut sequences = 0;
+    for (set, data) in sets.iter().enumerate() {
+        let mut known: HashMap<(usize, usize, usize), usize> = HashMap::new();
+        let from = rows.len();
+        for (number, one) in data.observations.iter().enumerate() {
+            // Readings of one component are a series of their own.
+            let series = data.targets.len().min(1) * usize::from(one.component.is_some()) * one.target.unwrap_or(0);
+            let sequence = *known.entry((one.setup, one.run, series)).or_insert_with(|| {
+                sequences += 1;
+                sequences - 1
+            });
+            rows.push(row(set, number, sequence, one));
+        }
+        move_along(data, rows.get_mut(from..).unwrap_or_default());
+    }
+    rows
+}
+
+fn row(set: usize, number: usize, sequence: usize, one: &Observation) -> Row {
+    Row {
+        set,
+        number,
+        sequence,
+        setup: one.setup,
+        position: one.reading.position,
+        sense: one.reading.state.direction,
+        since_turn: AxisVector([f64::INFINITY; AXIS_COUNT]),
+        velocity: None,
+        acceleration: None,
+        time_s: one.t_s,
+    }
+}
+
+/// What follows from the rows before and behind: turns, velocities.
+fn move_along(data: &DataSet, rows: &mut [Row]) {
+    let feed = data.drivers.iter().find(|driver| driver.name == FEED).map(|driver| driver.values.as_slice());
+    let mut sequences: HashMap<usize, Vec<usize>> = HashMap::new();
+    for (place, row) in rows.iter().enumerate() {
+        sequences.entry(row.sequence).or_default().push(place);
+    }
+    for places in sequences.into_values() {
+        turns(rows, &places);
+        let velocities: Vec<Option<AxisVector>> = (0..places.len()).map(|k| velocity(rows, &places, k, feed)).collect();
+        let accelerations: Vec<Option<AxisVector>> =
+            (0..places.len()).map(|k| acceleration(rows, &places, k, &velocities, feed)).collect();
+        for ((&place, velocity), acceleration) in places.iter().zip(velocities).zip(accelerations) {
+            rows[place].velocity = velocity;
+            rows[place].acceleration = acceleration;
+        }
+    }
+}
+
+fn turns(rows: &mut [Row], places: &[usize]) {
+    let mut path = AxisVector([f64::INFINITY; AXIS_COUNT]);
+    for pair in places.windows(2) {
+        let [before, now] = [pair[0], pair[1]];
+        for axis in AXES {
+            let step = (rows[now].position[axis] - rows[before].position[axis]).abs();
+            let [old, new] = [rows[before].sense_of(axis), rows[now].sense_of(axis)];
+            path[axis] = if old * new < 0.0 { step } else { path[axis] + step };
+        }
+        rows[now].since_turn = path;
+    }
+}
+
+/// Neighbours in the same sequence.
+fn around(places: &[usize], k: usize) -> Option<[usize; 2]> {
+    let before = places.get(k.checked_sub(1).unwrap_or(k))?;
+    let behind = places.get(k + 1).or(places.get(k))?;
+    (before != behind).then_some([*before, *behind])
+}
+
+fn difference(rows: &[Row], [from, to]: [usize; 2]) -> AxisVector {
+    let mut out = AxisVector::ZERO;
+    for axis in AXES {
+        out[axis] = rows[to].position[axis] - rows[from].position[axis];
+    }
+    out
+}
+
+/// How long it took, s: by the clock, else by the feed along the path of the linear axes.
+fn duration(rows: &[Row], [from, to]: [usize; 2], at: usize, feed: Option<&[f64]>) -> Option<f64> {
+    if let (Some(from), Some(to)) = (rows[from].time_s, rows[to].time_s) {
+        return (to > from).then_some(to - from);
+    }
+    let feed = feed?.get(rows[at].number).copied().filter(|feed| *feed > 0.0)?;
+    let way = difference(rows, [from, to]);
+    let length = AXES.into_iter().filter(|axis| !axis.is_rotary()).map(|axis| way[axis].powi(2)).sum::<f64>().sqrt();
+    (length > STILL).then_some(length / (feed / 60.0))
+}
+
+fn velocity(rows: &[Row], places: &[usize], k: usize, feed: Option<&[f64]>) -> Option<AxisVector> {
+    let pair = around(places, k)?;
+    let seconds = duration(rows, pair, *places.get(k)?, feed)?;
+    let mut out = difference(rows, pair);
+    AXES.into_iter().for_each(|axis| out[axis] /= seconds);
+    Some(out)
+}
+
+fn acceleration(
+    rows: &[Row],
+    places: &[usize],
+    k: usize,
+    velocities: &[Option<AxisVector>],
+    feed: Option<&[f64]>,
+) -> Option<AxisVector> {
+    let pair = around(places, k)?;
+    let seconds = duration(rows, pair, *places.get(k)?, feed)?;
+    let [before, behind] = [k.saturating_sub(1), (k + 1).min(places.len() - 1)];
+    let (Some(Some(from)), Some(Some(to))) = (velocities.get(before), velocities.get(behind)) else { return None };
+    let mut out = AxisVector::ZERO;
+    AXES.into_iter().for_each(|axis| out[axis] = (to[axis] - from[axis]) / seconds);
+    Some(out)
+}

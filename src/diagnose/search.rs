@@ -1,0 +1,231 @@
+//! The search: which candidates explain what is left, one after the other, until nothing is gained; then those that do not stand are taken out.
+//!
+//! A step forward takes the candidate whose gain is largest beside its number of unknowns. Whether it stands is judged at the end, with all that were
+//! taken: by the memory of what is then left, so that slow noise counts for the little that it tells, and by the number of all that
+//! were tried.
+
+use std::collections::HashMap;
+
+use crate::numeric::Series;
+use crate::numeric::fisher;
+
+use super::cause::{Candidate, periodic};
+use super::scene::{NO_ROW, Scene, Through};
+use super::sweep::Sweep;
+use crate::geometry::Axis;
+use crate::model::name::{DIRECTIONS, ErrorName};
+
+/// Terms at most.
+const MOST: usize = 10;
+/// Shares of the work.
+const WORKERS: usize = 2;
+
+/// Candidates and what they would do to the readings of a scene.
+#[derive(Debug)]
+pub(super) struct Field<'s, 'a> {
+    pub(super) scene: &'s Scene<'a>,
+    pub(super) candidates: Vec<Candidate>,
+    factors: HashMap<Through, Vec<f64>>,
+    sweeps: Vec<(Axis, Sweep)>,
+    /// How many candidates there are to choose from, those of sweeps too.
+    pub(super) tried: usize,
+}
+
+/// One candidate that was taken.
+#[derive(Clone, Debug)]
+pub(super) struct Taken {
+    /// Its number.
+    pub(super) candidate: usize,
+    /// Chance of a gain like this where there is nothing, times the number of candidates.
+    pub(super) chance: f64,
+}
+
+/// How readings count.
+#[derive(Clone, Debug)]
+pub(super) struct Weights {
+    /// 1/σ, 0 for those that do not count.
+    pub(super) items: Vec<f64>,
+    /// Series of each.
+    pub(super) series: Vec<usize>,
+}
+
+impl<'s, 'a> Field<'s, 'a> {
+    pub(super) fn new(scene: &'s Scene<'a>, candidates: Vec<Candidate>) -> Field<'s, 'a> {
+        let linear = scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary());
+        let place =
+            |item: &super::scene::Item, axis| scene.rows.get(item.row).map_or(f64::NAN, |row| row.position[axis]);
+        let sweep = |axis| {
+            let positions: Vec<f64> = scene.items.iter().map(|item| place(item, axis)).collect();
+            Some((axis, Sweep::new(&positions)?))
+        };
+        let sweeps: Vec<(Axis, Sweep)> = linear.filter_map(sweep).collect();
+        let of_sweeps =
+            sweeps.iter().flat_map(|(axis, _)| DIRECTIONS.map(|direction| ErrorName::motion(direction, *axis)));
+        let of_candidates = candidates.iter().flat_map(|one| one.columns.iter().flatten()).map(|(through, _)| *through);
+        let mut factors = HashMap::new();
+        for through in of_candidates.chain(of_sweeps.map(Through::Component)) {
+            factors.entry(through).or_insert_with(|| scene.factors(through));
+        }
+        let tried = candidates.len() + sweeps.iter().map(|(_, sweep)| sweep.count() * DIRECTIONS.len()).sum::<usize>();
+        Field { scene, candidates, factors, sweeps, tried }
+    }
+
+    /// Adds the periods that what is left has.
+    fn sweep(&mut self, series: &Series, weights: &Weights) {
+        for (axis, sweep) in &self.sweeps {
+            for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, *axis)) {
+                let Some(factors) = self.factors.get(&Through::Component(name)) else { continue };
+                let left = series.left().iter().zip(&weights.items).zip(factors);
+                let products: Vec<f64> = left.map(|((left, weight), factor)| left * weight * factor).collect();
+                self.candidates.push(periodic::candidate(name, *axis, sweep.best(&products)));
+            }
+        }
+    }
+
+    /// The columns of a candidate.
+    pub(super) fn columns(&self, candidate: &Candidate) -> Vec<Vec<f64>> {
+        let sum = |parts: &Vec<(Through, super::cause::Weight)>| {
+            let mut column = vec![0.0; self.scene.items.len()];
+            for (through, weight) in parts {
+                let Some(factors) = self.factors.get(through) else { continue };
+                let mut at = (NO_ROW, 0.0);
+                for ((value, factor), item) in column.iter_mut().zip(factors).zip(&self.scene.items) {
+                    if *factor != 0.0 {
+                        if item.row != at.0 {
+                            at = (item.row, self.scene.rows.get(item.row).map_or(0.0, |row| weight.of(row)));
+                        }
+                        *value += factor * at.1;
+                    }
+                }
+            }
+            column
+        };
+        candidate.columns.iter().map(sum).collect()
+    }
+
+    /// A regression with the unknowns of the set-ups and some candidates in it.
+    pub(super) fn series(&self, weights: &Weights, taken: &[usize], memory: f64) -> Series {
+        let mut series = Series::new(&weights.series, &weights.items, memory);
+        for column in self.unknowns() {
+            series.take(&column);
+        }
+        for &number in taken {
+            for column in self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default() {
+                series.take(&column);
+            }
+        }
+        let values: Vec<f64> = self.scene.items.iter().map(|item| item.left).collect();
+        series.set_values(&values);
+        series
+    }
+
+    fn unknowns(&self) -> Vec<Vec<f64>> {
+        let mut columns = vec![vec![0.0; self.scene.items.len()]; self.scene.unknowns];
+        for (place, item) in self.scene.items.iter().enumerate() {
+            for &(unknown, factor) in &item.by_unknown {
+                if let Some(value) = columns.get_mut(unknown).and_then(|column| column.get_mut(place)) {
+                    *value += factor;
+                }
+            }
+        }
+        columns
+    }
+
+    /// What each candidate would gain; candidates that say nothing of their own have rank 0.
+    pub(super) fn gains(&self, series: &Series) -> Vec<crate::numeric::Gain> {
+        let share = self.candidates.len().div_ceil(WORKERS).max(1);
+        std::thread::scope(|scope| {
+            let work = |part: &[Candidate]| part.iter().map(|one| series.gain(&self.columns(one))).collect::<Vec<_>>();
+            let workers: Vec<_> = self.candidates.chunks(share).map(|part| scope.spawn(move || work(part))).collect();
+            workers.into_iter().flat_map(|worker| worker.join().unwrap_or_default()).collect()
+        })
+    }
+
+    /// Takes candidates one after the other.
+    pub(super) fn forward(&mut self, weights: &Weights) -> Vec<usize> {
+        let mut taken = Vec::new();
+        let mut series = self.series(weights, &[], 0.0);
+        let count = series.count() as f64;
+        while taken.len() < MOST {
+            let freedom = count - series.rank() as f64;
+            let squares = series.squares();
+            if freedom < 2.0 || squares <= 0.0 {
+                break;
+            }
+            let known = self.candidates.len();
+            self.sweep(&series, weights);
+            let gains = self.gains(&series);
+            // Information criterion of Schwarz for the number of those that were tried as well: what a chance pick would gain is no gain.
+            let price = count.ln() + 2.0 * (self.tried as f64).ln();
+            let worth = |gain: &crate::numeric::Gain| {
+                let rest = (squares - gain.squares).max(squares * 1e-12);
+                count * (squares / rest).ln() - price * gain.rank as f64
+            };
+            let best = gains
+                .iter()
+                .enumerate()
+                .filter(|(number, gain)| gain.rank > 0 && !taken.contains(number))
+                .map(|(number, gain)| (worth(gain), number))
+                .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
+            let Some((_, number)) = best.filter(|(worth, _)| *worth > 0.0) else {
+                self.candidates.truncate(known);
+                break;
+            };
+            // Of the periods only one that was taken stays.
+            let number = if number >= known {
+                self.candidates.swap(known, number);
+                self.candidates.truncate(known + 1);
+                known
+            } else {
+                self.candidates.truncate(known);
+                number
+            };
+            let columns = self.columns(&self.candidates[number]);
+            columns.iter().for_each(|column| {
+                series.take(column);
+            });
+            taken.push(number);
+        }
+        taken
+    }
+
+    /// The memory of what is left with some candidates.
+    pub(super) fn memory(&self, weights: &Weights, taken: &[usize]) -> f64 {
+        let plain = self.series(weights, taken, 0.0);
+        let left: Vec<f64> = plain
+            .left()
+            .iter()
+            .zip(&weights.items)
+            .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
+            .collect();
+        plain.memory_of(&left)
+    }
+
+    /// Takes out what does not stand beside the others, the weakest first.
+    pub(super) fn backward(&self, weights: &Weights, mut taken: Vec<usize>, limit: f64) -> Vec<Taken> {
+        loop {
+            let memory = self.memory(weights, &taken);
+            let judged: Vec<Taken> = taken
+                .iter()
+                .map(|&number| {
+                    let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
+                    let series = self.series(weights, &others, memory);
+                    let gain = series.gain(&self.columns(&self.candidates[number]));
+                    let freedom = series.count() as f64 - (series.rank() + gain.rank) as f64;
+                    let rest = (series.squares() - gain.squares).max(0.0);
+                    let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest / freedom.max(1.0));
+                    let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
+                    Taken { candidate: number, chance: chance.min(1.0) }
+                })
+                .collect();
+            let weakest = judged.iter().max_by(|a, b| a.chance.total_cmp(&b.chance));
+            match weakest {
+                Some(weakest) if weakest.chance > limit => {
+                    let out = weakest.candidate;
+                    taken.retain(|&number| number != out);
+                }
+                _ => return judged,
+            }
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Linear regression on rows that come in series whose noise remembers: each residual is ρ times the one before plus something new.
+//!
+//! Rows are whitened – every row less ρ times the one before it in its series – and regressed on as if they were independent (Cochrane &
+//! Orcutt 1949). Columns are taken into an orthonormal basis one after the other, so that what a further column would explain beside them is
+//! known without solving anything.
+
+use nalgebra::{DMatrix, DVector};
+
+/// A column of which less than this share of its length is left beside the others says nothing of its own.
+const DEPENDENT: f64 = 1e-6;
+/// Memory beyond this is a random walk, of which one long row is left.
+const MOST_MEMORY: f64 = 0.98;
+
+/// Series of rows with weights, and a basis of columns.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// The row before each one in its series.
+    before: Vec<Option<usize>>,
+    weights: Vec<f64>,
+    memory: f64,
+    basis: Vec<Vec<f64>>,
+    left: Vec<f64>,
+}
+
+/// What columns explain beside those of the basis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain {
+    /// By how much the sum of the squares falls.
+    pub squares: f64,
+    /// Columns that say something of their own.
+    pub rank: usize,
+}
+
+impl Series {
+    /// `series` numbers the series of each row, which are in order within it; weights are 1/σ, 0 for a row that does not count.
+    #[must_use]
+    pub fn new(series: &[usize], weights: &[f64], memory: f64) -> Series {
+        let mut last: std::collections::HashMap<usize, usize> = std::collections::HashMap::new();
+        // A row that does not count is a gap that the memory bridges.
+        let before =
+            series
+                .iter()
+                .enumerate()
+                .map(|(row, number)| {
+                    if weights.get(row).is_some_and(|&weight| weight > 0.0) { last.insert(*number, row) } else { None }
+                })
+                .collect();
+        Series {
+            before,
+            weights: weights.to_vec(),
+            memory: memory.clamp(0.0, MOST_MEMORY),
+            basis: Vec::new(),
+            left: vec![0.0; series.len()],
+        }
+    }
+
+    /// Rows that count.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.weights.iter().filter(|&&weight| weight > 0.0).count()
+    }
+
+    /// A column whitened.
+    #[must_use]
+    pub fn whitened(&self, column: &[f64]) -> Vec<f64> {
+        let fresh = (1.0 - self.memory * self.memory).sqrt();
+        let own = |row: usize| self.weights[row] * column.get(row).copied().unwrap_or(0.0);
+        (0..self.weights.len())
+            .map(|row| match self.before[row] {
+                _ if self.weights[row] <= 0.0 => 0.0,
+                Some(before) => (own(row) - self.memory * own(before)) / fresh,
+                None => own(row),
+            })
+            .collect()
+    }
+
+    /// What is regressed on the columns; those of the basis are taken out of it.
+    pub fn set_values(&mut self, values: &[f64]) {
+        self.left = self.whitened(values);
+        self.basis.iter().for_each(|direction| take_out(&mut self.left, direction));
+    }
+
+    /// Takes a column into the basis. Returns whether it says something of its own.
+    pub fn take(&mut self, column: &[f64]) -> bool {
+        let Some(direction) = self.direction(column, &[]) else { return false };
+        take_out(&mut self.left, &direction);
+        self.basis.push(direction);
+        true
+    }
+
+    /// Columns of the basis.
+    #[must_use]
+    pub fn rank(&self) -> usize {
+        self.basis.len()
+    }
+
+    /// Sum of the squares of what is left, in squares of σ.
+    #[must_use]
+    pub fn squares(&self) -> f64 {
+        dot(&self.left, &self.left)
+    }
+
+    /// What is left, whitened.
+    #[must_use]
+    pub fn left(&self) -> &[f64] {
+        &self.left
+    }
+
+    /// What columns would explain beside those of the basis.
+    #[must_use]
+    pub fn gain(&self, columns: &[Vec<f64>]) -> Gain {
+        let mut own: Vec<Vec<f64>> = Vec::new();
+        let mut squares = 0.0;
+        for column in columns {
+            if let Some(direction) = self.direction(column, &own) {
+                squares += dot(&direction, &self.left).powi(2);
+                own.push(direction);
+            }
+        }
+        Gain { squares, rank: own.len() }
+    }
+
+    /// Amounts of columns that explain most beside the basis, and their covariance at unit noise; columns that depend on those before them get
+    /// the amount 0 and no variance.
+    #[must_use]
+    pub fn amounts(&self, columns: &[Vec<f64>]) -> (Vec<f64>, DMatrix<f64>) {
+        // Each column by the directions that it and those before it have of their own: a triangle.
+        let mut own: Vec<Vec<f64>> = Vec::new();
+        let mut places = Vec::new();
+        let mut triangle: Vec<Vec<f64>> = Vec::new();
+        for (place, column) in columns.iter().enumerate() {
+            let Some(direction) = self.direction(column, &own) else { continue };
+            own.push(direction);
+            let whitened = self.whitened(column);
+            triangle.push(own.iter().map(|direction| dot(direction, &whitened)).collect());
+            places.push(place);
+        }
+        let count = places.len();
+        let upper = DMatrix::from_fn(count, count, |row, column| triangle[column].get(row).copied().unwrap_or(0.0));
+        let right = DVector::from_iterator(count, own.iter().map(|direction| dot(direction, &self.left)));
+        let mut amounts = vec![0.0; columns.len()];
+        let mut covariance = DMatrix::zeros(columns.len(), columns.len());
+        let identity = DMatrix::identity(count, count);
+        let (Some(found), Some(inverse)) =
+            (upper.solve_upper_triangular(&right), upper.solve_upper_triangular(&identity))
+        else {
+            return (amounts, covariance);
+        };
+        let small = &inverse * inverse.transpose();
+        for (k, &place) in places.iter().enumerate() {
+            amounts[place] = found[k];
+            for (l, &other) in places.iter().enumerate() {
+                covariance[(place, other)] = small[(k, l)];
+            }
+        }
+        (amounts, covariance)
+    }
+
+    /// The part of a column at right angles to the basis and to others, of unit length.
+    fn direction(&self, column: &[f64], others: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let mut direction = self.whitened(column);
+        let length = dot(&direction, &direction).sqrt();
+        if !(length.is_finite() && length > 0.0) {
+            return None;
+        }
+        // Twice: what rounding leaves of the first time.
+        for _ in 0..2 {
+            self.basis.iter().chain(others).for_each(|other| take_out(&mut direction, other));
+        }
+        let own = dot(&direction, &direction).sqrt();
+        if own < DEPENDENT * length {
+            return None;
+        }
+        direction.iter_mut().for_each(|value| *value /= own);
+        Some(direction)
+    }
+
+    /// Memory of residuals that are not whitened: the correlation of neighbours in the series.
+    #[must_use]
+    pub fn memory_of(&self, residuals: &[f64]) -> f64 {
+        let own = |row: usize| self.weights[row] * residuals.get(row).copied().unwrap_or(0.0);
+        let (mut product, mut square) = (0.0, 0.0);
+        for (row, before) in self.before.iter().enumerate() {
+            if let Some(before) = before {
+                product += own(row) * own(*before);
+                square += (own(row).powi(2) + own(*before).powi(2)) / 2.0;
+            }
+        }
+        if square > 0.0 { (product / square).clamp(0.0, MOST_MEMORY) } else { 0.0 }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn take_out(from: &mut [f64], direction: &[f64]) {
+    let amount = dot(from, direction);
+    from.iter_mut().zip(direction).for_each(|(value, part)| *value -= amount * part);
+}
