@@ -3,8 +3,8 @@
 pub mod fisher;
 pub mod least_squares;
 pub mod normal;
-pub mod stepwise;
 mod series;
+pub mod stepwise;
 pub mod student;
 
 pub use least_squares::{RANK_LIMIT, Solution, System};
