@@ -17,6 +17,8 @@ use crate::model::name::{DIRECTIONS, ErrorName};
 
 /// Terms at most.
 const MOST: usize = 10;
+/// Candidates explain the same where −2 ln of the likelihood differs by less.
+const TIE: f64 = 8.0;
 /// Shares of the work.
 const WORKERS: usize = 2;
 
@@ -161,13 +163,19 @@ impl<'s, 'a> Field<'s, 'a> {
                 let rest = (squares - gain.squares).max(squares * 1e-12);
                 count * (squares / rest).ln() - price * gain.rank as f64
             };
-            let best = gains
+            let open: Vec<(f64, usize)> = gains
                 .iter()
                 .enumerate()
                 .filter(|(number, gain)| gain.rank > 0 && !taken.contains(number))
                 .map(|(number, gain)| (worth(gain), number))
-                .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-            let Some((_, number)) = best.filter(|(worth, _)| *worth > 0.0) else {
+                .collect();
+            let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);
+            // The least far-fetched of those that explain as much.
+            let best = open.into_iter().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
+                let far = |number: usize| self.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
+                far(a.1).cmp(&far(b.1)).then(b.0.total_cmp(&a.0)).then(a.1.cmp(&b.1))
+            });
+            let Some((_, number)) = best else {
                 self.candidates.truncate(known);
                 break;
             };

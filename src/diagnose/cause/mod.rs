@@ -22,7 +22,7 @@ use super::scene::{Scene, Through};
 use crate::geometry::Axis;
 use crate::measure::data::DataSet;
 use crate::model::ParameterName;
-use crate::model::name::{DIRECTIONS, ErrorName};
+use crate::model::name::{DIRECTIONS, ErrorKind, ErrorName};
 
 /// What kind of effect it is, as programs read it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -121,6 +121,9 @@ pub const CAUSES: &[&Cause] = &[
     &thermal::SQUARENESS,
 ];
 
+/// Location errors of linear axes as they are named where several names mean the same.
+const USUAL: [&str; 3] = ["EC0Y", "EB0Z", "EA0Z"];
+
 /// What a row has of a driver: the factor of a deviation.
 #[derive(Clone)]
 pub struct Weight(Arc<dyn Fn(&Row) -> f64 + Send + Sync>);
@@ -193,6 +196,44 @@ impl Candidate {
     pub fn driven_by(mut self, drivers: &[&dyn fmt::Display]) -> Candidate {
         self.drivers = drivers.iter().map(ToString::to_string).collect();
         self
+    }
+
+    /// How far-fetched it is: of those that explain as much as each other the least is named.
+    #[must_use]
+    pub fn far_fetched(&self) -> u32 {
+        let of_effect = match self.cause.effect {
+            Effect::Location => 0,
+            Effect::Backlash => 2,
+            Effect::ServoMismatch => 4,
+            Effect::Motion => 10,
+            Effect::LateralPlay => 12,
+            Effect::Periodic => 14,
+            Effect::Load => 15,
+            Effect::ThermalDrift | Effect::ThermalExpansion => 16,
+            Effect::ThermalSquareness => 18,
+            Effect::ReversalSpike => 20,
+            Effect::Following => 22,
+            Effect::Drift => 24,
+            Effect::Dynamic => 26,
+            Effect::Delay => 28,
+            Effect::Setup | Effect::Probe | Effect::Sensor | Effect::Outlier | Effect::Program => 30,
+            Effect::Cross => 40,
+            Effect::Unknown => 50,
+        };
+        let component = match self.columns.first().and_then(|parts| parts.first()) {
+            Some((Through::Component(name), _)) => Some(*name),
+            _ => None,
+        };
+        // An angle that is seen at one arm only looks like a displacement.
+        let is_angle = component.is_some_and(|name| name.kind == ErrorKind::Motion && name.direction.is_rotation());
+        // Squareness is that of the later axis (ISO 230-1: EC0Y, EB0Z, EA0Z).
+        let is_usual = component.is_none_or(|name| {
+            name.kind == ErrorKind::Motion
+                || USUAL.contains(&name.to_string().as_str())
+                || name.axis().is_none_or(Axis::is_rotary)
+        });
+        let degree = u32::try_from(self.columns.len()).unwrap_or(u32::MAX);
+        10 * (of_effect + if is_angle { 30 } else { 0 } + if is_usual { 0 } else { 3 }) + degree.min(9)
     }
 
     /// The same with what it adds to the model.
