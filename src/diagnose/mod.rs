@@ -7,9 +7,12 @@
 //! ```
 
 pub mod cause;
+mod empirical;
 pub mod row;
 pub mod scene;
+mod score;
 mod search;
+mod seek;
 mod sweep;
 mod verdict;
 

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisVector};
 use crate::measure::data::{DataSet, Observation};
+use crate::model::ErrorName;
 
 /// The name of the column that says how fast the tool goes along its path.
 const FEED: &str = "feed_mm_min";
@@ -21,12 +22,22 @@ pub struct Row {
     pub sequence: usize,
     /// Number of its set-up.
     pub setup: usize,
+    /// Number of its run in its measurement.
+    pub run: usize,
+    /// Tool vector, mm.
+    pub tool_mm: [f64; 3],
+    /// By how much the spindle was turned, rad.
+    pub spindle_rad: f64,
+    /// The component that was measured.
+    pub component: Option<ErrorName>,
     /// Position, mm and rad.
     pub position: AxisVector,
     /// Sense of the last motion: −1, 0, 1.
     pub sense: [i8; AXIS_COUNT],
     /// Path of each axis since it turned last, mm or rad; infinite before it has turned.
     pub since_turn: AxisVector,
+    /// Path of the tool since each axis turned last, mm; infinite before it has turned.
+    pub way_since_turn: AxisVector,
     /// Velocity of each axis, mm/s or rad/s; `None` where neither times nor feed say.
     pub velocity: Option<AxisVector>,
     /// Acceleration, mm/s² or rad/s².
@@ -70,9 +81,14 @@ fn row(set: usize, number: usize, sequence: usize, one: &Observation) -> Row {
         number,
         sequence,
         setup: one.setup,
+        run: one.run,
+        tool_mm: [0, 1, 2].map(|k| one.reading.tool_mm[k]),
+        spindle_rad: one.spindle_rad,
+        component: one.component,
         position: one.reading.position,
         sense: one.reading.state.direction,
         since_turn: AxisVector([f64::INFINITY; AXIS_COUNT]),
+        way_since_turn: AxisVector([f64::INFINITY; AXIS_COUNT]),
         velocity: None,
         acceleration: None,
         time_s: one.t_s,
@@ -100,15 +116,36 @@ fn move_along(data: &DataSet, rows: &mut [Row]) {
 
 fn turns(rows: &mut [Row], places: &[usize]) {
     let mut path = AxisVector([f64::INFINITY; AXIS_COUNT]);
-    for pair in places.windows(2) {
+    let mut way = path;
+    // Half the motion over the two neighbours: what the speed of the axis is like there.
+    let speed = |rows: &[Row], k: usize, axis: Axis| {
+        let pair = [k.saturating_sub(1), (k + 1).min(places.len() - 1)];
+        (rows[places[pair[1]]].position[axis] - rows[places[pair[0]]].position[axis]).abs()
+    };
+    for (k, pair) in places.windows(2).enumerate() {
         let [before, now] = [pair[0], pair[1]];
+        let step = difference(rows, [before, now]);
+        let length = linear_length(&step);
         for axis in AXES {
-            let step = (rows[now].position[axis] - rows[before].position[axis]).abs();
             let [old, new] = [rows[before].sense_of(axis), rows[now].sense_of(axis)];
-            path[axis] = if old * new < 0.0 { step } else { path[axis] + step };
+            if old * new < 0.0 {
+                // It turned where it stood still: between the two as their speeds have it.
+                let [from, to] = [speed(rows, k, axis), speed(rows, k + 1, axis)];
+                let share = if from + to > STILL { to / (from + to) } else { 1.0 };
+                (path[axis], way[axis]) = (step[axis].abs(), length * share);
+            } else {
+                path[axis] += step[axis].abs();
+                way[axis] += length;
+            }
         }
         rows[now].since_turn = path;
+        rows[now].way_since_turn = way;
     }
+}
+
+/// Of the linear axes together.
+fn linear_length(step: &AxisVector) -> f64 {
+    AXES.into_iter().filter(|axis| !axis.is_rotary()).map(|axis| step[axis].powi(2)).sum::<f64>().sqrt()
 }
 
 /// Neighbours in the same sequence.
@@ -133,7 +170,7 @@ fn duration(rows: &[Row], [from, to]: [usize; 2], at: usize, feed: Option<&[f64]
     }
     let feed = feed?.get(rows[at].number).copied().filter(|feed| *feed > 0.0)?;
     let way = difference(rows, [from, to]);
-    let length = AXES.into_iter().filter(|axis| !axis.is_rotary()).map(|axis| way[axis].powi(2)).sum::<f64>().sqrt();
+    let length = linear_length(&way);
     (length > STILL).then_some(length / (feed / 60.0))
 }
 

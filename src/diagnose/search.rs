@@ -5,30 +5,31 @@
 //! were tried.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use crate::numeric::Series;
 use crate::numeric::fisher;
 
-use super::cause::{Candidate, periodic};
+use super::cause::{Candidate, Effect};
 use super::scene::{NO_ROW, Scene, Through};
-use super::sweep::Sweep;
-use crate::geometry::Axis;
-use crate::model::name::{DIRECTIONS, ErrorName};
+use super::score::{Layout, Scores};
+use super::seek::Seek;
 
 /// Terms at most.
 const MOST: usize = 10;
+/// Worth of what has no name beside what has one.
+const UNNAMED: f64 = 0.75;
 /// Candidates explain the same where −2 ln of the likelihood differs by less.
 const TIE: f64 = 8.0;
-/// Shares of the work.
-const WORKERS: usize = 2;
 
 /// Candidates and what they would do to the readings of a scene.
 #[derive(Debug)]
 pub(super) struct Field<'s, 'a> {
     pub(super) scene: &'s Scene<'a>,
     pub(super) candidates: Vec<Candidate>,
-    factors: HashMap<Through, Vec<f64>>,
-    sweeps: Vec<(Axis, Sweep)>,
+    factors: HashMap<Through, Arc<Vec<f64>>>,
+    layout: Arc<Layout>,
+    seek: Seek,
     /// How many candidates there are to choose from, those of sweeps too.
     pub(super) tried: usize,
 }
@@ -53,35 +54,24 @@ pub(super) struct Weights {
 
 impl<'s, 'a> Field<'s, 'a> {
     pub(super) fn new(scene: &'s Scene<'a>, candidates: Vec<Candidate>) -> Field<'s, 'a> {
-        let linear = scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary());
-        let place =
-            |item: &super::scene::Item, axis| scene.rows.get(item.row).map_or(f64::NAN, |row| row.position[axis]);
-        let sweep = |axis| {
-            let positions: Vec<f64> = scene.items.iter().map(|item| place(item, axis)).collect();
-            Some((axis, Sweep::new(&positions)?))
-        };
-        let sweeps: Vec<(Axis, Sweep)> = linear.filter_map(sweep).collect();
-        let of_sweeps =
-            sweeps.iter().flat_map(|(axis, _)| DIRECTIONS.map(|direction| ErrorName::motion(direction, *axis)));
+        let seek = Seek::new(scene);
         let of_candidates = candidates.iter().flat_map(|one| one.columns.iter().flatten()).map(|(through, _)| *through);
         let mut factors = HashMap::new();
-        for through in of_candidates.chain(of_sweeps.map(Through::Component)) {
-            factors.entry(through).or_insert_with(|| scene.factors(through));
+        for through in of_candidates.chain(seek.places()) {
+            factors.entry(through).or_insert_with(|| Arc::new(scene.factors(through)));
         }
-        let tried = candidates.len() + sweeps.iter().map(|(_, sweep)| sweep.count() * DIRECTIONS.len()).sum::<usize>();
-        Field { scene, candidates, factors, sweeps, tried }
+        let tried = candidates.len() + seek.count();
+        let layout = Arc::new(Layout::new(scene, &candidates));
+        Field { scene, candidates, factors, layout, seek, tried }
     }
 
-    /// Adds the periods that what is left has.
-    fn sweep(&mut self, series: &Series, weights: &Weights) {
-        for (axis, sweep) in &self.sweeps {
-            for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, *axis)) {
-                let Some(factors) = self.factors.get(&Through::Component(name)) else { continue };
-                let left = series.left().iter().zip(&weights.items).zip(factors);
-                let products: Vec<f64> = left.map(|((left, weight), factor)| left * weight * factor).collect();
-                self.candidates.push(periodic::candidate(name, *axis, sweep.best(&products)));
-            }
-        }
+    /// Adds what is sought by what is left.
+    fn seek(&mut self, series: &Series, weights: &Weights) {
+        let left = series.unwhitened(series.left());
+        let noise = series.squares() / (series.count() as f64).max(1.0);
+        let price = noise * ((series.count() as f64).ln() + 2.0 * (self.tried as f64).ln());
+        let found = self.seek.propose(self.scene, &self.factors, &left, &weights.items, price);
+        self.candidates.extend(found);
     }
 
     /// The columns of a candidate.
@@ -91,7 +81,7 @@ impl<'s, 'a> Field<'s, 'a> {
             for (through, weight) in parts {
                 let Some(factors) = self.factors.get(through) else { continue };
                 let mut at = (NO_ROW, 0.0);
-                for ((value, factor), item) in column.iter_mut().zip(factors).zip(&self.scene.items) {
+                for ((value, factor), item) in column.iter_mut().zip(factors.iter()).zip(&self.scene.items) {
                     if *factor != 0.0 {
                         if item.row != at.0 {
                             at = (item.row, self.scene.rows.get(item.row).map_or(0.0, |row| weight.of(row)));
@@ -135,12 +125,16 @@ impl<'s, 'a> Field<'s, 'a> {
 
     /// What each candidate would gain; candidates that say nothing of their own have rank 0.
     pub(super) fn gains(&self, series: &Series) -> Vec<crate::numeric::Gain> {
-        let share = self.candidates.len().div_ceil(WORKERS).max(1);
-        std::thread::scope(|scope| {
-            let work = |part: &[Candidate]| part.iter().map(|one| series.gain(&self.columns(one))).collect::<Vec<_>>();
-            let workers: Vec<_> = self.candidates.chunks(share).map(|part| scope.spawn(move || work(part))).collect();
-            workers.into_iter().flat_map(|worker| worker.join().unwrap_or_default()).collect()
-        })
+        self.gains_of(series, &mut Scores::new(&self.layout, self.scene, &self.factors, series))
+    }
+
+    /// The same with the scores of a series to which columns were added since.
+    fn gains_of(&self, series: &Series, scores: &mut Scores<'_>) -> Vec<crate::numeric::Gain> {
+        let mut gains = scores.gains(series);
+        // Those that were found on the way are few.
+        let later = self.candidates.iter().skip(self.layout.count());
+        gains.extend(later.map(|one| series.gain(&self.columns(one))));
+        gains
     }
 
     /// Takes candidates one after the other.
@@ -148,6 +142,8 @@ impl<'s, 'a> Field<'s, 'a> {
         let mut taken = Vec::new();
         let mut series = self.series(weights, &[], 0.0);
         let count = series.count() as f64;
+        let layout = Arc::clone(&self.layout);
+        let mut scores = Scores::new(&layout, self.scene, &self.factors, &series);
         while taken.len() < MOST {
             let freedom = count - series.rank() as f64;
             let squares = series.squares();
@@ -155,8 +151,8 @@ impl<'s, 'a> Field<'s, 'a> {
                 break;
             }
             let known = self.candidates.len();
-            self.sweep(&series, weights);
-            let gains = self.gains(&series);
+            self.seek(&series, weights);
+            let gains = self.gains_of(&series, &mut scores);
             // Information criterion of Schwarz for the number of those that were tried as well: what a chance pick would gain is no gain.
             let price = count.ln() + 2.0 * (self.tried as f64).ln();
             let worth = |gain: &crate::numeric::Gain| {
@@ -167,7 +163,7 @@ impl<'s, 'a> Field<'s, 'a> {
                 .iter()
                 .enumerate()
                 .filter(|(number, gain)| gain.rank > 0 && !taken.contains(number))
-                .map(|(number, gain)| (worth(gain), number))
+                .map(|(number, gain)| (worth(gain) * self.belief(number), number))
                 .collect();
             let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);
             // The least far-fetched of those that explain as much.
@@ -179,7 +175,7 @@ impl<'s, 'a> Field<'s, 'a> {
                 self.candidates.truncate(known);
                 break;
             };
-            // Of the periods only one that was taken stays.
+            // Of what was sought only one that was taken stays.
             let number = if number >= known {
                 self.candidates.swap(known, number);
                 self.candidates.truncate(known + 1);
@@ -195,6 +191,12 @@ impl<'s, 'a> Field<'s, 'a> {
             taken.push(number);
         }
         taken
+    }
+
+    /// What has no name must explain more than what has one.
+    fn belief(&self, number: usize) -> f64 {
+        let effect = self.candidates.get(number).map(|one| one.cause.effect);
+        if effect == Some(Effect::Unknown) { UNNAMED } else { 1.0 }
     }
 
     /// The memory of what is left with some candidates.

@@ -4,6 +4,8 @@
 //! Orcutt 1949). Columns are taken into an orthonormal basis one after the other, so that what a further column would explain beside them is
 //! known without solving anything.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 /// A column of which less than this share of its length is left beside the others says nothing of its own.
@@ -19,6 +21,8 @@ pub struct Series {
     weights: Vec<f64>,
     memory: f64,
     basis: Vec<Vec<f64>>,
+    /// Between which rows each column of the basis is not zero: those of one set-up are short.
+    spans: Vec<Range<usize>>,
     left: Vec<f64>,
 }
 
@@ -50,6 +54,7 @@ impl Series {
             weights: weights.to_vec(),
             memory: memory.clamp(0.0, MOST_MEMORY),
             basis: Vec::new(),
+            spans: Vec::new(),
             left: vec![0.0; series.len()],
         }
     }
@@ -84,8 +89,48 @@ impl Series {
     pub fn take(&mut self, column: &[f64]) -> bool {
         let Some(direction) = self.direction(column, &[]) else { return false };
         take_out(&mut self.left, &direction);
+        self.spans.push(span(&direction));
         self.basis.push(direction);
         true
+    }
+
+    /// The columns of the basis: at right angles to each other, of unit length, whitened.
+    #[must_use]
+    pub fn basis(&self) -> &[Vec<f64>] {
+        &self.basis
+    }
+
+    /// Memory of the noise.
+    #[must_use]
+    pub fn memory(&self) -> f64 {
+        self.memory
+    }
+
+    /// 1/σ of the rows.
+    #[must_use]
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// The transpose of [`Series::whitened`]: the product of a column with what comes out is that of the whitened column with `direction`.
+    #[must_use]
+    pub fn unwhitened(&self, direction: &[f64]) -> Vec<f64> {
+        let fresh = (1.0 - self.memory * self.memory).sqrt();
+        let mut out = vec![0.0; self.weights.len()];
+        for (row, value) in direction.iter().enumerate().take(out.len()) {
+            let weight = self.weights[row];
+            if weight <= 0.0 {
+                continue;
+            }
+            match self.before[row] {
+                Some(before) if self.memory != 0.0 => {
+                    out[row] += weight * value / fresh;
+                    out[before] -= self.weights[before] * self.memory * value / fresh;
+                }
+                _ => out[row] += weight * value,
+            }
+        }
+        out
     }
 
     /// Columns of the basis.
@@ -165,7 +210,8 @@ impl Series {
         }
         // Twice: what rounding leaves of the first time.
         for _ in 0..2 {
-            self.basis.iter().chain(others).for_each(|other| take_out(&mut direction, other));
+            self.basis.iter().zip(&self.spans).for_each(|(other, span)| take_out_of(&mut direction, other, span));
+            others.iter().for_each(|other| take_out(&mut direction, other));
         }
         let own = dot(&direction, &direction).sqrt();
         if own < DEPENDENT * length {
@@ -192,6 +238,19 @@ impl Series {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Between which rows a column is not zero.
+fn span(column: &[f64]) -> Range<usize> {
+    let first = column.iter().position(|value| *value != 0.0).unwrap_or(column.len());
+    let last = column.iter().rposition(|value| *value != 0.0).map_or(first, |last| last + 1);
+    first..last
+}
+
+fn take_out_of(from: &mut [f64], direction: &[f64], span: &Range<usize>) {
+    if let (Some(from), Some(direction)) = (from.get_mut(span.clone()), direction.get(span.clone())) {
+        take_out(from, direction);
+    }
 }
 
 fn take_out(from: &mut [f64], direction: &[f64]) {

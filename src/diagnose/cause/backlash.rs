@@ -25,15 +25,40 @@ pub(super) const LATERAL_PLAY: Cause = Cause {
     propose: |scene, out| propose(scene, out, &LATERAL_PLAY, false),
 };
 
+/// Wind-up grows with the length of the screw between bearing and nut.
+pub(super) const WIND_UP: Cause = Cause {
+    name: "backlash that depends on the position",
+    effect: Effect::Backlash,
+    made_by: "a screw that winds up, worn where it is used most",
+    shown_by: "laser forth and back over the whole travel: the two lines are not parallel",
+    separate_by: "forth and back at three places at least",
+    correctable: Correctable::Program,
+    propose: wind_up,
+};
+
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>, cause: &'static Cause, along: bool) {
-    for axis in scene.machine.axes.iter().flatten().map(|data| data.axis) {
+    for axis in super::axes(scene) {
+        let sense = Weight::new(move |row| row.sense_of(axis));
         for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
             if (name == own(axis)) != along {
                 continue;
             }
-            let sense = Weight::new(move |row| row.sense_of(axis));
-            let one = Candidate::one(cause, name, Through::Component(name), sense);
+            let one = Candidate::one(cause, name, Through::Component(name), sense.clone());
             out.push(one.driven_by(&[&format!("{axis}_dir")]).extends(&[ParameterName::backlash(name)]));
+        }
+    }
+}
+
+fn wind_up(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    for axis in super::axes(scene) {
+        let Some([low, high]) = super::range(scene, axis) else { continue };
+        let through = Through::Component(own(axis));
+        let share = move |row: &crate::diagnose::row::Row| (row.position[axis] - low) / (high - low);
+        let columns = [0, 1, 2].map(|power| Weight::new(move |row| row.sense_of(axis) * share(row).powi(power)));
+        for count in [2, 3] {
+            let mut one = Candidate::one(&WIND_UP, own(axis), through, Weight::new(|_| 0.0));
+            one.columns = columns.iter().take(count).map(|weight| vec![(through, weight.clone())]).collect();
+            out.push(one.driven_by(&[&format!("{axis}_dir"), &axis]));
         }
     }
 }

@@ -15,12 +15,24 @@ pub(super) const CAUSE: Cause = Cause {
 };
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let axes: Vec<_> = scene.machine.axes.iter().flatten().map(|data| data.axis).collect();
-    for &axis in &axes {
-        for &other in axes.iter().filter(|&&other| other != axis) {
+    let axes: Vec<_> = super::axes(scene).collect();
+    for (place, &axis) in axes.iter().enumerate() {
+        for (later, &other) in axes.iter().enumerate().filter(|&(later, _)| later != place) {
+            let (Some(own), Some(across)) = (super::range(scene, axis), super::range(scene, other)) else { continue };
+            let middle = |[low, high]: [f64; 2]| f64::midpoint(low, high);
+            let (own, across) = (middle(own), middle(across));
+            let product = Weight::new(move |row| (row.position[axis] - own) * (row.position[other] - across));
+            let alone = Weight::new(move |row| row.position[other] - across);
             for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
-                let product = Weight::new(move |row| row.position[axis] * row.position[other]);
-                out.push(Candidate::one(&CAUSE, name, Through::Component(name), product).driven_by(&[&axis, &other]));
+                let through = Through::Component(name);
+                let one = Candidate::one(&CAUSE, name, through, product.clone()).driven_by(&[&axis, &other]);
+                let mut both = one.clone();
+                both.columns.push(vec![(through, alone.clone())]);
+                out.push(one);
+                // Rotary with linear ones only as they are: there are many.
+                if later < place || !other.is_rotary() {
+                    out.push(both);
+                }
             }
         }
     }

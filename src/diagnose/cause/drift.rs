@@ -1,6 +1,6 @@
-//! Displacement with time, of no known temperature.
+//! Displacement with time, of no known temperature: creeping, and a door that was opened.
 
-use super::{Candidate, Cause, Correctable, Effect, Weight};
+use super::{Candidate, Cause, Correctable, Effect, Weight, tip};
 use crate::diagnose::scene::{Scene, Through};
 
 pub(super) const CAUSE: Cause = Cause {
@@ -13,11 +13,63 @@ pub(super) const CAUSE: Cause = Cause {
     propose,
 };
 
+pub(super) const EVENT: Cause = Cause {
+    name: "drift behind an event",
+    effect: Effect::Drift,
+    made_by: "coolant, an opened door, a cold workpiece",
+    shown_by: "a step in the readings of one pose that fades",
+    separate_by: "a log of what happened when; the same again",
+    correctable: Correctable::No,
+    propose: event,
+};
+
+/// Degrees that are tried together.
+const DEGREES: usize = 3;
+/// Instants at which something may have happened, over the time of a measurement.
+const INSTANTS: u32 = 24;
+/// Times over which it fades, as shares of that.
+const FADES: [f64; 4] = [0.025, 0.05, 0.1, 0.2];
+
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let Some(start) = scene.rows.iter().filter_map(|row| row.time_s).min_by(f64::total_cmp) else { return };
+    let Some([start, end]) = super::times(scene) else { return };
+    let weights: Vec<Weight> = (1..=DEGREES as i32)
+        .map(|degree| {
+            Weight::new(move |row| row.time_s.map_or(0.0, |time| ((time - start) / (end - start)).powi(degree)))
+        })
+        .collect();
     for direction in 0..3 {
-        let weight = Weight::new(move |row| row.time_s.map_or(0.0, |time| (time - start) / 3600.0));
-        let one = Candidate::one(&CAUSE, ["X", "Y", "Z"][direction], Through::Tip(direction), weight);
-        out.push(one.driven_by(&[&"t_s"]));
+        for count in 1..=DEGREES {
+            let mut one = Candidate::one(&CAUSE, tip(direction), Through::Tip(direction), Weight::new(|_| 0.0));
+            one.columns =
+                weights.iter().take(count).map(|weight| vec![(Through::Tip(direction), weight.clone())]).collect();
+            out.push(one.driven_by(&[&"t_s"]));
+        }
+    }
+}
+
+/// Only where one pose is read over and over: elsewhere what comes with time comes with place.
+fn event(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    let Some([start, end]) = super::times(scene) else { return };
+    if super::axes(scene).filter(|&axis| super::range(scene, axis).is_some()).count() > 1 {
+        return;
+    }
+    let sets = scene.rows.iter().map(|row| row.set).max().unwrap_or(0);
+    for set in 0..=sets.min(3) {
+        for instant in 0..INSTANTS {
+            let at = start + (end - start) * f64::from(instant) / f64::from(INSTANTS);
+            for fade in FADES {
+                let fade = fade * (end - start);
+                let weight = Weight::new(move |row| {
+                    row.time_s
+                        .filter(|&time| row.set == set && time >= at)
+                        .map_or(0.0, |time| (-(time - at) / fade).exp())
+                });
+                for direction in 0..3 {
+                    let mut one = Candidate::one(&EVENT, tip(direction), Through::Tip(direction), weight.clone());
+                    one.constant = Some((fade, "s"));
+                    out.push(one.driven_by(&[&"t_s"]));
+                }
+            }
+        }
     }
 }

@@ -19,8 +19,9 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let axes = scene.machine.axes.iter().flatten();
     let of_axes = axes.flat_map(|data| DIRECTIONS.map(|direction| ErrorName::location(direction, data.axis)));
     let of_spindle = DIRECTIONS.map(ErrorName::spindle);
+    let always = Weight::new(|_| 1.0);
     for name in of_axes.chain(of_spindle) {
-        let one = Candidate::one(&CAUSE, name, Through::Component(name), Weight::new(|_| 1.0));
+        let one = Candidate::one(&CAUSE, name, Through::Component(name), always.clone());
         out.push(one.extends(&[ParameterName::location(name)]));
     }
 }

@@ -5,14 +5,20 @@
 //! model by its [`Term`]; one without is reported only.
 
 mod backlash;
+pub mod catalogue;
+pub(in crate::diagnose) mod circle;
 mod cross;
 mod drift;
+mod load;
 mod location;
 mod motion;
 pub(in crate::diagnose) mod periodic;
 mod servo;
+mod setup;
 mod spike;
 mod thermal;
+mod unnamed;
+pub(in crate::diagnose) mod vibration;
 
 use std::fmt;
 use std::sync::Arc;
@@ -23,6 +29,7 @@ use crate::geometry::Axis;
 use crate::measure::data::DataSet;
 use crate::model::ParameterName;
 use crate::model::name::{DIRECTIONS, ErrorKind, ErrorName};
+pub(in crate::diagnose) use unnamed::CAUSE as UNNAMED;
 
 /// What kind of effect it is, as programs read it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -108,6 +115,7 @@ pub const CAUSES: &[&Cause] = &[
     &location::CAUSE,
     &motion::CAUSE,
     &backlash::BACKLASH,
+    &backlash::WIND_UP,
     &backlash::LATERAL_PLAY,
     &spike::CAUSE,
     &periodic::CAUSE,
@@ -115,10 +123,24 @@ pub const CAUSES: &[&Cause] = &[
     &servo::MISMATCH,
     &servo::FOLLOWING,
     &servo::DYNAMIC,
+    &servo::DELAY,
+    &servo::STICK_SLIP,
+    &vibration::CAUSE,
+    &circle::CHORDS,
+    &circle::OCTANTS,
+    &circle::CUP,
+    &load::GUIDE,
+    &load::TABLE,
+    &setup::PLACE,
+    &setup::TOOL,
+    &setup::SCALE,
+    &setup::PROBE,
     &drift::CAUSE,
+    &drift::EVENT,
     &thermal::DRIFT,
     &thermal::EXPANSION,
     &thermal::SQUARENESS,
+    &unnamed::CAUSE,
 ];
 
 /// Location errors of linear axes as they are named where several names mean the same.
@@ -132,6 +154,16 @@ impl Weight {
     /// By a function of the row.
     pub fn new(of: impl Fn(&Row) -> f64 + Send + Sync + 'static) -> Weight {
         Weight(Arc::new(of))
+    }
+
+    /// The same for weights that are clones of each other.
+    pub(in crate::diagnose) fn key(&self) -> usize {
+        Arc::as_ptr(&self.0).cast::<()>() as usize
+    }
+
+    /// By a table: measurements, rows; 0 beyond.
+    pub(in crate::diagnose) fn table(values: Arc<Vec<Vec<f64>>>) -> Weight {
+        Weight::new(move |row| values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(0.0))
     }
 
     /// Its value; 0 where it is not finite: a row that does not say is no evidence.
@@ -172,6 +204,9 @@ pub struct Candidate {
     pub sensor: Option<String>,
     /// Its columns, each a sum; an amount of each column is found.
     pub columns: Vec<Vec<(Through, Weight)>>,
+    /// Where each column stands for, in the order of `drivers`: the amounts are the values of a shape at these points. Empty where columns have a meaning
+    /// of their own.
+    pub points: Vec<Vec<f64>>,
     /// How it extends the model.
     pub term: Term,
 }
@@ -187,6 +222,7 @@ impl Candidate {
             constant: None,
             sensor: None,
             columns: vec![vec![(through, weight)]],
+            points: Vec::new(),
             term: Term::None,
         }
     }
@@ -209,7 +245,8 @@ impl Candidate {
             Effect::LateralPlay => 12,
             Effect::Periodic => 14,
             Effect::Load => 15,
-            Effect::ThermalDrift | Effect::ThermalExpansion => 16,
+            Effect::ThermalDrift => 15,
+            Effect::ThermalExpansion => 16,
             Effect::ThermalSquareness => 18,
             Effect::ReversalSpike => 20,
             Effect::Following => 22,
@@ -271,6 +308,47 @@ impl fmt::Display for Effect {
             Effect::Unknown => "unknown",
         })
     }
+}
+
+/// The axes of a scene.
+fn axes(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
+    scene.machine.axes.iter().flatten().map(|data| data.axis)
+}
+
+/// Its linear ones.
+fn linear(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
+    axes(scene).filter(|axis| !axis.is_rotary())
+}
+
+/// Between where and where an axis was; `None` where it stood.
+pub(in crate::diagnose) fn range(scene: &Scene<'_>, axis: Axis) -> Option<[f64; 2]> {
+    spread(scene.rows.iter().map(|row| row.position[axis])).filter(|[low, high]| high - low > 1e-3)
+}
+
+/// From when to when was measured; `None` where it is not known.
+pub(in crate::diagnose) fn times(scene: &Scene<'_>) -> Option<[f64; 2]> {
+    spread(scene.rows.iter().filter_map(|row| row.time_s)).filter(|[start, end]| end > start)
+}
+
+fn spread(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    let finite = values.filter(|value| value.is_finite());
+    finite.fold(None, |known: Option<[f64; 2]>, value| {
+        let [low, high] = known.unwrap_or([value; 2]);
+        Some([low.min(value), high.max(value)])
+    })
+}
+
+/// The name of a direction of F.
+fn tip(direction: usize) -> &'static str {
+    ["X", "Y", "Z"].get(direction).copied().unwrap_or("Z")
+}
+
+/// Values by measurement and row.
+pub(in crate::diagnose) type Values = Arc<Vec<Vec<f64>>>;
+
+/// The values of a column of numbers; `None` where no measurement has it.
+fn column(sets: &[DataSet], name: &str) -> Option<Values> {
+    sensor_values(sets, name)
 }
 
 /// The values of a sensor at the rows of a scene, as [`Row`]s number them; `None` where no measurement has it.

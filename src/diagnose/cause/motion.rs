@@ -4,6 +4,7 @@ use super::{Candidate, Cause, Correctable, Effect, Weight};
 use crate::diagnose::scene::{Scene, Through};
 use crate::model::ParameterName;
 use crate::model::name::{DIRECTIONS, ErrorName};
+use crate::model::parameter::Term;
 
 pub(super) const CAUSE: Cause = Cause {
     name: "motion of an axis",
@@ -16,21 +17,40 @@ pub(super) const CAUSE: Cause = Cause {
 };
 
 /// Degrees that are tried together.
-const DEGREES: [u8; 3] = [1, 2, 3];
+const DEGREES: [u8; 5] = [1, 2, 3, 4, 5];
+/// Where shapes bend that no polynomial of these degrees has: shares of the range that was measured.
+const KNOTS: [&[f64]; 2] = [&[0.33, 0.67], &[0.2, 0.4, 0.6, 0.8]];
+
+/// Columns of one axis: weights with what they are called.
+type Shape = Vec<(Weight, Term)>;
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    for axis in scene.machine.axes.iter().flatten().map(|data| data.axis) {
-        for direction in DIRECTIONS {
-            let name = ErrorName::motion(direction, axis);
-            for most in DEGREES {
-                let degrees: Vec<u8> = (1..=most).collect();
-                let columns = degrees.iter().map(|&degree| {
-                    vec![(Through::Component(name), Weight::new(move |row| row.position[axis].powi(i32::from(degree))))]
-                });
+    for axis in super::axes(scene) {
+        let Some([low, high]) = super::range(scene, axis) else { continue };
+        let powers: Shape = DEGREES
+            .into_iter()
+            .map(|degree| {
+                (Weight::new(move |row| row.position[axis].powi(i32::from(degree))), Term::Coefficient(degree))
+            })
+            .collect();
+        let mut shapes: Vec<Shape> =
+            (1..=powers.len()).map(|most| powers.iter().take(most).cloned().collect()).collect();
+        for knots in KNOTS.into_iter().filter(|_| !axis.is_rotary()) {
+            let mut shape: Shape = powers.iter().take(2).cloned().collect();
+            for share in knots {
+                let at = (low + share * (high - low)).round();
+                let weight = Weight::new(move |row| (row.position[axis] - at).max(0.0).powi(2));
+                shape.push((weight, Term::Knot { degree: 2, at: at as i32 }));
+            }
+            shapes.push(shape);
+        }
+        for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
+            for shape in &shapes {
+                let mut one = Candidate::one(&CAUSE, component, Through::Component(component), Weight::new(|_| 0.0));
+                one.columns =
+                    shape.iter().map(|(weight, _)| vec![(Through::Component(component), weight.clone())]).collect();
                 let parameters: Vec<_> =
-                    degrees.iter().map(|&degree| ParameterName::coefficient(name, degree)).collect();
-                let mut one = Candidate::one(&CAUSE, name, Through::Component(name), Weight::new(|_| 0.0));
-                one.columns = columns.collect();
+                    shape.iter().map(|(_, term)| ParameterName { component, term: *term }).collect();
                 out.push(one.driven_by(&[&axis]).extends(&parameters));
             }
         }

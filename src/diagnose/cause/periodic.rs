@@ -18,26 +18,37 @@ pub(super) const CAUSE: Cause = Cause {
 };
 
 /// Harmonics of a turn.
-const HARMONICS: u8 = 4;
+const HARMONICS: u8 = 6;
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    for axis in scene.machine.axes.iter().flatten().map(|data| data.axis) {
+    for axis in super::axes(scene) {
         // Harmonics of the turn; what a linear axis repeats with is searched ([`crate::diagnose::sweep`]).
         for harmonic in (1..=HARMONICS).filter(|_| axis.is_rotary()) {
+            let waves = waves(axis, TAU / f64::from(harmonic));
             for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
-                out.push(candidate(name, axis, TAU / f64::from(harmonic)));
+                out.push(with(name, axis, TAU / f64::from(harmonic), &waves));
             }
         }
     }
 }
 
+/// Sine and cosine.
+fn waves(axis: Axis, period: f64) -> [Weight; 2] {
+    [
+        Weight::new(move |row| (TAU * row.position[axis] / period).sin()),
+        Weight::new(move |row| (TAU * row.position[axis] / period).cos()),
+    ]
+}
+
 /// A sine and a cosine.
 pub(in crate::diagnose) fn candidate(name: ErrorName, axis: Axis, period: f64) -> Candidate {
+    with(name, axis, period, &waves(axis, period))
+}
+
+fn with(name: ErrorName, axis: Axis, period: f64, [sine, cosine]: &[Weight; 2]) -> Candidate {
     let through = Through::Component(name);
-    let sine = Weight::new(move |row| (TAU * row.position[axis] / period).sin());
-    let cosine = Weight::new(move |row| (TAU * row.position[axis] / period).cos());
-    let mut one = Candidate::one(&CAUSE, name, through, sine).driven_by(&[&axis]);
-    one.columns.push(vec![(through, cosine)]);
+    let mut one = Candidate::one(&CAUSE, name, through, sine.clone()).driven_by(&[&axis]);
+    one.columns.push(vec![(through, cosine.clone())]);
     one.constant = Some(if axis.is_rotary() { (period.to_degrees(), "deg") } else { (period, "mm") });
     one
 }

@@ -13,17 +13,19 @@ pub(super) const CAUSE: Cause = Cause {
     propose,
 };
 
-/// Lengths over which it fades, mm of the axis.
-const FADES: [f64; 5] = [0.02, 0.1, 0.3, 1.0, 3.0];
+/// Ways of the tool over which it fades, mm.
+const FADES: [f64; 7] = [0.5, 1.0, 2.0, 3.0, 4.2, 5.8, 8.0];
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let linear = scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary());
-    for axis in linear.filter(|&axis| scene.rows.iter().any(|row| row.since_turn[axis].is_finite())) {
+    for axis in super::linear(scene) {
+        if !scene.rows.iter().any(|row| row.way_since_turn[axis].is_finite()) {
+            continue;
+        }
         for fade in FADES {
-            let weight = Weight::new(move |row| -row.sense_of(axis) * (-row.since_turn[axis] / fade).exp());
-            let mut one = Candidate::one(&CAUSE, own(axis), Through::Component(own(axis)), weight);
+            let weight = Weight::new(move |row| -row.sense_of(axis) * (-row.way_since_turn[axis] / fade).exp());
+            let mut one = Candidate::one(&CAUSE, axis, Through::Component(own(axis)), weight);
             one.constant = Some((fade, "mm"));
-            out.push(one.driven_by(&[&format!("{axis}_dir"), &axis]));
+            out.push(one.driven_by(&[&axis, &format!("{axis}_dir")]));
         }
     }
 }

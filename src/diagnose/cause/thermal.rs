@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::{Candidate, Cause, Correctable, Effect, Weight, own, sensor_values};
+use super::{Candidate, Cause, Correctable, Effect, Weight, own, sensor_values, tip};
 use crate::diagnose::scene::{Scene, Through};
 use crate::model::name::{DIRECTIONS, ErrorName};
 
@@ -40,6 +40,9 @@ pub(super) const SQUARENESS: Cause = Cause {
 
 /// Time constants that are tried, s; 0 is the sensor itself.
 const LAGS_S: [f64; 8] = [0.0, 60.0, 180.0, 420.0, 900.0, 1800.0, 3600.0, 7200.0];
+
+/// Sensors of which pairs are tried.
+const GRADIENTS: usize = 10;
 
 /// A sensor with a lag: its values, as a body follows them.
 struct Sensor {
@@ -129,31 +132,65 @@ fn named(mut one: Candidate, sensor: &Sensor, drivers: &[String]) -> Candidate {
 
 fn drift(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     for sensor in sensors(scene) {
+        let weight = sensor.weight(|_| 1.0);
         for direction in 0..3 {
-            let weight = sensor.weight(|_| 1.0);
-            let one = Candidate::one(&DRIFT, ["X", "Y", "Z"][direction], Through::Tip(direction), weight);
+            let one = Candidate::one(&DRIFT, tip(direction), Through::Tip(direction), weight.clone());
             out.push(named(one, &sensor, &[]));
         }
     }
 }
 
 fn expansion(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    let axes: Vec<_> = super::linear(scene).filter(|&axis| super::range(scene, axis).is_some()).collect();
     for sensor in sensors(scene) {
-        for axis in scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary()) {
-            let weight = sensor.weight(move |row| row.position[axis]);
-            let one = Candidate::one(&EXPANSION, own(axis), Through::Component(own(axis)), weight);
-            out.push(named(one, &sensor, &[axis.to_string()]));
+        for &axis in &axes {
+            let through = Through::Component(own(axis));
+            let one = Candidate::one(&EXPANSION, own(axis), through, sensor.weight(move |row| row.position[axis]));
+            let one = named(one, &sensor, &[axis.to_string()]);
+            let mut fixed = one.clone();
+            // Where it is held is not known.
+            fixed.columns.push(vec![(through, sensor.weight(|_| 1.0))]);
+            out.push(one);
+            out.push(fixed);
         }
     }
 }
 
+/// Readings at one place have no angles.
 fn squareness(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    for sensor in sensors(scene) {
-        for axis in scene.machine.axes.iter().flatten().map(|data| data.axis).filter(|axis| !axis.is_rotary()) {
-            for direction in DIRECTIONS.into_iter().filter(|direction| direction.is_rotation()) {
-                let name = ErrorName::location(direction, axis);
-                let one = Candidate::one(&SQUARENESS, name, Through::Component(name), sensor.weight(|_| 1.0));
-                out.push(named(one, &sensor, &[]));
+    let axes: Vec<_> = super::linear(scene).collect();
+    if axes.iter().filter(|&&axis| super::range(scene, axis).is_some()).count() < 2 {
+        return;
+    }
+    let sensors = sensors(scene);
+    let names = || {
+        axes.iter().flat_map(|&axis| {
+            let rotations = DIRECTIONS.into_iter().filter(|direction| direction.is_rotation());
+            rotations.map(move |direction| ErrorName::location(direction, axis))
+        })
+    };
+    for sensor in &sensors {
+        let weight = sensor.weight(|_| 1.0);
+        for name in names() {
+            out.push(named(Candidate::one(&SQUARENESS, name, Through::Component(name), weight.clone()), sensor, &[]));
+        }
+    }
+    // A gradient: two sensors without lag.
+    let plain: Vec<&Sensor> = sensors.iter().filter(|sensor| sensor.lag_s == 0.0).take(GRADIENTS).collect();
+    for (place, one) in plain.iter().enumerate() {
+        for other in plain.iter().skip(place + 1) {
+            let values = Arc::clone(&other.values);
+            let at = move |row: &crate::diagnose::row::Row| {
+                values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
+            };
+            let values = Arc::clone(&one.values);
+            let weight = Weight::new(move |row| {
+                let own = values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);
+                own - at(row)
+            });
+            for name in names() {
+                let candidate = Candidate::one(&SQUARENESS, name, Through::Component(name), weight.clone());
+                out.push(named(candidate, one, std::slice::from_ref(&other.name)));
             }
         }
     }

@@ -1,0 +1,149 @@
+//! The catalogue of physical causes by number: what each does, what shows it, what it is confused with, which measurement tells it apart, and which
+//! cause of [`super::CAUSES`] looks for it. Causes that have one regressor share a file.
+
+use super::{
+    Cause, backlash, circle, cross, drift, load, location, motion, periodic, servo, setup, spike, thermal, vibration,
+};
+
+/// Who looks for a row.
+#[derive(Clone, Copy, Debug)]
+pub enum Sought {
+    /// Causes, the usual one first.
+    By(&'static [&'static Cause]),
+    /// It is a fault of the data, which is looked for before any cause is.
+    AsFault,
+    /// Nobody, for this reason.
+    Not(&'static str),
+}
+
+/// A row.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Its number.
+    pub number: u8,
+    /// What it is.
+    pub title: &'static str,
+    /// What readings are like.
+    pub regressor: &'static str,
+    /// What shows it.
+    pub shown_by: &'static str,
+    /// With what it is confused.
+    pub confused_with: &'static str,
+    /// What tells it apart.
+    pub separate_by: &'static str,
+    /// Who looks for it.
+    pub sought: Sought,
+}
+
+#[rustfmt::skip]
+const fn entry(
+    number: u8, title: &'static str, regressor: &'static str, shown_by: &'static str, confused_with: &'static str, separate_by: &'static str, sought: Sought,
+) -> Entry {
+    Entry { number, title, regressor, shown_by, confused_with, separate_by, sought }
+}
+
+/// All rows in their order.
+#[rustfmt::skip]
+pub const CATALOGUE: &[Entry] = &[
+    entry(1, "scale of an axis", "k·x", "laser, hole plate; ball-bar with a calibrated bar", "thermal scale, length of the bar", "measure at another temperature; two radii", Sought::By(&[&motion::CAUSE])),
+    entry(2, "shape of the positioning error", "smooth in x", "laser", "cosine error of the set-up", "its slope only is the set-up's", Sought::By(&[&motion::CAUSE])),
+    entry(3, "cyclic error of screw or encoder", "sin, cos 2πnx/P", "laser in fine steps, ball-bar", "vibration", "another feed", Sought::By(&[&periodic::CAUSE])),
+    entry(4, "lobes of a rotary encoder", "sin, cos nc", "autocollimator; balls on the table", "radial error of the axis", "two balls at different radii", Sought::By(&[&periodic::CAUSE])),
+    entry(5, "straightness", "x², x³", "straightedge, plate, ball-bar", "ball-bar off its centre", "a longer travel", Sought::By(&[&motion::CAUSE])),
+    entry(6, "roll", "x with the lever across", "level; plate with two tools", "straightness seen at one lever", "two tool vectors", Sought::By(&[&motion::CAUSE])),
+    entry(7, "pitch and yaw", "xᵏ with the lever", "laser for angles; plates at two heights", "scale at another height", "lines at two heights", Sought::By(&[&motion::CAUSE])),
+    entry(8, "squareness", "y across", "plate, ball-bar at 45° alike in both senses", "servo mismatch; the plate's own rotation", "both senses; turn the plate by 90°", Sought::By(&[&location::CAUSE])),
+    entry(9, "offset of a rotary axis", "1 − cos c, sin c", "chase-the-ball", "place of the ball", "three indexations at least", Sought::By(&[&location::CAUSE])),
+    entry(10, "tilt of a rotary axis", "rotation times lever", "chase-the-ball at two heights", "height of the ball", "two heights", Sought::By(&[&location::CAUSE])),
+    entry(11, "location of the second rotary axis", "as the chain has it", "chase-the-ball with both axes", "a part is only the roll of the tool", "none is needed: that part does no harm", Sought::By(&[&location::CAUSE])),
+    entry(12, "gain and first harmonic of a rotary axis", "c, sin c, cos c", "rotary encoder, R-test", "offset and tilt of the axis", "several balls", Sought::By(&[&motion::CAUSE, &periodic::CAUSE])),
+    entry(13, "radial and axial error of a rotary axis", "sin, cos nc", "R-test", "offset of the axis for n = 1", "two radii", Sought::By(&[&periodic::CAUSE])),
+    entry(14, "wobble of a rotary axis", "sin, cos c times height", "R-test at two heights", "radial error", "two heights", Sought::By(&[&periodic::CAUSE])),
+    entry(15, "backlash of a rotary axis", "sense times radius", "indexing from both sides", "shift when it is clamped", "with and without clamping", Sought::By(&[&backlash::BACKLASH])),
+    entry(16, "offset of the spindle", "constant in the tool frame", "balls with an indexed spindle", "run-out of the stylus", "index the spindle", Sought::By(&[&location::CAUSE])),
+    entry(17, "tilt of the spindle", "tool length times a constant", "two tool lengths", "offset of the spindle", "another tool length", Sought::By(&[&location::CAUSE])),
+    entry(18, "tool length", "constant along the tool", "balls on five axes", "height of the ball, scale of Z", "two tools", Sought::By(&[&setup::TOOL])),
+    entry(19, "offset of the stylus", "turns with the spindle", "indexed spindle", "offset of the spindle", "index the spindle", Sought::By(&[&setup::TOOL])),
+    entry(20, "backlash", "sense / 2", "laser forth and back; ball-bar: odd steps", "delay", "another feed", Sought::By(&[&backlash::BACKLASH])),
+    entry(21, "wind-up of the screw", "sense times x", "laser forth and back", "backlash", "forth and back at three places", Sought::By(&[&backlash::WIND_UP])),
+    entry(22, "reversal spike", "exp(−path/s₀) behind a turn", "ball-bar, encoders", "false readings", "repeat it", Sought::By(&[&spike::CAUSE])),
+    entry(23, "stick-slip", "saw-tooth where an axis is slow", "ball-bar at low feed", "noise", "another feed", Sought::By(&[&servo::STICK_SLIP])),
+    entry(24, "lateral play", "sense of x across it", "ball-bar: both senses differ as |sin|", "hysteresis of squareness", "indicator across the axis", Sought::By(&[&backlash::LATERAL_PLAY])),
+    entry(25, "yaw that depends on the sense", "sense times lever", "forth and back at two heights", "lateral play", "two levers", Sought::By(&[&backlash::LATERAL_PLAY])),
+    entry(26, "servo mismatch", "(τx − τy)·v", "ball-bar: oval at 45° that turns over with the sense", "squareness", "both senses", Sought::By(&[&servo::MISMATCH])),
+    entry(27, "following error", "τ·v", "traces", "delay of a recorder", "an external sensor", Sought::By(&[&servo::FOLLOWING])),
+    entry(28, "circles that shrink", "(τω)²R/2", "ball-bar at two feeds", "length of the bar", "another feed", Sought::By(&[&servo::FOLLOWING])),
+    entry(29, "friction", "sense and speed in currents", "traces", "backlash", "traces of currents", Sought::Not("no kind of measurement reads currents")),
+    entry(30, "deflection by acceleration", "acceleration", "R-test less encoders", "lag", "encoders", Sought::By(&[&servo::DYNAMIC])),
+    entry(31, "residual vibration", "damped wave behind a corner", "R-test at a corner", "deflection", "traces of corners", Sought::Not("a corner is no reading of any kind of measurement")),
+    entry(32, "forced vibration", "sin 2πft", "spectrum over time at two feeds", "cyclic error", "another feed", Sought::By(&[&vibration::CAUSE])),
+    entry(33, "delay between records", "Δt·v on all axes", "correlation of the records", "following error, backlash", "an external clock", Sought::By(&[&servo::DELAY])),
+    entry(34, "clock that runs fast", "t·v", "long records", "delay", "a longer record", Sought::By(&[&servo::DELAY])),
+    entry(35, "rounded corners", "deviation at joints of blocks", "traces", "deflection", "exact stop", Sought::Not("joints of blocks are in no kind of measurement")),
+    entry(36, "chords", "R(1 − cos Δφ/2)", "ball-bar on a circle of straight blocks", "cyclic error", "the circle as one block", Sought::By(&[&circle::CHORDS])),
+    entry(37, "change of the leading axis", "steps at 45° + 90°k", "ball-bar", "lateral play", "another plane", Sought::By(&[&circle::OCTANTS])),
+    entry(38, "drift behind a temperature", "a sensor with a lag", "readings of one pose", "drift of the surroundings", "an idle run", Sought::By(&[&thermal::DRIFT])),
+    entry(39, "two lags", "two sensors with lags", "warming up and cooling down", "one lag", "a cooling run", Sought::By(&[&thermal::DRIFT])),
+    entry(40, "growth of a scale", "(T − 20)·x", "lines hot and cold", "scale", "another temperature", Sought::By(&[&thermal::EXPANSION])),
+    entry(41, "growth of a screw", "(T − T₀)(x − x₀)", "laser while it cycles", "growth of a scale", "a sensor at the nut", Sought::By(&[&thermal::EXPANSION])),
+    entry(42, "squareness with a gradient", "(T₁ − T₂)·y", "plate hot and cold", "squareness", "sensors on both sides", Sought::By(&[&thermal::SQUARENESS])),
+    entry(43, "day and night", "surroundings with a lag of hours", "24 hours of idling", "trend, a set-up that creeps", "two days", Sought::By(&[&thermal::DRIFT])),
+    entry(44, "coolant, open door", "a step that fades", "a log of events", "false readings", "a log of events", Sought::By(&[&drift::EVENT])),
+    entry(45, "guideway under load", "weight times place times a polynomial", "level with loads", "roll", "without the weight", Sought::By(&[&load::GUIDE])),
+    entry(46, "table under load", "weight times place", "loads at several places", "guideway under load", "lines along the axis", Sought::By(&[&load::TABLE])),
+    entry(47, "sag by a mass that moves", "overhang²", "level", "pitch", "none is needed: it is corrected alike", Sought::By(&[&motion::CAUSE])),
+    entry(48, "error that depends on two axes", "x·y", "a grid of lines", "noise", "three places of the other axis", Sought::By(&[&cross::CAUSE])),
+    entry(49, "racking of a gantry", "sense, acceleration times x", "two lines", "yaw that depends on the sense", "two lines", Sought::By(&[&backlash::LATERAL_PLAY])),
+    entry(50, "place of the ball-bar", "a, b, c of each run", "ball-bar", "all", "mount it again", Sought::By(&[&setup::PLACE])),
+    entry(51, "length of the bar", "constant for each bar", "several bars", "scale", "a calibrator", Sought::By(&[&setup::PLACE])),
+    entry(52, "worn cup", "three lobes, never the same", "repeat it", "ball-bar off its centre", "clean and repeat", Sought::By(&[&circle::CUP])),
+    entry(53, "temperature of the artefact", "αΔT times its lengths", "temperature of the plate", "scale", "another material", Sought::By(&[&setup::SCALE])),
+    entry(54, "alignment of the artefact", "six numbers for each placement", "every placement", "squareness in part", "turn it by 90°", Sought::By(&[&setup::PLACE])),
+    entry(55, "lobes of the probe", "cos 3ψ of the touch", "sphere from nine directions", "form of the ball", "turn the probe", Sought::By(&[&setup::PROBE])),
+    entry(56, "pre-travel", "constant along the radius", "radius of a sphere", "size of the ball", "a calibrated ring", Sought::Not("a probing is the centre of a ball: its radius is not read")),
+    entry(57, "delay of the trigger", "v·Δt", "two feeds of probing", "pre-travel", "another feed", Sought::By(&[&setup::PROBE])),
+    entry(58, "air, dead path, cosine of the laser", "ΔT·L; x(1 − cos)", "weather log; another mounting", "scale", "mount it again", Sought::By(&[&setup::SCALE])),
+    entry(59, "R-test sensors askew", "a linear mix of readings", "calibration moves", "all", "calibration moves", Sought::Not("no kind of measurement reads three sensors at once")),
+    entry(60, "stuck or dead sensor", "no change, or a stop value", "its record", "–", "its record", Sought::AsFault),
+    entry(61, "offset, gain or unit of a sensor", "constant, factor", "sensors against each other", "drift behind a temperature", "exchange the sensors", Sought::AsFault),
+    entry(62, "exchanged or reversed channels", "a permutation", "each permutation in turn", "–", "one known motion", Sought::AsFault),
+    entry(63, "lubrication", "isolated pulse of minutes", "repeat it", "spike", "repeat it", Sought::AsFault),
+    entry(64, "first cycle", "first of several runs", "cycles against each other", "–", "leave it out", Sought::AsFault),
+    entry(65, "step in time", "a change that stays", "record over days", "day and night", "a log of events", Sought::AsFault),
+    entry(66, "a table is at work already", "the known errors, reversed", "any", "sign of the model", "switch the table off", Sought::AsFault),
+    entry(67, "quantisation", "equal steps", "record", "–", "a finer display", Sought::AsFault),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::super::CAUSES;
+    use super::*;
+
+    #[test]
+    fn every_row_is_sought_or_says_why_not() {
+        assert_eq!(CATALOGUE.len(), 67);
+        for (place, row) in CATALOGUE.iter().enumerate() {
+            assert_eq!(usize::from(row.number), place + 1);
+            let words = [row.title, row.regressor, row.shown_by, row.confused_with, row.separate_by];
+            assert!(words.iter().all(|text| !text.is_empty()), "{}", row.number);
+            match row.sought {
+                Sought::By(causes) => {
+                    let is_known = |cause: &&Cause| CAUSES.iter().any(|known| known.name == cause.name);
+                    assert!(!causes.is_empty() && causes.iter().all(is_known), "{}", row.number);
+                }
+                Sought::AsFault => assert!(row.number >= 60, "{}", row.number),
+                Sought::Not(why) => assert!(why.len() > 20, "{}", row.number),
+            }
+        }
+    }
+
+    #[test]
+    fn no_cause_is_without_words() {
+        for cause in CAUSES {
+            let words = [cause.name, cause.made_by, cause.shown_by, cause.separate_by];
+            assert!(words.iter().all(|text| !text.is_empty()), "{}", cause.name);
+            let twins = CAUSES.iter().filter(|other| other.name == cause.name).count();
+            assert_eq!(twins, 1, "{}", cause.name);
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! What only a circle shows: chords of a program, steps of an old control between octants, a ball that rolls in its cup.
+
+use std::collections::HashMap;
+use std::f64::consts::{FRAC_PI_4, TAU};
+use std::sync::Arc;
+
+use super::{Candidate, Cause, Correctable, Effect, Values, Weight};
+use crate::diagnose::scene::{Scene, Through};
+
+pub(super) const CHORDS: Cause = Cause {
+    name: "chords in place of the circle",
+    effect: Effect::Program,
+    made_by: "a program of straight blocks",
+    shown_by: "ball-bar: equal arcs inwards between corners that lie on the circle, at all feeds",
+    separate_by: "the same circle as one block",
+    correctable: Correctable::Program,
+    propose: |_, _| {},
+};
+
+pub(super) const OCTANTS: Cause = Cause {
+    name: "change of the leading axis",
+    effect: Effect::Dynamic,
+    made_by: "an interpolator that lets one axis lead and the other follow",
+    shown_by: "ball-bar: steps at 45°, 135°, 225° and 315°",
+    separate_by: "the circle in another plane; lines at 40° and 50°",
+    correctable: Correctable::No,
+    propose: octants,
+};
+
+pub(super) const CUP: Cause = Cause {
+    name: "ball that rolls in its cup",
+    effect: Effect::Setup,
+    made_by: "a cup that is worn or dirty",
+    shown_by: "ball-bar: three lobes that are never the same twice",
+    separate_by: "repeat the run",
+    correctable: Correctable::No,
+    propose: cup,
+};
+
+/// Runs of which each may have lobes of its own.
+const MOST_RUNS: usize = 60;
+
+/// The angle of every row on its circle and the radius; none where it is on no circle.
+pub(in crate::diagnose) fn angles(scene: &Scene<'_>) -> Option<(Values, Values)> {
+    let mut angles: Vec<Vec<f64>> = scene.sets.iter().map(|set| vec![f64::NAN; set.observations.len()]).collect();
+    let mut radii = angles.clone();
+    let mut any = false;
+    let mut by_setup: HashMap<(usize, usize), Vec<([f64; 3], usize)>> = HashMap::new();
+    for row in &scene.rows {
+        let Some(set) = scene.sets.get(row.set).filter(|set| set.kind.name == "ballbar") else { continue };
+        let Some(setup) = set.setups.get(row.setup) else { continue };
+        let at = [0, 1, 2].map(|k| {
+            let axis = super::linear(scene).find(|axis| axis.dimension() == k);
+            axis.map_or(0.0, |axis| row.position[axis]) + row.tool_mm[k] - setup.centre_mm[k]
+        });
+        by_setup.entry((row.set, row.setup)).or_default().push((at, row.number));
+    }
+    for ((set, _), rows) in by_setup {
+        let extent = |k: usize| rows.iter().map(|(at, _)| at[k].abs()).fold(0.0, f64::max);
+        let still = (0..3).min_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(2);
+        let [one, other] = [(still + 1) % 3, (still + 2) % 3];
+        for (at, number) in rows {
+            if let (Some(angle), Some(radius)) = (
+                angles.get_mut(set).and_then(|own| own.get_mut(number)),
+                radii.get_mut(set).and_then(|own| own.get_mut(number)),
+            ) {
+                (*angle, *radius) = (at[other].atan2(at[one]), at[one].hypot(at[other]));
+                any = true;
+            }
+        }
+    }
+    any.then(|| (Arc::new(angles), Arc::new(radii)))
+}
+
+/// What a row has of a function of its angle.
+fn of_angle(angles: &Values, of: impl Fn(f64) -> f64 + Send + Sync + 'static) -> Weight {
+    let angles = Arc::clone(angles);
+    Weight::new(move |row| angles.get(row.set).and_then(|own| own.get(row.number)).map_or(0.0, |&angle| of(angle)))
+}
+
+fn octants(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    let Some((angles, _)) = angles(scene) else { return };
+    let step = of_angle(&angles, |angle| if angle.cos().abs() > FRAC_PI_4.cos() { 0.5 } else { -0.5 });
+    let one = Candidate::one(&OCTANTS, "", Through::Reading(false), step);
+    out.push(one.driven_by(&[&"X", &"Y", &"Z"]));
+}
+
+fn cup(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    let Some((angles, _)) = angles(scene) else { return };
+    let mut runs: Vec<(usize, usize)> = scene.rows.iter().map(|row| (row.set, row.run)).collect();
+    runs.sort_unstable();
+    runs.dedup();
+    if runs.len() > MOST_RUNS {
+        return;
+    }
+    let mut columns = Vec::new();
+    for (set, run) in runs {
+        for shift in [0.0, TAU / 12.0] {
+            let angles = Arc::clone(&angles);
+            columns.push(vec![(
+                Through::Reading(false),
+                Weight::new(move |row| {
+                    if (row.set, row.run) != (set, run) {
+                        return 0.0;
+                    }
+                    let angle = angles.get(row.set).and_then(|own| own.get(row.number));
+                    angle.map_or(0.0, |angle| (3.0 * (angle + shift)).sin())
+                }),
+            )]);
+        }
+    }
+    let mut one = Candidate::one(&CUP, "cup", Through::Reading(false), Weight::new(|_| 0.0));
+    one.columns = columns;
+    out.push(one.driven_by(&[&"run", &"X", &"Y", &"Z"]));
+}
+
+/// A circle of so many chords with a corner at zero.
+pub(in crate::diagnose) fn chords(scene: &Scene<'_>, count: u32) -> Option<Candidate> {
+    let (angles, radii) = angles(scene)?;
+    let shape = Weight::new(move |row| {
+        let at = |values: &Values| values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);
+        chord(at(&angles), count) * at(&radii)
+    });
+    let mut one = Candidate::one(&CHORDS, "", Through::Reading(false), shape).driven_by(&[&"X", &"Y", &"Z"]);
+    one.constant = Some((f64::from(count), "chords"));
+    Some(one)
+}
+
+/// By how much a chord is inside a circle of radius one.
+pub(in crate::diagnose) fn chord(angle: f64, count: u32) -> f64 {
+    let half = std::f64::consts::PI / f64::from(count);
+    let within = angle.rem_euclid(2.0 * half) - half;
+    half.cos() / within.cos() - 1.0
+}
