@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::cause::{self, Candidate, UNNAMED, Weight};
 use super::scene::{NO_ROW, Scene, Through};
+use super::sweep::Sweep;
 use crate::geometry::Axis;
 
 /// Bins over a driver.
@@ -14,7 +15,11 @@ const BINS: usize = 12;
 /// Drivers at most.
 const MOST: usize = 22;
 /// Shapes that are tried in full in each step.
-const BEST: usize = 5;
+const BEST: usize = 8;
+/// Rows of which a first look is had.
+const SOME: usize = 4000;
+/// Places of a bump along each driver.
+const BUMPS: usize = 9;
 /// In no bin.
 const NONE: u8 = u8::MAX;
 /// Knots of smooth shapes over one driver.
@@ -31,6 +36,8 @@ struct Driver {
     low: f64,
     high: f64,
     is_sense: bool,
+    /// Whether it is a length in space.
+    is_length: bool,
 }
 
 /// How a shape is made of one driver or two.
@@ -48,6 +55,10 @@ enum Form {
     Product(usize, usize),
     /// A smooth function of both with so many knots each.
     Surface(usize, usize, usize),
+    /// A bump over both: where, how wide.
+    Bump(usize, usize, [f64; 2], f64),
+    /// A wave of the second where the first is more (or less) than so much, with a period.
+    Wave(usize, usize, f64, f64, f64),
 }
 
 /// All that may be looked for in the readings of a scene.
@@ -73,7 +84,17 @@ impl Empirical {
             // A rotary axis that does not go round has no seam.
             let goes_round = cause::range(scene, axis).is_some_and(|[low, high]| high - low > 3.2);
             let values = scene.rows.iter().map(|row| if goes_round { of(row) } else { row.position[axis] });
-            drivers.extend(driver(axis.to_string(), values.collect(), false));
+            let own = driver(axis.to_string(), values.collect(), false);
+            drivers.extend(own.map(|driver| Driver { is_length: !axis.is_rotary(), ..driver }));
+        }
+        // Where tools differ, a place in the workpiece is not a position of an axis.
+        for &axis in axes.iter().filter(|axis| !axis.is_rotary()) {
+            let tool = |row: &super::row::Row| row.tool_mm.get(axis.dimension()).copied().unwrap_or(0.0);
+            let first = scene.rows.first().map_or(0.0, tool);
+            if scene.rows.iter().any(|row| (tool(row) - first).abs() > 1.0) {
+                let values = scene.rows.iter().map(|row| row.position[axis] + tool(row)).collect();
+                drivers.extend(driver(axis.to_string(), values, false).map(|own| Driver { is_length: true, ..own }));
+            }
         }
         for &axis in &axes {
             let values = scene.rows.iter().map(|row| row.sense_of(axis)).collect();
@@ -145,11 +166,14 @@ impl Empirical {
             let mut own: Vec<(f64, Form)> = Vec::new();
             for a in 0..self.drivers.len() {
                 for b in a..self.drivers.len() {
+                    let from = own.len();
                     self.forms(a, b, &sums, price, &mut own);
+                    best_of_each(&mut own, from);
                 }
             }
-            own.sort_by(|one, other| other.0.total_cmp(&one.0));
-            found.extend(own.into_iter().take(BEST).map(|(worth, form)| (worth, place, form)));
+            self.bumps(&sums, price, &mut own);
+            self.waves(&sums, price, &mut own);
+            found.extend(own.into_iter().map(|(worth, form)| (worth, place, form)));
         }
         found.sort_by(|one, other| other.0.total_cmp(&one.0));
         found
@@ -236,7 +260,7 @@ impl Empirical {
                 product = add(product, [at[0] * shape, at[1] * shape * shape]);
             }
         }
-        out.push((worth(&[product]), Form::Product(a, b)));
+        out.push((worth(&[product, [0.0, 1.0], [0.0, 1.0]]), Form::Product(a, b)));
         for knots in [3, 4, 6] {
             let rows: Vec<Vec<[f64; 2]>> =
                 (0..BINS).map(|x| merge(&(0..BINS).map(|y| cell(x, y)).collect::<Vec<_>>(), knots)).collect();
@@ -245,6 +269,122 @@ impl Empirical {
                 merge(&column, knots)
             });
             out.push((worth(&columns.collect::<Vec<_>>()), Form::Surface(a, b, knots)));
+        }
+    }
+
+    /// A bump over two lengths: the best of a grid, then nearer.
+    fn bumps(&self, sums: &[[f64; 2]], price: f64, out: &mut Vec<(f64, Form)>) {
+        let lengths: Vec<usize> =
+            (0..self.drivers.len()).filter(|&k| self.drivers.get(k).is_some_and(|driver| driver.is_length)).collect();
+        for (place, &a) in lengths.iter().enumerate() {
+            for &b in lengths.iter().skip(place + 1) {
+                let [Some(one), Some(other)] = [self.drivers.get(a), self.drivers.get(b)] else { continue };
+                if one.name == other.name {
+                    continue;
+                }
+                let step = (sums.len() / SOME).max(1);
+                let rows: Vec<[f64; 4]> = one
+                    .values
+                    .iter()
+                    .zip(other.values.iter())
+                    .zip(sums)
+                    .filter(|(_, sum)| sum[1] > 0.0)
+                    .map(|((x, y), sum)| [*x, *y, sum[0], sum[1]])
+                    .collect();
+                let worth = |at: [f64; 2], wide: f64, step: usize| {
+                    let (mut sum, mut information) = (0.0, 1e-300);
+                    for [x, y, own, known] in rows.iter().step_by(step) {
+                        let far = ((x - at[0]).powi(2) + (y - at[1]).powi(2)) / (2.0 * wide * wide);
+                        if far < 12.0 {
+                            let shape = (-far).exp();
+                            sum += own * shape;
+                            information += known * shape * shape;
+                        }
+                    }
+                    sum * sum / information * step as f64
+                };
+                let range = (one.high - one.low).min(other.high - other.low);
+                if range < 1.0 {
+                    continue;
+                }
+                let mut best = (0.0, [0.0; 2], 1.0);
+                for wide in [range / 12.0, range / 6.0] {
+                    for x in 0..BUMPS {
+                        for y in 0..BUMPS {
+                            let share = |k: usize| (k as f64 + 0.5) / BUMPS as f64;
+                            let at = [
+                                one.low + (one.high - one.low) * share(x),
+                                other.low + (other.high - other.low) * share(y),
+                            ];
+                            let own = worth(at, wide, 4 * step);
+                            if own > best.0 {
+                                best = (own, at, wide);
+                            }
+                        }
+                    }
+                }
+                let mut reach = range / 12.0;
+                best.0 = worth(best.1, best.2, step);
+                for _ in 0..5 {
+                    for (dx, dy, factor) in [
+                        (1.0, 0.0, 1.0),
+                        (-1.0, 0.0, 1.0),
+                        (0.0, 1.0, 1.0),
+                        (0.0, -1.0, 1.0),
+                        (0.0, 0.0, 1.25),
+                        (0.0, 0.0, 0.8),
+                    ] {
+                        let (at, wide) = ([best.1[0] + dx * reach, best.1[1] + dy * reach], best.2 * factor);
+                        let own = worth(at, wide, step);
+                        if own > best.0 {
+                            best = (own, at, wide);
+                        }
+                    }
+                    reach *= 0.6;
+                }
+                out.push((best.0 - 4.0 * price, Form::Bump(a, b, best.1, best.2)));
+            }
+        }
+    }
+
+    /// Waves of a length at some feeds only.
+    fn waves(&self, sums: &[[f64; 2]], price: f64, out: &mut Vec<(f64, Form)>) {
+        let Some(a) = self.drivers.iter().position(|driver| driver.name == "feed_mm_min") else { return };
+        let Some(feed) = self.drivers.get(a) else { return };
+        let mut feeds: Vec<f64> = feed.values.iter().copied().filter(|value| value.is_finite()).collect();
+        feeds.sort_by(f64::total_cmp);
+        feeds.dedup();
+        if feeds.len() > 6 {
+            return;
+        }
+        for (b, driver) in self.drivers.iter().enumerate().filter(|(_, driver)| driver.is_length) {
+            let Some(sweep) = Sweep::new(&driver.values) else { continue };
+            for pair in feeds.windows(2) {
+                let edge = f64::midpoint(pair[0], pair[1]);
+                for side in [1.0, -1.0] {
+                    let is_in = |value: &f64| side * (value - edge) > 0.0;
+                    let products: Vec<f64> = sums
+                        .iter()
+                        .zip(feed.values.iter())
+                        .map(|(sum, value)| if is_in(value) { sum[0] } else { 0.0 })
+                        .collect();
+                    let information: f64 = sums
+                        .iter()
+                        .zip(feed.values.iter())
+                        .filter(|(_, value)| is_in(value))
+                        .map(|(sum, _)| sum[1])
+                        .sum();
+                    let period = sweep.best(&products);
+                    let (mut sines, mut cosines) = (0.0, 0.0);
+                    for (product, value) in products.iter().zip(driver.values.iter()) {
+                        let (sine, cosine) = (std::f64::consts::TAU * value / period).sin_cos();
+                        sines += product * sine;
+                        cosines += product * cosine;
+                    }
+                    let worth = 2.0 * (sines * sines + cosines * cosines) / information.max(1e-300);
+                    out.push((worth - 2.0 * price, Form::Wave(a, b, edge, side, period)));
+                }
+            }
         }
     }
 
@@ -260,7 +400,27 @@ impl Empirical {
                 (times(&[(self.beyond(a, edge, side), vec![edge])], &self.hats(b, knots)), vec![a, b])
             }
             Form::Product(a, b) => {
-                (times(&[(self.centred(a), Vec::new())], &[(self.centred(b), Vec::new())]), vec![a, b])
+                let [one, other] = [a, b].map(|k| vec![(self.centred(k), Vec::new())]);
+                let mut all = times(&one, &other);
+                all.extend(one.into_iter().chain(other));
+                (all, vec![a, b])
+            }
+            Form::Bump(a, b, at, wide) => {
+                let (one, other) = (self.value(a), self.value(b));
+                let bump: Column = Arc::new(move |row| {
+                    let far = (one(row) - at[0]).powi(2) + (other(row) - at[1]).powi(2);
+                    (-far / (2.0 * wide * wide)).exp()
+                });
+                (vec![(bump, at.to_vec())], vec![a, b])
+            }
+            Form::Wave(a, b, edge, side, period) => {
+                let value = self.value(b);
+                let wave = |of: fn(f64) -> f64| -> Column {
+                    let value = Arc::clone(&value);
+                    Arc::new(move |row| of(std::f64::consts::TAU * value(row) / period))
+                };
+                let waves = [(wave(f64::sin), Vec::new()), (wave(f64::cos), Vec::new())];
+                (times(&[(self.beyond(a, edge, side), vec![edge])], &waves), vec![a, b])
             }
             Form::Surface(a, b, knots) => (times(&self.hats(a, knots), &self.hats(b, knots)), vec![a, b]),
         };
@@ -270,6 +430,7 @@ impl Empirical {
         let mut used = used;
         used.sort_unstable();
         one.drivers = used.into_iter().filter_map(|k| self.drivers.get(k)).map(|driver| driver.name.clone()).collect();
+        one.drivers.dedup();
         one.parameter = match place {
             Through::Tip(direction) => ["X", "Y", "Z"].get(direction).copied().unwrap_or("").to_owned(),
             Through::Component(name) => name.to_string(),
@@ -332,6 +493,20 @@ fn times(ones: &[(Column, Vec<f64>)], others: &[(Column, Vec<f64>)]) -> Vec<(Col
     out
 }
 
+/// Of the forms from a place on only the best of each kind stays.
+fn best_of_each(all: &mut Vec<(f64, Form)>, from: usize) {
+    let mut own = all.split_off(from.min(all.len()));
+    own.sort_by(|one, other| other.0.total_cmp(&one.0));
+    let mut kinds = Vec::new();
+    own.retain(|(worth, form)| {
+        let kind = std::mem::discriminant(form);
+        let is_new = *worth > 0.0 && !kinds.contains(&kind);
+        kinds.push(kind);
+        is_new
+    });
+    all.extend(own);
+}
+
 fn merge(all: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
     let mut out = vec![[0.0; 2]; count];
     for (k, part) in all.iter().enumerate() {
@@ -359,7 +534,7 @@ fn driver(name: String, values: Vec<f64>, is_sense: bool) -> Option<Driver> {
         }
     };
     let bins = values.iter().map(bin).collect();
-    Some(Driver { name, bins, values: Arc::new(values), low, high, is_sense })
+    Some(Driver { name, bins, values: Arc::new(values), low, high, is_sense, is_length: false })
 }
 
 impl Driver {

@@ -13,11 +13,13 @@ use crate::geometry::Axis;
 use crate::model::name::{DIRECTIONS, ErrorName};
 
 /// Rows of which a first look is had.
-const SOME: usize = 3000;
+const SOME: usize = 1500;
 /// Frequencies times rows of a first look.
-const WORK: f64 = 1e6;
+const WORK: f64 = 2e6;
 /// Cycles within a run, at least: fewer are drift.
-const CYCLES: f64 = 5.0;
+const CYCLES: f64 = 8.0;
+/// Slower than this nothing vibrates, s.
+const SLOWEST: f64 = 20.0;
 /// Chords of a circle that are tried.
 const CHORDS: std::ops::Range<u32> = 24..720;
 /// All directions of the tool.
@@ -61,6 +63,11 @@ impl Seek {
             circles: circle::angles(scene),
             empirical: Empirical::new(scene),
         }
+    }
+
+    /// The range of the positions of an axis whose periods are sought.
+    pub(super) fn travel(&self, axis: Axis) -> Option<f64> {
+        self.sweeps.iter().find(|(own, _)| *own == axis).map(|(_, sweep)| sweep.travel())
     }
 
     /// Where all of this comes in.
@@ -195,15 +202,19 @@ impl Clock {
             .collect();
         let seen = (rows.len() as f64 * share).max(1.0);
         let fastest = (1.0 / (2.2 * step)).min(WORK / seen / (3.0 * length));
-        (fastest * length > CYCLES).then_some(Clock { rows, some, length, fastest })
+        (fastest * length > CYCLES && fastest * SLOWEST > 1.0).then_some(Clock { rows, some, length, fastest })
     }
 
     fn step(&self) -> f64 {
         1.0 / (3.0 * self.length)
     }
 
+    fn slowest(&self) -> f64 {
+        (CYCLES / self.length).max(1.0 / SLOWEST)
+    }
+
     fn count(&self) -> usize {
-        ((self.fastest - CYCLES / self.length) / self.step()).max(0.0) as usize + 1
+        ((self.fastest - self.slowest()) / self.step()).max(0.0) as usize + 1
     }
 
     /// The frequency that explains most, Hz: first of all runs each for itself, then of more and more of the time together.
@@ -220,7 +231,7 @@ impl Clock {
             }
             waves.into_iter().map(|[sine, cosine]| sine * sine + cosine * cosine).collect::<Vec<f64>>()
         };
-        let grid = (0..self.count()).map(|k| CYCLES / self.length + k as f64 * self.step());
+        let grid = (0..self.count()).map(|k| self.slowest() + k as f64 * self.step());
         let (_, mut frequency) = grid
             .map(|frequency| (powers(frequency).iter().sum::<f64>(), frequency))
             .max_by(|a, b| a.0.total_cmp(&b.0))?;

@@ -54,11 +54,9 @@ fn wind_up(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         let Some([low, high]) = super::range(scene, axis) else { continue };
         let through = Through::Component(own(axis));
         let share = move |row: &crate::diagnose::row::Row| (row.position[axis] - low) / (high - low);
-        let columns = [0, 1, 2].map(|power| Weight::new(move |row| row.sense_of(axis) * share(row).powi(power)));
-        for count in [2, 3] {
-            let mut one = Candidate::one(&WIND_UP, own(axis), through, Weight::new(|_| 0.0));
-            one.columns = columns.iter().take(count).map(|weight| vec![(through, weight.clone())]).collect();
-            out.push(one.driven_by(&[&format!("{axis}_dir"), &axis]));
-        }
+        let columns = [0, 1].map(|power| Weight::new(move |row| row.sense_of(axis) * share(row).powi(power)));
+        let mut one = Candidate::one(&WIND_UP, own(axis), through, Weight::new(|_| 0.0));
+        one.columns = columns.into_iter().map(|weight| vec![(through, weight)]).collect();
+        out.push(one.driven_by(&[&format!("{axis}_dir"), &axis]));
     }
 }

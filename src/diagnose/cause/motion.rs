@@ -44,8 +44,12 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             }
             shapes.push(shape);
         }
+        // An angle has a value where the axis is at zero, too, which levers show.
+        let always = (Weight::new(|_| 1.0), Term::Coefficient(0));
+        let tilted: Vec<Shape> =
+            (1..=2).map(|most| powers.iter().take(most).chain([&always]).cloned().collect()).collect();
         for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
-            for shape in &shapes {
+            for shape in shapes.iter().chain(tilted.iter().filter(|_| component.direction.is_rotation())) {
                 let mut one = Candidate::one(&CAUSE, component, Through::Component(component), Weight::new(|_| 0.0));
                 one.columns =
                     shape.iter().map(|(weight, _)| vec![(Through::Component(component), weight.clone())]).collect();
