@@ -45,6 +45,11 @@ impl Sweep {
         (most > FEWEST).then(|| Sweep { travel, most, bins: positions.iter().map(bin).collect() })
     }
 
+    /// The range of the positions.
+    pub(super) fn travel(&self) -> f64 {
+        self.travel
+    }
+
     /// How many periods it tells apart.
     pub(super) fn count(&self) -> usize {
         ((self.most - FEWEST) * STEPS) as usize + 1
