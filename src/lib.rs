@@ -35,6 +35,7 @@
 //! | [`measure`] | measurements of all kinds, test plans, measurement mode, what load made a strain | the text of programs |
 //! | [`numeric`] | least squares, statistics: plain arithmetic | machine tools |
 //! | [`calibrate`] | fit of parameters and set-up unknowns, what the data cannot tell, quality | causes |
+//! | [`diagnose`] | what the model lacks: causes, search, gates, verdict, what extends the machine file | programs, files |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
 //! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
@@ -55,6 +56,7 @@
 //! | a kind of motion error | `model/motion/x.rs` with formula, source and example; `docs/motion.md` | the register of kinds there |
 //! | a kind of test plan | `measure/plan/x.rs`; a row in `docs/plan.md` | [`measure::plan::PLANS`] |
 //! | a kind of measurement | `measure/kind/x.rs`: columns, unknowns, equations; a row in `docs/calibrate.md` | [`measure::kind::KINDS`] |
+//! | a cause | `diagnose/cause/x.rs`: what makes it, what shows it, its columns | [`diagnose::cause::CAUSES`] |
 //! | a preset of parameters | `model/preset/x.rs` | [`model::preset::PRESETS`] |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |
 //! | a command | `cli/x.rs` | `cli/mod.rs` |

@@ -35,6 +35,7 @@ mod condition_log;
 mod correction;
 mod cycles;
 mod definitions;
+mod diagnose;
 mod diagnose_causes;
 mod emission;
 mod esmaeili;

@@ -13,6 +13,7 @@ mod conditions;
 mod diagnose;
 mod exit_code;
 mod explain;
+mod extended;
 mod findings;
 mod fix;
 mod input;

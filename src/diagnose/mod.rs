@@ -3,18 +3,33 @@
 //! ```text
 //! Scene::new(machine, errors, sets)      what is left of every reading, and what a deviation anywhere would do to it
 //! cause::CAUSES                          candidates: what readings would have in addition, one file per cause
-//! search                                 which of them explain what is left, and which stand
+//! search, freedom                        which of them explain what is left beside the memory of the noise
+//! fold                                   which of these also help where they were not found
+//! verdict                                sizes, rivals, shares, noise, what is left; before and after, also on data held out
+//! extend                                 what goes into the machine file
 //! ```
 
 pub mod cause;
 mod empirical;
+pub mod extend;
+mod fold;
+mod freedom;
+mod held;
+mod noise;
 pub mod row;
 pub mod scene;
 mod score;
 mod search;
 mod seek;
+mod separate;
+mod share;
+mod size;
 mod sweep;
 mod verdict;
 
+pub use held::{Compared, Sizes};
+pub use noise::{Left, Source};
 pub use scene::Scene;
-pub use verdict::{Diagnosis, Finding, diagnose};
+pub use share::Share;
+pub use size::{Amounts, Size};
+pub use verdict::{Diagnosis, Finding, diagnose, levels, reads_angles};

@@ -10,7 +10,8 @@ use std::sync::Arc;
 use crate::numeric::Series;
 use crate::numeric::fisher;
 
-use super::cause::{Candidate, Effect};
+use super::cause::{Candidate, Effect, periodic};
+use super::freedom::Order;
 use super::scene::{NO_ROW, Scene, Through};
 use super::score::{Layout, Scores};
 use super::seek::Seek;
@@ -21,6 +22,9 @@ const MOST: usize = 10;
 const UNNAMED: f64 = 0.75;
 /// Candidates explain the same where −2 ln of the likelihood differs by less.
 const TIE: f64 = 8.0;
+/// Half of the width of the peak of a period, cycles over the travel, and steps towards its top.
+const PEAK: f64 = 0.4;
+const REFINED: usize = 14;
 
 /// Candidates and what they would do to the readings of a scene.
 #[derive(Debug)]
@@ -72,6 +76,43 @@ impl<'s, 'a> Field<'s, 'a> {
         let price = noise * ((series.count() as f64).ln() + 2.0 * (self.tried as f64).ln());
         let found = self.seek.propose(self.scene, &self.factors, &left, &weights.items, price);
         self.candidates.extend(found);
+    }
+
+    /// Moves the period of a candidate of a sweep to where it explains most: a period that is a little off leaves beats.
+    fn refine(&mut self, number: usize, series: &Series) {
+        let Some(one) = self.candidates.get(number) else { return };
+        let (Some((Through::Component(name), _)), Some((first, _))) =
+            (one.columns.first().and_then(|parts| parts.first()), one.constant)
+        else {
+            return;
+        };
+        let Some((name, axis)) = name.axis().map(|axis| (*name, axis)) else { return };
+        let Some(travel) = self.seek.travel(axis).filter(|_| one.cause.effect == Effect::Periodic) else { return };
+        let gain = |cycles: f64| series.gain(&self.columns(&periodic::candidate(name, axis, travel / cycles))).squares;
+        // Golden section over the width of a peak.
+        let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
+        let cycles = travel / first;
+        let [mut low, mut high] = [cycles - PEAK, cycles + PEAK];
+        let (mut left, mut right) = (high - golden * (high - low), low + golden * (high - low));
+        let (mut at_left, mut at_right) = (gain(left), gain(right));
+        for _ in 0..REFINED {
+            if at_left > at_right {
+                (high, right, at_right) = (right, left, at_left);
+                left = high - golden * (high - low);
+                at_left = gain(left);
+            } else {
+                (low, left, at_left) = (left, right, at_right);
+                right = low + golden * (high - low);
+                at_right = gain(right);
+            }
+        }
+        let best = f64::midpoint(low, high);
+        if gain(best) > gain(cycles) {
+            let refined = periodic::candidate(name, axis, travel / best);
+            if let Some(one) = self.candidates.get_mut(number) {
+                *one = refined;
+            }
+        }
     }
 
     /// The columns of a candidate.
@@ -131,16 +172,28 @@ impl<'s, 'a> Field<'s, 'a> {
     /// The same with the scores of a series to which columns were added since.
     fn gains_of(&self, series: &Series, scores: &mut Scores<'_>) -> Vec<crate::numeric::Gain> {
         let mut gains = scores.gains(series);
-        // Those that were found on the way are few.
-        let later = self.candidates.iter().skip(self.layout.count());
-        gains.extend(later.map(|one| series.gain(&self.columns(one))));
+        let later = self.candidates.get(self.layout.count()..).unwrap_or_default();
+        let layout = Layout::new(self.scene, later);
+        gains.extend(Scores::new(&layout, self.scene, &self.factors, series).gains(series));
         gains
     }
 
-    /// Takes candidates one after the other.
-    pub(super) fn forward(&mut self, weights: &Weights) -> Vec<usize> {
-        let mut taken = Vec::new();
-        let mut series = self.series(weights, &[], 0.0);
+    /// Readings less what candidates do whose amounts some of them give.
+    pub(super) fn left_with(&self, train: &Weights, taken: &[usize]) -> Vec<f64> {
+        let columns: Vec<Vec<f64>> =
+            taken.iter().filter_map(|&k| self.candidates.get(k)).flat_map(|one| self.columns(one)).collect();
+        let (amounts, _) = self.series(train, &[], 0.0).amounts(&columns);
+        let mut values: Vec<f64> = self.scene.items.iter().map(|item| item.left).collect();
+        for (column, amount) in columns.iter().zip(&amounts) {
+            values.iter_mut().zip(column).for_each(|(value, part)| *value -= part * amount);
+        }
+        values
+    }
+
+    /// Takes candidates one after the other behind those that are `kept`.
+    pub(super) fn forward(&mut self, weights: &Weights, kept: &[usize]) -> Vec<usize> {
+        let mut taken = kept.to_vec();
+        let mut series = self.series(weights, kept, 0.0);
         let count = series.count() as f64;
         let layout = Arc::clone(&self.layout);
         let mut scores = Scores::new(&layout, self.scene, &self.factors, &series);
@@ -184,6 +237,9 @@ impl<'s, 'a> Field<'s, 'a> {
                 self.candidates.truncate(known);
                 number
             };
+            if number == known {
+                self.refine(number, &series);
+            }
             let columns = self.columns(&self.candidates[number]);
             columns.iter().for_each(|column| {
                 series.take(column);
@@ -197,6 +253,15 @@ impl<'s, 'a> Field<'s, 'a> {
     fn belief(&self, number: usize) -> f64 {
         let effect = self.candidates.get(number).map(|one| one.cause.effect);
         if effect == Some(Effect::Unknown) { UNNAMED } else { 1.0 }
+    }
+
+    /// By how much the variances of the amounts of columns are larger than of independent readings, at most.
+    pub(super) fn inflation(&self, weights: &Weights, taken: &[usize], others: &[usize], number: usize) -> f64 {
+        let order = Order::new(weights);
+        let memory = self.memory(weights, taken);
+        let of_noise = order.correlations(self.series(weights, taken, memory).left());
+        let columns = self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default();
+        inflation(&order, &of_noise, &self.series(weights, others, memory), &columns)
     }
 
     /// The memory of what is left with some candidates.
@@ -213,17 +278,22 @@ impl<'s, 'a> Field<'s, 'a> {
 
     /// Takes out what does not stand beside the others, the weakest first.
     pub(super) fn backward(&self, weights: &Weights, mut taken: Vec<usize>, limit: f64) -> Vec<Taken> {
+        let order = Order::new(weights);
         loop {
             let memory = self.memory(weights, &taken);
+            let of_noise = order.correlations(self.series(weights, &taken, memory).left());
             let judged: Vec<Taken> = taken
                 .iter()
                 .map(|&number| {
                     let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
                     let series = self.series(weights, &others, memory);
-                    let gain = series.gain(&self.columns(&self.candidates[number]));
-                    let freedom = series.count() as f64 - (series.rank() + gain.rank) as f64;
-                    let rest = (series.squares() - gain.squares).max(0.0);
-                    let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest / freedom.max(1.0));
+                    let columns = self.columns(&self.candidates[number]);
+                    let gain = series.gain(&columns);
+                    let inflation = inflation(&order, &of_noise, &series, &columns);
+                    // Readings that wander together are as good as fewer that do not.
+                    let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).max(1.0);
+                    let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
+                    let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
                     let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
                     Taken { candidate: number, chance: chance.min(1.0) }
                 })
@@ -238,4 +308,14 @@ impl<'s, 'a> Field<'s, 'a> {
             }
         }
     }
+}
+
+/// By how much the variances of the amounts of columns beside a basis are larger than of independent readings, at most.
+fn inflation(order: &Order, of_noise: &[f64], series: &Series, columns: &[Vec<f64>]) -> f64 {
+    let mut beside = series.clone();
+    let of_column = |column: &Vec<f64>| {
+        beside.set_values(column);
+        order.inflation(of_noise, beside.left())
+    };
+    columns.iter().map(of_column).fold(1.0, f64::max)
 }

@@ -88,7 +88,7 @@ impl Seek {
         sweeps + time + chords + self.empirical.count()
     }
 
-    /// The most promising of each for what is left (`unwhitened`); `noise` is its mean square.
+    /// The most promising of each for what is left, unwhitened, with 1/σ of the readings and what a column must explain.
     pub(super) fn propose(
         &self,
         scene: &Scene<'_>,
@@ -97,6 +97,19 @@ impl Seek {
         weights: &[f64],
         price: f64,
     ) -> Vec<Candidate> {
+        let nothing = Arc::new(Vec::new());
+        let own: Vec<Arc<Vec<f64>>> =
+            self.empirical.places.iter().map(|place| Arc::clone(factors.get(place).unwrap_or(&nothing))).collect();
+        std::thread::scope(|scope| {
+            let shapes = scope.spawn(|| self.empirical.propose(&own, left, weights, price));
+            let mut out = self.named(scene, factors, left, weights);
+            out.extend(shapes.join().unwrap_or_default());
+            out
+        })
+    }
+
+    /// Periods and chords.
+    fn named(&self, scene: &Scene<'_>, factors: &Factors, left: &[f64], weights: &[f64]) -> Vec<Candidate> {
         let mut out = Vec::new();
         let products = |place: Through| -> Vec<f64> {
             factors.get(&place).map_or_else(Vec::new, |factors| {
@@ -157,10 +170,6 @@ impl Seek {
             let best = CHORDS.map(|count| (gain(count), count)).max_by(|a, b| a.0.total_cmp(&b.0));
             out.extend(best.filter(|(gain, _)| *gain > 0.0).and_then(|(_, count)| circle::chords(scene, count)));
         }
-        let nothing = Arc::new(Vec::new());
-        let own: Vec<Arc<Vec<f64>>> =
-            self.empirical.places.iter().map(|place| Arc::clone(factors.get(place).unwrap_or(&nothing))).collect();
-        out.extend(self.empirical.propose(&own, left, weights, price));
         out
     }
 }

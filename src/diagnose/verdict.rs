@@ -2,9 +2,15 @@
 
 use std::collections::HashMap;
 
-use super::cause::{CAUSES, Candidate, Cause};
+use super::cause::{CAUSES, Candidate, Cause, Effect};
+use super::fold::{WORTH, confirmed, counts, unseen};
+use super::held::{Compared, compare};
+use super::noise::{self, MEDIAN, is_angle};
 use super::scene::{NO_ROW, Scene};
 use super::search::{Field, Taken, Weights};
+use super::separate::separating;
+use super::share::{Share, shares};
+use super::size::{Amounts, Size, size};
 
 /// Chance at which a finding is claimed where there is nothing, over all candidates.
 const LIMIT: f64 = 1e-3;
@@ -12,65 +18,112 @@ const LIMIT: f64 = 1e-3;
 const FAR: f64 = 6.0;
 /// Rounds of taking such readings out.
 const ROUNDS: usize = 3;
-/// Blocks of rows where there are neither runs nor set-ups.
-const BLOCKS: usize = 5;
-/// 95 % of a normal distribution, in standard deviations.
-const EXPANDED: f64 = 1.96;
+/// Rounds of searching again behind what was found.
+const AGAIN: usize = 2;
 /// A rival explains nearly as much: so much of χ² less at most.
 const RIVAL: f64 = 6.0;
-/// Median of the absolute values of normal noise, in standard deviations.
-const MEDIAN: f64 = 0.674_489_750_196_081_7;
+/// A finding does this share of the noise to the readings in which it acts at least: less is no cause but what others leave.
+const SMALL: f64 = 0.25;
+/// Readings in which it acts: beyond this share of the largest.
+const ACTS: f64 = 0.05;
+/// Data held out say something of a finding where it does this share of what it does in the data used.
+const EXERCISED: f64 = 0.1;
 
 /// What was found.
 #[derive(Clone, Debug)]
 pub struct Finding {
     /// The candidate.
     pub candidate: Candidate,
-    /// Amounts of its columns with their expanded uncertainties (95 %), mm, rad, per unit of the driver.
-    pub amounts: Vec<(f64, f64)>,
-    /// Root of the mean square of what it does to the readings, mm or rad.
+    /// Amounts of its columns, mm, rad, per unit of the driver.
+    pub amounts: Amounts,
+    /// Its size as people name it.
+    pub size: Size,
+    /// Root of the mean square of what it does to the readings beyond what set-ups take, mm or rad.
     pub rms: f64,
     /// Chance of this where there is nothing, over all candidates.
     pub chance: f64,
-    /// Share of the squares of readings that were not used which it takes away; with the selection repeated without them.
+    /// Share of the root of the mean square of readings that were not used which it takes away: of the data held out, or with the
+    /// selection repeated without them.
     pub gain_unseen: f64,
+    /// Which part of all it explains.
+    pub share: Share,
     /// Candidates that explain it nearly as well: cause and parameter, the best first, itself first.
     pub class: Vec<(&'static Cause, String)>,
+    /// The measurement that tells it from the first of them.
+    pub separate_by: Option<String>,
 }
 
 /// A diagnosis.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
-    /// Root of the mean square and largest of what the model leaves, mm or rad.
-    pub before: [f64; 2],
-    /// The same behind all findings.
-    pub after: [f64; 2],
+    /// The data that were used.
+    pub used: Compared,
+    /// The data that were held out.
+    pub held_out: Option<Compared>,
     /// Findings, the largest first.
     pub findings: Vec<Finding>,
+    /// What the data held out does not confirm.
+    pub not_confirmed: Vec<Candidate>,
     /// Readings that did not count: numbers of measurement and row.
     pub outliers: Vec<(usize, usize)>,
+    /// What is left behind all findings.
+    pub left: noise::Left,
     /// Candidates that were tried.
     pub tried: usize,
     /// Correlation of neighbouring residuals.
     pub memory: f64,
 }
 
-/// Finds what the model lacks.
+/// Finds what the model lacks from the first measurements of a scene, as many as are `used`, and holds it against the others. `bare` are the
+/// readings of a scene of the same measurements with a machine without errors. `note` gets what is done and how much of it.
 #[must_use]
-pub fn diagnose(scene: &Scene<'_>) -> Diagnosis {
+pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn FnMut(&str, f64)) -> Diagnosis {
+    note("causes that may be", 0.0);
     let candidates = propose(scene);
     let mut field = Field::new(scene, candidates);
-    let mut weights = weights(scene);
+    let (mut weights, mut held_out) = weights(scene, used);
     let mut taken = Vec::new();
-    for _ in 0..ROUNDS {
-        taken = field.forward(&weights);
-        if !drop_far(&field, &mut weights, &taken) {
+    for round in 0..ROUNDS {
+        note("search", round as f64 / ROUNDS as f64);
+        taken = field.forward(&weights, &[]);
+        let left = left_of(&field, &weights, &taken);
+        if !drop_far(scene, &mut weights, &left) {
             break;
         }
     }
-    let judged = field.backward(&weights, taken, LIMIT);
-    let judged = confirmed(&mut field, &weights, judged);
-    verdict(&field, &weights, &judged)
+    let mut kept = confirm(&mut field, &weights, taken, note);
+    for _ in 0..AGAIN {
+        let known: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+        note("search again", 0.0);
+        let taken = field.forward(&weights, &known);
+        if taken.len() == known.len() || known.is_empty() {
+            break;
+        }
+        let again = confirm(&mut field, &weights, taken, note);
+        if again.len() <= kept.len() {
+            break;
+        }
+        kept = again;
+    }
+    let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+    let far = field.left_with(&weights, &numbers);
+    let far = projected(&field, &held_out, &far);
+    drop_far(scene, &mut held_out, &far);
+    let not_confirmed = hold(&field, &weights, &held_out, &mut kept);
+    note("verdict", 1.0);
+    verdict(&field, bare, [&weights, &held_out], &kept, (used, not_confirmed))
+}
+
+/// Both gates.
+fn confirm(
+    field: &mut Field<'_, '_>,
+    weights: &Weights,
+    taken: Vec<usize>,
+    note: &mut dyn FnMut(&str, f64),
+) -> Vec<(Taken, f64)> {
+    let judged = field.backward(weights, taken, LIMIT);
+    let judged = large_enough(field, weights, judged);
+    confirmed(field, weights, judged, &mut |share| note("held-out parts", share))
 }
 
 fn propose(scene: &Scene<'_>) -> Vec<Candidate> {
@@ -79,241 +132,285 @@ fn propose(scene: &Scene<'_>) -> Vec<Candidate> {
     candidates
 }
 
-fn weights(scene: &Scene<'_>) -> Weights {
+/// Weights of the measurements that are used, and of those held out.
+fn weights(scene: &Scene<'_>, used: usize) -> (Weights, Weights) {
     let rows = scene.rows.len();
     let series = |item: &super::scene::Item| {
         // Each value of a row is a series of its own, and so is every known distance.
         scene.rows.get(item.row).map_or(usize::MAX, |row| row.sequence * 3 + item.value)
     };
     let mut numbers: HashMap<usize, usize> = HashMap::new();
-    let series = scene.items.iter().enumerate().map(|(place, item)| {
-        if item.row == NO_ROW {
-            return 3 * rows + place;
-        }
-        let count = numbers.len();
-        *numbers.entry(series(item)).or_insert(count)
-    });
-    let series = series.collect();
-    Weights { items: scene.items.iter().map(|item| 1.0 / item.sigma).collect(), series }
+    let mut ties = 0;
+    let series: Vec<usize> = scene
+        .items
+        .iter()
+        .map(|item| {
+            let own = if item.row == NO_ROW {
+                ties += 1;
+                3 * rows + ties
+            } else {
+                series(item)
+            };
+            let count = numbers.len();
+            *numbers.entry(own).or_insert(count)
+        })
+        .collect();
+    // Known distances are known of whatever is measured.
+    let of = |is_used: bool| Weights {
+        items: scene
+            .items
+            .iter()
+            .map(|item| {
+                let counts = scene.rows.get(item.row).is_none_or(|row| (row.set < used) == is_used);
+                if counts { 1.0 / item.sigma } else { 0.0 }
+            })
+            .collect(),
+        series: series.clone(),
+    };
+    (of(true), of(false))
 }
 
-/// What is left with some candidates, in units of the weights given; 0 for readings that do not count.
-fn left(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) -> Vec<f64> {
-    field.series(weights, taken, 0.0).left().to_vec()
+/// What values leave beside the set-ups, mm or rad; 0 for readings that do not count.
+fn projected(field: &Field<'_, '_>, weights: &Weights, values: &[f64]) -> Vec<f64> {
+    let mut series = field.series(weights, &[], 0.0);
+    series.set_values(values);
+    series
+        .left()
+        .iter()
+        .zip(&weights.items)
+        .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
+        .collect()
+}
+
+/// What is left with some candidates, mm or rad.
+fn left_of(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) -> Vec<f64> {
+    let series = field.series(weights, taken, 0.0);
+    series
+        .left()
+        .iter()
+        .zip(&weights.items)
+        .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
+        .collect()
 }
 
 /// Takes readings out that are far from the others. Returns whether there were any.
-fn drop_far(field: &Field<'_, '_>, weights: &mut Weights, taken: &[usize]) -> bool {
-    let left = left(field, weights, taken);
-    let mut sizes: Vec<f64> =
-        left.iter().zip(&weights.items).filter(|(_, weight)| **weight > 0.0).map(|(left, _)| left.abs()).collect();
+fn drop_far(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) -> bool {
+    let places = counts(scene, weights);
+    let size = |place: &usize| match (left.get(*place), weights.items.get(*place)) {
+        (Some(left), Some(weight)) => (left * weight).abs(),
+        _ => 0.0,
+    };
+    let mut sizes: Vec<f64> = places.iter().map(size).collect();
     if sizes.is_empty() {
         return false;
     }
     let middle = sizes.len() / 2;
     let spread = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN;
-    let mut any = false;
-    for ((left, weight), item) in left.iter().zip(&mut weights.items).zip(&field.scene.items) {
-        if *weight > 0.0 && item.row != NO_ROW && left.abs() > FAR * spread {
+    let far: Vec<usize> = places.into_iter().filter(|place| size(place) > FAR * spread).collect();
+    far.iter().for_each(|&place| {
+        if let Some(weight) = weights.items.get_mut(place) {
             *weight = 0.0;
-            any = true;
         }
-    }
-    any
+    });
+    !far.is_empty()
 }
 
-/// Parts of the readings that are independent of each other: runs, else set-ups, else blocks.
-fn folds(scene: &Scene<'_>) -> Vec<usize> {
-    let of = |key: &dyn Fn(usize) -> (usize, usize)| {
-        let mut numbers: HashMap<(usize, usize), usize> = HashMap::new();
-        let folds: Vec<usize> = scene
-            .items
-            .iter()
-            .map(|item| {
-                if item.row == NO_ROW {
-                    return usize::MAX;
-                }
-                let count = numbers.len();
-                *numbers.entry(key(item.row)).or_insert(count)
-            })
-            .collect();
-        (folds, numbers.len())
-    };
-    let row = |place: usize| scene.rows.get(place);
-    let run = |place: usize| {
-        row(place).map_or((0, 0), |row| {
-            let one = scene.sets.get(row.set).and_then(|set| set.observations.get(row.number));
-            (row.set, one.map_or(0, |one| one.run))
-        })
-    };
-    let (by_run, runs) = of(&run);
-    if (2..=20).contains(&runs) {
-        return by_run;
+/// What a candidate does to the readings that count beyond what set-ups take, with the amounts found beside the others.
+fn doing(field: &Field<'_, '_>, train: &Weights, weights: &Weights, taken: &[usize], number: usize) -> Vec<f64> {
+    let mut values = field.left_with(train, taken);
+    let mut columns = Vec::new();
+    let mut place = 0..0;
+    for &own in taken {
+        let of = field.candidates.get(own).map(|one| field.columns(one)).unwrap_or_default();
+        if own == number {
+            place = columns.len()..columns.len() + of.len();
+        }
+        columns.extend(of);
     }
-    let (by_setup, setups) = of(&|place| row(place).map_or((0, 0), |row| (row.set, row.setup)));
-    if (2..=20).contains(&setups) {
-        return by_setup;
-    }
-    let rows = scene.rows.len().max(1);
-    of(&|place| (place * BLOCKS / rows, 0)).0
-}
-
-/// Squares of what is left of readings that were not used, without and with some candidates whose amounts the others gave.
-fn unseen(field: &Field<'_, '_>, train: &Weights, test: &Weights, taken: &[usize]) -> [f64; 2] {
-    let columns: Vec<Vec<f64>> =
-        taken.iter().filter_map(|&k| field.candidates.get(k)).flat_map(|one| field.columns(one)).collect();
     let (amounts, _) = field.series(train, &[], 0.0).amounts(&columns);
-    let mut series = field.series(test, &[], 0.0);
-    let without = series.squares();
-    let values: Vec<f64> = field
-        .scene
-        .items
-        .iter()
-        .enumerate()
-        .map(|(place, item)| {
-            item.left - columns.iter().zip(&amounts).map(|(column, amount)| column[place] * amount).sum::<f64>()
-        })
-        .collect();
-    series.set_values(&values);
-    [without, series.squares()]
-}
-
-/// Keeps what also gains on readings that were not used, with the selection repeated without them.
-fn confirmed(field: &mut Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) -> Vec<(Taken, f64)> {
-    if judged.is_empty() {
-        return Vec::new();
+    values.iter_mut().for_each(|value| *value = 0.0);
+    for (column, amount) in columns.iter().zip(&amounts).skip(place.start).take(place.len()) {
+        values.iter_mut().zip(column).for_each(|(value, part)| *value += part * amount);
     }
-    let folds = folds(field.scene);
-    let count = folds.iter().filter(|&&fold| fold != usize::MAX).max().map_or(0, |most| most + 1);
-    let mut gains: Vec<Vec<f64>> = vec![Vec::new(); judged.len()];
-    for fold in 0..count {
-        let part = |inside: bool| Weights {
-            items: weights
-                .items
-                .iter()
-                .zip(&folds)
-                .map(|(weight, own)| if *own == usize::MAX || (*own == fold) == inside { *weight } else { 0.0 })
-                .collect(),
-            series: weights.series.clone(),
-        };
-        let (train, test) = (part(false), part(true));
-        let selected = field.forward(&train);
-        for (term, gains) in judged.iter().zip(&mut gains) {
-            let number = term.candidate;
-            let Some(stand_in) =
-                selected.iter().copied().find(|&other| other == number || alike(field, &train, number, other))
-            else {
-                gains.push(0.0);
-                continue;
-            };
-            let others: Vec<usize> = selected.iter().copied().filter(|&other| other != stand_in).collect();
-            let [base, with] = unseen(field, &train, &test, &selected);
-            let [_, without] = unseen(field, &train, &test, &others);
-            gains.push(if base > 0.0 { (without - with) / without.max(f64::MIN_POSITIVE) } else { 0.0 });
-        }
-    }
-    judged
-        .into_iter()
-        .zip(gains)
-        .filter_map(|(term, gains)| {
-            let count = gains.len() as f64;
-            let mean = gains.iter().sum::<f64>() / count;
-            let spread = (gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt();
-            (mean > 0.0 && mean > spread / count.sqrt()).then_some((term, mean))
-        })
-        .collect()
+    projected(field, weights, &values)
 }
 
-/// Whether two candidates do nearly the same to the readings.
-fn alike(field: &Field<'_, '_>, weights: &Weights, one: usize, other: usize) -> bool {
-    let columns = |number: usize| field.candidates.get(number).map(|one| field.columns(one)).unwrap_or_default();
-    let mut series = field.series(weights, &[], 0.0);
-    let own = columns(one);
-    let Some(first) = own.first() else { return false };
-    series.set_values(first);
-    let whole = series.squares();
-    whole > 0.0 && series.gain(&columns(other)).squares > 0.9 * whole
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0_f64), |(sum, count), value| (sum + value * value, count + 1.0));
+    (sum / count.max(1.0)).sqrt()
 }
 
-fn sizes(left: &[f64], weights: &Weights, scene: &Scene<'_>) -> [f64; 2] {
-    let mut sum = 0.0;
-    let (mut most, mut count) = (0.0_f64, 0.0_f64);
-    for ((left, weight), item) in left.iter().zip(&weights.items).zip(&scene.items) {
-        if *weight > 0.0 && item.row != NO_ROW {
-            let size = left / weight;
-            sum += size * size;
-            most = most.max(size.abs());
-            count += 1.0;
-        }
-    }
-    [(sum / count.max(1.0)).sqrt(), most]
-}
-
-fn verdict(field: &Field<'_, '_>, weights: &Weights, judged: &[(Taken, f64)]) -> Diagnosis {
+/// Without those that do nearly nothing.
+fn large_enough(field: &Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) -> Vec<Taken> {
     let scene = field.scene;
-    let taken: Vec<usize> = judged.iter().map(|(term, _)| term.candidate).collect();
+    let taken: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
+    let left = left_of(field, weights, &taken);
+    let places = counts(scene, weights);
+    let of = |values: &[f64], place: usize| match (values.get(place), weights.items.get(place)) {
+        (Some(value), Some(weight)) => value * weight,
+        _ => 0.0,
+    };
+    let noise = rms(places.iter().map(|&place| of(&left, place)));
+    let is_large = |term: &Taken| {
+        let does = doing(field, weights, weights, &taken, term.candidate);
+        let most = places.iter().map(|&place| of(&does, place).abs()).fold(0.0, f64::max);
+        let acts = places.iter().map(|&place| of(&does, place)).filter(|value| value.abs() > ACTS * most);
+        rms(acts) > SMALL * noise
+    };
+    judged.into_iter().filter(is_large).collect()
+}
+
+/// Causes that belong to one day or one set-up: other data cannot confirm them.
+fn is_only_here(effect: Effect) -> bool {
+    matches!(effect, Effect::Setup | Effect::Sensor | Effect::Outlier | Effect::Program | Effect::Drift)
+}
+
+/// Takes out what the data held out does not confirm, and notes the gains there.
+fn hold(field: &Field<'_, '_>, weights: &Weights, held_out: &Weights, kept: &mut Vec<(Taken, f64)>) -> Vec<Candidate> {
+    let scene = field.scene;
+    let mut out = Vec::new();
+    if counts(scene, held_out).is_empty() {
+        return out;
+    }
+    loop {
+        let taken: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+        let with = unseen(field, weights, held_out, &taken);
+        let mut worst: Option<(f64, usize)> = None;
+        for (place, (term, gain)) in kept.iter_mut().enumerate() {
+            let number = term.candidate;
+            let size = |on: &Weights| {
+                let does = doing(field, weights, on, &taken, number);
+                rms(counts(scene, on).into_iter().filter_map(|place| does.get(place).copied()))
+            };
+            let is_local = field.candidates.get(number).is_some_and(|one| is_only_here(one.cause.effect));
+            if is_local || size(held_out) < EXERCISED * size(weights) {
+                continue;
+            }
+            // Others take over what they can, so that only what is its own counts.
+            let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
+            let without = unseen(field, weights, held_out, &others);
+            *gain = if without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 };
+            if *gain < WORTH && worst.is_none_or(|(least, _)| *gain < least) {
+                worst = Some((*gain, place));
+            }
+        }
+        let Some((_, place)) = worst else { return out };
+        let (term, _) = kept.remove(place);
+        out.extend(field.candidates.get(term.candidate).cloned());
+    }
+}
+
+fn verdict(
+    field: &Field<'_, '_>,
+    bare: &Scene<'_>,
+    [weights, held_out]: [&Weights; 2],
+    kept: &[(Taken, f64)],
+    (used, not_confirmed): (usize, Vec<Candidate>),
+) -> Diagnosis {
+    let scene = field.scene;
+    let taken: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     let memory = field.memory(weights, &taken);
     let columns: Vec<Vec<Vec<f64>>> =
         taken.iter().filter_map(|&number| field.candidates.get(number)).map(|one| field.columns(one)).collect();
     let flat: Vec<Vec<f64>> = columns.iter().flatten().cloned().collect();
-    let series = field.series(weights, &[], memory);
-    let (amounts, covariance) = series.amounts(&flat);
+    let (amounts, covariance) = field.series(weights, &[], memory).amounts(&flat);
     let whole = field.series(weights, &taken, memory);
     let freedom = (whole.count() - whole.rank().min(whole.count())).max(1) as f64;
     let noise = whole.squares() / freedom;
+    let of_shares = shares(field, weights, &taken);
     let mut findings = Vec::new();
     let mut place = 0;
-    for ((term, gain), own) in judged.iter().zip(&columns) {
+    for (((term, gain), own), share) in kept.iter().zip(&columns).zip(of_shares) {
+        let Some(candidate) = field.candidates.get(term.candidate) else { continue };
         let range = place..place + own.len();
         place += own.len();
-        let amounts: Vec<(f64, f64)> =
-            range.clone().map(|k| (amounts[k], EXPANDED * (covariance[(k, k)] * noise).sqrt())).collect();
         let others: Vec<usize> = taken.iter().copied().filter(|&other| other != term.candidate).collect();
+        let inflation = field.inflation(weights, &taken, &others, term.candidate);
+        let amounts = Amounts {
+            values: amounts.get(range.clone()).unwrap_or_default().to_vec(),
+            covariance: range
+                .clone()
+                .map(|k| range.clone().map(|l| covariance[(k, l)] * noise * inflation).collect())
+                .collect(),
+        };
+        let does = doing(field, weights, weights, &taken, term.candidate);
+        let class = class(field, weights, (term.candidate, &others), memory, noise * inflation);
+        let rival = class.get(1).and_then(|&number| field.candidates.get(number));
         findings.push(Finding {
-            candidate: field.candidates[term.candidate].clone(),
-            rms: effect(own, &amounts, weights, scene),
+            size: size(candidate, &amounts, scene, used),
+            rms: rms(counts(scene, weights).into_iter().filter_map(|place| does.get(place).copied())),
             amounts,
             chance: term.chance,
             gain_unseen: *gain,
-            class: class(field, weights, term.candidate, &others, memory, noise),
+            share,
+            separate_by: rival.map(|rival| separating(candidate, rival)),
+            class: class
+                .iter()
+                .filter_map(|&number| field.candidates.get(number))
+                .map(|one| (one.cause, one.parameter.clone()))
+                .collect(),
+            candidate: candidate.clone(),
         });
     }
-    findings.sort_by(|a, b| b.rms.total_cmp(&a.rms));
-    let outliers = scene
-        .items
-        .iter()
-        .zip(&weights.items)
-        .filter(|(item, weight)| **weight == 0.0 && item.row != NO_ROW)
-        .filter_map(|(item, _)| scene.rows.get(item.row).map(|row| (row.set, row.number)))
-        .collect();
+    // By what each gains where it was not found: terms that nearly cancel each other are large and gain little.
+    findings.sort_by(|a, b| b.gain_unseen.total_cmp(&a.gain_unseen).then(b.rms.total_cmp(&a.rms)));
+    let dropped = |weights: &Weights, is_used: bool| -> Vec<(usize, usize)> {
+        let items = scene.items.iter().zip(&weights.items).filter(|(_, weight)| **weight == 0.0);
+        let rows = items.filter_map(|(item, _)| scene.rows.get(item.row));
+        rows.filter(|row| (row.set < used) == is_used).map(|row| (row.set, row.number)).collect()
+    };
+    let mut outliers = dropped(weights, true);
+    outliers.dedup();
+    let values: Vec<f64> = scene.items.iter().map(|item| item.left).collect();
+    let without: Vec<f64> = bare.items.iter().map(|item| item.left).collect();
+    let explained = field.left_with(weights, &taken);
+    let compared = |on: &Weights, after: &[f64]| {
+        let [measured, before] = [&without, &values].map(|values| projected(field, on, values));
+        compare(scene, on, [&measured, &before, after])
+    };
+    let left = left_of(field, weights, &taken);
     Diagnosis {
-        before: sizes(&left(field, weights, &[]), weights, scene),
-        after: sizes(&left(field, weights, &taken), weights, scene),
+        used: compared(weights, &left),
+        held_out: (!counts(scene, held_out).is_empty())
+            .then(|| compared(held_out, &projected(field, held_out, &explained))),
         findings,
+        not_confirmed,
         outliers,
+        left: noise::look(field, weights, &left),
         tried: field.tried,
         memory,
     }
 }
 
-/// Root of the mean square of what a finding does to the readings.
-fn effect(columns: &[Vec<f64>], amounts: &[(f64, f64)], weights: &Weights, scene: &Scene<'_>) -> f64 {
-    let counts = |place: usize| weights.items[place] > 0.0 && scene.items[place].row != NO_ROW;
-    let places: Vec<usize> = (0..scene.items.len()).filter(|&place| counts(place)).collect();
-    let at =
-        |place: usize| columns.iter().zip(amounts).map(|(column, (amount, _))| column[place] * amount).sum::<f64>();
-    (places.iter().map(|&place| at(place).powi(2)).sum::<f64>() / places.len().max(1) as f64).sqrt()
+/// Whether a scene only has readings of angles: then sizes are rad.
+#[must_use]
+pub fn reads_angles(scene: &Scene<'_>) -> bool {
+    is_angle(scene)
 }
 
-/// Who explains nearly as much in the place of one.
+/// What a model leaves of the measurements that are used and of those held out beside the set-ups, root of the mean square, mm or rad; readings
+/// that are far from the others do not count.
+#[must_use]
+pub fn levels(scene: &Scene<'_>, used: usize) -> [f64; 2] {
+    let field = Field::new(scene, Vec::new());
+    let (used, held_out) = weights(scene, used);
+    let values: Vec<f64> = scene.items.iter().map(|item| item.left).collect();
+    [used, held_out].map(|mut weights| {
+        let left = projected(&field, &weights, &values);
+        drop_far(scene, &mut weights, &left);
+        let left = projected(&field, &weights, &values);
+        rms(counts(scene, &weights).into_iter().filter_map(|place| left.get(place).copied()))
+    })
+}
+
+/// Who explains nearly as much in the place of one, itself first.
 fn class(
     field: &Field<'_, '_>,
     weights: &Weights,
-    number: usize,
-    others: &[usize],
+    (number, others): (usize, &[usize]),
     memory: f64,
     noise: f64,
-) -> Vec<(&'static Cause, String)> {
+) -> Vec<usize> {
     let series = field.series(weights, others, memory);
     let gains = field.gains(&series);
     let own = gains.get(number).map_or(0.0, |gain| gain.squares);
@@ -324,12 +421,14 @@ fn class(
         .map(|(place, gain)| (gain.squares, place))
         .collect();
     rivals.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut class: Vec<(&'static Cause, String)> = Vec::new();
+    let mut class: Vec<usize> = Vec::new();
+    let mut names: Vec<(&'static str, Effect, String)> = Vec::new();
     for place in std::iter::once(number).chain(rivals.into_iter().map(|(_, place)| place)) {
         if let Some(one) = field.candidates.get(place) {
-            let entry = (one.cause, one.parameter.clone());
-            if !class.iter().any(|(cause, parameter)| std::ptr::eq(*cause, entry.0) && *parameter == entry.1) {
-                class.push(entry);
+            let name = (one.cause.name, one.cause.effect, one.parameter.clone());
+            if !names.contains(&name) {
+                names.push(name);
+                class.push(place);
             }
         }
     }

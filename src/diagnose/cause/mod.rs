@@ -161,11 +161,6 @@ impl Weight {
         Arc::as_ptr(&self.0).cast::<()>() as usize
     }
 
-    /// By a table: measurements, rows; 0 beyond.
-    pub(in crate::diagnose) fn table(values: Arc<Vec<Vec<f64>>>) -> Weight {
-        Weight::new(move |row| values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(0.0))
-    }
-
     /// Its value; 0 where it is not finite: a row that does not say is no evidence.
     #[must_use]
     pub fn of(&self, row: &Row) -> f64 {

@@ -1,0 +1,213 @@
+//! Structure that needs no name: shapes over every single driver and over pairs of them, smooth, one-sided, or turning over with a sense.
+//!
+//! Readings are put into bins of two drivers; what the means over the bins would explain tells which pair and which shape is worth a candidate.
+//! That costs a pass over the rows for a pair. How much a candidate explains is found in full, like that of all others.
+
+mod screen;
+mod shape;
+
+use std::sync::Arc;
+
+use super::cause::{self, Candidate};
+use super::scene::{NO_ROW, Scene, Through};
+use crate::geometry::Axis;
+
+/// Bins over a driver.
+const BINS: usize = 12;
+/// Drivers at most.
+const MOST: usize = 22;
+/// Shapes that are tried in full in each step.
+const BEST: usize = 8;
+/// Rows of which a first look is had.
+const SOME: usize = 4000;
+/// Places of a bump along each driver.
+const BUMPS: usize = 9;
+/// In no bin.
+const NONE: u8 = u8::MAX;
+/// Knots of smooth shapes over one driver.
+const KNOTS: [usize; 3] = [4, 7, 12];
+
+/// On what something may depend.
+#[derive(Clone, Debug)]
+struct Driver {
+    name: String,
+    /// By row; NaN where it is not known.
+    values: Arc<Vec<f64>>,
+    /// By row.
+    bins: Vec<u8>,
+    low: f64,
+    high: f64,
+    is_sense: bool,
+    /// Whether it is a length in space.
+    is_length: bool,
+}
+
+/// How a shape is made of one driver or two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    /// A smooth function of one with so many knots.
+    Smooth(usize, usize),
+    /// More than so much of one.
+    Step(usize, f64),
+    /// A smooth function of the second that turns over with the sense of the first.
+    Sense(usize, usize, usize),
+    /// A smooth function of the second where the first is more (or less, −1) than so much.
+    Beyond(usize, usize, usize, f64, f64),
+    /// The product of both.
+    Product(usize, usize),
+    /// A smooth function of both with so many knots each.
+    Surface(usize, usize, usize),
+    /// A bump over both: where, how wide.
+    Bump(usize, usize, [f64; 2], f64),
+    /// A wave of the second where the first is more (or less) than so much, with a period.
+    Wave(usize, usize, f64, f64, f64),
+}
+
+/// All that may be looked for in the readings of a scene.
+#[derive(Clone, Debug)]
+pub(super) struct Empirical {
+    drivers: Vec<Driver>,
+    /// Where shapes come in.
+    pub(super) places: Vec<Through>,
+    rows: Vec<usize>,
+    row_count: usize,
+    /// Number of the row of each row in its measurement: weights find their values by measurement and number.
+    index: Arc<Vec<usize>>,
+}
+
+impl Empirical {
+    pub(super) fn new(scene: &Scene<'_>) -> Empirical {
+        let mut drivers = Vec::new();
+        let axes: Vec<Axis> = scene.machine.axes.iter().flatten().map(|data| data.axis).collect();
+        for &axis in &axes {
+            let of = |row: &super::row::Row| {
+                if axis.is_rotary() { row.position[axis].rem_euclid(std::f64::consts::TAU) } else { row.position[axis] }
+            };
+            // A rotary axis that does not go round has no seam.
+            let goes_round = cause::range(scene, axis).is_some_and(|[low, high]| high - low > 3.2);
+            let values = scene.rows.iter().map(|row| if goes_round { of(row) } else { row.position[axis] });
+            let own = driver(axis.to_string(), values.collect(), false);
+            drivers.extend(own.map(|driver| Driver { is_length: !axis.is_rotary(), ..driver }));
+        }
+        // Where tools differ, a place in the workpiece is not a position of an axis.
+        for &axis in axes.iter().filter(|axis| !axis.is_rotary()) {
+            let tool = |row: &super::row::Row| row.tool_mm.get(axis.dimension()).copied().unwrap_or(0.0);
+            let first = scene.rows.first().map_or(0.0, tool);
+            if scene.rows.iter().any(|row| (tool(row) - first).abs() > 1.0) {
+                let values = scene.rows.iter().map(|row| row.position[axis] + tool(row)).collect();
+                drivers.extend(driver(axis.to_string(), values, false).map(|own| Driver { is_length: true, ..own }));
+            }
+        }
+        for &axis in &axes {
+            let values = scene.rows.iter().map(|row| row.sense_of(axis)).collect();
+            drivers.extend(driver(format!("{axis}_dir"), values, true));
+        }
+        let times = scene.rows.iter().map(|row| row.time_s.unwrap_or(f64::NAN)).collect();
+        drivers.extend(driver("t_s".to_owned(), times, false));
+        let mut names: Vec<&str> =
+            scene.sets.iter().flat_map(|set| &set.drivers).map(|driver| driver.name.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        for name in names {
+            let at = |row: &super::row::Row| {
+                let column = scene.sets.get(row.set)?.drivers.iter().find(|driver| driver.name == name)?;
+                column.values.get(row.number).copied()
+            };
+            let values = scene.rows.iter().map(|row| at(row).unwrap_or(f64::NAN)).collect();
+            drivers.extend(driver(name.to_owned(), values, false));
+        }
+        drivers.truncate(MOST);
+        let mut places: Vec<Through> = (0..3).map(Through::Tip).collect();
+        let mut components: Vec<_> = scene.rows.iter().filter_map(|row| row.component).collect();
+        components.sort_unstable();
+        components.dedup();
+        places.extend(components.into_iter().filter(|name| name.direction.is_rotation()).map(Through::Component));
+        let mut first = Vec::new();
+        let mut count = 0;
+        for set in scene.sets {
+            first.push(count);
+            count += set.observations.len();
+        }
+        Empirical {
+            drivers,
+            places,
+            rows: scene.items.iter().map(|item| item.row).collect(),
+            row_count: scene.rows.len(),
+            index: Arc::new(first),
+        }
+    }
+
+    /// How many shapes it chooses from.
+    pub(super) fn count(&self) -> usize {
+        self.drivers.len() * self.drivers.len() * self.places.len() * 3
+    }
+
+    /// The most promising shapes for what is left: `factors` of the places, `left` unwhitened, `weights` 1/σ, and what a column must explain.
+    pub(super) fn propose(
+        &self,
+        factors: &[Arc<Vec<f64>>],
+        left: &[f64],
+        weights: &[f64],
+        price: f64,
+    ) -> Vec<Candidate> {
+        let mut found: Vec<(f64, Through, Form)> = Vec::new();
+        for (&place, factors) in self.places.iter().zip(factors) {
+            let mut sums = vec![[0.0; 2]; self.row_count];
+            for (((&row, factor), left), weight) in self.rows.iter().zip(factors.iter()).zip(left).zip(weights) {
+                if row != NO_ROW
+                    && *weight > 0.0
+                    && let Some(sum) = sums.get_mut(row)
+                {
+                    sum[0] += factor * left;
+                    sum[1] += (factor * weight).powi(2);
+                }
+            }
+            if sums.iter().all(|sum| sum[1] == 0.0) {
+                continue;
+            }
+            let mut own: Vec<(f64, Form)> = Vec::new();
+            for a in 0..self.drivers.len() {
+                for b in a..self.drivers.len() {
+                    let from = own.len();
+                    self.forms(a, b, &sums, price, &mut own);
+                    screen::best_of_each(&mut own, from);
+                }
+            }
+            self.bumps(&sums, price, &mut own);
+            self.waves(&sums, price, &mut own);
+            found.extend(own.into_iter().map(|(worth, form)| (worth, place, form)));
+        }
+        found.sort_by(|one, other| other.0.total_cmp(&one.0));
+        found
+            .into_iter()
+            .take(BEST)
+            .filter(|(worth, ..)| *worth > 0.0)
+            .map(|(_, place, form)| self.candidate(place, form))
+            .collect()
+    }
+}
+
+/// `None` where it is always the same.
+fn driver(name: String, values: Vec<f64>, is_sense: bool) -> Option<Driver> {
+    let finite = || values.iter().copied().filter(|value| value.is_finite());
+    let low = finite().fold(f64::INFINITY, f64::min);
+    let high = finite().fold(f64::NEG_INFINITY, f64::max);
+    if high.partial_cmp(&(low + 1e-9 * low.abs().max(1e-3))) != Some(std::cmp::Ordering::Greater) {
+        return None;
+    }
+    let bin = |value: &f64| {
+        if value.is_finite() {
+            ((value - low) / (high - low) * BINS as f64).floor().clamp(0.0, (BINS - 1) as f64) as u8
+        } else {
+            NONE
+        }
+    };
+    let bins = values.iter().map(bin).collect();
+    Some(Driver { name, bins, values: Arc::new(values), low, high, is_sense, is_length: false })
+}
+
+impl Driver {
+    fn edge(&self, edge: usize) -> f64 {
+        self.low + (self.high - self.low) * edge as f64 / BINS as f64
+    }
+}

@@ -1,0 +1,113 @@
+//! Shapes as candidates: columns that are functions of drivers.
+
+use std::sync::Arc;
+
+use super::{Empirical, Form};
+use crate::diagnose::cause::{Candidate, UNNAMED, Weight};
+use crate::diagnose::scene::Through;
+
+impl Empirical {
+    pub(super) fn candidate(&self, place: Through, form: Form) -> Candidate {
+        let (columns, used): (Vec<(Column, Vec<f64>)>, Vec<usize>) = match form {
+            Form::Smooth(a, knots) => (self.hats(a, knots), vec![a]),
+            Form::Step(a, edge) => (vec![(self.beyond(a, edge, 1.0), vec![edge])], vec![a]),
+            Form::Sense(a, b, knots) => {
+                let sense: Column = self.value(a);
+                (times(&[(sense, Vec::new())], &self.hats(b, knots)), vec![b, a])
+            }
+            Form::Beyond(a, b, knots, edge, side) => {
+                (times(&[(self.beyond(a, edge, side), vec![edge])], &self.hats(b, knots)), vec![a, b])
+            }
+            Form::Product(a, b) => {
+                let [one, other] = [a, b].map(|k| vec![(self.centred(k), Vec::new())]);
+                let mut all = times(&one, &other);
+                all.extend(one.into_iter().chain(other));
+                (all, vec![a, b])
+            }
+            Form::Bump(a, b, at, wide) => {
+                let (one, other) = (self.value(a), self.value(b));
+                let bump: Column = Arc::new(move |row| {
+                    let far = (one(row) - at[0]).powi(2) + (other(row) - at[1]).powi(2);
+                    (-far / (2.0 * wide * wide)).exp()
+                });
+                (vec![(bump, at.to_vec())], vec![a, b])
+            }
+            Form::Wave(a, b, edge, side, period) => {
+                let value = self.value(b);
+                let wave = |of: fn(f64) -> f64| -> Column {
+                    let value = Arc::clone(&value);
+                    Arc::new(move |row| of(std::f64::consts::TAU * value(row) / period))
+                };
+                let waves = [(wave(f64::sin), Vec::new()), (wave(f64::cos), Vec::new())];
+                (times(&[(self.beyond(a, edge, side), vec![edge])], &waves), vec![a, b])
+            }
+            Form::Surface(a, b, knots) => (times(&self.hats(a, knots), &self.hats(b, knots)), vec![a, b]),
+        };
+        let mut one = Candidate::one(&UNNAMED, "", place, Weight::new(|_| 0.0));
+        one.columns = columns.iter().map(|(column, _)| vec![(place, self.weight(column.clone()))]).collect();
+        one.points = columns.into_iter().map(|(_, at)| at).collect();
+        let mut used = used;
+        used.sort_unstable();
+        one.drivers = used.into_iter().filter_map(|k| self.drivers.get(k)).map(|driver| driver.name.clone()).collect();
+        one.drivers.dedup();
+        one.parameter = match place {
+            Through::Tip(direction) => ["X", "Y", "Z"].get(direction).copied().unwrap_or("").to_owned(),
+            Through::Component(name) => name.to_string(),
+            _ => String::new(),
+        };
+        one
+    }
+
+    fn weight(&self, column: Column) -> Weight {
+        let first = Arc::clone(&self.index);
+        Weight::new(move |row| {
+            let place = first.get(row.set).map_or(usize::MAX, |first| first + row.number);
+            column(place)
+        })
+    }
+
+    fn value(&self, a: usize) -> Column {
+        let values = self.drivers.get(a).map(|driver| Arc::clone(&driver.values)).unwrap_or_default();
+        Arc::new(move |row| values.get(row).copied().unwrap_or(0.0))
+    }
+
+    fn centred(&self, a: usize) -> Column {
+        let Some(driver) = self.drivers.get(a) else { return Arc::new(|_| 0.0) };
+        let (value, low, high) = (self.value(a), driver.low, driver.high);
+        Arc::new(move |row| (value(row) - f64::midpoint(low, high)) / (high - low))
+    }
+
+    fn beyond(&self, a: usize, edge: f64, side: f64) -> Column {
+        let value = self.value(a);
+        Arc::new(move |row| f64::from(u8::from(side * (value(row) - edge) > 0.0)))
+    }
+
+    /// Straight between knots, 1 at one of them and 0 at all others.
+    fn hats(&self, a: usize, knots: usize) -> Vec<(Column, Vec<f64>)> {
+        let Some(driver) = self.drivers.get(a) else { return Vec::new() };
+        let (low, step) = (driver.low, (driver.high - driver.low) / (knots.max(2) - 1) as f64);
+        (0..knots)
+            .map(|knot| {
+                let at = low + step * knot as f64;
+                let value = self.value(a);
+                let hat: Column = Arc::new(move |row| (1.0 - ((value(row) - at) / step).abs()).max(0.0));
+                (hat, vec![at])
+            })
+            .collect()
+    }
+}
+
+/// A function of the number of a row.
+type Column = Arc<dyn Fn(usize) -> f64 + Send + Sync>;
+
+fn times(ones: &[(Column, Vec<f64>)], others: &[(Column, Vec<f64>)]) -> Vec<(Column, Vec<f64>)> {
+    let mut out = Vec::new();
+    for (one, at) in ones {
+        for (other, and) in others {
+            let (one, other) = (Arc::clone(one), Arc::clone(other));
+            let product: Column = Arc::new(move |row| one(row) * other(row));
+            out.push((product, at.iter().chain(and).copied().collect()));
+        }
+    }
+    out
+}

@@ -1,0 +1,120 @@
+//! Readings before and after, of what was used and of what was held out: sizes, Spaan's efficiency, and how sure they are.
+//!
+//! Intervals are those of a bootstrap of stretches of rows (Künsch 1989): neighbouring readings stay together, so that slow noise counts for what it is.
+
+use super::fold::counts;
+use super::noise::is_angle;
+use super::scene::Scene;
+use super::search::Weights;
+
+/// Stretches in all, about.
+const STRETCHES: usize = 60;
+/// Rows of a stretch at least.
+const LEAST: usize = 4;
+/// How often is drawn.
+const DRAWS: usize = 400;
+/// Places of the ends of an interval of 95 % among the draws.
+const ENDS: [usize; 2] = [9, 389];
+
+/// Sizes of some readings, mm or rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sizes {
+    /// Root of the mean square.
+    pub rms: f64,
+    /// Its interval of 95 %.
+    pub interval: [f64; 2],
+    /// Largest.
+    pub max: f64,
+    /// 1 − Σ|left| / Σ|measured| (Spaan 1995, eq. 3.6).
+    pub efficiency: f64,
+}
+
+/// Readings of a machine without errors, of the model, and of the model with all findings.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Compared {
+    /// Of no model.
+    pub measured: Sizes,
+    /// Of the model.
+    pub before: Sizes,
+    /// With the findings.
+    pub after: Sizes,
+    /// By how much the root of the mean square falls, as a share, and its interval of 95 %.
+    pub gain: (f64, [f64; 2]),
+    /// Whether the model is worse than none, surely.
+    pub is_expired: bool,
+    /// Readings.
+    pub readings: usize,
+}
+
+/// Compares; all three in the order of the readings, mm or rad.
+pub(super) fn compare(scene: &Scene<'_>, weights: &Weights, of: [&[f64]; 3]) -> Compared {
+    let of_angles = is_angle(scene);
+    let places: Vec<usize> = counts(scene, weights)
+        .into_iter()
+        .filter(|&place| scene.items.get(place).is_some_and(|item| item.is_angle == of_angles))
+        .collect();
+    let stretch = (places.len() / STRETCHES).max(LEAST);
+    // Sums over stretches: squares and sizes of all three, and readings.
+    let mut sums: Vec<[f64; 7]> = Vec::new();
+    let mut last = (usize::MAX, 0);
+    let mut most = [0.0_f64; 3];
+    for &place in &places {
+        let series = weights.series.get(place).copied().unwrap_or(0);
+        if last.0 != series || last.1 >= stretch {
+            sums.push([0.0; 7]);
+            last = (series, 0);
+        }
+        last.1 += 1;
+        let Some(sum) = sums.last_mut() else { continue };
+        for (k, values) in of.iter().enumerate() {
+            let value = values.get(place).copied().unwrap_or(0.0);
+            sum[k] += value * value;
+            sum[3 + k] += value.abs();
+            most[k] = most[k].max(value.abs());
+        }
+        sum[6] += 1.0;
+    }
+    let total = |draw: &mut dyn Iterator<Item = usize>| {
+        let mut all = [0.0; 7];
+        for number in draw {
+            if let Some(sum) = sums.get(number) {
+                all.iter_mut().zip(sum).for_each(|(all, own)| *all += own);
+            }
+        }
+        all
+    };
+    let rms = |all: &[f64; 7], k: usize| (all[k] / all[6].max(1.0)).sqrt();
+    let whole = total(&mut (0..sums.len()));
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut draw = |count: usize| {
+        // xorshift, Marsaglia 2003.
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % count.max(1) as u64) as usize
+    };
+    let draws: Vec<[f64; 7]> = (0..DRAWS)
+        .map(|_| total(&mut (0..sums.len()).map(|_| draw(sums.len())).collect::<Vec<_>>().into_iter()))
+        .collect();
+    let interval = |value: &dyn Fn(&[f64; 7]) -> f64| {
+        let mut all: Vec<f64> = draws.iter().map(value).collect();
+        all.sort_by(f64::total_cmp);
+        ENDS.map(|end| all.get(end).copied().unwrap_or(0.0))
+    };
+    let sizes = |k: usize| Sizes {
+        rms: rms(&whole, k),
+        interval: interval(&|all| rms(all, k)),
+        max: most[k],
+        efficiency: if whole[3] > 0.0 { 1.0 - whole[3 + k] / whole[3] } else { 0.0 },
+    };
+    let gain = |all: &[f64; 7]| if all[1] > 0.0 { 1.0 - (all[2] / all[1]).sqrt() } else { 0.0 };
+    let worse = interval(&|all| rms(all, 1) - rms(all, 0));
+    Compared {
+        measured: sizes(0),
+        before: sizes(1),
+        after: sizes(2),
+        gain: (gain(&whole), interval(&gain)),
+        is_expired: worse[0] > 0.0,
+        readings: places.len(),
+    }
+}

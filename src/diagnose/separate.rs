@@ -1,0 +1,45 @@
+//! Rivals that the data cannot tell apart, and the one measurement that would.
+
+use super::cause::{Candidate, Effect};
+
+/// What tells a cause from its first rival.
+pub(super) fn separating(one: &Candidate, rival: &Candidate) -> String {
+    // The order of the two does not matter.
+    let pair = [one.cause.effect, rival.cause.effect];
+    let is = |a, b| pair == [a, b] || pair == [b, a];
+    let both = |a| pair == [a, a];
+    let known = if is(Effect::Location, Effect::ServoMismatch) {
+        "the same circle in the other sense: squareness stays, a mismatch of the servos turns over"
+    } else if is(Effect::Backlash, Effect::Following) || is(Effect::Backlash, Effect::Delay) {
+        "the same line at twice the feed: a lag doubles, backlash stays"
+    } else if is(Effect::Backlash, Effect::LateralPlay) || both(Effect::LateralPlay) || both(Effect::Backlash) {
+        "forth and back with two tool lengths, and with an indicator along and across: a turn of the carriage grows with the tool"
+    } else if is(Effect::Motion, Effect::ThermalExpansion) || is(Effect::Location, Effect::ThermalSquareness) {
+        "the same lines at another temperature"
+    } else if is(Effect::Motion, Effect::Setup) {
+        "the same line with the artefact shifted along it and turned by 90°"
+    } else if is(Effect::Motion, Effect::Cross) {
+        "lines at three places of the other axis"
+    } else if is(Effect::Motion, Effect::Periodic) {
+        "steps of an eighth of the period over three periods"
+    } else if is(Effect::Motion, Effect::Location) {
+        "lines at two heights, and at the ends of the other axis"
+    } else if both(Effect::Motion) {
+        "the same lines with a second tool length, and at a second height: angles grow with the arm, straightness does not"
+    } else if both(Effect::Location) {
+        "the same poses with a second tool length, and the artefact turned by 90°"
+    } else if is(Effect::ThermalDrift, Effect::Drift) || both(Effect::ThermalDrift) || both(Effect::Drift) {
+        "a run in which the temperatures do not rise together: spindle on and off by chance, then cooling"
+    } else if is(Effect::ThermalDrift, Effect::ThermalExpansion) {
+        "two poses far apart along the axis, in turn, while it warms up"
+    } else if both(Effect::ServoMismatch) || is(Effect::ServoMismatch, Effect::Following) || both(Effect::Following) {
+        "circles in the planes of the other axes at the same feed"
+    } else if is(Effect::Following, Effect::Dynamic) {
+        "another radius at the same feed: a lag goes with the velocity, a deflection with its square over the radius"
+    } else if is(Effect::Periodic, Effect::Dynamic) {
+        "another feed: what vibrates moves along the path, what is periodic in position stays"
+    } else {
+        return one.cause.separate_by.to_owned();
+    };
+    known.to_owned()
+}

@@ -1,0 +1,83 @@
+//! Which part of what was explained each finding has: what is lost without it (leave one out), and its fair part (Shapley 1953), the mean of
+//! what it adds over all orders in which findings could have been added.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::search::{Field, Weights};
+
+/// Findings of which all sets are tried.
+const MOST: usize = 10;
+
+/// Of one finding, as shares of the squares of what the model leaves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Share {
+    /// What comes back without it.
+    pub alone: f64,
+    /// Its fair part.
+    pub fair: f64,
+}
+
+/// Of all findings.
+pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) -> Vec<Share> {
+    let count = taken.len();
+    let mut series = field.series(weights, &[], 0.0);
+    let left = series.left().to_vec();
+    let whole = series.squares();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    let mut owners: Vec<usize> = Vec::new();
+    for (owner, &number) in taken.iter().enumerate() {
+        for column in field.candidates.get(number).map(|one| field.columns(one)).unwrap_or_default() {
+            series.set_values(&column);
+            columns.push(unit(series.left()));
+            owners.push(owner);
+        }
+    }
+    if count == 0 || whole <= 0.0 {
+        return vec![Share::default(); count];
+    }
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let gram = DMatrix::from_fn(columns.len(), columns.len(), |a, b| dot(&columns[a], &columns[b]));
+    let right = DVector::from_iterator(columns.len(), columns.iter().map(|column| dot(column, &left)));
+    // What a set of findings explains.
+    let explained = |set: u32| {
+        let own: Vec<usize> = (0..columns.len()).filter(|&k| set >> owners[k] & 1 == 1).collect();
+        let small = DMatrix::from_fn(own.len(), own.len(), |a, b| gram[(own[a], own[b])]);
+        let part = DVector::from_iterator(own.len(), own.iter().map(|&k| right[k]));
+        // Columns that say the same share it.
+        let eigen = small.symmetric_eigen();
+        let most = eigen.eigenvalues.iter().copied().fold(0.0, f64::max);
+        let turned = eigen.eigenvectors.transpose() * part;
+        let of = |(value, part): (&f64, &f64)| if *value > 1e-9 * most { part * part / value } else { 0.0 };
+        eigen.eigenvalues.iter().zip(turned.iter()).map(of).sum::<f64>() / whole
+    };
+    if count > MOST {
+        // All sets are too many; the fair part is between what is lost without it and what it explains by itself.
+        let all = (1_u32 << count.min(31)) - 1;
+        let every = explained(all);
+        let of = |k: usize| {
+            let alone = every - explained(all & !(1 << k));
+            Share { alone, fair: (alone + explained(1 << k)) / 2.0 }
+        };
+        return (0..count).map(of).collect();
+    }
+    let all = (1_u32 << count) - 1;
+    let sets: Vec<f64> = (0..=all).map(explained).collect();
+    let at = |set: u32| sets.get(set as usize).copied().unwrap_or(0.0);
+    let factorial = |n: u32| (1..=n).map(f64::from).product::<f64>();
+    let of = |k: usize| {
+        let bit = 1_u32 << k;
+        let mut fair = 0.0;
+        for set in (0..=all).filter(|set| set & bit == 0) {
+            let size = set.count_ones();
+            let orders = factorial(size) * factorial(all.count_ones() - size - 1) / factorial(all.count_ones());
+            fair += orders * (at(set | bit) - at(set));
+        }
+        Share { alone: at(all) - at(all & !bit), fair }
+    };
+    (0..count).map(of).collect()
+}
+
+fn unit(column: &[f64]) -> Vec<f64> {
+    let length = column.iter().map(|value| value * value).sum::<f64>().sqrt();
+    if length > 0.0 { column.iter().map(|value| value / length).collect() } else { column.to_vec() }
+}
