@@ -40,12 +40,15 @@ pub(super) const CUP: Cause = Cause {
 /// Runs of which each may have lobes of its own.
 const MOST_RUNS: usize = 60;
 
+/// From the centre, mm, and the number of the row.
+type Placed = ([f64; 3], usize);
+
 /// The angle of every row on its circle and the radius; none where it is on no circle.
 pub(in crate::diagnose) fn angles(scene: &Scene<'_>) -> Option<(Values, Values)> {
     let mut angles: Vec<Vec<f64>> = scene.sets.iter().map(|set| vec![f64::NAN; set.observations.len()]).collect();
     let mut radii = angles.clone();
     let mut any = false;
-    let mut by_setup: HashMap<(usize, usize), Vec<([f64; 3], usize)>> = HashMap::new();
+    let mut by_setup: HashMap<(usize, usize), Vec<Placed>> = HashMap::new();
     for row in &scene.rows {
         let Some(set) = scene.sets.get(row.set).filter(|set| set.kind.name == "ballbar") else { continue };
         let Some(setup) = set.setups.get(row.setup) else { continue };
