@@ -67,7 +67,8 @@ fn name(finding: &Value) -> String {
 fn changed(text: &str, change: impl Fn(&str, &str) -> String) -> String {
     let mut lines = text.lines();
     let head: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let row = |line: &str| line.split(',').zip(&head).map(|(cell, name)| change(name, cell)).collect::<Vec<_>>().join(",");
+    let row =
+        |line: &str| line.split(',').zip(&head).map(|(cell, name)| change(name, cell)).collect::<Vec<_>>().join(",");
     let mut out = head.join(",") + "\n";
     lines.for_each(|line| out += &(row(line) + "\n"));
     out
@@ -163,7 +164,9 @@ fn data_that_contradict_a_finding_take_it_back() {
 #[test]
 fn a_model_that_is_worse_than_none_has_expired() {
     let (shop, data, _) = shop(&case(Bench::Plate, &[], 5.0, 5));
-    let shop = change(shop, "machine.toml", |text| text + "\n[[motion]]\ncomponent = \"EXX\"\nkind = \"periodic\"\nperiod_mm = 333.0\namplitude_um = 40.0\n");
+    let shop = change(shop, "machine.toml", |text| {
+        text + "\n[[motion]]\ncomponent = \"EXX\"\nkind = \"periodic\"\nperiod_mm = 333.0\namplitude_um = 40.0\n"
+    });
     assert_eq!(diagnosed(&shop, &data, "machine.toml", &[])["expired"], true);
 }
 
@@ -212,7 +215,9 @@ fn circles_the_other_way_round_turn_over_what_goes_with_the_sense() {
                 let [first, last] = [lines[0], lines[lines.len() - 1]].map(time);
                 lines.iter().rev().for_each(|line| {
                     let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
-                    ["X_dir", "Y_dir", "Z_dir"].iter().for_each(|name| cells[column(name)] = negative(&cells[column(name)]));
+                    ["X_dir", "Y_dir", "Z_dir"]
+                        .iter()
+                        .for_each(|name| cells[column(name)] = negative(&cells[column(name)]));
                     cells[column("t_s")] = format!("{:.4}", first + last - time(line));
                     out += &(cells.join(",") + "\n");
                 });

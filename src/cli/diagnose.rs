@@ -96,13 +96,22 @@ fn find(arguments: &DiagnoseArguments, findings: &mut Findings, report: &mut dia
             one.extends = holds;
         }
         let job = extended::Job { chosen: &chosen, scene: &of_model, used, extension };
-        report.output = job.write(target, findings)?.then(|| arguments.output.clone()).flatten().map(|path| path.display().to_string());
+        report.output = job
+            .write(target, findings)?
+            .then(|| arguments.output.clone())
+            .flatten()
+            .map(|path| path.display().to_string());
     }
     Ok(())
 }
 
 /// Everything that was found, in the units of reports.
-fn tell_all(found: &Diagnosis, scene: &Scene<'_>, (sets, used): (&[DataSet], usize), report: &mut diagnosis::Diagnosis) {
+fn tell_all(
+    found: &Diagnosis,
+    scene: &Scene<'_>,
+    (sets, used): (&[DataSet], usize),
+    report: &mut diagnosis::Diagnosis,
+) {
     let micro = if reads_angles(scene) { urad_from_rad(1.0) } else { um_from_mm(1.0) };
     let level = |of: fn(&Compared) -> Sizes| {
         let held_out = found.held_out.as_ref().map(of);

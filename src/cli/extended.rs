@@ -61,7 +61,10 @@ impl Job<'_> {
         let begun = format!("{}\n{}", text.trim_end(), extension.entries);
         let (Some(read), Some(original)) = (load(&old, &begun), load(&old, text)) else {
             let message = format!("what was found does not go beside what {} has already", old.name());
-            return Ok(Err((message, "take entries of the same direction or axis out of it, or add the terms by hand")));
+            return Ok(Err((
+                message,
+                "take entries of the same direction or axis out of it, or add the terms by hand",
+            )));
         };
         let errors = self.fitted(&original, &read);
         let changed = match write::write(&begun, &read, &errors) {
@@ -70,7 +73,10 @@ impl Job<'_> {
         };
         let out = noted(&changed, &extension.parameters);
         let Some(written) = load(&old, &out) else {
-            return Ok(Err(("the result is no machine file".into(), "write location and motion as sections of their own")));
+            return Ok(Err((
+                "the result is no machine file".into(),
+                "write location and motion as sections of their own",
+            )));
         };
         for (name, ..) in &extension.parameters {
             let [found, read] = [name.get(&errors), name.get(&written)];

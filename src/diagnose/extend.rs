@@ -17,6 +17,8 @@ use super::verdict::{Diagnosis, Finding};
 
 /// A line that says what a diagnosis added begins with this.
 pub const HEAD: &str = "# diagnosed:";
+/// A chance below this is not said more exactly.
+const LEAST_CHANCE: f64 = 1e-12;
 /// Points of a table along an axis.
 const POINTS: usize = 9;
 /// Parts in a million: µm/(m K).
@@ -48,10 +50,13 @@ pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Extension
     directions.sort();
     for (direction, terms) in directions {
         out.entries.push('\n');
-        let sensors: Vec<String> = terms.into_iter().map(|(sensor, evidence)| {
-            let _ = writeln!(out.entries, "{evidence}");
-            sensor
-        }).collect();
+        let sensors: Vec<String> = terms
+            .into_iter()
+            .map(|(sensor, evidence)| {
+                let _ = writeln!(out.entries, "{evidence}");
+                sensor
+            })
+            .collect();
         let _ = writeln!(out.entries, "[[drift]]\ndirection = \"{direction}\"\nsensors = [{}]", sensors.join(", "));
     }
     out
@@ -62,14 +67,14 @@ fn evidence(one: &Finding) -> String {
     let rivals: Vec<String> =
         one.class.iter().skip(1).take(3).map(|(cause, parameter)| format!("{} {parameter}", cause.effect)).collect();
     let mut out = format!(
-        "{HEAD} {} {} {:.4} ± {:.2} {} (95 %); {:.0} % less is left of unseen readings; chance {:.0e}",
+        "{HEAD} {} {} {:.4} ± {:.2} {} (95 %); {:.0} % less is left of unseen readings; chance {}",
         one.candidate.cause.effect,
         one.candidate.parameter,
         one.size.value,
         one.size.u95,
         one.size.unit,
         100.0 * one.gain_unseen,
-        one.chance
+        if one.chance < LEAST_CHANCE { "next to none".to_owned() } else { format!("{:.0e}", one.chance) }
     );
     if !rivals.is_empty() {
         let _ = write!(out, "; not told from {}", rivals.join(", "));
@@ -255,11 +260,7 @@ fn drift(one: &Finding, drifts: &mut HashMap<String, Vec<(String, String)>>) -> 
     if one.candidate.drivers.len() != 1 {
         return false;
     }
-    let term = format!(
-        "{{ name = \"{sensor}\", um_per_K = {:.6}{} }}",
-        um_from_mm(*amount),
-        lag_of(&one.candidate)
-    );
+    let term = format!("{{ name = \"{sensor}\", um_per_K = {:.6}{} }}", um_from_mm(*amount), lag_of(&one.candidate));
     let letter = ["X", "Y", "Z"].get(*direction).copied().unwrap_or("Z");
     drifts.entry(letter.to_owned()).or_default().push((term, evidence(one)));
     true

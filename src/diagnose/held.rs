@@ -93,8 +93,9 @@ pub(super) fn compare(scene: &Scene<'_>, weights: &Weights, of: [&[f64]; 3]) -> 
         state ^= state << 17;
         (state % count.max(1) as u64) as usize
     };
-    let draws: Vec<[f64; 7]> =
-        (0..DRAWS).map(|_| total(&mut (0..sums.len()).map(|_| draw(sums.len())).collect::<Vec<_>>().into_iter())).collect();
+    let draws: Vec<[f64; 7]> = (0..DRAWS)
+        .map(|_| total(&mut (0..sums.len()).map(|_| draw(sums.len())).collect::<Vec<_>>().into_iter()))
+        .collect();
     let interval = |value: &dyn Fn(&[f64; 7]) -> f64| {
         let mut all: Vec<f64> = draws.iter().map(value).collect();
         all.sort_by(f64::total_cmp);

@@ -162,12 +162,8 @@ fn ljung_box(order: &Order, values: &[f64], count: usize) -> f64 {
         return 1.0;
     }
     let n = count as f64;
-    let sum: f64 = correlations
-        .iter()
-        .take(most)
-        .enumerate()
-        .map(|(k, rho)| rho * rho / (order.pairs(k + 1).max(1)) as f64)
-        .sum();
+    let sum: f64 =
+        correlations.iter().take(most).enumerate().map(|(k, rho)| rho * rho / (order.pairs(k + 1).max(1)) as f64).sum();
     fisher::exceeded(n * (n + 2.0) * sum / most as f64, most as f64, 1e9)
 }
 
@@ -197,8 +193,11 @@ fn drivers(scene: &Scene<'_>, places: &[usize], at: &dyn Fn(usize) -> f64, noise
         all.push((name.to_owned(), places.iter().map(|place| value(place).unwrap_or(f64::NAN)).collect()));
     }
     let left: Vec<f64> = places.iter().map(|&place| at(place)).collect();
-    let mut found: Vec<(String, f64)> =
-        all.into_iter().map(|(name, values)| (name, along(&values, &left))).filter(|(_, size)| *size > 0.3 * noise).collect();
+    let mut found: Vec<(String, f64)> = all
+        .into_iter()
+        .map(|(name, values)| (name, along(&values, &left)))
+        .filter(|(_, size)| *size > 0.3 * noise)
+        .collect();
     found.sort_by(|a, b| b.1.total_cmp(&a.1));
     found.truncate(PLACES);
     found

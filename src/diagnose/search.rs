@@ -100,9 +100,7 @@ impl<'s, 'a> Field<'s, 'a> {
         let Some(travel) = self.sweeps.iter().find(|(own, _)| *own == axis).map(|(_, sweep)| sweep.travel()) else {
             return;
         };
-        let gain = |cycles: f64| {
-            series.gain(&self.columns(&periodic::candidate(name, axis, travel / cycles))).squares
-        };
+        let gain = |cycles: f64| series.gain(&self.columns(&periodic::candidate(name, axis, travel / cycles))).squares;
         // Golden section over the width of a peak.
         let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
         let cycles = travel / first;

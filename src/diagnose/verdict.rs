@@ -266,12 +266,7 @@ fn is_only_here(effect: Effect) -> bool {
 }
 
 /// Takes out what the data held out does not confirm, and notes the gains there.
-fn hold(
-    field: &Field<'_, '_>,
-    weights: &Weights,
-    held_out: &Weights,
-    kept: &mut Vec<(Taken, f64)>,
-) -> Vec<Candidate> {
+fn hold(field: &Field<'_, '_>, weights: &Weights, held_out: &Weights, kept: &mut Vec<(Taken, f64)>) -> Vec<Candidate> {
     let scene = field.scene;
     let mut out = Vec::new();
     if counts(scene, held_out).is_empty() {

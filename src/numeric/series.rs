@@ -8,6 +8,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// A column of which less than this share of its length is left beside the others says nothing of its own.
 const DEPENDENT: f64 = 1e-6;
+/// Where this share of the length is left, rounding leaves nothing that counts.
+const CLEAR: f64 = 0.1;
 /// Memory beyond this is a random walk, of which one long row is left.
 const MOST_MEMORY: f64 = 0.98;
 
@@ -163,11 +165,15 @@ impl Series {
         if !(length.is_finite() && length > 0.0) {
             return None;
         }
-        // Twice: what rounding leaves of the first time.
+        let mut own = length;
+        // Twice where little is left: what rounding leaves of the first time.
         for _ in 0..2 {
             self.basis.iter().chain(others).for_each(|other| take_out(&mut direction, other));
+            own = dot(&direction, &direction).sqrt();
+            if own > CLEAR * length {
+                break;
+            }
         }
-        let own = dot(&direction, &direction).sqrt();
         if own < DEPENDENT * length {
             return None;
         }

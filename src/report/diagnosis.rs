@@ -229,12 +229,8 @@ impl Diagnosis {
             );
         }
         if self.unexplained.structure {
-            let with: Vec<String> = self
-                .unexplained
-                .with
-                .iter()
-                .map(|one| format!("{} ({} µm)", one.driver, number(one.rms_um)))
-                .collect();
+            let with: Vec<String> =
+                self.unexplained.with.iter().map(|one| format!("{} ({} µm)", one.driver, number(one.rms_um))).collect();
             let _ = writeln!(
                 out,
                 "{} µm are more than noise and have no name yet{}{}.",
@@ -290,7 +286,8 @@ fn cause(rank: usize, one: &Cause, out: &mut String) {
         "live" => "only live readings can take it away",
         _ => "no program can take it away",
     };
-    let _ = writeln!(out, "   goes with {depends}; usually {}; {can}", one.made_by);
+    let goes = if depends.is_empty() { String::new() } else { format!("goes with {depends}; ") };
+    let _ = writeln!(out, "   {goes}usually {}; {can}", one.made_by);
     if one.class.len() > 1 {
         let more = one.class.len().saturating_sub(1 + RIVALS);
         let rivals: Vec<&str> = one.class.iter().skip(1).take(RIVALS).map(String::as_str).collect();
