@@ -17,6 +17,8 @@ use super::verdict::{Diagnosis, Finding};
 
 /// A line that says what a diagnosis added begins with this.
 pub const HEAD: &str = "# diagnosed:";
+/// A chance below this is not said more exactly.
+const LEAST_CHANCE: f64 = 1e-12;
 /// Points of a table along an axis.
 const POINTS: usize = 9;
 /// Parts in a million: µm/(m K).
@@ -65,14 +67,14 @@ fn evidence(one: &Finding) -> String {
     let rivals: Vec<String> =
         one.class.iter().skip(1).take(3).map(|(cause, parameter)| format!("{} {parameter}", cause.effect)).collect();
     let mut out = format!(
-        "{HEAD} {} {} {:.4} ± {:.2} {} (95 %); {:.0} % less is left of unseen readings; chance {:.0e}",
+        "{HEAD} {} {} {:.4} ± {:.2} {} (95 %); {:.0} % less is left of unseen readings; chance {}",
         one.candidate.cause.effect,
         one.candidate.parameter,
         one.size.value,
         one.size.u95,
         one.size.unit,
         100.0 * one.gain_unseen,
-        one.chance
+        if one.chance < LEAST_CHANCE { "next to none".to_owned() } else { format!("{:.0e}", one.chance) }
     );
     if !rivals.is_empty() {
         let _ = write!(out, "; not told from {}", rivals.join(", "));

@@ -37,7 +37,11 @@ fn repeats(scene: &Scene<'_>) -> Vec<usize> {
         let count = numbers.len();
         Some(*numbers.entry(key).or_insert(count))
     };
-    scene.items.iter().map(|item| of(item.row, &mut numbers).map_or(NO_PART, |number| number % PARTS)).collect()
+    let parts: Vec<Option<usize>> = scene.items.iter().map(|item| of(item.row, &mut numbers)).collect();
+    // Runs that follow each other go together: they share a set-up, which then has all that it needs.
+    let count = numbers.len().max(1);
+    let part = |number: usize| if count > PARTS { number * PARTS / count } else { number };
+    parts.into_iter().map(|number| number.map_or(NO_PART, part)).collect()
 }
 
 /// Parts by stretches of each sequence of rows.
@@ -105,14 +109,10 @@ fn of_parts(
     note: &mut dyn FnMut(f64),
 ) -> Vec<Option<f64>> {
     let count = parts.iter().filter(|&&part| part != NO_PART).max().map_or(0, |most| most + 1);
-    let shown: Vec<Vec<f64>> = terms.iter().map(|&term| shares(field, weights, parts, term, count)).collect();
+    let whole: Vec<f64> = terms.iter().map(|&term| shown(field, weights, term)).collect();
     let mut found: Vec<Vec<Part>> = terms.iter().map(|_| Vec::new()).collect();
     for part in (0..count).filter(|_| count > 1) {
         note(part as f64 / count as f64);
-        let says = |shares: &Vec<f64>| shares.get(part).is_some_and(|share| *share > SHOWN && *share < 1.0 - KEPT);
-        if !shown.iter().any(says) {
-            continue;
-        }
         let of = |inside: bool| Weights {
             items: weights
                 .items
@@ -123,16 +123,25 @@ fn of_parts(
             series: weights.series.clone(),
         };
         let (train, test) = (of(false), of(true));
+        let says: Vec<bool> = terms
+            .iter()
+            .zip(&whole)
+            .map(|(&term, whole)| {
+                shown(field, &test, term) > SHOWN * whole && shown(field, &train, term) > KEPT * whole
+            })
+            .collect();
+        if !says.contains(&true) {
+            continue;
+        }
         let selected = field.forward(&train, &[]);
         let with = unseen(field, &train, &test, &selected);
-        for ((&term, shown), found) in terms.iter().zip(&shown).zip(&mut found).filter(|((_, shown), _)| says(shown)) {
+        for ((&term, _), found) in terms.iter().zip(&says).zip(&mut found).filter(|((_, says), _)| **says) {
             let stand_in = selected.iter().copied().find(|&other| other == term || alike(field, &train, term, other));
             let Some(stand_in) = stand_in else {
                 found.push(Part { without: with, with });
                 continue;
             };
             let others: Vec<usize> = selected.iter().copied().filter(|&other| other != stand_in).collect();
-            let _ = shown;
             found.push(Part { without: unseen(field, &train, &test, &others), with });
         }
     }
@@ -140,21 +149,16 @@ fn of_parts(
     found.iter().map(|parts| gain(parts)).collect()
 }
 
-/// Share of what shows a term by parts.
-fn shares(field: &Field<'_, '_>, weights: &Weights, parts: &[usize], term: usize, count: usize) -> Vec<f64> {
-    let mut shares = vec![0.0; count];
+/// How much of a term some readings show beside their set-ups.
+fn shown(field: &Field<'_, '_>, weights: &Weights, term: usize) -> f64 {
     let columns = field.candidates.get(term).map(|one| field.columns(one)).unwrap_or_default();
     let mut series = field.series(weights, &[], 0.0);
-    for column in &columns {
+    let mut of = |column: &Vec<f64>| {
         series.set_values(column);
-        let whole = series.squares().max(f64::MIN_POSITIVE);
-        for (value, part) in series.left().iter().zip(parts) {
-            if let Some(share) = shares.get_mut(*part) {
-                *share += value * value / whole / columns.len() as f64;
-            }
-        }
-    }
-    shares
+        series.squares()
+    };
+    // The one that is shown least may be the one that matters least: the first is the name.
+    columns.first().map_or(0.0, &mut of)
 }
 
 /// The gain over parts, by which what is left becomes smaller (root of the mean square); 0 where the parts do not agree on it.

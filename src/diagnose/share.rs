@@ -41,6 +41,9 @@ pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) 
     // What a set of findings explains.
     let explained = |set: u32| {
         let own: Vec<usize> = (0..columns.len()).filter(|&k| set >> owners[k] & 1 == 1).collect();
+        if own.is_empty() {
+            return 0.0;
+        }
         let small = DMatrix::from_fn(own.len(), own.len(), |a, b| gram[(own[a], own[b])]);
         let part = DVector::from_iterator(own.len(), own.iter().map(|&k| right[k]));
         // Columns that say the same share it.

@@ -10,6 +10,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// A column of which less than this share of its length is left beside the others says nothing of its own.
 const DEPENDENT: f64 = 1e-6;
+/// Where this share of the length is left, rounding leaves nothing that counts.
+const CLEAR: f64 = 0.1;
 /// Memory beyond this is a random walk, of which one long row is left.
 const MOST_MEMORY: f64 = 0.98;
 
@@ -208,12 +210,16 @@ impl Series {
         if !(length.is_finite() && length > 0.0) {
             return None;
         }
-        // Twice: what rounding leaves of the first time.
+        let mut own = length;
+        // Twice where little is left: what rounding leaves of the first time.
         for _ in 0..2 {
             self.basis.iter().zip(&self.spans).for_each(|(other, span)| take_out_of(&mut direction, other, span));
             others.iter().for_each(|other| take_out(&mut direction, other));
+            own = dot(&direction, &direction).sqrt();
+            if own > CLEAR * length {
+                break;
+            }
         }
-        let own = dot(&direction, &direction).sqrt();
         if own < DEPENDENT * length {
             return None;
         }

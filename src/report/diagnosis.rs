@@ -286,7 +286,8 @@ fn cause(rank: usize, one: &Cause, out: &mut String) {
         "live" => "only live readings can take it away",
         _ => "no program can take it away",
     };
-    let _ = writeln!(out, "   goes with {depends}; usually {}; {can}", one.made_by);
+    let goes = if depends.is_empty() { String::new() } else { format!("goes with {depends}; ") };
+    let _ = writeln!(out, "   {goes}usually {}; {can}", one.made_by);
     if one.class.len() > 1 {
         let more = one.class.len().saturating_sub(1 + RIVALS);
         let rivals: Vec<&str> = one.class.iter().skip(1).take(RIVALS).map(String::as_str).collect();
