@@ -92,7 +92,7 @@ impl<'s, 'a> Field<'s, 'a> {
     fn is_again(&self, number: usize, taken: &[usize]) -> bool {
         let Some(one) = self.candidates.get(number).filter(|one| one.sensor.is_some()) else { return false };
         taken.iter().filter_map(|&other| self.candidates.get(other)).any(|other| {
-            std::ptr::eq(other.cause, one.cause) && other.parameter == one.parameter && other.sensor == one.sensor
+            other.cause.name == one.cause.name && other.parameter == one.parameter && other.sensor == one.sensor
         })
     }
 
