@@ -179,7 +179,7 @@ fn placed(one: &Finding, axis: Axis, name: ErrorName, scene: &Scene<'_>, used: u
     };
     let key = |axis: Axis| if axis.is_rotary() { "positions_deg" } else { "positions_mm" };
     let list = |values: Vec<f64>| values.iter().map(|value| format!("{value:.6}")).collect::<Vec<_>>().join(", ");
-    if !(high[axis] > low[axis]) {
+    if high[axis] <= low[axis] {
         return None;
     }
     let own = nodes(axis, POINTS);

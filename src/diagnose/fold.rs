@@ -16,7 +16,7 @@ const STRETCHES: usize = 5;
 const SHOWN: f64 = 0.02;
 const KEPT: f64 = 0.2;
 /// A term that takes less than this share off what is left of unseen readings (root of the mean square) is not worth a name.
-pub(super) const WORTH: f64 = 0.003;
+pub(super) const WORTH: f64 = 0.01;
 /// Another candidate that explains this share of what one does stands for it.
 const ALIKE: f64 = 0.9;
 /// It is in none: known distances, readings that do not count.

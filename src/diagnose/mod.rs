@@ -16,6 +16,7 @@ mod fold;
 mod freedom;
 mod held;
 mod noise;
+mod readings;
 pub mod row;
 pub mod scene;
 mod score;
@@ -29,7 +30,8 @@ mod verdict;
 
 pub use held::{Compared, Sizes};
 pub use noise::{Left, Source};
+pub use readings::levels;
 pub use scene::Scene;
 pub use share::Share;
 pub use size::{Amounts, Size};
-pub use verdict::{Diagnosis, Finding, diagnose, levels, reads_angles};
+pub use verdict::{Diagnosis, Finding, diagnose, reads_angles};

@@ -78,6 +78,14 @@ impl<'s, 'a> Field<'s, 'a> {
         self.candidates.extend(found);
     }
 
+    /// Whether a candidate is one that was taken, with another time constant: a lag between two that are tried is one effect, not two.
+    fn is_again(&self, number: usize, taken: &[usize]) -> bool {
+        let Some(one) = self.candidates.get(number).filter(|one| one.sensor.is_some()) else { return false };
+        taken.iter().filter_map(|&other| self.candidates.get(other)).any(|other| {
+            other.cause.name == one.cause.name && other.parameter == one.parameter && other.sensor == one.sensor
+        })
+    }
+
     /// Moves the period of a candidate of a sweep to where it explains most: a period that is a little off leaves beats.
     fn refine(&mut self, number: usize, series: &Series) {
         let Some(one) = self.candidates.get(number) else { return };
@@ -215,7 +223,7 @@ impl<'s, 'a> Field<'s, 'a> {
             let open: Vec<(f64, usize)> = gains
                 .iter()
                 .enumerate()
-                .filter(|(number, gain)| gain.rank > 0 && !taken.contains(number))
+                .filter(|(number, gain)| gain.rank > 0 && !taken.contains(number) && !self.is_again(*number, &taken))
                 .map(|(number, gain)| (worth(gain) * self.belief(number), number))
                 .collect();
             let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);

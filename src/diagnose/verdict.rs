@@ -1,12 +1,11 @@
 //! The verdict: findings with their sizes, rivals and what they gain, and what is left.
 
-use std::collections::HashMap;
-
 use super::cause::{CAUSES, Candidate, Cause, Effect};
 use super::fold::{WORTH, confirmed, counts, unseen};
 use super::held::{Compared, compare};
-use super::noise::{self, MEDIAN, is_angle};
-use super::scene::{NO_ROW, Scene};
+use super::noise::{self, is_angle};
+use super::readings::{doing, drop_far, left_of, projected, rms, weights};
+use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
 use super::separate::separating;
 use super::share::{Share, shares};
@@ -14,8 +13,6 @@ use super::size::{Amounts, Size, size};
 
 /// Chance at which a finding is claimed where there is nothing, over all candidates.
 const LIMIT: f64 = 1e-3;
-/// A reading further out than this many spreads does not count.
-const FAR: f64 = 6.0;
 /// Rounds of taking such readings out.
 const ROUNDS: usize = 3;
 /// Rounds of searching again behind what was found.
@@ -130,114 +127,6 @@ fn propose(scene: &Scene<'_>) -> Vec<Candidate> {
     let mut candidates = Vec::new();
     CAUSES.iter().for_each(|cause| (cause.propose)(scene, &mut candidates));
     candidates
-}
-
-/// Weights of the measurements that are used, and of those held out.
-fn weights(scene: &Scene<'_>, used: usize) -> (Weights, Weights) {
-    let rows = scene.rows.len();
-    let series = |item: &super::scene::Item| {
-        // Each value of a row is a series of its own, and so is every known distance.
-        scene.rows.get(item.row).map_or(usize::MAX, |row| row.sequence * 3 + item.value)
-    };
-    let mut numbers: HashMap<usize, usize> = HashMap::new();
-    let mut ties = 0;
-    let series: Vec<usize> = scene
-        .items
-        .iter()
-        .map(|item| {
-            let own = if item.row == NO_ROW {
-                ties += 1;
-                3 * rows + ties
-            } else {
-                series(item)
-            };
-            let count = numbers.len();
-            *numbers.entry(own).or_insert(count)
-        })
-        .collect();
-    // Known distances are known of whatever is measured.
-    let of = |is_used: bool| Weights {
-        items: scene
-            .items
-            .iter()
-            .map(|item| {
-                let counts = scene.rows.get(item.row).is_none_or(|row| (row.set < used) == is_used);
-                if counts { 1.0 / item.sigma } else { 0.0 }
-            })
-            .collect(),
-        series: series.clone(),
-    };
-    (of(true), of(false))
-}
-
-/// What values leave beside the set-ups, mm or rad; 0 for readings that do not count.
-fn projected(field: &Field<'_, '_>, weights: &Weights, values: &[f64]) -> Vec<f64> {
-    let mut series = field.series(weights, &[], 0.0);
-    series.set_values(values);
-    series
-        .left()
-        .iter()
-        .zip(&weights.items)
-        .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
-        .collect()
-}
-
-/// What is left with some candidates, mm or rad.
-fn left_of(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) -> Vec<f64> {
-    let series = field.series(weights, taken, 0.0);
-    series
-        .left()
-        .iter()
-        .zip(&weights.items)
-        .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
-        .collect()
-}
-
-/// Takes readings out that are far from the others. Returns whether there were any.
-fn drop_far(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) -> bool {
-    let places = counts(scene, weights);
-    let size = |place: &usize| match (left.get(*place), weights.items.get(*place)) {
-        (Some(left), Some(weight)) => (left * weight).abs(),
-        _ => 0.0,
-    };
-    let mut sizes: Vec<f64> = places.iter().map(size).collect();
-    if sizes.is_empty() {
-        return false;
-    }
-    let middle = sizes.len() / 2;
-    let spread = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN;
-    let far: Vec<usize> = places.into_iter().filter(|place| size(place) > FAR * spread).collect();
-    far.iter().for_each(|&place| {
-        if let Some(weight) = weights.items.get_mut(place) {
-            *weight = 0.0;
-        }
-    });
-    !far.is_empty()
-}
-
-/// What a candidate does to the readings that count beyond what set-ups take, with the amounts found beside the others.
-fn doing(field: &Field<'_, '_>, train: &Weights, weights: &Weights, taken: &[usize], number: usize) -> Vec<f64> {
-    let mut values = field.left_with(train, taken);
-    let mut columns = Vec::new();
-    let mut place = 0..0;
-    for &own in taken {
-        let of = field.candidates.get(own).map(|one| field.columns(one)).unwrap_or_default();
-        if own == number {
-            place = columns.len()..columns.len() + of.len();
-        }
-        columns.extend(of);
-    }
-    let (amounts, _) = field.series(train, &[], 0.0).amounts(&columns);
-    values.iter_mut().for_each(|value| *value = 0.0);
-    for (column, amount) in columns.iter().zip(&amounts).skip(place.start).take(place.len()) {
-        values.iter_mut().zip(column).for_each(|(value, part)| *value += part * amount);
-    }
-    projected(field, weights, &values)
-}
-
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0_f64), |(sum, count), value| (sum + value * value, count + 1.0));
-    (sum / count.max(1.0)).sqrt()
 }
 
 /// Without those that do nearly nothing.
@@ -386,21 +275,6 @@ fn verdict(
 #[must_use]
 pub fn reads_angles(scene: &Scene<'_>) -> bool {
     is_angle(scene)
-}
-
-/// What a model leaves of the measurements that are used and of those held out beside the set-ups, root of the mean square, mm or rad; readings
-/// that are far from the others do not count.
-#[must_use]
-pub fn levels(scene: &Scene<'_>, used: usize) -> [f64; 2] {
-    let field = Field::new(scene, Vec::new());
-    let (used, held_out) = weights(scene, used);
-    let values: Vec<f64> = scene.items.iter().map(|item| item.left).collect();
-    [used, held_out].map(|mut weights| {
-        let left = projected(&field, &weights, &values);
-        drop_far(scene, &mut weights, &left);
-        let left = projected(&field, &weights, &values);
-        rms(counts(scene, &weights).into_iter().filter_map(|place| left.get(place).copied()))
-    })
 }
 
 /// Who explains nearly as much in the place of one, itself first.

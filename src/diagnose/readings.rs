@@ -1,0 +1,141 @@
+//! Readings that count, and what is left of them beside the set-ups.
+
+use std::collections::HashMap;
+
+use super::fold::counts;
+use super::noise::MEDIAN;
+use super::scene::{NO_ROW, Scene};
+use super::search::{Field, Weights};
+
+/// A reading further out than this many spreads does not count.
+const FAR: f64 = 6.0;
+
+/// Weights of the measurements that are used, and of those held out.
+pub(super) fn weights(scene: &Scene<'_>, used: usize) -> (Weights, Weights) {
+    let rows = scene.rows.len();
+    let series = |item: &super::scene::Item| {
+        // Each value of a row is a series of its own, and so is every known distance.
+        scene.rows.get(item.row).map_or(usize::MAX, |row| row.sequence * 3 + item.value)
+    };
+    let mut numbers: HashMap<usize, usize> = HashMap::new();
+    let mut ties = 0;
+    let series: Vec<usize> = scene
+        .items
+        .iter()
+        .map(|item| {
+            let own = if item.row == NO_ROW {
+                ties += 1;
+                3 * rows + ties
+            } else {
+                series(item)
+            };
+            let count = numbers.len();
+            *numbers.entry(own).or_insert(count)
+        })
+        .collect();
+    // Known distances are known of whatever is measured.
+    let of = |is_used: bool| Weights {
+        items: scene
+            .items
+            .iter()
+            .map(|item| {
+                let counts = scene.rows.get(item.row).is_none_or(|row| (row.set < used) == is_used);
+                if counts { 1.0 / item.sigma } else { 0.0 }
+            })
+            .collect(),
+        series: series.clone(),
+    };
+    (of(true), of(false))
+}
+
+/// What values leave beside the set-ups, mm or rad; 0 for readings that do not count.
+pub(super) fn projected(field: &Field<'_, '_>, weights: &Weights, values: &[f64]) -> Vec<f64> {
+    let mut series = field.series(weights, &[], 0.0);
+    series.set_values(values);
+    series
+        .left()
+        .iter()
+        .zip(&weights.items)
+        .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
+        .collect()
+}
+
+/// What is left with some candidates, mm or rad.
+pub(super) fn left_of(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) -> Vec<f64> {
+    let series = field.series(weights, taken, 0.0);
+    series
+        .left()
+        .iter()
+        .zip(&weights.items)
+        .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
+        .collect()
+}
+
+/// Takes readings out that are far from the others. Returns whether there were any.
+pub(super) fn drop_far(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) -> bool {
+    let places = counts(scene, weights);
+    let size = |place: &usize| match (left.get(*place), weights.items.get(*place)) {
+        (Some(left), Some(weight)) => (left * weight).abs(),
+        _ => 0.0,
+    };
+    let mut sizes: Vec<f64> = places.iter().map(size).collect();
+    if sizes.is_empty() {
+        return false;
+    }
+    let middle = sizes.len() / 2;
+    let spread = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN;
+    let far: Vec<usize> = places.into_iter().filter(|place| size(place) > FAR * spread).collect();
+    far.iter().for_each(|&place| {
+        if let Some(weight) = weights.items.get_mut(place) {
+            *weight = 0.0;
+        }
+    });
+    !far.is_empty()
+}
+
+/// What a candidate does to the readings that count beyond what set-ups take, with the amounts found beside the others.
+pub(super) fn doing(
+    field: &Field<'_, '_>,
+    train: &Weights,
+    weights: &Weights,
+    taken: &[usize],
+    number: usize,
+) -> Vec<f64> {
+    let mut values = field.left_with(train, taken);
+    let mut columns = Vec::new();
+    let mut place = 0..0;
+    for &own in taken {
+        let of = field.candidates.get(own).map(|one| field.columns(one)).unwrap_or_default();
+        if own == number {
+            place = columns.len()..columns.len() + of.len();
+        }
+        columns.extend(of);
+    }
+    let (amounts, _) = field.series(train, &[], 0.0).amounts(&columns);
+    values.iter_mut().for_each(|value| *value = 0.0);
+    for (column, amount) in columns.iter().zip(&amounts).skip(place.start).take(place.len()) {
+        values.iter_mut().zip(column).for_each(|(value, part)| *value += part * amount);
+    }
+    projected(field, weights, &values)
+}
+
+/// Root of the mean square; 0 of nothing.
+pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0_f64), |(sum, count), value| (sum + value * value, count + 1.0));
+    (sum / count.max(1.0)).sqrt()
+}
+
+/// What a model leaves of the measurements that are used and of those held out beside the set-ups, root of the mean square, mm or rad; readings
+/// that are far from the others do not count.
+#[must_use]
+pub fn levels(scene: &Scene<'_>, used: usize) -> [f64; 2] {
+    let field = Field::new(scene, Vec::new());
+    let (used, held_out) = weights(scene, used);
+    let values: Vec<f64> = scene.items.iter().map(|item| item.left).collect();
+    [used, held_out].map(|mut weights| {
+        let left = projected(&field, &weights, &values);
+        drop_far(scene, &mut weights, &left);
+        let left = projected(&field, &weights, &values);
+        rms(counts(scene, &weights).into_iter().filter_map(|place| left.get(place).copied()))
+    })
+}
