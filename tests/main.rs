@@ -35,6 +35,7 @@ mod condition_log;
 mod correction;
 mod cycles;
 mod definitions;
+mod diagnose_faults;
 mod emission;
 mod esmaeili;
 mod exec;

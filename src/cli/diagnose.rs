@@ -4,9 +4,9 @@ use super::arguments::DiagnoseArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::stop::Stop;
-use super::{deliver, machine_choice, measurement};
+use super::{deliver, diagnose_faults, machine_choice, measurement};
 use crate::diagnose::cause::{Cause, Correctable};
-use crate::diagnose::{Finding, Scene, diagnose};
+use crate::diagnose::{Finding, Scene, diagnose, fault};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::measure::data::DataSet;
 use crate::report::diagnosis::{self, DataFault, SCHEMA, Sizes};
@@ -42,15 +42,21 @@ fn find(arguments: &DiagnoseArguments, findings: &mut Findings, report: &mut dia
     if findings.has_errors() {
         return Ok(());
     }
-    let scene = match Scene::new(&chosen.machine, &chosen.errors, &sets) {
-        Ok(scene) => scene,
-        Err(_) => {
+    let (machine, errors) = (&chosen.machine, &chosen.errors);
+    let faults = diagnose_faults::look(machine, errors, &mut sets, findings, &mut report.data_faults);
+    if findings.has_errors() {
+        return Ok(());
+    }
+    let mut scene = match (&faults, Scene::new(machine, errors, &sets)) {
+        (Some(_), Ok(scene)) => scene,
+        _ => {
             let message = "the readings cannot even tell the set-ups";
             let help = "describe what is known of the set-ups, or measure more";
             findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
             return Ok(());
         }
     };
+    fault::exclude(&mut scene, faults.as_deref().unwrap_or_default());
     let found = diagnose(&scene);
     let sizes = |[rms, max]: [f64; 2]| Sizes { rms_um: um_from_mm(rms), max_um: um_from_mm(max) };
     report.before = sizes(found.before);
@@ -63,7 +69,8 @@ fn find(arguments: &DiagnoseArguments, findings: &mut Findings, report: &mut dia
             found.outliers.iter().filter(|(set, _)| *set == number).map(|(_, row)| row + 1).collect();
         if !rows.is_empty() {
             let what = "far from all others".to_owned();
-            report.data_faults.push(DataFault { kind: "outlier".into(), name: set.name.clone(), what, rows });
+            let name = set.name.clone();
+            report.data_faults.push(DataFault { kind: "outlier".into(), name, what, rows, ..Default::default() });
         }
     }
     Ok(())

@@ -283,7 +283,7 @@ fn verdict(field: &Field<'_, '_>, weights: &Weights, judged: &[(Taken, f64)]) ->
         .items
         .iter()
         .zip(&weights.items)
-        .filter(|(item, weight)| **weight == 0.0 && item.row != NO_ROW)
+        .filter(|(item, weight)| **weight == 0.0 && item.row != NO_ROW && item.sigma.is_finite())
         .filter_map(|(item, _)| scene.rows.get(item.row).map(|row| (row.set, row.number)))
         .collect();
     Diagnosis {

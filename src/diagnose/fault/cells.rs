@@ -44,18 +44,49 @@ pub(super) fn sensors(data: &DataSet) -> Vec<Sensor> {
     own.map(|driver| Sensor { name: driver.name.clone(), values: driver.values.clone() }).collect()
 }
 
-/// Rows behind which the clock goes on as usual; not at a pause, where a machine may have become another one.
-pub(super) fn goes_on(data: &DataSet) -> Vec<bool> {
-    /// A pause is longer than so many usual intervals.
-    const PAUSE: f64 = 5.0;
-    /// Interval below which nothing warms up, s.
-    const SHORT_S: f64 = 30.0;
-    let times: Vec<Option<f64>> = data.observations.iter().map(|one| one.t_s).collect();
-    let step = |k: usize| Some(times.get(k + 1).copied()?? - times.get(k).copied()??);
-    let steps: Vec<Option<f64>> = (0..times.len()).map(step).collect();
-    let usual = super::median(steps.iter().flatten().copied().filter(|step| *step > 0.0).collect());
-    let limit = (PAUSE * usual).max(SHORT_S);
-    // Without a clock rows are taken as one after the other.
-    let is_timed = times.iter().any(Option::is_some);
-    steps.iter().map(|step| step.map_or(!is_timed, |step| (0.0..=limit).contains(&step))).collect()
+/// The clock of a table: how jumps of a sensor from one row to the next are told from what warms up.
+#[derive(Debug)]
+pub(super) struct Clock {
+    times: Vec<f64>,
+    /// Longer than this is a pause, s, behind which a machine may have become another one.
+    pause: f64,
+}
+
+impl Clock {
+    pub(super) fn new(data: &DataSet) -> Clock {
+        /// A pause is longer than so many of the longer usual intervals.
+        const PAUSE: f64 = 3.0;
+        /// Interval below which nothing warms up, s.
+        const SHORT_S: f64 = 30.0;
+        let times: Option<Vec<f64>> = data.observations.iter().map(|one| one.t_s).collect();
+        // Without a clock rows are taken as one after the other.
+        let times = times.unwrap_or_else(|| (0..data.observations.len()).map(|row| row as f64).collect());
+        let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        let usual = steps.get(steps.len() * 9 / 10).copied().unwrap_or(0.0);
+        Clock { times, pause: (PAUSE * usual).max(SHORT_S) }
+    }
+
+    fn step(&self, from: usize, to: usize) -> Option<f64> {
+        let step = self.times.get(to)? - self.times.get(from)?;
+        (0.0..=self.pause).contains(&step).then_some(step)
+    }
+
+    /// By how much a sensor changes to a row beyond what it changes before and another one behind it, in as much time; `None` at a pause.
+    pub(super) fn jump(&self, before: &[f64], behind: &[f64], row: usize) -> Option<f64> {
+        let last = row.checked_sub(1)?;
+        let own = self.step(last, row)?;
+        let long = 0.9 * own;
+        let from = (0..last).rev().take(10).find(|&k| self.times[last] - self.times[k] >= long)?;
+        let to = (row + 1..behind.len()).take(10).find(|&k| self.times.get(k).is_some_and(|t| t - self.times[row] >= long))?;
+        let rate = |values: &[f64], from: usize, to: usize| {
+            let step = self.times.get(to)? - self.times.get(from)?;
+            let change = values.get(to)? - values.get(from)?;
+            Some(if step > 0.0 { change / step * own } else { change })
+        };
+        let (one, other) = (rate(before, from, last)?, rate(behind, row, to)?);
+        let change = behind.get(row)? - before.get(last)?;
+        (one.is_finite() && other.is_finite() && change.is_finite())
+            .then(|| change - change.clamp(one.min(other).min(0.0), one.max(other).max(0.0)))
+    }
 }

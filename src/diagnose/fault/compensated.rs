@@ -12,11 +12,15 @@ pub(super) const CHECK: Check = Check {
 };
 
 /// The prediction is at least so large in units of the noise.
-const SIZE: f64 = 2.5;
+const SIZE: f64 = 1.2;
 /// What is left in squares of the noise where readings fit.
 const FITS: f64 = 4.0;
-/// As they are they leave so many times more.
-const WORSE: f64 = 2.5;
+/// The known errors as they are leave so much of their own squares more.
+const WORSE: f64 = 0.5;
+/// Uncertainty of the gain at most.
+const SURE: f64 = 0.06;
+/// Readings that slow noise makes one.
+const MEMORY: f64 = 10.0;
 /// A gain is within this.
 const NEAR: f64 = 0.1;
 
@@ -33,7 +37,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 continue;
             }
             let [as_is, otherwise] = [1.0, gain].map(|times| readings.left_with(None, times));
-            if otherwise < FITS * noise && as_is > WORSE * otherwise {
+            let sure = (noise * MEMORY / matched.count).sqrt() / matched.size;
+            if otherwise < FITS * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE {
                 out.push(Fault {
                     kind: "compensated",
                     set,

@@ -26,7 +26,7 @@ const SIZE: f64 = 1.5;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, data) in view.sets() {
-        let Some(trail) = view.trails.get(set).filter(|trail| trail.is_repeated) else { continue };
+        let Some(trail) = view.trails.get(set).filter(|trail| trail.is_repeated && trail.has_sense) else { continue };
         let found = first_run(trail, data).or_else(|| {
             let change = change(trail, data).filter(|change| is_early(trail, change))?;
             Some((change.row.checked_sub(1)?, evidence(&change)))

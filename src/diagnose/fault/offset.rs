@@ -1,6 +1,6 @@
 //! A sensor that reads some kelvin more or less from one row on: it came off and was fixed elsewhere, or its amplifier changed.
 
-use super::cells::{Sensor, goes_on};
+use super::cells::Clock;
 use super::{Check, Fault, Then, View, spread};
 
 pub(super) const CHECK: Check = Check {
@@ -21,8 +21,14 @@ const LARGEST: f64 = 2.5;
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
         let Some(data) = view.scene.sets.get(set) else { continue };
-        let on = goes_on(data);
-        let jumps: Vec<Vec<f64>> = sensors.iter().map(|sensor| jumps(sensor, &on)).collect();
+        let clock = Clock::new(data);
+        let jumps: Vec<Vec<f64>> = sensors
+            .iter()
+            .map(|sensor| {
+                let values = &sensor.values;
+                (0..values.len()).map(|row| clock.jump(values, values, row).unwrap_or(0.0)).collect()
+            })
+            .collect();
         for (number, (sensor, own)) in sensors.iter().zip(&jumps).enumerate() {
             let Some((row, jump)) = largest(own) else { continue };
             let usual = spread(own.iter().copied());
@@ -51,21 +57,6 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             });
         }
     }
-}
-
-/// By how much the change to each row is beyond those before and behind it; 0 where the clock pauses.
-fn jumps(sensor: &Sensor, on: &[bool]) -> Vec<f64> {
-    let change = |row: usize| {
-        let value = sensor.values.get(row)? - sensor.values.get(row.checked_sub(1)?)?;
-        (on.get(row - 1).copied().unwrap_or(false) && value.is_finite()).then_some(value)
-    };
-    let beyond = |row: usize| {
-        let (Some(before), Some(own), Some(behind)) = (change(row.checked_sub(1)?), change(row), change(row + 1)) else {
-            return None;
-        };
-        Some(own - own.clamp(before.min(behind), before.max(behind)))
-    };
-    (0..sensor.values.len()).map(|row| beyond(row).unwrap_or(0.0)).collect()
 }
 
 fn largest(jumps: &[f64]) -> Option<(usize, f64)> {

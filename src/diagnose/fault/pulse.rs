@@ -27,7 +27,17 @@ const END: usize = 4;
 /// Both sides of a window are the same within so much of the pulse.
 const BACK: f64 = 0.5;
 /// A pulse in units of the noise, at least.
-const SIZE: f64 = 1.5;
+const SIZE: f64 = 1.9;
+/// The shortest, s.
+const SHORTEST_S: f64 = 45.0;
+/// The middle of the readings has so much of what their mean has: it is not one of them alone.
+const MIDDLE: f64 = 0.6;
+/// Rows that are few.
+const FEW: usize = 20;
+/// Rows from the end of a piece within which a window is the rest of it.
+const REST: usize = 4;
+/// Other visits of the same places have less of it.
+const AGAIN: f64 = 0.4;
 
 /// A window of rows that stands out.
 #[derive(Clone, Copy, Debug)]
@@ -106,7 +116,9 @@ fn best(trail: &Trail, times: &[f64]) -> Option<(Window, String)> {
             .filter_map(|first| {
                 let until = times[first] + length;
                 let count = times[first..].iter().take_while(|time| **time < until && **time >= times[first]).count();
-                (count >= 2).then_some([first, first + count - 1])
+                let last = first + count.max(1) - 1;
+                let is_rest = trail.blocks.iter().any(|block| block[1].abs_diff(last) <= REST);
+                (times[last] - times[first] >= SHORTEST_S && !is_rest).then_some([first, last])
             })
             .collect();
         let mut scores: HashMap<usize, (f64, f64)> = HashMap::new();
@@ -129,7 +141,7 @@ fn best(trail: &Trail, times: &[f64]) -> Option<(Window, String)> {
         }));
     }
     windows.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.rows.cmp(&b.rows)));
-    windows.truncate(200);
+    windows.truncate(5000);
     windows.into_iter().find_map(|window| is_pulse(trail, window, times).map(|evidence| (window, evidence)))
 }
 
@@ -141,7 +153,7 @@ fn is_pulse(trail: &Trail, window: Window, times: &[f64]) -> Option<String> {
     let mut ends = [0.0; 2];
     let mut parts = [0.0; 2];
     let mut back = 0.0;
-    let mut count = 0.0_f64;
+    let (mut count, mut middles) = (0.0_f64, 0.0);
     for channel in &trail.channels {
         let Some(one) = contrast(channel, window.rows) else { continue };
         let range = channel.range(first, last);
@@ -159,16 +171,42 @@ fn is_pulse(trail: &Trail, window: Window, times: &[f64]) -> Option<String> {
         let middle = (one.sides[0] + one.sides[1]) / 2.0;
         parts[0] += unit(mean(range.start, half).unwrap_or(one.inside) - middle);
         parts[1] += unit(mean(half, range.end).unwrap_or(one.inside) - middle);
+        let inside: Vec<f64> = channel.left[range].iter().copied().filter(|left| left.is_finite()).collect();
+        middles += unit(super::median(inside) - middle);
         count += 1.0;
     }
     let is_flat = parts.iter().all(|part| *part > BACK * whole);
     let is_sharp = ends.iter().all(|end| *end > SHARP * whole);
     let size = (whole / count.max(1.0)).sqrt();
-    (is_flat && is_sharp && back.abs() < BACK * whole && size > SIZE).then(|| {
+    // Exactly one run, or a few rows where every visit comes from another side: that is how axes move.
+    let is_run = trail.is_border(first, 1) && trail.is_border(last + 1, 1);
+    if is_run || !trail.has_sense && last - first < FEW {
+        return None;
+    }
+    let is_alone = is_flat && is_sharp && middles > MIDDLE * whole && back.abs() < BACK * whole && size > SIZE;
+    (is_alone && again(trail, window) < AGAIN).then(|| {
         format!(
             "{} readings a row shift by {size:.1} times their noise for {:.0} s and back, within one reading at both ends, and not at other visits of the same places",
             count,
             times[last] - times[first]
         )
     })
+}
+
+/// How much of a window the other visits of its points from the same sides have.
+fn again(trail: &Trail, window: Window) -> f64 {
+    let others = trail.other_visits(window.rows);
+    let (mut own, mut other) = (0.0, 0.0);
+    for channel in &trail.channels {
+        let Some(one) = contrast(channel, window.rows) else { continue };
+        let left = others.iter().flat_map(|row| channel.range(*row, *row)).filter_map(|k| channel.left.get(k).copied());
+        let left: Vec<f64> = left.filter(|left| left.is_finite()).collect();
+        if left.is_empty() {
+            continue;
+        }
+        let size = one.size() / channel.noise;
+        own += size * size;
+        other += size * left.iter().sum::<f64>() / left.len() as f64 / channel.noise;
+    }
+    if own > 0.0 { other / own } else { 0.0 }
 }

@@ -16,14 +16,19 @@ pub(super) const CHECK: Check = Check {
 
 /// Readings of a channel on each side, from the most.
 const SIDES: [usize; 4] = [60, 40, 25, 12];
+/// Readings of a channel on each side over which it is flat, at most.
+const LONG: usize = 180;
 /// Readings that show how sharp it is.
-const END: usize = 5;
+const END: usize = 3;
 /// The end is so much of the whole.
-const SHARP: f64 = 0.5;
+const SHARP: f64 = 0.6;
 /// Halves of a side differ by less than this of the step.
 const FLAT: f64 = 0.35;
 /// In units of the noise at least.
 const SIZE: f64 = 1.5;
+
+/// Rows from a change within which a driver goes with it.
+const NEAR: usize = 6;
 
 /// A change point.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +73,10 @@ pub(super) fn evidence(change: &Change) -> String {
 
 /// The change that stands out most, if it is a step.
 pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
+    // Where every visit comes from another side, a new side looks like a step.
+    if !trail.has_sense {
+        return None;
+    }
     let mut changes: Vec<Change> = Vec::new();
     for side in SIDES {
         // As neighbouring pieces differ where nothing is.
@@ -112,28 +121,30 @@ fn is_step(trail: &Trail, change: &Change) -> bool {
     let (mut whole, mut end, mut slopes) = (0.0, 0.0, [0.0; 2]);
     for channel in &trail.channels {
         let at = channel.range(change.row, change.row).start;
-        let side = change.side;
         let range = channel.range(change.block[0], change.block[1]);
-        if at < range.start + side || at + side > range.end {
+        if at < range.start + change.side || at + change.side > range.end {
             continue;
         }
+        // As far as the piece goes: what decays or is switched off again is no step.
+        let [before, behind] = [at - range.start, range.end - at].map(|side| side.min(LONG));
         let mean = |from: usize, to: usize| channel.mean(from, to).map_or(0.0, |(mean, _)| mean);
-        let jump = mean(at, at + side) - mean(at - side, at);
-        let unit = |value: f64| jump * value / (channel.noise * channel.noise);
-        whole += unit(jump);
+        let jump = mean(at, at + behind) - mean(at - before, at);
+        let near = mean(at, at + change.side) - mean(at - change.side, at);
+        let unit = |value: f64| near * value / (channel.noise * channel.noise);
+        whole += unit(jump).min(unit(near));
         end += unit(mean(at, at + END) - mean(at - END, at));
-        let half = side / 2;
-        slopes[0] += unit(mean(at - half, at) - mean(at - side, at - half));
-        slopes[1] += unit(mean(at + half, at + side) - mean(at, at + half));
+        let [half, rest] = [before / 2, behind / 2];
+        slopes[0] += unit(mean(at - half, at) - mean(at - before, at - half));
+        slopes[1] += unit(mean(at + rest, at + behind) - mean(at, at + rest));
     }
-    end > SHARP * whole && slopes.iter().all(|slope| slope.abs() < FLAT * whole)
+    whole > 0.0 && end > SHARP * whole && slopes.iter().all(|slope| slope.abs() < FLAT * whole)
 }
 
 /// Whether a driver changes there as well and the readings follow it elsewhere too.
 fn is_driven(trail: &Trail, change: &Change, data: &DataSet) -> bool {
     data.drivers.iter().filter(|driver| !driver.name.starts_with("T_")).any(|driver| {
         let value = |row: usize| driver.values.get(row).copied().unwrap_or(f64::NAN);
-        let [before, behind] = [value(change.row.saturating_sub(2)), value(change.row + 1)];
+        let [before, behind] = [value(change.row.saturating_sub(NEAR)), value(change.row + NEAR)];
         if !(before != behind && before.is_finite() && behind.is_finite()) {
             return false;
         }

@@ -43,6 +43,12 @@ pub(super) struct Trail {
     pub(super) blocks: Vec<[usize; 2]>,
     /// Whether most readings have repetitions.
     pub(super) is_repeated: bool,
+    /// Whether they come from the same side.
+    pub(super) has_sense: bool,
+    /// Whether a run or a sense begins with a row.
+    begins: Vec<bool>,
+    /// Rows at the same point from the same side, whatever the tool, by a number for each row.
+    alike: Vec<usize>,
     noise_ratio: Option<f64>,
 }
 
@@ -112,6 +118,9 @@ impl Trail {
             rows: data.observations.len(),
             blocks: blocks(spans),
             is_repeated,
+            has_sense,
+            begins: begins(data),
+            alike: alike(data),
             noise_ratio: None,
         };
         let mut raw: Vec<Vec<f64>> = vec![Vec::new(); count];
@@ -120,7 +129,8 @@ impl Trail {
             own.at.push((*row, item.value));
             own.left.push(left[place]);
             own.sigma = item.sigma;
-            raw[*number].push(item.left);
+            let read = data.observations.get(*row).and_then(|one| one.values.get(item.value).copied().flatten());
+            raw[*number].push(read.unwrap_or(item.left));
         }
         let mut ratios = Vec::new();
         for (own, raw) in trail.channels.iter_mut().zip(raw).filter(|(own, _)| !own.at.is_empty()) {
@@ -139,6 +149,19 @@ impl Trail {
     /// Noise in units of what is stated.
     pub(super) fn noise_ratio(&self) -> Option<f64> {
         self.noise_ratio
+    }
+
+    /// Whether a run or a sense begins within some rows of one.
+    pub(super) fn is_border(&self, row: usize, within: usize) -> bool {
+        let end = self.begins.len().min(row + within + 1);
+        self.begins.get(row.saturating_sub(within)..end).is_some_and(|near| near.contains(&true))
+    }
+
+    /// Rows elsewhere at the same points from the same sides as some rows.
+    pub(super) fn other_visits(&self, [first, last]: [usize; 2]) -> Vec<usize> {
+        let own: std::collections::HashSet<usize> =
+            self.alike.iter().take(last + 1).skip(first).copied().collect();
+        (0..self.rows).filter(|row| !(first..=last).contains(row) && self.alike.get(*row).is_some_and(|k| own.contains(k))).collect()
     }
 
     /// Rows that do not count any more.
@@ -187,6 +210,30 @@ impl Channel {
         let count = to.1.checked_sub(from.1).filter(|count| *count > 0)?;
         Some(((to.0 - from.0) / count as f64, count))
     }
+}
+
+/// Whether a run or a sense begins with each row.
+fn begins(data: &DataSet) -> Vec<bool> {
+    let what = |row: usize| data.observations.get(row).map(|one| (one.setup, one.run, one.reading.state.direction));
+    (0..data.observations.len()).map(|row| row == 0 || what(row) != what(row - 1)).collect()
+}
+
+/// Numbers of what rows have in common that are at the same point from the same side.
+fn alike(data: &DataSet) -> Vec<usize> {
+    let mut known: HashMap<Vec<i64>, usize> = HashMap::new();
+    let fine = |value: f64| (value * 1e3).round() as i64;
+    let mut number = |one: &crate::measure::data::Observation| {
+        let position = &one.reading.position;
+        let mut key: Vec<i64> = AXES
+            .iter()
+            .map(|&axis| fine(position[axis] + if axis.is_rotary() { 0.0 } else { one.reading.tool_mm[axis.dimension()] }))
+            .collect();
+        key.extend(one.reading.state.direction.iter().map(|sense| i64::from(*sense)));
+        key.push(one.target.map_or(-1, |target| target as i64));
+        let count = known.len();
+        *known.entry(key).or_insert(count)
+    };
+    data.observations.iter().map(&mut number).collect()
 }
 
 /// Noise by differences of neighbours, of the first or second order.

@@ -20,33 +20,36 @@ const FACTORS: [(f64, &str, &str); 4] = [
     (25.4, "factor 25.4", "micrometres taken for thousandths of an inch and converted"),
 ];
 /// The prediction is at least so large, in units of the noise, to be evidence.
-const SIZE: f64 = 3.0;
+const SIZE: f64 = 2.0;
 /// And explains so much.
-const SHARE: f64 = 0.5;
+const SHARE: f64 = 0.3;
 /// A gain is that of a factor within this, as a logarithm.
 const NEAR: f64 = 0.3;
 /// The noise is, as a logarithm, where there is a prediction.
-const NOISE_NEAR: f64 = 1.4;
+const NOISE_NEAR: f64 = 2.3;
 /// And where there is none.
-const NOISE_ALONE: f64 = 0.12;
+const NOISE_ALONE: f64 = 0.2;
+/// No instrument is so much better or worse than is said of it.
+const INCREDIBLE: f64 = 4.6;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, data) in view.sets() {
         let (Some(readings), Some(trail)) = (Readings::new(view.scene, set), view.trails.get(set)) else { continue };
         let matched = readings.matched(None);
         let noise = trail.noise_ratio();
-        // In units of the noise that is there.
-        let unit = noise.unwrap_or(1.0).max(1e-6);
         let near = |value: f64, factor: f64| (value / factor).ln().abs();
         // Without a stated σ nothing says what the noise should be.
         let stated = noise.filter(|_| data.sigma.is_some() || data.sigma_rad.is_some());
         for (factor, what, means) in FACTORS {
-            let by_model = matched.size * factor / unit > SIZE
+            let by_model = matched.size > SIZE
                 && matched.share > SHARE
                 && matched.gain > 0.0
                 && near(matched.gain, factor) < NEAR
                 && stated.is_none_or(|noise| near(noise, factor) < NOISE_NEAR);
-            let by_noise = matched.size < SIZE && stated.is_some_and(|noise| near(noise, factor) < NOISE_ALONE);
+            let is_incredible = factor.ln().abs() > INCREDIBLE;
+            let within = if is_incredible { 1.0 } else { NOISE_ALONE };
+            let by_noise =
+                (is_incredible || matched.size < SIZE) && stated.is_some_and(|noise| near(noise, factor) < within);
             if !(by_model || by_noise) {
                 continue;
             }
@@ -60,7 +63,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                     matched.share * 100.0
                 )
             } else {
-                format!("{of_noise}; the model knows no errors that would tell")
+                format!("{of_noise}; the model knows too little here to tell")
             };
             out.push(Fault {
                 kind: "unit",
