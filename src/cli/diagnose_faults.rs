@@ -64,9 +64,13 @@ fn refusal(fault: &Fault, set: &DataSet) -> Diagnostic {
     let name = if fault.name == set.name { String::new() } else { format!(" {}", fault.name) };
     let message = format!("{}{name}: {}: {}", set.name, fault.what, fault.evidence);
     let help = match fault.kind {
-        "unit" => "convert the column to the unit that its name says, and check sigma_um (or sigma_urad) in the description",
+        "unit" => {
+            "convert the column to the unit that its name says, and check sigma_um (or sigma_urad) in the description"
+        }
         "axes" => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again",
-        _ => "measure with the table of the control switched off, or give with --machine what the control does not take out",
+        _ => {
+            "measure with the table of the control switched off, or give with --machine what the control does not take out"
+        }
     };
     Diagnostic::nowhere(Code::DATA_FAULT, message, help)
 }

@@ -78,7 +78,9 @@ impl Clock {
         let own = self.step(last, row)?;
         let long = 0.9 * own;
         let from = (0..last).rev().take(10).find(|&k| self.times[last] - self.times[k] >= long)?;
-        let to = (row + 1..behind.len()).take(10).find(|&k| self.times.get(k).is_some_and(|t| t - self.times[row] >= long))?;
+        let to = (row + 1..behind.len())
+            .take(10)
+            .find(|&k| self.times.get(k).is_some_and(|t| t - self.times[row] >= long))?;
         let rate = |values: &[f64], from: usize, to: usize| {
             let step = self.times.get(to)? - self.times.get(from)?;
             let change = values.get(to)? - values.get(from)?;

@@ -32,7 +32,9 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         if matched.size < SIZE * noise.sqrt() {
             continue;
         }
-        for (gain, what) in [(0.0, "known errors already taken out"), (2.0, "known errors taken out with the wrong sign")] {
+        for (gain, what) in
+            [(0.0, "known errors already taken out"), (2.0, "known errors taken out with the wrong sign")]
+        {
             if (matched.gain - gain).abs() > NEAR {
                 continue;
             }

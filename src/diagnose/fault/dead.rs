@@ -26,9 +26,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             let own = super::median(sensor.said().filter(|value| *value != 0.0).collect());
             let zeros = sensor.said().filter(|value| *value == 0.0).count();
             let no_signal = zeros >= ZEROS && own.max(others) > WARM_C;
-            let is_dead = |value: f64| {
-                value.is_finite() && (!POSSIBLE_C.contains(&value) || (no_signal && value == 0.0))
-            };
+            let is_dead =
+                |value: f64| value.is_finite() && (!POSSIBLE_C.contains(&value) || (no_signal && value == 0.0));
             let rows: Vec<usize> = (0..sensor.values.len()).filter(|&row| is_dead(sensor.values[row])).collect();
             // Pieces; a few good rows between them are no recovery.
             for piece in rows.chunk_by(|one, next| next - one <= ZEROS) {

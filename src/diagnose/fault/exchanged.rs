@@ -54,15 +54,21 @@ fn best(sensors: &[Sensor], clock: &Clock) -> Option<Swap> {
         .iter()
         .map(|sensor| (0..rows).map(|row| clock.jump(&sensor.values, &sensor.values, row)).collect())
         .collect();
-    let noise: Vec<f64> =
-        sensors.iter().zip(&jumps).map(|(sensor, jumps)| noise(&sensor.values).max(spread(jumps.iter().copied().flatten()))).collect();
+    let noise: Vec<f64> = sensors
+        .iter()
+        .zip(&jumps)
+        .map(|(sensor, jumps)| noise(&sensor.values).max(spread(jumps.iter().copied().flatten())))
+        .collect();
+    let at = |sensor: usize, row: usize| jumps.get(sensor).and_then(|all| all.get(row)).copied().flatten();
     let mut best: Option<Swap> = None;
     for row in 0..rows {
         for one in 0..sensors.len() {
-            let Some(a) = jumps[one][row] else { continue };
+            let Some(a) = at(one, row) else { continue };
             for other in one + 1..sensors.len() {
                 let unit = noise[one].hypot(noise[other]).max(1e-6);
-                let Some(b) = jumps[other][row].filter(|b| a * b < 0.0 && a.abs().min(b.abs()) > JUMP * unit) else { continue };
+                let Some(b) = at(other, row).filter(|b| a * b < 0.0 && a.abs().min(b.abs()) > JUMP * unit) else {
+                    continue;
+                };
                 let (from, to) = (&sensors[one].values, &sensors[other].values);
                 let (Some(c), Some(d)) = (clock.jump(from, to, row), clock.jump(to, from, row)) else { continue };
                 let (apart, left) = (a.abs().min(b.abs()), c.abs().max(d.abs()));

@@ -21,8 +21,12 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         let suspects: Vec<&Sensor> = sensors.iter().filter(|one| is_above(one, sensors)).collect();
         for sensor in suspects {
             let Some([low, high]) = sensor.range() else { continue };
-            let lows: Vec<f64> =
-                sensors.iter().filter(|one| one.name != sensor.name).filter_map(Sensor::range).map(|[low, _]| low).collect();
+            let lows: Vec<f64> = sensors
+                .iter()
+                .filter(|one| one.name != sensor.name)
+                .filter_map(Sensor::range)
+                .map(|[low, _]| low)
+                .collect();
             let rest = super::median(lows);
             let [from, to] = [low, high].map(|value| (value - 32.0) / 1.8);
             out.push(Fault {

@@ -70,11 +70,23 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         let times: Option<Vec<f64>> = data.observations.iter().map(|one| one.t_s).collect();
         let Some(times) = times else { continue };
         let mut trail = trail.clone();
-        let mut found = Vec::new();
-        while found.len() <= MOST {
+        let mut found: Vec<(Window, String)> = Vec::new();
+        for _ in 0..3 * MOST {
+            if found.len() > MOST {
+                break;
+            }
             let Some((window, evidence)) = best(&trail, &times) else { break };
             trail.forget(window.rows);
-            found.push((window, evidence));
+            // The rest of one that was found is none of its own.
+            let is_rest = |(known, _): &&mut (Window, String)| {
+                window.rows[0] <= known.rows[1] + 1 && known.rows[0] <= window.rows[1] + 1
+            };
+            match found.iter_mut().find(is_rest) {
+                Some((known, _)) => {
+                    known.rows = [known.rows[0].min(window.rows[0]), known.rows[1].max(window.rows[1])];
+                }
+                None => found.push((window, evidence)),
+            }
         }
         if found.len() > MOST {
             continue;

@@ -19,7 +19,8 @@ const COUNT: usize = 20;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, data) in view.sets() {
-        let own = |item: &&crate::diagnose::scene::Item| view.scene.rows.get(item.row).is_some_and(|row| row.set == set);
+        let own =
+            |item: &&crate::diagnose::scene::Item| view.scene.rows.get(item.row).is_some_and(|row| row.set == set);
         let Some(first) = view.scene.items.iter().find(own) else { continue };
         // Lengths and angles in one file have steps of their own.
         if view.scene.items.iter().filter(own).any(|item| item.is_angle != first.is_angle) {
@@ -51,7 +52,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
 fn step(values: &[f64], finest: f64) -> Option<f64> {
     /// Steps beyond this are no digits any more.
     const MOST: f64 = 1e12;
-    if values.len() < COUNT || !(finest > 0.0) {
+    if values.len() < COUNT {
         return None;
     }
     let mut common = 0_u64;

@@ -45,7 +45,8 @@ impl Readings {
             weights.push(1.0 / item.sigma);
             items.push(item);
         }
-        let mut unknowns: Vec<usize> = items.iter().flat_map(|item| &item.by_unknown).map(|(number, _)| *number).collect();
+        let mut unknowns: Vec<usize> =
+            items.iter().flat_map(|item| &item.by_unknown).map(|(number, _)| *number).collect();
         unknowns.sort_unstable();
         unknowns.dedup();
         let mut columns = vec![vec![0.0; items.len()]; unknowns.len()];

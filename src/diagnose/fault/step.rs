@@ -98,7 +98,8 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
                     if at < range.start + side || at + side > range.end {
                         continue;
                     }
-                    let (Some((behind, _)), Some((before, _))) = (channel.mean(at, at + side), channel.mean(at - side, at))
+                    let (Some((behind, _)), Some((before, _))) =
+                        (channel.mean(at, at + side), channel.mean(at - side, at))
                     else {
                         continue;
                     };
@@ -156,9 +157,8 @@ fn is_driven(trail: &Trail, change: &Change, data: &DataSet) -> bool {
             let near = at.saturating_sub(change.side)..at + change.side;
             let mean = |above: bool| {
                 let values = channel.at.iter().zip(&channel.left).enumerate();
-                let far = values.filter(|(k, (at, left))| {
-                    !near.contains(k) && left.is_finite() && (value(at.0) > limit) == above
-                });
+                let far = values
+                    .filter(|(k, (at, left))| !near.contains(k) && left.is_finite() && (value(at.0) > limit) == above);
                 let all: Vec<f64> = far.map(|(_, (_, left))| *left).collect();
                 all.iter().sum::<f64>() / all.len().max(1) as f64
             };

@@ -68,7 +68,9 @@ fn pieces(sensor: &Sensor) -> Vec<[usize; 2]> {
     let mut pieces: Vec<[usize; 2]> = Vec::new();
     for (row, value) in sensor.values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
         match pieces.last_mut() {
-            Some(piece) if piece[1] + 1 == row && sensor.values[piece[0]].to_bits() == value.to_bits() => piece[1] = row,
+            Some(piece) if piece[1] + 1 == row && sensor.values[piece[0]].to_bits() == value.to_bits() => {
+                piece[1] = row
+            }
             _ => pieces.push([row, row]),
         }
     }

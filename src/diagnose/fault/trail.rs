@@ -159,9 +159,10 @@ impl Trail {
 
     /// Rows elsewhere at the same points from the same sides as some rows.
     pub(super) fn other_visits(&self, [first, last]: [usize; 2]) -> Vec<usize> {
-        let own: std::collections::HashSet<usize> =
-            self.alike.iter().take(last + 1).skip(first).copied().collect();
-        (0..self.rows).filter(|row| !(first..=last).contains(row) && self.alike.get(*row).is_some_and(|k| own.contains(k))).collect()
+        let own: std::collections::HashSet<usize> = self.alike.iter().take(last + 1).skip(first).copied().collect();
+        (0..self.rows)
+            .filter(|row| !(first..=last).contains(row) && self.alike.get(*row).is_some_and(|k| own.contains(k)))
+            .collect()
     }
 
     /// Rows that do not count any more.
@@ -226,7 +227,9 @@ fn alike(data: &DataSet) -> Vec<usize> {
         let position = &one.reading.position;
         let mut key: Vec<i64> = AXES
             .iter()
-            .map(|&axis| fine(position[axis] + if axis.is_rotary() { 0.0 } else { one.reading.tool_mm[axis.dimension()] }))
+            .map(|&axis| {
+                fine(position[axis] + if axis.is_rotary() { 0.0 } else { one.reading.tool_mm[axis.dimension()] })
+            })
             .collect();
         key.extend(one.reading.state.direction.iter().map(|sense| i64::from(*sense)));
         key.push(one.target.map_or(-1, |target| target as i64));
@@ -281,14 +284,16 @@ fn take_senses_out(scene: &Scene<'_>, items: &[(&Item, usize)], channel: &[usize
         let row = |place: usize| scene.rows.get(items[place].0.row);
         let mut columns: Vec<Vec<f64>> = Vec::new();
         for axis in axes() {
-            let sense: Vec<f64> = places.iter().map(|&place| row(place).map_or(0.0, |row| row.sense_of(axis))).collect();
+            let sense: Vec<f64> =
+                places.iter().map(|&place| row(place).map_or(0.0, |row| row.sense_of(axis))).collect();
             let first = sense.first().copied().unwrap_or(0.0);
             if sense.iter().all(|sense| *sense == first) {
                 continue;
             }
             columns.push(sense.clone());
             for along in axes() {
-                let at: Vec<f64> = places.iter().map(|&place| row(place).map_or(0.0, |row| row.position[along])).collect();
+                let at: Vec<f64> =
+                    places.iter().map(|&place| row(place).map_or(0.0, |row| row.position[along])).collect();
                 let middle = at.iter().sum::<f64>() / at.len().max(1) as f64;
                 for power in [1, 2] {
                     columns.push(at.iter().zip(&sense).map(|(at, sense)| (at - middle).powi(power) * sense).collect());
