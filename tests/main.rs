@@ -37,6 +37,7 @@ mod cycles;
 mod definitions;
 mod diagnose;
 mod diagnose_causes;
+mod diagnose_faults;
 mod emission;
 mod esmaeili;
 mod exec;

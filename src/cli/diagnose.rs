@@ -13,10 +13,10 @@ use super::output::Target;
 use super::program::protect;
 use super::progress::Progress;
 use super::stop::Stop;
-use super::{print, tell};
+use super::{diagnose_faults, print, tell};
 use crate::diagnose::cause::{Cause, Correctable};
 use crate::diagnose::extend::extension;
-use crate::diagnose::{Compared, Diagnosis, Finding, Scene, Sizes, Source, diagnose, reads_angles};
+use crate::diagnose::{Compared, Diagnosis, Finding, Scene, Sizes, Source, diagnose, fault, reads_angles};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
@@ -79,13 +79,22 @@ fn find(arguments: &DiagnoseArguments, findings: &mut Findings, report: &mut dia
         return Ok(());
     }
     let used = arguments.data.len();
+    // Faults of held-out data are not looked for: what is held out shall be as it comes.
+    let in_use = sets.get_mut(..used).unwrap_or_default();
+    let faults = diagnose_faults::look(&chosen.machine, &chosen.errors, in_use, findings, &mut report.data_faults)
+        .unwrap_or_default();
+    if findings.has_errors() {
+        return Ok(());
+    }
     let scene = |errors: &ErrorModel| Scene::new(&chosen.machine, errors, &sets);
-    let (Ok(of_model), Ok(bare)) = (scene(&chosen.errors), scene(&ErrorModel::default())) else {
+    let (Ok(mut of_model), Ok(mut bare)) = (scene(&chosen.errors), scene(&ErrorModel::default())) else {
         let message = "the readings cannot even tell the set-ups";
         let help = "describe what is known of the set-ups, or measure more";
         findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
         return Ok(());
     };
+    fault::exclude(&mut of_model, &faults);
+    fault::exclude(&mut bare, &faults);
     let mut progress = Progress::new();
     let found = diagnose(&of_model, &bare, used, &mut |what, share| progress.share(what, share));
     progress.clear();
@@ -161,7 +170,8 @@ fn tell_all(
             found.outliers.iter().filter(|(set, _)| *set == number).map(|(_, row)| row + 1).collect();
         if !rows.is_empty() {
             let what = "far from all others".to_owned();
-            report.data_faults.push(DataFault { kind: "outlier".into(), name: set.name.clone(), what, rows });
+            let name = set.name.clone();
+            report.data_faults.push(DataFault { kind: "outlier".into(), name, what, rows, ..Default::default() });
         }
     }
 }

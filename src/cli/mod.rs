@@ -11,6 +11,7 @@ mod calibrated_report;
 mod check;
 mod conditions;
 mod diagnose;
+mod diagnose_faults;
 mod exit_code;
 mod explain;
 mod extended;

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! Scene::new(machine, errors, sets)      what is left of every reading, and what a deviation anywhere would do to it
+//! fault::FAULTS                         what is wrong with the data themselves
 //! cause::CAUSES                          candidates: what readings would have in addition, one file per cause
 //! search, freedom                        which of them explain what is left beside the memory of the noise
 //! fold                                   which of these also help where they were not found
@@ -12,6 +13,7 @@
 pub mod cause;
 mod empirical;
 pub mod extend;
+pub mod fault;
 mod fold;
 mod freedom;
 mod held;

@@ -244,7 +244,8 @@ fn verdict(
     // By what each gains where it was not found: terms that nearly cancel each other are large and gain little.
     findings.sort_by(|a, b| b.gain_unseen.total_cmp(&a.gain_unseen).then(b.rms.total_cmp(&a.rms)));
     let dropped = |weights: &Weights, is_used: bool| -> Vec<(usize, usize)> {
-        let items = scene.items.iter().zip(&weights.items).filter(|(_, weight)| **weight == 0.0);
+        let items =
+            scene.items.iter().zip(&weights.items).filter(|(item, weight)| **weight == 0.0 && item.sigma.is_finite());
         let rows = items.filter_map(|(item, _)| scene.rows.get(item.row));
         rows.filter(|row| (row.set < used) == is_used).map(|row| (row.set, row.number)).collect()
     };

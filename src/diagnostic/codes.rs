@@ -326,6 +326,10 @@ a larger --max.";
 "A file for --model has a parameter in each line, and comments behind #: EC0Y is a location error, EXX1 the coefficient of degree 1 of a motion error,
 EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm; load.EAX, drift.Y or expansion.X.scale are those of effects, which must be there in
 the machine file. The axis must be there, too, and a parameter stands there once.";
+    DATA_FAULT = "E0614" "readings that say something else than was measured"
+"Before ncfix diagnose looks for causes it looks for faults of the data. Here all readings of a measurement are off by a factor of units (1000, 25.4), go
+with the model only when two axes are exchanged or one is reversed, or lack exactly those errors that the machine file has, because a table of
+the control was active while measuring. Causes found in such readings would be nonsense; the finding says what the evidence is and what to change.";
 
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";

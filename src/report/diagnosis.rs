@@ -109,8 +109,14 @@ pub struct DataFault {
     pub name: String,
     /// What is wrong with it.
     pub what: String,
-    /// Rows from 1.
+    /// Rows from 1: the first and the last, of outliers each.
     pub rows: Vec<usize>,
+    /// The measurement.
+    pub file: String,
+    /// Why this is thought.
+    pub evidence: String,
+    /// What was left out for it.
+    pub excluded: String,
 }
 
 /// One finding.
@@ -201,7 +207,15 @@ impl Diagnosis {
     fn tail(&self, out: &mut String) {
         let number = significant;
         for fault in &self.data_faults {
-            let _ = writeln!(out, "\n{} {}: {} ({} rows)", fault.kind, fault.name, fault.what, fault.rows.len());
+            let rows = match fault.rows.as_slice() {
+                [first, last] => format!("rows {first} to {last}"),
+                rows => format!("{} rows", rows.len()),
+            };
+            let _ = writeln!(out, "\n{} {}: {} ({rows})", fault.kind, fault.name, fault.what);
+            if !fault.evidence.is_empty() {
+                let _ = writeln!(out, "   {}", fault.evidence);
+                let _ = writeln!(out, "   left out: {}", fault.excluded);
+            }
         }
         for one in &self.not_confirmed {
             let _ = writeln!(out, "\n{one} stands in the data, but the data held out does not confirm it.");

@@ -1,0 +1,94 @@
+//! The readings of sensors of temperature, as one table has them.
+
+use crate::measure::data::DataSet;
+
+/// One sensor.
+#[derive(Clone, Debug)]
+pub(super) struct Sensor {
+    /// The name of its column.
+    pub(super) name: String,
+    /// °C, NaN where it says nothing.
+    pub(super) values: Vec<f64>,
+}
+
+impl Sensor {
+    /// Some rows say nothing any more.
+    pub(super) fn forget(&mut self, [first, last]: [usize; 2]) {
+        let end = self.values.len().min(last.saturating_add(1));
+        self.values.get_mut(first..end).into_iter().flatten().for_each(|value| *value = f64::NAN);
+    }
+
+    /// What it says, without gaps.
+    pub(super) fn said(&self) -> impl Iterator<Item = f64> {
+        self.values.iter().copied().filter(|value| value.is_finite())
+    }
+
+    /// Smallest and largest.
+    pub(super) fn range(&self) -> Option<[f64; 2]> {
+        let low = self.said().reduce(f64::min)?;
+        Some([low, self.said().reduce(f64::max)?])
+    }
+
+    /// Middle of what some rows say.
+    pub(super) fn median_of(&self, rows: std::ops::Range<usize>) -> Option<f64> {
+        let values: Vec<f64> =
+            self.values.get(rows).into_iter().flatten().copied().filter(|value| value.is_finite()).collect();
+        (!values.is_empty()).then(|| super::median(values))
+    }
+}
+
+/// All sensors of a measurement.
+pub(super) fn sensors(data: &DataSet) -> Vec<Sensor> {
+    let is_sensor = |name: &str| name.starts_with("T_") && name.ends_with("_C");
+    let own = data.drivers.iter().filter(|driver| is_sensor(&driver.name));
+    own.map(|driver| Sensor { name: driver.name.clone(), values: driver.values.clone() }).collect()
+}
+
+/// The clock of a table: how jumps of a sensor from one row to the next are told from what warms up.
+#[derive(Debug)]
+pub(super) struct Clock {
+    times: Vec<f64>,
+    /// Longer than this is a pause, s, behind which a machine may have become another one.
+    pause: f64,
+}
+
+impl Clock {
+    pub(super) fn new(data: &DataSet) -> Clock {
+        /// A pause is longer than so many of the longer usual intervals.
+        const PAUSE: f64 = 3.0;
+        /// Interval below which nothing warms up, s.
+        const SHORT_S: f64 = 30.0;
+        let times: Option<Vec<f64>> = data.observations.iter().map(|one| one.t_s).collect();
+        // Without a clock rows are taken as one after the other.
+        let times = times.unwrap_or_else(|| (0..data.observations.len()).map(|row| row as f64).collect());
+        let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        let usual = steps.get(steps.len() * 9 / 10).copied().unwrap_or(0.0);
+        Clock { times, pause: (PAUSE * usual).max(SHORT_S) }
+    }
+
+    fn step(&self, from: usize, to: usize) -> Option<f64> {
+        let step = self.times.get(to)? - self.times.get(from)?;
+        (0.0..=self.pause).contains(&step).then_some(step)
+    }
+
+    /// By how much a sensor changes to a row beyond what it changes before and another one behind it, in as much time; `None` at a pause.
+    pub(super) fn jump(&self, before: &[f64], behind: &[f64], row: usize) -> Option<f64> {
+        let last = row.checked_sub(1)?;
+        let own = self.step(last, row)?;
+        let long = 0.9 * own;
+        let from = (0..last).rev().take(10).find(|&k| self.times[last] - self.times[k] >= long)?;
+        let to = (row + 1..behind.len())
+            .take(10)
+            .find(|&k| self.times.get(k).is_some_and(|t| t - self.times[row] >= long))?;
+        let rate = |values: &[f64], from: usize, to: usize| {
+            let step = self.times.get(to)? - self.times.get(from)?;
+            let change = values.get(to)? - values.get(from)?;
+            Some(if step > 0.0 { change / step * own } else { change })
+        };
+        let (one, other) = (rate(before, from, last)?, rate(behind, row, to)?);
+        let change = behind.get(row)? - before.get(last)?;
+        (one.is_finite() && other.is_finite() && change.is_finite())
+            .then(|| change - change.clamp(one.min(other).min(0.0), one.max(other).max(0.0)))
+    }
+}

@@ -1,0 +1,62 @@
+//! Readings of a machine whose control already takes out what the model has: an active table. What is left is the known map with the other sign.
+
+use super::readings::Readings;
+use super::{Check, Fault, Then, View};
+
+pub(super) const CHECK: Check = Check {
+    name: "active compensation",
+    made_by: "a table of the control that was active while measuring, or one with the wrong sign",
+    shown_by: "nothing in the readings goes with the errors that the model knows, or twice as much as it should",
+    source: "residual = −1 or +1 × the known map",
+    look,
+};
+
+/// The prediction is at least so large in units of the noise.
+const SIZE: f64 = 1.2;
+/// What is left in squares of the noise where readings fit.
+const FITS: f64 = 4.0;
+/// The known errors as they are leave so much of their own squares more.
+const WORSE: f64 = 0.5;
+/// Uncertainty of the gain at most.
+const SURE: f64 = 0.06;
+/// Readings that slow noise makes one.
+const MEMORY: f64 = 10.0;
+/// A gain is within this.
+const NEAR: f64 = 0.1;
+
+fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+    for (set, data) in view.sets() {
+        let (Some(readings), Some(trail)) = (Readings::new(view.scene, set), view.trails.get(set)) else { continue };
+        let noise = trail.noise_ratio().unwrap_or(1.0).powi(2).max(1e-6);
+        let matched = readings.matched(None);
+        if matched.size < SIZE * noise.sqrt() {
+            continue;
+        }
+        for (gain, what) in
+            [(0.0, "known errors already taken out"), (2.0, "known errors taken out with the wrong sign")]
+        {
+            if (matched.gain - gain).abs() > NEAR {
+                continue;
+            }
+            let [as_is, otherwise] = [1.0, gain].map(|times| readings.left_with(None, times));
+            let sure = (noise * MEMORY / matched.count).sqrt() / matched.size;
+            if otherwise < FITS * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE {
+                out.push(Fault {
+                    kind: "compensated",
+                    set,
+                    name: data.name.clone(),
+                    what: what.into(),
+                    rows: [0, data.observations.len().saturating_sub(1)],
+                    evidence: format!(
+                        "{} readings are {:.2} times what the model says: with it they leave {:.1} times their noise, with {gain:.0} times it {:.1}",
+                        matched.count,
+                        matched.gain,
+                        (as_is / noise).sqrt(),
+                        (otherwise / noise).sqrt()
+                    ),
+                    then: Then::Refuse,
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! The first cycle: a machine that has not yet settled reads otherwise than in all later ones (ISO 230-2 has it warmed up by cycles that do not count).
+
+use super::step::{Change, change, evidence};
+use super::trail::Trail;
+use super::{Check, Fault, Then, View, spread};
+use crate::measure::data::DataSet;
+
+pub(super) const CHECK: Check = Check {
+    name: "first cycle",
+    made_by: "seats and lubrication that settle, a machine that was not moved before",
+    shown_by: "the first run shifted against all later ones of the same places, or a step soon after the beginning",
+    source: "ISO 230-2: warm-up before the measurement",
+    look,
+};
+
+/// A step in this part of the rows is one from the first cycle to the others.
+const EARLY: f64 = 0.15;
+/// Runs that show what is usual.
+const RUNS: usize = 4;
+/// Readings of a run at least.
+const COUNT: usize = 5;
+/// The next runs have less than this of it.
+const NEXT: f64 = 0.4;
+/// In units of the noise at least.
+const SIZE: f64 = 1.5;
+
+fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+    for (set, data) in view.sets() {
+        let Some(trail) = view.trails.get(set).filter(|trail| trail.is_repeated && trail.has_sense) else { continue };
+        let found = first_run(trail, data).or_else(|| {
+            let change = change(trail, data).filter(|change| is_early(trail, change))?;
+            Some((change.row.checked_sub(1)?, evidence(&change)))
+        });
+        let Some((last, evidence)) = found else { continue };
+        out.push(Fault {
+            kind: "first-cycle",
+            set,
+            name: data.observations.first().and_then(|one| data.runs.get(one.run)).cloned().unwrap_or_default(),
+            what: "first cycle".into(),
+            rows: [0, last],
+            evidence,
+            then: Then::WithoutRows,
+        });
+    }
+}
+
+/// Whether a step parts the first cycle from the others.
+pub(super) fn is_early(trail: &Trail, change: &Change) -> bool {
+    trail.blocks.first().is_some_and(|block| *block == change.block)
+        && ((change.row - change.block[0]) as f64) < EARLY * trail.rows as f64
+        && 2 * (change.row - change.block[0]) < change.block[1] - change.row
+}
+
+/// Rows of each run one after the other.
+fn runs(data: &DataSet) -> Vec<[usize; 2]> {
+    let mut runs: Vec<(usize, [usize; 2])> = Vec::new();
+    for (row, one) in data.observations.iter().enumerate() {
+        match runs.last_mut() {
+            Some((run, rows)) if *run == one.run => rows[1] = row,
+            _ => runs.push((one.run, [row, row])),
+        }
+    }
+    runs.into_iter().map(|(_, rows)| rows).collect()
+}
+
+/// The last row of a first run that differs from all later ones of its block.
+fn first_run(trail: &Trail, data: &DataSet) -> Option<(usize, String)> {
+    let runs = runs(data);
+    let first = *runs.first()?;
+    let block = *trail.blocks.first().filter(|block| block[0] <= first[1])?;
+    let next: Vec<[usize; 2]> = runs.iter().copied().skip(1).filter(|rows| rows[1] <= block[1]).collect();
+    if next.len() < RUNS {
+        return None;
+    }
+    let (mut score, mut whole, mut count) = (0.0, 0.0, 0.0_f64);
+    let mut later = vec![0.0; next.len()];
+    for channel in &trail.channels {
+        let mean = |rows: [usize; 2]| {
+            let range = channel.range(rows[0], rows[1]);
+            channel.mean(range.start, range.end).filter(|(_, count)| *count >= COUNT)
+        };
+        let Some((own, readings)) = mean(first) else { continue };
+        let others: Vec<f64> = next.iter().filter_map(|rows| mean(*rows)).map(|(mean, _)| mean).collect();
+        if others.len() < next.len() {
+            continue;
+        }
+        // What runs have in common is their middle.
+        let middle = super::median(others.clone());
+        let all = runs.iter().skip(1).filter_map(|rows| mean(*rows)).map(|(mean, _)| mean);
+        let usual = spread(all.map(|other| other - middle)).max(channel.noise / (readings as f64).sqrt());
+        score += ((own - middle) / usual).powi(2) - 4.0;
+        let size = (own - middle) / channel.noise;
+        whole += size * size;
+        later.iter_mut().zip(&others).for_each(|(sum, other)| *sum += size * (other - middle) / channel.noise);
+        count += 1.0;
+    }
+    let size = (whole / count.max(1.0)).sqrt();
+    let is_alone = later.iter().all(|other| *other < NEXT * whole);
+    (count > 0.0 && score > 24.0 && size > SIZE && is_alone).then(|| {
+        let most = later.iter().fold(0.0_f64, |most, other| most.max(*other)) / whole.max(f64::MIN_POSITIVE);
+        let evidence = format!(
+            "it differs from the {} later runs of the same places by {size:.1} times the noise, of which these have {:.0} % at most",
+            next.len(),
+            most * 100.0
+        );
+        (first[1], evidence)
+    })
+}

@@ -1,0 +1,45 @@
+//! Single readings far from the one before, the one behind and their own repetitions. A spike behind a reversal comes again at the next visit and is none.
+
+use super::trail::Channel;
+use super::{Check, Fault, Then, View};
+
+pub(super) const CHECK: Check = Check {
+    name: "single readings far out",
+    made_by: "a chip under the probe, a beam that was broken, a cable that was touched",
+    shown_by: "isolated in time, and not repeated at the same place",
+    source: "isolation and non-repetition; median of absolute deviations",
+    look,
+};
+
+/// Far out is so many times the noise from both neighbours and from the repetitions.
+const FAR: f64 = 7.0;
+
+fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+    for (set, data) in view.sets() {
+        let Some(trail) = view.trails.get(set).filter(|trail| trail.is_repeated) else { continue };
+        let mut readings: Vec<(usize, usize)> = trail.channels.iter().flat_map(far).collect();
+        readings.sort_unstable();
+        let (Some(first), Some(last)) = (readings.first(), readings.last()) else { continue };
+        out.push(Fault {
+            kind: "outlier",
+            set,
+            name: data.name.clone(),
+            what: "far from neighbours and repetitions".into(),
+            rows: [first.0, last.0],
+            evidence: format!("{} readings are more than {FAR} times the noise from both", readings.len()),
+            then: Then::WithoutReadings(readings),
+        });
+    }
+}
+
+fn far(channel: &Channel) -> Vec<(usize, usize)> {
+    let left = |place: usize| channel.left.get(place).copied().filter(|left| left.is_finite());
+    let limit = FAR * channel.noise;
+    let is_far = |place: usize| {
+        let Some(own) = left(place) else { return false };
+        let sides = [place.checked_sub(1).and_then(left), left(place + 1)];
+        let away = |side: f64| (own - side) * own.signum() > limit;
+        own.abs() > limit && sides.iter().flatten().all(|side| away(*side)) && sides.iter().any(Option::is_some)
+    };
+    (0..channel.at.len()).filter(|&place| is_far(place)).map(|place| channel.at[place]).collect()
+}

@@ -1,0 +1,76 @@
+//! Readings in steps of a display that are wide beside the noise: no error of the machine, but more noise than the instrument has.
+
+use super::{Check, Fault, Then, View};
+
+pub(super) const CHECK: Check = Check {
+    name: "steps of a display",
+    made_by: "a display or file with few digits",
+    shown_by: "all readings are multiples of a step that is wide beside their noise",
+    source: "uniform noise of step/√12",
+    look,
+};
+
+/// The finest step that is looked for, mm; of angles a thousandth of it, rad.
+const FINEST: f64 = 1e-7;
+/// The step is wide from so many standard uncertainties on.
+const WIDE: f64 = 0.8;
+/// Readings at least.
+const COUNT: usize = 20;
+
+fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+    for (set, data) in view.sets() {
+        let own =
+            |item: &&crate::diagnose::scene::Item| view.scene.rows.get(item.row).is_some_and(|row| row.set == set);
+        let Some(first) = view.scene.items.iter().find(own) else { continue };
+        // Lengths and angles in one file have steps of their own.
+        if view.scene.items.iter().filter(own).any(|item| item.is_angle != first.is_angle) {
+            continue;
+        }
+        let (sigma, is_angle) = (first.sigma, first.is_angle);
+        let finest = if is_angle { FINEST * 1e-3 } else { FINEST };
+        let values: Vec<f64> = data.observations.iter().flat_map(|one| one.values).flatten().collect();
+        let Some(step) = step(&values, finest).filter(|step| *step > WIDE * sigma) else { continue };
+        let (micro, unit) = if is_angle { (1e6, "µrad") } else { (1e3, "µm") };
+        out.push(Fault {
+            kind: "quantised",
+            set,
+            name: data.name.clone(),
+            what: "steps of the display".into(),
+            rows: [0, data.observations.len().saturating_sub(1)],
+            evidence: format!(
+                "all {} readings are multiples of {:.4} {unit}, which is {:.1} times their standard uncertainty",
+                values.len(),
+                step * micro,
+                step / sigma
+            ),
+            then: Then::MoreNoise(step / 12.0_f64.sqrt()),
+        });
+    }
+}
+
+/// The largest step of which all values are multiples; `None` where they are of none that is far above the finest.
+fn step(values: &[f64], finest: f64) -> Option<f64> {
+    /// Steps beyond this are no digits any more.
+    const MOST: f64 = 1e12;
+    if values.len() < COUNT {
+        return None;
+    }
+    let mut common = 0_u64;
+    let mut kinds = std::collections::BTreeSet::new();
+    for value in values {
+        let steps = (value / finest).abs();
+        if !(steps < MOST && (steps - steps.round()).abs() < 0.02) {
+            return None;
+        }
+        let mut other = steps.round() as u64;
+        kinds.insert(other);
+        while other != 0 {
+            (common, other) = (other, common % other);
+        }
+        if common == 1 {
+            return None;
+        }
+    }
+    // Of two numbers anything is a step.
+    (kinds.len() > 2).then_some(common as f64 * finest)
+}

@@ -1,0 +1,78 @@
+//! A sensor that is stuck: the very same number in row after row, while it else changes from row to row or while the others go on.
+
+use super::cells::Sensor;
+use super::{Check, Fault, Then, View};
+
+pub(super) const CHECK: Check = Check {
+    name: "stuck sensor",
+    made_by: "a logger that repeats its last value, a bus that is down",
+    shown_by: "no variance at all in rows in which noise should be",
+    source: "Spaan 1995, ch. 6: sensors that fail during a day",
+    look,
+};
+
+/// Rows of the same number at least.
+const ROWS: usize = 8;
+/// Times as long as any other piece of equal numbers.
+const TIMES: usize = 5;
+/// Others go this far, K, while a sensor says one number throughout.
+const FAR_K: f64 = 1.0;
+
+fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+    for (set, sensors) in view.sensors.iter().enumerate() {
+        for sensor in sensors {
+            let pieces = pieces(sensor);
+            let Some(longest) = pieces.iter().max_by_key(|piece| piece[1] - piece[0]).copied() else { continue };
+            let length = |piece: [usize; 2]| piece[1] - piece[0] + 1;
+            let next = pieces.iter().filter(|piece| **piece != longest).map(|piece| length(*piece)).max().unwrap_or(1);
+            let all = sensor.said().count();
+            let others = sensors.iter().filter(|other| other.name != sensor.name);
+            let moved = |other: &Sensor| {
+                let range = |rows: std::ops::Range<usize>| other.median_of(rows);
+                let (from, to) = (longest[0], longest[1] + 1);
+                let share = (length(longest) / 4).max(1);
+                Some((range(to - share..to)? - range(from..from + share)?).abs())
+            };
+            let far = others.clone().filter_map(moved).fold(0.0, f64::max);
+            let wide = others.filter_map(Sensor::range).map(|[low, high]| high - low).fold(0.0, f64::max);
+            let is_whole = length(longest) == all && all >= ROWS && wide > FAR_K;
+            let is_piece = length(longest) < all && length(longest) >= ROWS.max(TIMES * next);
+            // A display of few digits stays for long where nothing goes on.
+            if !(is_whole || is_piece && (next <= 2 || far > FAR_K)) {
+                continue;
+            }
+            let evidence = if is_whole {
+                format!("it reads {} °C in all rows, while others change by {wide:.1} K", sensor.values[longest[0]])
+            } else {
+                format!(
+                    "it reads {} °C in {} rows one after the other, else never more than {next} times; others change by up to {far:.1} K meanwhile",
+                    sensor.values[longest[0]],
+                    length(longest),
+                )
+            };
+            out.push(Fault {
+                kind: "sensor",
+                set,
+                name: sensor.name.clone(),
+                what: "stuck".into(),
+                rows: longest,
+                evidence,
+                then: Then::WithoutSensors(vec![sensor.name.clone()]),
+            });
+        }
+    }
+}
+
+/// Pieces of equal numbers: first and last row.
+fn pieces(sensor: &Sensor) -> Vec<[usize; 2]> {
+    let mut pieces: Vec<[usize; 2]> = Vec::new();
+    for (row, value) in sensor.values.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+        match pieces.last_mut() {
+            Some(piece) if piece[1] + 1 == row && sensor.values[piece[0]].to_bits() == value.to_bits() => {
+                piece[1] = row
+            }
+            _ => pieces.push([row, row]),
+        }
+    }
+    pieces
+}

@@ -1,0 +1,80 @@
+//! Readings by a factor: millimetres in a column of micrometres, micrometres in one of millimetres, inches.
+
+use super::readings::Readings;
+use super::{Check, Fault, Then, View};
+
+pub(super) const CHECK: Check = Check {
+    name: "factor of units",
+    made_by: "a column in another unit than its name says",
+    shown_by: "readings go with the model but for a factor, and their noise is as far from that of the instrument; without errors that the model knows, \
+               the noise alone",
+    source: "parsing and units first; ISO 230-1 has micrometres",
+    look,
+};
+
+/// Factors and what they are.
+const FACTORS: [(f64, &str, &str); 4] = [
+    (1e-3, "factor 0.001", "millimetres in a column of micrometres"),
+    (1e3, "factor 1000", "a thousandth of its unit"),
+    (1.0 / 25.4, "factor 1/25.4", "thousandths of an inch in a column of micrometres"),
+    (25.4, "factor 25.4", "micrometres taken for thousandths of an inch and converted"),
+];
+/// The prediction is at least so large, in units of the noise, to be evidence.
+const SIZE: f64 = 2.0;
+/// And explains so much.
+const SHARE: f64 = 0.3;
+/// A gain is that of a factor within this, as a logarithm.
+const NEAR: f64 = 0.3;
+/// The noise is, as a logarithm, where there is a prediction.
+const NOISE_NEAR: f64 = 2.3;
+/// And where there is none.
+const NOISE_ALONE: f64 = 0.2;
+/// No instrument is so much better or worse than is said of it.
+const INCREDIBLE: f64 = 4.6;
+
+fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+    for (set, data) in view.sets() {
+        let (Some(readings), Some(trail)) = (Readings::new(view.scene, set), view.trails.get(set)) else { continue };
+        let matched = readings.matched(None);
+        let noise = trail.noise_ratio();
+        let near = |value: f64, factor: f64| (value / factor).ln().abs();
+        // Without a stated σ nothing says what the noise should be.
+        let stated = noise.filter(|_| data.sigma.is_some() || data.sigma_rad.is_some());
+        for (factor, what, means) in FACTORS {
+            let by_model = matched.size > SIZE
+                && matched.share > SHARE
+                && matched.gain > 0.0
+                && near(matched.gain, factor) < NEAR
+                && stated.is_none_or(|noise| near(noise, factor) < NOISE_NEAR);
+            let is_incredible = factor.ln().abs() > INCREDIBLE;
+            let within = if is_incredible { 1.0 } else { NOISE_ALONE };
+            let by_noise =
+                (is_incredible || matched.size < SIZE) && stated.is_some_and(|noise| near(noise, factor) < within);
+            if !(by_model || by_noise) {
+                continue;
+            }
+            let of_noise = stated.map_or(String::new(), |noise| {
+                format!("their noise is {noise:.2e} times the uncertainty that the description states")
+            });
+            let evidence = if by_model {
+                format!(
+                    "the readings are {:.3e} times what the model says and {:.0} % of their squares go with it; {of_noise}",
+                    matched.gain,
+                    matched.share * 100.0
+                )
+            } else {
+                format!("{of_noise}; the model knows too little here to tell")
+            };
+            out.push(Fault {
+                kind: "unit",
+                set,
+                name: data.name.clone(),
+                what: what.into(),
+                rows: [0, data.observations.len().saturating_sub(1)],
+                evidence: format!("{evidence}: {means}"),
+                then: Then::Refuse,
+            });
+            break;
+        }
+    }
+}
