@@ -54,6 +54,9 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         sigma: None,
         sigma_rad: None,
         free: free.to_vec(),
+        artefact: Setup::default(),
+        rods: Vec::new(),
+        cycles: Vec::new(),
         setups: Vec::new(),
         runs: vec![String::new()],
         targets: Vec::new(),
@@ -63,7 +66,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
 }
 
 pub(crate) fn setup(label: &str, centre_mm: [f64; 3], length_mm: f64) -> Setup {
-    Setup { label: label.to_owned(), centre_mm: Vector::from(centre_mm), length_mm }
+    Setup { label: label.to_owned(), centre_mm: Vector::from(centre_mm), length_mm, ..Setup::default() }
 }
 
 /// An observation that read zero.
@@ -74,6 +77,9 @@ pub(crate) fn observation(reading: Reading, setup: usize) -> Observation {
         run: 0,
         t_s: None,
         condition: 0,
+        temperature_c: None,
+        feed: None,
+        cycle: None,
         values: [Some(0.0); 3],
         target: None,
         component: None,

@@ -9,12 +9,12 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::{self, is_standard_stream};
 use super::machine_choice::{self, Chosen, short_hash};
-use super::measurement::{self, Measurement, description_of, is_angle, reads_angles};
+use super::measurement::{self, Measurement, description_of};
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
 use super::{conditions, parameters, print, select, tell};
-use crate::calibrate::{Column, Fault, Fit, Options, Parameter, Refusal, fit, quality};
+use crate::calibrate::{Column, Compared, Fault, Fit, Options, Parameter, Refusal, fit, quality};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Vector;
 use crate::measure::data::DataSet;
@@ -207,13 +207,19 @@ impl Job<'_> {
                     continue;
                 }
             };
-            if let Some(described) = data.sigma.filter(|&described| quality.left[0] > POOR * described) {
-                let times = significant(quality.left[0] / described);
-                let name = &quality.name;
-                let message =
-                    format!("{name}: what is left (root of the mean square) is {times} times what sigma_um says");
-                let help = "choose a model with more parameters, measure faster, or correct sigma_um";
-                findings.add(Diagnostic::nowhere(Code::POOR_FIT, message, help), &[]);
+            for (angles, described, key) in [(false, data.sigma, "sigma_um"), (true, data.sigma_rad, "sigma_urad")] {
+                let is_of_unit = |line: &Compared| {
+                    data.observations.get(line.row).is_some_and(|row| row.is_angle() == angles)
+                };
+                let left = quality.part(String::new(), is_of_unit).left[0];
+                if let Some(described) = described.filter(|&described| left > POOR * described) {
+                    let times = significant(left / described);
+                    let name = &quality.name;
+                    let message =
+                        format!("{name}: what is left (root of the mean square) is {times} times what {key} says");
+                    let help = format!("choose a model with more parameters, measure faster, or correct {key}");
+                    findings.add(Diagnostic::nowhere(Code::POOR_FIT, message, help), &[]);
+                }
             }
             let held = Held { data, quality, sigmas, weights, is_held_out };
             report.data.extend(held.shown(&self.chosen.machine, self.arguments.report.is_some()));
@@ -286,15 +292,17 @@ pub(super) fn refusals(fault: Fault, of: &str) -> Vec<Diagnostic> {
 fn check_sizes(chosen: &Chosen, measurement: &Measurement, max_mm: f64, findings: &mut Findings) {
     let data = &measurement.data;
     let help = "check the unit of the column; if the machine is like this, give a larger --max";
-    let mut sum = 0.0;
-    let mut count = 0.0_f64;
+    // Lengths, then angles: sum of squares, number, the first row.
+    let mut sums = [(0.0, 0.0_f64, None); 2];
     for row in &data.observations {
-        let arm = if is_angle(row) { ARM_MM } else { 1.0 };
+        let arm = if row.is_angle() { ARM_MM } else { 1.0 };
         for (index, value) in row.values.iter().enumerate() {
-            let Some(size) = value.map(|value| value.abs() * arm) else { continue };
-            sum += size * size;
-            count += 1.0;
-            if size > max_mm {
+            let Some(size) = value.map(|value| value.abs()) else { continue };
+            let (sum, count, first) = &mut sums[usize::from(row.is_angle())];
+            *sum += size * size;
+            *count += 1.0;
+            first.get_or_insert(row.place);
+            if size * arm > max_mm {
                 let (place, shown) = calibrated::cell(measurement, row.place, index);
                 let message =
                     format!("{shown} is beyond {}, which no reading should be", micrometers(um_from_mm(max_mm)));
@@ -302,15 +310,17 @@ fn check_sizes(chosen: &Chosen, measurement: &Measurement, max_mm: f64, findings
             }
         }
     }
-    let rms = (sum / count.max(1.0)).sqrt();
-    if let (Some(sigma), Some(first)) = (data.sigma, data.observations.first())
-        && count > 0.0
-        && rms < sigma * if reads_angles(data) { ARM_MM } else { 1.0 }
-    {
-        let (place, _) = calibrated::cell(measurement, first.place, 0);
-        let message = "all readings together are less than their uncertainty (root of the mean square)";
-        let help = "check the unit of the column and sigma_um in the description";
-        findings.add(Diagnostic::at(Code::DATA_SIZE, place, message, help), &measurement.sources);
+    let kinds = [(data.sigma, "lengths", "sigma_um"), (data.sigma_rad, "angles", "sigma_urad")];
+    for ((sum, count, first), (sigma, what, key)) in sums.into_iter().zip(kinds) {
+        if let (Some(sigma), Some(first)) = (sigma, first)
+            && (sum / count).sqrt() < sigma
+        {
+            let (place, _) = calibrated::cell(measurement, first, 0);
+            let message =
+                format!("all {what} that were read are together less than their uncertainty (root of the mean square)");
+            let help = format!("check the unit of the column and {key} in the description");
+            findings.add(Diagnostic::at(Code::DATA_SIZE, place, message, help), &measurement.sources);
+        }
     }
     check_balls(chosen, measurement, max_mm, findings);
 }

@@ -1,12 +1,11 @@
 //! What `ncfix calibrate` reports of a fit: numbers in the units of people.
 
-use super::measurement::{Measurement, is_angle};
+use super::measurement::Measurement;
 use crate::calibrate::effect::coefficient_unit;
 use crate::calibrate::{Column, Estimate, Fit, Parameter};
 use crate::csv::Table;
 use crate::diagnostic::Place;
-use crate::measure::data::DataSet;
-use crate::measure::kind::Unknown;
+use crate::measure::data::{DataSet, Observation};
 use crate::model::ErrorModel;
 use crate::report::calibration;
 use crate::report::compared::DOES_NOT_FIT;
@@ -34,26 +33,20 @@ pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -
 
 /// The factor from mm, rad and powers of them to the unit that is shown: µm, µrad, per power of m or rad.
 fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
+    if let Some(mm_per_k) = column.mm_per_k(data) {
+        return (1.0 / mm_per_k, "K".into());
+    }
     match column {
         Column::Parameter(name) => {
             let is_rotary = name.component.axis().is_some_and(|axis| axis.is_rotary());
-            coefficient_unit(column.is_angle(), is_rotary, name.degree())
+            coefficient_unit(column.is_angle(data), is_rotary, name.degree())
         }
         Column::Effect(parameter) => {
             let (factor, unit) = parameter.unit();
             (factor, unit.to_owned())
         }
-        Column::Unknown(..) => coefficient_unit(column.is_angle() || is_zero_of_angles(column, data), false, 0),
+        Column::Unknown(..) => coefficient_unit(column.is_angle(data), false, 0),
     }
-}
-
-/// Whether a column is the zero of an instrument that reads angles.
-fn is_zero_of_angles(column: &Column, data: &[DataSet]) -> bool {
-    let Column::Unknown(number, Unknown::Offset(which, _)) = column else { return false };
-    data.get(*number).filter(|set| !set.targets.is_empty()).is_some_and(|set| {
-        let target = Some(which % set.targets.len());
-        set.observations.iter().find(|row| row.target == target).is_some_and(is_angle)
-    })
 }
 
 /// The rows that count for less because they do not fit, once each, with their places and the number of their measurement.
@@ -63,7 +56,7 @@ pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibration:
         let Some(measurement) = all.get(set) else { continue };
         let Some(place) = measurement.data.observations.get(row).map(|row| row.place) else { continue };
         let source = &measurement.sources[0];
-        let is_angle = measurement.data.observations.get(row).is_some_and(is_angle);
+        let is_angle = measurement.data.observations.get(row).is_some_and(Observation::is_angle);
         let found = calibration::Row {
             file: source.name().to_owned(),
             line: source.line_column(place.span.start).0,

@@ -54,19 +54,13 @@ pub(super) fn read(
     Ok(data.map(|mut data| {
         if reads_angles(&data) {
             // An instrument for angles has as many µrad as one for lengths has µm.
-            data.sigma = data.sigma.map(|mm| rad_from_urad(um_from_mm(mm)));
-            data.sigma_rad = data.sigma_rad.or(data.sigma);
+            data.sigma_rad = data.sigma_rad.or(data.sigma.map(|mm| rad_from_urad(um_from_mm(mm))));
         }
         Measurement { data, sources }
     }))
 }
 
-/// Whether the reading of a row is an angle.
-pub(super) fn is_angle(row: &Observation) -> bool {
-    row.component.is_some_and(|name| name.direction.is_rotation())
-}
-
 /// Whether all readings of a measurement are angles.
 pub(super) fn reads_angles(data: &DataSet) -> bool {
-    !data.observations.is_empty() && data.observations.iter().all(is_angle)
+    !data.observations.is_empty() && data.observations.iter().all(Observation::is_angle)
 }

@@ -327,6 +327,13 @@ a larger --max.";
 EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm; load.EAX, drift.Y or expansion.X.scale are those of effects, which must be there in
 the machine file. The axis must be there, too, and a parameter stands there once.";
 
+    DRIFT_NOT_TOLD = "E0613" "drift that cannot be told from a reversal"
+"A drift that is a straight line in time within a back-and-forth cycle makes the way back differ from the way forth by more the farther from the turn
+a position is; a reversal (backlash, lateral play) makes it differ by the same everywhere. A drift is only taken out where there is no reversal: the
+model has none for the component (EXXb, or for a reading of a length EBXb too, which acts with its Abbe arm), and the readings show none, which a test
+of Student says with an error of 0.1 %. Each cycle must go both ways. Take \"drift\" out of free and let the machine warm up before, measure faster, or take the
+reversal out of the model where there is none.";
+
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"
