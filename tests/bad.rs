@@ -29,6 +29,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0607", "src/cli/calibrate.rs: every_fault_is_a_refusal"),
     ("E0608", "cli_calibrate: readings_of_another_unit_are_refused"),
     ("E0609", "cli_calibrate: parameters_must_be_those_of_the_machine"),
+    ("E0613", "instruments: a_drift_is_only_taken_out_where_there_is_no_reversal"),
     ("W0603", "cli_calibrate: a_gross_outlier_is_listed_and_does_no_harm"),
     ("W0604", "cli_calibrate: a_poor_model_is_pointed_out"),
     ("W0601", "strain: places_that_the_signals_do_not_tell_are_assumed"),

@@ -9,6 +9,7 @@
 pub mod candidates;
 mod column;
 mod design;
+mod drift;
 pub mod effect;
 mod fit;
 mod identify;
@@ -23,6 +24,7 @@ pub mod words;
 pub use crate::numeric::stepwise::{Change, Choice, Gain, Rule, Term};
 pub use column::Column;
 pub use design::{Factored, Line, Origin, equations};
+pub use drift::reversals;
 pub use effect::{EffectParameter, Parameter};
 pub use fit::{Estimate, Fault, Fit, Options, fit};
 pub use identify::{Identified, identify};

@@ -8,6 +8,7 @@ use nalgebra::DVector;
 
 use crate::geometry::Axis;
 use crate::measure::data::DataSet;
+use crate::measure::kind::Unknown;
 use crate::model::parameter::Term;
 
 use super::column::Column;
@@ -101,7 +102,13 @@ fn sentence(own: usize, direction: &DVector<f64>, columns: &[Column], data: &[Da
     let parts = direction.iter().enumerate().filter(|&(k, part)| k != own && part.abs() >= COUNTS * largest);
     // Parameters of the machine first: they are what is asked for.
     let mut others: Vec<usize> = parts.map(|(k, _)| k).collect();
-    others.sort_by_key(|&k| (!columns.get(k).is_some_and(Column::is_of_machine), k));
+    // Then lengths of instruments, which a person can do something about; a shift of a set-up comes with most of it.
+    let rank = |k: usize| match columns.get(k) {
+        Some(Column::Unknown(_, Unknown::Length(_) | Unknown::Rod(_) | Unknown::RodTemperature(_))) => 1,
+        Some(column) if column.is_of_machine() => 0,
+        _ => 2,
+    };
+    others.sort_by_key(|&k| (rank(k), k));
     let hint = hint(own, &others, columns, data);
     if others.is_empty() {
         return format!("{} moves nothing that was measured{hint}", name(own));

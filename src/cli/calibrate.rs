@@ -13,8 +13,8 @@ use super::measurement::{self, Measurement, description_of};
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
-use super::{conditions, parameters, print, select, tell};
-use crate::calibrate::{Column, Compared, Fault, Fit, Options, Parameter, Refusal, fit, quality};
+use super::{conditions, figures, parameters, print, select, tell};
+use crate::calibrate::{Column, Compared, Fault, Fit, Options, Parameter, Refusal, fit, quality, reversals};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Vector;
 use crate::measure::data::DataSet;
@@ -116,6 +116,7 @@ fn calibrate(
     let Some(candidates) = candidates else { return Ok(()) };
     let job = Job { arguments, chosen: &chosen, parameters: &parameters, candidates: &candidates };
     let Some(fit) = job.fit(&all, findings, report) else { return Ok(()) };
+    report.figures = all.iter().map(|one| figures::of(&one.data, &chosen.machine)).collect();
     job.compare(&fit, &all, &held_out, findings, report);
     if findings.has_errors() {
         return Ok(());
@@ -141,6 +142,15 @@ impl Job<'_> {
     /// Fits; `None` where the data do not allow it, which findings say.
     fn fit(&self, all: &[Measurement], findings: &mut Findings, report: &mut calibration::Calibration) -> Option<Fit> {
         let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
+        let reversals = reversals(&self.chosen.errors, self.parameters.iter().chain(self.candidates), &data);
+        if !reversals.is_empty() {
+            let help =
+                "a reversal cannot be told from a drift: take \"drift\" out of free, or the reversal out of the model";
+            for message in reversals {
+                findings.add(Diagnostic::nowhere(Code::DRIFT_NOT_TOLD, message, help), &[]);
+            }
+            return None;
+        }
         let fit = match self.found(&data, report) {
             Ok(fit) => fit,
             Err(refusal) => {

@@ -12,6 +12,7 @@ mod check;
 mod conditions;
 mod exit_code;
 mod explain;
+mod figures;
 mod findings;
 mod fix;
 mod input;
@@ -80,6 +81,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Plan(arguments) => plan::run(arguments),
         Command::Calibrate(arguments) => calibrate::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Figures(arguments) => figures::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),
     }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::compared::{Input, Part, Readings};
 use super::correction::push_row;
+use super::figures;
 use super::json::Finding;
 use super::number::significant;
 use super::selection::Selection;
@@ -22,6 +23,8 @@ pub struct Calibration {
     pub unknowns: Vec<Estimate>,
     /// Measurements.
     pub data: Vec<Data>,
+    /// Figures of ISO 230 of the measurements, which do not depend on the model.
+    pub figures: Vec<figures::Measurement>,
     /// Rows that count for less because they do not fit.
     pub weighted_down: Vec<Row>,
     /// Largest by smallest singular value of the equations; `null` without a result.
@@ -200,6 +203,7 @@ impl Calibration {
             let _ = writeln!(out, "… and {} more", self.weighted_down.len() - MOST_SHOWN);
         }
         out.push('\n');
+        out.push_str(&figures::lines(&self.figures));
         if let Some(condition) = self.condition {
             let (freedom, rounds) = (self.degrees_of_freedom, self.rounds);
             push_row(&mut out, "condition", &format!("{condition:.1}, {freedom} degrees of freedom, {rounds} rounds"));

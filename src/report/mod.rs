@@ -6,6 +6,7 @@ pub mod calibration;
 pub mod compared;
 pub mod correction;
 mod excerpt;
+pub mod figures;
 pub mod json;
 pub mod load;
 pub mod machine;

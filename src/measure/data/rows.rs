@@ -12,7 +12,7 @@ use super::{DataSet, Observation, Setup, bodies, condition, text};
 /// Reads all rows into `data`.
 pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet, findings: &mut Vec<Diagnostic>) {
     let [setup_column, run_column, time_column] = ["setup", "run", "t_s"].map(|name| rows.column(name));
-    let mut conditions = condition::begin(rows, findings);
+    let mut conditions = condition::begin(rows, data.kind.temperature, findings);
     let [temperature_column, feed_column] = [data.kind.temperature, Some("feed_mm_min")].map(|name| rows.column(name?));
     let mut seen: HashMap<(Vec<u64>, usize, usize), Place> = HashMap::new();
     // A column of another meaning may have as many labels as rows.
