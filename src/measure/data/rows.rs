@@ -97,12 +97,12 @@ pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet,
                 continue;
             }
         }
-        let key = (bits(&observation), setup, observation.target.unwrap_or(usize::MAX));
+        let key = (bits(&observation, readings.has_senses()), setup, observation.target.unwrap_or(usize::MAX));
         // A plan may go to the same pose again.
         if let Some(first) = (!data.is_plan).then(|| seen.insert(key, observation.place)).flatten() {
             let line = row_line(rows, first);
             let message = format!("the row is the same as that in line {line}");
-            let help = "take one of them out: a repetition would differ by the noise of the instrument";
+            let help = "take one of them out: a repetition would differ by the noise of the instrument; where it is one, give t_s or run";
             findings.push(Diagnostic::at(Code::DATA_REPEATED, observation.place, message, help));
         }
         data.observations.push(observation);
@@ -115,10 +115,16 @@ pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet,
 }
 
 /// Everything that a row says, to tell copies.
-fn bits(observation: &Observation) -> Vec<u64> {
+///
+/// A sense that follows from the order of the rows is none of it: a copy elsewhere in the table would have another. But a single value without a
+/// time may well be read again on the way back.
+fn bits(observation: &Observation, has_senses: bool) -> Vec<u64> {
+    let count = observation.values.iter().flatten().count();
+    let is_single = observation.t_s.is_none() && (1..3).contains(&count);
     let AxisVector(position) = observation.reading.position;
     let values = observation.values.map(|value| value.unwrap_or(f64::NAN));
-    let senses = observation.reading.state.direction.map(f64::from);
+    let senses =
+        observation.reading.state.direction.map(|sense| if has_senses || is_single { f64::from(sense) } else { 0.0 });
     let tool = observation.reading.tool_mm;
     let spindle = [observation.spindle_rad];
     position
