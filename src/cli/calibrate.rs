@@ -218,9 +218,8 @@ impl Job<'_> {
                 }
             };
             for (angles, described, key) in [(false, data.sigma, "sigma_um"), (true, data.sigma_rad, "sigma_urad")] {
-                let is_of_unit = |line: &Compared| {
-                    data.observations.get(line.row).is_some_and(|row| row.is_angle() == angles)
-                };
+                let is_of_unit =
+                    |line: &Compared| data.observations.get(line.row).is_some_and(|row| row.is_angle() == angles);
                 let left = quality.part(String::new(), is_of_unit).left[0];
                 if let Some(described) = described.filter(|&described| left > POOR * described) {
                     let times = significant(left / described);
