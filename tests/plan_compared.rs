@@ -307,7 +307,7 @@ fn diagonals(name: &str, space: [[f64; 2]; 3], like: &DataSet) -> DataSet {
     out.setups.clear();
     for diagonal in 0..4_u8 {
         let label = format!("D{diagonal}");
-        out.setups.push(Setup { label, centre_mm: Vector::zeros(), length_mm: 0.0 });
+        out.setups.push(Setup { label, ..Setup::default() });
         for step in 0..=20 {
             let share = f64::from(step) / 20.0;
             let turned = |bit: u8| if diagonal >> bit & 1 == 1 { 1.0 - share } else { share };

@@ -1,7 +1,7 @@
 //! One measurement: readings, the set-ups in which they were taken, and what is unknown of these.
 
-mod condition;
 mod bodies;
+mod condition;
 pub mod cycles;
 mod description;
 mod rows;
