@@ -233,7 +233,8 @@ impl Bench {
 
     /// What the data cannot tell; the readings do not matter.
     pub(crate) fn lost(&self) -> Vec<String> {
-        identify(&self.machine, &ErrorModel::default(), &self.parameters, &self.data).unwrap().lost.parameters
+        let lost = identify(&self.machine, &ErrorModel::default(), &self.parameters, &self.data).unwrap().lost;
+        lost.confused.into_iter().map(|one| one.sentence).collect()
     }
 }
 

@@ -262,8 +262,7 @@ impl Shop {
         let none = ErrorModel::default();
         for _ in 0..60 {
             let found = identify(&self.machine, &none, &parameters, data).unwrap();
-            let mut names: Vec<String> =
-                found.lost.parameters.iter().filter_map(|text| Some(text.split_once(' ')?.0.to_owned())).collect();
+            let mut names: Vec<String> = found.lost.leave_out.iter().map(ToString::to_string).collect();
             if names.is_empty() {
                 let worst = found.columns.iter().zip(&found.sigmas).filter_map(|(column, sigma)| match column {
                     Column::Parameter(name) => Some((at_tip(name) * sigma * PROBE, name.to_string())),

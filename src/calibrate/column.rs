@@ -36,6 +36,16 @@ impl Column {
         Named { column: self, data }
     }
 
+    /// The parameter of the machine, if it is one.
+    #[must_use]
+    pub fn parameter(&self) -> Option<Parameter> {
+        match self {
+            Column::Parameter(name) => Some(Parameter::from(*name)),
+            Column::Effect(parameter) => Some(Parameter::from(parameter.clone())),
+            Column::Unknown(..) => None,
+        }
+    }
+
     /// Whether it is a parameter of the machine, not of a measurement.
     #[must_use]
     pub fn is_of_machine(&self) -> bool {

@@ -7,14 +7,15 @@ use super::calibrated;
 use super::calibrated_report::{self, Held};
 use super::exit_code::ExitCode;
 use super::findings::Findings;
+use super::identifiable;
 use super::input::{self, is_standard_stream};
 use super::machine_choice::{self, Chosen, short_hash};
 use super::measurement::{self, Measurement, description_of};
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
-use super::{conditions, figures, parameters, print, select, tell};
-use crate::calibrate::{Column, Compared, Fault, Fit, Options, Parameter, Refusal, fit, quality, reversals};
+use super::{conditions, figures, parameters, print, repeated, select, state, tell};
+use crate::calibrate::{Compared, Fit, Options, Parameter, Refusal, fit, quality, reversals};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Vector;
 use crate::measure::data::DataSet;
@@ -79,6 +80,7 @@ fn calibrate(
     for path in arguments.data.iter().chain(&arguments.hold_out) {
         inputs.extend([path.clone(), description_of(path)?]);
     }
+    inputs.extend(arguments.state.state.iter().cloned());
     protect(&target, &inputs, findings);
     if let Some(page) = page {
         protect(page, &inputs, findings);
@@ -87,7 +89,13 @@ fn calibrate(
         }
     }
     report.inputs.push(calibrated_report::machine_input(&start));
-    let Some(chosen) = chosen else { return Ok(()) };
+    for path in &arguments.state.state {
+        report.inputs.push(calibrated_report::condition_input(&input::read(path, MACHINE)?));
+    }
+    let Some(mut chosen) = chosen else { return Ok(()) };
+    if !state::read(&arguments.state, &mut chosen, findings)? {
+        return Ok(());
+    }
     report.machine.clone_from(&chosen.machine.name);
     let parameters = match arguments.model.as_str() {
         "none" if arguments.select.is_some() => Some(Vec::new()),
@@ -102,12 +110,18 @@ fn calibrate(
         }
         all.extend(read);
     }
-    let Some(parameters) = parameters.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    let Some(mut parameters) = parameters.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    if chosen.state.is_some() {
+        all.iter_mut().for_each(|one| one.data.fill_in(&chosen.condition));
+    }
     conditions::check(&chosen, &all, &parameters, findings);
     if findings.has_errors() {
         return Ok(());
     }
     let held_out = all.split_off(arguments.data.len().min(all.len()));
+    if arguments.reduce {
+        parameters = identifiable::reduced((&chosen.machine, &chosen.errors), &parameters, &all, findings, report);
+    }
     let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
     let candidates = match &arguments.select {
         Some(words) => select::candidates(arguments, words, &chosen.machine, &chosen.errors, &data, findings)?,
@@ -151,10 +165,10 @@ impl Job<'_> {
             }
             return None;
         }
-        let fit = match self.found(&data, report) {
-            Ok(fit) => fit,
+        let (fit, parameters) = match self.found(&data, report) {
+            Ok(found) => found,
             Err(refusal) => {
-                findings.extend(select::refusals(refusal), &[]);
+                select::refuse(refusal, all, findings);
                 return None;
             }
         };
@@ -180,18 +194,27 @@ impl Job<'_> {
             findings.add(found, all.get(set).map_or(&[], |one| &one.sources));
             report.weighted_down.push(row);
         }
+        if let Some(runs) = self.arguments.monte_carlo {
+            let (machine, how) = (&self.chosen.machine, [runs, self.arguments.seed]);
+            repeated::repeat(machine, &parameters, all, (&fit, self.options()), how, findings, report);
+        }
         Some(fit)
     }
 
-    fn found(&self, data: &[DataSet], report: &mut calibration::Calibration) -> Result<Fit, Refusal> {
+    fn options(&self) -> Options {
+        Options { robust: !self.arguments.no_robust }
+    }
+
+    /// The fit, and the parameters of which it is.
+    fn found(&self, data: &[DataSet], report: &mut calibration::Calibration) -> Result<(Fit, Vec<Parameter>), Refusal> {
         let (machine, start) = (&self.chosen.machine, &self.chosen.errors);
         if self.arguments.select.is_none() {
-            let options = Options { robust: !self.arguments.no_robust };
-            return Ok(fit(machine, start, self.parameters, data, options)?);
+            let found = fit(machine, start, self.parameters, data, self.options())?;
+            return Ok((found, self.parameters.to_vec()));
         }
         let (found, told) = select::chosen(self.arguments, machine, start, self.parameters, self.candidates, data)?;
         report.selection = Some(told);
-        Ok(found.fit)
+        Ok((found.fit, found.parameters))
     }
 
     /// Holds the result against all measurements.
@@ -213,7 +236,7 @@ impl Job<'_> {
             let quality = match quality(&self.chosen.machine, &fit.errors, data) {
                 Ok(found) => found,
                 Err(fault) => {
-                    findings.extend(refusals(fault, &format!("{}: ", data.name)), &[]);
+                    identifiable::refuse(fault, &format!("{}: ", data.name), std::slice::from_ref(one), findings);
                     continue;
                 }
             };
@@ -244,8 +267,9 @@ impl Job<'_> {
         // A name may have any character; a comment ends with its line.
         let name = |text: &str| text.replace(char::is_control, " ");
         let mut text = format!("{HEAD} model {}", name(&self.arguments.model));
+        let condition = self.chosen.state.as_ref().map_or_else(String::new, |hash| format!(", condition ({hash})"));
         // Writing into a String cannot fail.
-        let _ = writeln!(text, ", began with {} ({})", name(start.name()), short_hash([start.bytes()]));
+        let _ = writeln!(text, ", began with {} ({}){condition}", name(start.name()), short_hash([start.bytes()]));
         for one in used {
             let hash = short_hash(one.sources.iter().map(Source::bytes));
             let _ = writeln!(text, "{HEAD} {} {} ({hash})", one.data.kind.name, name(one.sources[0].name()));
@@ -260,40 +284,13 @@ impl Job<'_> {
         let Some((_, written)) = file::load(&again).0 else {
             return Err(wrong("the result is no machine file".into()));
         };
-        for one in &fit.estimates {
-            let parameter = match &one.column {
-                Column::Parameter(name) => Parameter::from(*name),
-                Column::Effect(parameter) => Parameter::from(parameter.clone()),
-                Column::Unknown(..) => continue,
-            };
+        for parameter in fit.estimates.iter().filter_map(|one| one.column.parameter()) {
             let (found, read) = (parameter.get(errors), parameter.get(&written));
             if (found - read).abs() > 1e-9 * found.abs() + f64::MIN_POSITIVE {
                 return Err(wrong(format!("{parameter} would read {read:e} in place of {found:e}")));
             }
         }
         Ok(text)
-    }
-}
-
-/// Findings for a fit that is not possible.
-pub(super) fn refusals(fault: Fault, of: &str) -> Vec<Diagnostic> {
-    match fault {
-        Fault::TooFew { equations, unknowns } => {
-            let message = format!("{of}{equations} readings cannot tell {unknowns} unknowns");
-            let help = "measure more, describe what is known of the set-ups, or choose a smaller model";
-            vec![Diagnostic::nowhere(Code::NOT_TOLD, message, help)]
-        }
-        Fault::NotTold(sentences) => {
-            let help =
-                "measure in poses in which they differ, describe what is known of the set-up, or leave a parameter out";
-            let of_one = |sentence: String| Diagnostic::nowhere(Code::NOT_TOLD, format!("{of}{sentence}"), help);
-            sentences.into_iter().map(of_one).collect()
-        }
-        Fault::NotSettled => {
-            let message = format!("{of}the parameters do not settle");
-            let help = "check signs and set-ups in the description, --machine, and sigma_um; --no-robust counts all rows alike";
-            vec![Diagnostic::nowhere(Code::NOT_SETTLED, message, help)]
-        }
     }
 }
 
@@ -359,28 +356,5 @@ fn check_balls(chosen: &Chosen, measurement: &Measurement, max_mm: f64, findings
                 findings.add(Diagnostic::at(Code::DATA_SIZE, row.place, message, help), &measurement.sources);
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_fault_is_a_refusal() {
-        let not_told = Fault::NotTold(vec!["a".into(), "b".into()]);
-        let faults = [Fault::TooFew { equations: 2, unknowns: 3 }, not_told, Fault::NotSettled];
-        let found: Vec<(String, String)> = faults
-            .into_iter()
-            .flat_map(|fault| refusals(fault, "set: "))
-            .map(|one| (one.code.to_string(), one.message))
-            .collect();
-        let expected = [
-            ("E0606", "set: 2 readings cannot tell 3 unknowns"),
-            ("E0606", "set: a"),
-            ("E0606", "set: b"),
-            ("E0607", "set: the parameters do not settle"),
-        ];
-        assert_eq!(found, expected.map(|(code, message)| (code.to_owned(), message.to_owned())));
     }
 }

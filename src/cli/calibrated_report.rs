@@ -60,6 +60,11 @@ pub(super) fn machine_input(start: &Source) -> Input {
     Input { file: start.name().to_owned(), role: "machine", hash: short_hash([start.bytes()]) }
 }
 
+/// A file of the condition.
+pub(super) fn condition_input(source: &Source) -> Input {
+    Input { file: source.name().to_owned(), role: "condition", hash: short_hash([source.bytes()]) }
+}
+
 /// The files of a measurement.
 pub(super) fn inputs(one: &Measurement, is_held_out: bool) -> [Input; 2] {
     let roles = if is_held_out { ["readings, held out", "description, held out"] } else { ["readings", "description"] };

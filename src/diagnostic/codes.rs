@@ -419,4 +419,13 @@ moved. With --no-robust all readings count alike.";
     POOR_FIT = "W0604" "more is left than the instrument explains"
 "What the calibrated model leaves is well above the uncertainty that sigma_um gives. The machine has errors that the model lacks, its temperature changed,
 or sigma_um is too small. The standard uncertainties of the parameters rest on sigma_um and are then too small as well.";
+    REDUCED = "W0605" "parameters left out"
+"With --reduce, ncfix calibrate leaves out parameters that the data cannot tell from others, and fits the rest. Of those that cannot be told from each other
+the least simple one goes: truncated powers before backlashes, before coefficients from the highest degree down, later ones of the model before earlier
+ones, location errors last. What was left out stays as it is in the machine file that the calibration begins with; what it does on the machine is
+in the others as far as the poses were alike, and wrong elsewhere. The message says why, and the help what to measure instead.";
+    UNLIKE_REPEATED = "W0606" "uncertainties unlike simulated repetitions"
+"With --monte-carlo, ncfix calibrate simulates the readings many times, with the noise that it found, and fits them again. The scatter of a parameter differs from
+its standard uncertainty by more than 25 %, beyond what the number of repetitions lets expect, or repetitions could not be fitted. Reasons are few
+readings, weights that follow the noise, or unknowns that move far.";
 }

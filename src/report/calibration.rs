@@ -21,6 +21,8 @@ pub struct Calibration {
     pub parameters: Vec<Estimate>,
     /// What was unknown of the set-ups.
     pub unknowns: Vec<Estimate>,
+    /// Parameters of the model that were left out because the data cannot tell them.
+    pub left_out: Vec<LeftOut>,
     /// Measurements.
     pub data: Vec<Data>,
     /// Figures of ISO 230 of the measurements, which do not depend on the model.
@@ -51,6 +53,15 @@ pub struct Calibration {
     pub diagnostics: Vec<Finding>,
 }
 
+/// Parameters that were left out for one reason.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// Their names.
+    pub parameters: Vec<String>,
+    /// Why the data cannot tell them.
+    pub reason: String,
+}
+
 /// A number that was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Estimate {
@@ -60,7 +71,9 @@ pub struct Estimate {
     pub value: f64,
     /// Its uncertainty.
     pub sigma: f64,
-    /// The unit of both: `µm`, `µrad/m`.
+    /// The scatter of simulated repetitions, where they were asked for.
+    pub sigma_monte_carlo: Option<f64>,
+    /// The unit of these: `µm`, `µrad/m`.
     pub unit: String,
     /// Its value in the machine file that the calibration began with; 0 for set-ups.
     pub start: f64,
@@ -152,15 +165,26 @@ impl Calibration {
                 continue;
             }
             let width = wide(&mut list.iter().map(|one| one.name.chars().count()));
+            let has_repetitions = list.iter().any(|one| one.sigma_monte_carlo.is_some());
+            let repeated = |text: &str| if has_repetitions { format!("{text:>12}") } else { String::new() };
             let _ = writeln!(
                 out,
-                "{title:<width$}{:>12}{:>12}  {:<10}{:>12}{:>12}",
-                "value", "± 1σ", "unit", "effect µm", "inflation"
+                "{title:<width$}{:>12}{:>12}{}  {:<10}{:>12}{:>12}",
+                "value",
+                "± 1σ",
+                repeated("± MC"),
+                "unit",
+                "effect µm",
+                "inflation"
             );
             for one in list {
                 let [value, sigma, effect, inflation] = one.cells();
                 let (name, unit) = (&one.name, &one.unit);
-                let _ = writeln!(out, "{name:<width$}{value:>12}{sigma:>12}  {unit:<10}{effect:>12}{inflation:>12}");
+                let scatter = repeated(&one.sigma_monte_carlo.map_or("-".into(), significant));
+                let _ = writeln!(
+                    out,
+                    "{name:<width$}{value:>12}{sigma:>12}{scatter}  {unit:<10}{effect:>12}{inflation:>12}"
+                );
             }
             out.push('\n');
         }
@@ -208,7 +232,9 @@ impl Calibration {
             let (freedom, rounds) = (self.degrees_of_freedom, self.rounds);
             push_row(&mut out, "condition", &format!("{condition:.1}, {freedom} degrees of freedom, {rounds} rounds"));
         }
-        push_row(&mut out, "model", &self.model);
+        let left_out: usize = self.left_out.iter().map(|one| one.parameters.len()).sum();
+        let rest = if left_out > 0 { format!(" less {left_out} parameters") } else { String::new() };
+        push_row(&mut out, "model", &format!("{}{rest}", self.model));
         push_row(&mut out, "machine", &self.machine);
         if let Some(output) = &self.output {
             push_row(&mut out, "written", if output == "-" { "standard output" } else { output });
