@@ -1,9 +1,13 @@
 //! What cannot be told is judged on exact poses, said in few sentences with what to do, and left out on request.
 
+use ncfix::calibrate::effect::effect_parameters;
 use ncfix::calibrate::{Fault, Lost, Options, Parameter, fit, identify, reduce};
+use ncfix::geometry::Vector;
+use ncfix::machine::{Condition, Load};
 use ncfix::model::ErrorModel;
 
 use crate::calibrate::{Bench, circles, cubic, lines, named, rumba, samba};
+use crate::calibrate_effects::three_axes;
 use crate::model::{Random, machine};
 
 /// The full cubic model on Tables 5-3 and 4-1: Esmaeili 2021 has 81 and 84 coefficients of the machine, 83 without the scale bar.
@@ -38,6 +42,30 @@ fn errors_of_the_machine_tell_nothing() {
         position.iter_mut().take(3).for_each(|mm| *mm += 0.02 * random.symmetric());
     }
     assert_eq!(bench.lost().len(), 1, "the length and all gains");
+}
+
+/// A load that makes X longer by 10⁻⁴ lies on the table in all rows: what is told of the geometry is the same to the last digit, although bar and
+/// gains look different by 30 µm. Its own coefficient is told from the length of the bar no better than the gain of X.
+#[test]
+fn effects_of_the_start_tell_nothing() {
+    let text = "[[load]]\ncomponent = \"EXX\"\nreference_N = 1000\nalong = \"Y\"\narm_mm = 1e6\nkind = \"polynomial\"\ncoefficients = [0, 1e-4]\n";
+    let (_, heavy) = crate::calibrate_effects::machine(&three_axes(text));
+    let mut bench = circles(24, &[1.0]);
+    let mut condition = Condition::default();
+    condition.add_load(Load { force_n: 1000.0, position_mm: Vector::zeros() });
+    bench.data.iter_mut().for_each(|set| set.fill_in(&condition));
+    let judge = |start: &ErrorModel, parameters: &[Parameter]| {
+        identify(&bench.machine, start, parameters, &bench.data).unwrap()
+    };
+    let gains: Vec<Parameter> = named("EXX1 EYY1 EZZ1").into_iter().map(Parameter::from).collect();
+    let (with, without) = (judge(&heavy, &gains), judge(&ErrorModel::default(), &gains));
+    assert_eq!(with.singular_values, without.singular_values);
+    assert_eq!((with.lost.leave_out.len(), with.lost), (1, without.lost));
+    let load = effect_parameters(&heavy).into_iter().find(|one| one.name() == "load.EXX.coefficients[1]").unwrap();
+    let found = judge(&heavy, &[gains.as_slice(), &[Parameter::from(load.clone())]].concat());
+    assert_eq!(found.lost.leave_out.len(), 2, "{:?}", found.lost);
+    assert!(found.lost.leave_out.contains(&Parameter::from(load)));
+    assert!(found.lost.confused.iter().any(|one| one.sentence.ends_with("; there was only one load")));
 }
 
 #[test]

@@ -59,6 +59,32 @@ fn a_session_of_levels_with_loads() {
     shop.run(["machine", "check", "machine.toml"]).exits(0);
 }
 
+/// Nothing is known of the load yet: arms are judged and fitted once what they change is not 0, what no reading feels is left out, and
+/// repetitions have the loads of their rows.
+#[test]
+fn loads_from_nothing_with_repetitions() {
+    let zero = std::fs::read_to_string(repository("samples/machines/maho700s.toml")).unwrap();
+    let zero = zero.replace("8.575e-05, -4.9e-07, 7.0e-10", "0, 0, 0").replace("0, 0, -1.4e-09", "0, 0, 0");
+    let model = format!("{MODEL}load.EAX.knots[0].coefficients[2]\nEYX2\n");
+    let shop = loads().file("zero.toml", zero.replace("value_urad = -150", "value_urad = 0")).file("model.txt", model);
+    let simulated = "simulate plan.csv -o levels.csv --machine true.toml --noise 0.5um --seed 1";
+    shop.run(simulated.split_whitespace()).exits(0);
+    let words = "calibrate levels.csv --machine zero.toml --model model.txt -o m.toml --reduce --monte-carlo 30 --json";
+    let report = shop.run(words.split_whitespace()).exits(0).json();
+    let codes = report["diagnostics"].as_array().unwrap().iter().filter_map(|one| one["code"].as_str());
+    assert_eq!(codes.collect::<Vec<_>>(), ["W0501", "W0605"], "{report}");
+    let list = report["parameters"].as_array().unwrap();
+    let arm = list.iter().find(|one| one["name"] == "load.EAX.arm_mm").unwrap();
+    let number = |one: &serde_json::Value, key: &str| one[key].as_f64().unwrap();
+    assert!((number(arm, "value") - 375.0).abs() < 4.0 * number(arm, "sigma"), "{arm}");
+    assert_eq!(list.len(), 6);
+    for one in list {
+        // Of 30 repetitions a standard deviation is known to 13 %.
+        let share = number(one, "sigma_monte_carlo") / number(one, "sigma");
+        assert!((0.5..1.6).contains(&share), "{one}");
+    }
+}
+
 #[test]
 fn one_load_does_not_tell_its_effect_from_the_geometry() {
     let mut table = "X,Y,Z,B,component,value_urad,load_N,load_z_mm\n".to_owned();
