@@ -158,7 +158,8 @@ pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Ca
         return Cause::Conditions;
     }
     let is_about_size = parameters.iter().all(is_gain);
-    if is_about_size && (unknowns().any(|one| matches!(one, Unknown::Length(_))) || parameters.len() > 1) {
+    let is_length = |one| matches!(one, Unknown::Length(_) | Unknown::Rod(_) | Unknown::RodTemperature(_));
+    if is_about_size && (unknowns().any(is_length) || parameters.len() > 1) {
         return Cause::Scale;
     }
     if parameters.len() == 1 {

@@ -130,7 +130,7 @@ impl<'a> Design<'a> {
     /// About how much a unit of each column can move, mm: what is far below it is left by the arithmetic.
     pub(super) fn reach(&self, errors: &ErrorModel) -> Vec<f64> {
         let lever = |is_angle: bool| if is_angle { LEVER_MM } else { 1.0 };
-        let of_unknown = |column: &Column| if column.is_of_machine() { 0.0 } else { lever(column.is_angle()) };
+        let of_unknown = |column: &Column| if column.is_of_machine() { 0.0 } else { lever(column.is_angle(self.data)) };
         let mut reach: Vec<f64> = self.columns.iter().map(of_unknown).collect();
         let mut raise = |column: usize, component: ErrorName, value: f64| {
             if let Some(most) = reach.get_mut(column) {

@@ -68,12 +68,11 @@ pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibration:
         let Some(observation) = measurement.data.observations.get(row) else { continue };
         let place = cells.get_or_insert_with(|| Cells::new(measurement)).place(observation, last.2);
         let source = &measurement.sources[0];
-        let is_angle = measurement.data.observations.get(row).is_some_and(Observation::is_angle);
         let found = calibration::Row {
             file: source.name().to_owned(),
             line: source.line_column(place.span.start).0,
-            residual: if is_angle(observation) { urad_from_rad(residual) } else { um_from_mm(residual) },
-            unit: if is_angle(observation) { "µrad" } else { "µm" },
+            residual: if observation.is_angle() { urad_from_rad(residual) } else { um_from_mm(residual) },
+            unit: if observation.is_angle() { "µrad" } else { "µm" },
             weight,
         };
         // A row may have three readings: the worst says it all.
