@@ -61,6 +61,8 @@ pub struct Fit {
     pub angle_sigmas: Vec<f64>,
     /// What is left of every reading, mm or rad: measurement, row, residual, weight.
     pub residuals: Vec<(usize, usize, f64, f64)>,
+    /// What is left of every known distance, mm: measurement, number of the distance, residual, standard uncertainty.
+    pub ties: Vec<(usize, usize, f64, f64)>,
     /// Largest by smallest singular value of columns of unit length, where readings are as good as each other.
     pub condition: f64,
     /// Equations less unknowns.
@@ -379,9 +381,14 @@ fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Sol
         .collect();
     let lines = rounds.lines.iter().zip(&rounds.weights);
     let residuals = lines.filter_map(|(line, &weight)| Some((line.set, line.row()?, line.residual, weight))).collect();
+    let ties = rounds.lines.iter().filter_map(|line| match line.origin {
+        Origin::Tie(tie) => Some((line.set, tie, line.residual, tie_sigma(rounds.design.data, line.set, tie))),
+        Origin::Row(_) => None,
+    });
+    let ties = ties.collect();
     let (sigmas, angle_sigmas) = (0..rounds.noise.groups() / 2)
         .map(|set| (rounds.noise.sigma(2 * set), rounds.noise.sigma(2 * set + 1)))
         .unzip();
     let (condition, freedom) = (rounds.judged.condition, solution.freedom);
-    Fit { errors, estimates, sigmas, angle_sigmas, residuals, condition, freedom, rounds: count }
+    Fit { errors, estimates, sigmas, angle_sigmas, residuals, ties, condition, freedom, rounds: count }
 }

@@ -38,6 +38,8 @@ pub struct Identified {
     pub inflation: Vec<f64>,
     /// Standard uncertainty of each column at readings of uncertainty 1 mm, angles 1 mrad; infinite where it cannot be told.
     pub sigmas: Vec<f64>,
+    /// By how much a unit of each parameter moves the tip, root of the mean square over the readings, mm.
+    pub effects: Vec<f64>,
     /// What cannot be told, in words.
     pub lost: Lost,
 }
@@ -94,6 +96,7 @@ pub(super) fn identify_exact(
             .zip(&all.inflation)
             .map(|(variance, inflation)| if inflation.is_finite() { variance.sqrt() } else { f64::INFINITY })
             .collect(),
+        effects: design.effects(start),
         singular_values: all.singular_values,
         inflation: all.inflation,
         columns: design.columns,

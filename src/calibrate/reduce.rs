@@ -3,7 +3,8 @@
 //! The rule: of parameters that cannot be told from each other the least simple one goes. Parameters of effects go first, then truncated powers, the last ones before
 //! the others, then backlashes, then coefficients from the highest degree down, the later ones of the model before the earlier ones; location errors go last.
 //! A parameter stays although it is less simple where it takes part by less than 2 % of its effect: without it the others would
-//! hardly be told better. What was left out counts as it is in the machine file that the calibration begins with.
+//! hardly be told better. Then, one after the other, the least simple one of those goes that are told so badly that readings of 1 µm leave
+//! more than 0.1 mm of their effect on the tip uncertain. What was left out counts as it is in the machine file that the calibration begins with.
 
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
@@ -13,10 +14,14 @@ use super::effect::Parameter;
 use super::exact::exact;
 use super::fit::awake;
 use super::identify::identify_exact;
-use super::words::Confused;
+use super::words::{Confused, simplicity};
 
 /// Rounds at most: the second one finds nothing but what the limits of the first one left.
 const MAX_ROUNDS: usize = 8;
+
+/// Uncertain at the tip with readings of [`READING_MM`], mm: what is told worse is told by nothing that anybody would use.
+const BADLY_MM: f64 = 0.1;
+const READING_MM: f64 = 1e-3;
 
 /// A reduced model.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,15 +59,34 @@ pub fn reduce(
 }
 
 impl Reduced {
-    /// Leaves out until all others can be told.
+    /// Leaves out until all others can be told, and are not told badly.
     fn lose(&mut self, machine: &Machine, start: &ErrorModel, exact: &[DataSet]) -> Option<()> {
-        for _ in 0..MAX_ROUNDS {
-            let lost = identify_exact(machine, start, &self.parameters, exact)?.lost;
-            if lost.leave_out.is_empty() {
-                break;
+        for _ in 0..MAX_ROUNDS + self.parameters.len() {
+            let found = identify_exact(machine, start, &self.parameters, exact)?;
+            if !found.lost.leave_out.is_empty() {
+                self.parameters.retain(|name| !found.lost.leave_out.contains(name));
+                self.left_out.extend(found.lost.confused);
+                continue;
             }
-            self.parameters.retain(|name| !lost.leave_out.contains(name));
-            self.left_out.extend(lost.confused);
+            let uncertain = |k: usize| found.sigmas[k] * READING_MM * found.effects[k];
+            let count = self.parameters.len().min(found.sigmas.len()).min(found.effects.len());
+            let badly = (0..count).filter(|&k| uncertain(k) > BADLY_MM);
+            let Some(worst) = badly.max_by(|&a, &b| {
+                let rank = |k: usize| found.columns.get(k).map(simplicity);
+                rank(a).cmp(&rank(b)).then(uncertain(a).total_cmp(&uncertain(b)))
+            }) else {
+                break;
+            };
+            let parameter = self.parameters.remove(worst);
+            let micrometers = 1e3 * uncertain(worst);
+            self.left_out.push(Confused {
+                sentence: format!(
+                    "{parameter} is told, but so badly that readings of 1 µm leave {micrometers:.0} µm of it at the tip"
+                ),
+                remedy: "measure where it does more, or where the others that look like it do something else".into(),
+                parameters: vec![parameter],
+                set: None,
+            });
         }
         Some(())
     }

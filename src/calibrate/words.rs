@@ -128,7 +128,7 @@ impl Key {
 }
 
 /// The lower, the rather it stands for others.
-fn simplicity(column: &Column) -> (u8, u8) {
+pub(super) fn simplicity(column: &Column) -> (u8, u8) {
     match column {
         Column::Parameter(name) => match name.term {
             Term::Whole => (1, 0),

@@ -118,6 +118,10 @@ fn calibrate(
     if findings.has_errors() {
         return Ok(());
     }
+    measurement::check_copies(&all, findings);
+    if findings.has_errors() {
+        return Ok(());
+    }
     let held_out = all.split_off(arguments.data.len().min(all.len()));
     if arguments.reduce {
         parameters = identifiable::reduced((&chosen.machine, &chosen.errors), &parameters, &all, findings, report);
@@ -131,7 +135,9 @@ fn calibrate(
     let job = Job { arguments, chosen: &chosen, parameters: &parameters, candidates: &candidates };
     let Some(fit) = job.fit(&all, findings, report) else { return Ok(()) };
     report.figures = all.iter().map(|one| figures::of(&one.data, &chosen.machine)).collect();
+    identifiable::distances(&fit, &all, findings);
     job.compare(&fit, &all, &held_out, findings, report);
+    Job::rows(&fit, &all, findings, report);
     if findings.has_errors() {
         return Ok(());
     }
@@ -172,10 +178,11 @@ impl Job<'_> {
                 return None;
             }
         };
+        let badly = identifiable::badly_told(&fit, all, self.arguments.max, findings);
         for found in &fit.estimates {
             let one = calibrated::estimate(found, &self.chosen.errors, &data);
             let is_parameter = found.column.is_of_machine();
-            if is_parameter && found.effect_mm > self.arguments.max {
+            if is_parameter && found.effect_mm > self.arguments.max && !badly {
                 let effect = micrometers(um_from_mm(found.effect_mm));
                 let message = format!("{} would move the tool by {effect} (root of the mean square)", one.name);
                 let help = "check units and signs of the readings; give a larger --max if the machine is like this";
@@ -186,7 +193,16 @@ impl Job<'_> {
         report.condition = Some(fit.condition);
         report.degrees_of_freedom = fit.freedom;
         report.rounds = fit.rounds;
-        for (row, set, place) in calibrated::weighted_down(&fit, all) {
+        if let Some(runs) = self.arguments.monte_carlo {
+            let (machine, how) = (&self.chosen.machine, [runs, self.arguments.seed]);
+            repeated::repeat(machine, &parameters, all, (&fit, self.options()), how, findings, report);
+        }
+        Some(fit)
+    }
+
+    /// Says which rows do not fit; behind what is said of whole measurements, as they may be many.
+    fn rows(fit: &Fit, all: &[Measurement], findings: &mut Findings, report: &mut calibration::Calibration) {
+        for (row, set, place) in calibrated::weighted_down(fit, all) {
             let size = format!("{} {}", significant(row.residual), row.unit);
             let message = format!("{size} are left of this reading, which counts {:.0} %", row.weight * 100.0);
             let help = "look for its cause; --no-robust lets it count like the others";
@@ -194,11 +210,6 @@ impl Job<'_> {
             findings.add(found, all.get(set).map_or(&[], |one| &one.sources));
             report.weighted_down.push(row);
         }
-        if let Some(runs) = self.arguments.monte_carlo {
-            let (machine, how) = (&self.chosen.machine, [runs, self.arguments.seed]);
-            repeated::repeat(machine, &parameters, all, (&fit, self.options()), how, findings, report);
-        }
-        Some(fit)
     }
 
     fn options(&self) -> Options {

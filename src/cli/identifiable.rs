@@ -3,17 +3,22 @@
 use super::findings::Findings;
 use super::measurement::Measurement;
 use crate::calibrate::words::listed;
-use crate::calibrate::{Confused, Fault, Lost, Parameter, Unsettled, reduce};
+use crate::calibrate::{Confused, Estimate, Fault, Fit, Lost, Parameter, Unsettled, reduce};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
 use crate::report::calibration;
-use crate::report::number::significant;
+use crate::report::number::{micrometers, significant};
 use crate::source::{Source, Span};
+use crate::units::um_from_mm;
 
 /// Kinds of combinations that are said, the most frequent ones.
 const MOST_SAID: usize = 10;
+/// A known distance is off by so many standard uncertainties.
+const CONTRADICTS: f64 = 5.0;
+/// No readings are so far off by themselves.
+const RUNS_AWAY: f64 = 1e6;
 
 /// Adds findings for a fit that is not possible; `of` says what was fitted.
 pub(super) fn refuse(fault: Fault, of: &str, all: &[Measurement], findings: &mut Findings) {
@@ -79,6 +84,14 @@ fn not_settled(why: Option<Unsettled>, of: &str) -> (Option<usize>, Diagnostic) 
             "check signs and set-ups in the description, --machine, and sigma_um; --no-robust counts all rows alike";
         return (None, Diagnostic::nowhere(Code::NOT_SETTLED, message, help));
     };
+    if times > RUNS_AWAY {
+        let message = format!(
+            "{of}the fit runs away: the parameters are told too badly, or positions or readings are in another unit"
+        );
+        let help =
+            "check units of positions and set-ups, choose a smaller model, or measure where the parameters do more";
+        return (Some(set), Diagnostic::nowhere(Code::NOT_SETTLED, message, help));
+    }
     let size = if times > 1.0 {
         format!("what is left is {} times what sigma_um says", significant(times))
     } else {
@@ -88,6 +101,56 @@ fn not_settled(why: Option<Unsettled>, of: &str) -> (Option<usize>, Diagnostic) 
         format!("{of}the parameters do not settle: {size}, and {rejected} of {readings} readings count for nothing");
     let help = "write a larger sigma_um, or none, and check signs and set-ups; --no-robust counts all rows alike";
     (Some(set), Diagnostic::nowhere(Code::NOT_SETTLED, message, help))
+}
+
+/// Says which parameters are told so badly that their uncertainty alone moves the tool by more than `max_mm`, which is refused. Returns whether there are
+/// any.
+pub(super) fn badly_told(fit: &Fit, all: &[Measurement], max_mm: f64, findings: &mut Findings) -> bool {
+    let uncertain = |one: &Estimate| {
+        let share = if one.value == 0.0 { 0.0 } else { one.sigma / one.value.abs() };
+        one.effect_mm * share
+    };
+    let of_machine = fit.estimates.iter().filter(|one| one.column.is_of_machine());
+    let badly: Vec<(f64, Parameter)> = of_machine
+        .filter(|one| uncertain(one) > max_mm)
+        .filter_map(|one| Some((uncertain(one), one.column.parameter()?)))
+        .collect();
+    let Some(worst) = badly.iter().map(|(mm, _)| *mm).max_by(f64::total_cmp) else { return false };
+    let names: Vec<Parameter> = badly.into_iter().map(|(_, parameter)| parameter).collect();
+    let message = format!(
+        "told so badly that their uncertainty alone moves the tool by up to {}: {}",
+        micrometers(um_from_mm(worst)),
+        listed(&names, MOST_SAID)
+    );
+    let help = "measure where they do more, take them out of the model, or let --reduce leave them out";
+    let place = all.first().map(|one| first_line(&one.sources[1]));
+    let found = Diagnostic { place, ..Diagnostic::nowhere(Code::NOT_TOLD, message, help) };
+    findings.add(found, all.first().map_or(&[], |one| &one.sources));
+    true
+}
+
+/// Says which known distances do not fit: they contradict each other or the probings.
+pub(super) fn distances(fit: &Fit, all: &[Measurement], findings: &mut Findings) {
+    for &(set, tie, left, sigma) in fit.ties.iter().filter(|(.., left, sigma)| left.abs() > CONTRADICTS * sigma) {
+        let Some(one) = all.get(set) else { continue };
+        let Some(length) = one.data.lengths.get(tie) else { continue };
+        let name = |number: usize| one.data.targets.get(number).map_or("?", String::as_str);
+        let [from, to] = length.between.map(name);
+        let message = format!(
+            "{}: {} are left of the distance from {from} to {to} ({} mm), {} times its uncertainty",
+            one.data.name,
+            micrometers(um_from_mm(left.abs())),
+            length.value_mm,
+            significant(left.abs() / sigma)
+        );
+        let help =
+            "check value_mm and sigma_um of [[length]], and whether another one says something else of these balls";
+        let found = Diagnostic {
+            place: Some(first_line(&one.sources[1])),
+            ..Diagnostic::nowhere(Code::POOR_FIT, message, help)
+        };
+        findings.add(found, &one.sources);
+    }
 }
 
 /// Leaves out what the data cannot tell, with a finding for each reason. The parameters that stay.

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use super::findings::Findings;
 use super::input::{self, is_standard_stream};
 use super::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
 use crate::measure::data::{self, DataSet, Observation};
-use crate::source::{FileId, Source};
+use crate::source::{FileId, Source, Span};
 use crate::units::{rad_from_urad, um_from_mm};
 
 /// A measurement with its files.
@@ -58,6 +59,19 @@ pub(super) fn read(
         }
         Measurement { data, sources }
     }))
+}
+
+/// Says which tables are the same as one before: readings that count twice look better than they are, and those that were fitted are no test.
+pub(super) fn check_copies(all: &[Measurement], findings: &mut Findings) {
+    for (number, one) in all.iter().enumerate() {
+        let same = |other: &&Measurement| other.sources[0].bytes() == one.sources[0].bytes();
+        if let Some(first) = all.get(..number).unwrap_or_default().iter().find(same) {
+            let message = format!("the table is the same as {}", first.sources[0].name());
+            let help = "give each measurement once; hold out readings that were taken again";
+            let place = Place { file: one.sources[0].id(), span: Span::new(0, 0) };
+            findings.add(Diagnostic::at(Code::DATA_REPEATED, place, message, help), &one.sources);
+        }
+    }
 }
 
 /// Whether all readings of a measurement are angles.

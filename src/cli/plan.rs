@@ -186,6 +186,10 @@ fn said(who: &str, name: &str, chosen: &Chosen, parameters: &[Parameter], data: 
     if all > MOST_SENTENCES {
         let _ = writeln!(out, "  cannot tell:{}", more(all, MOST_SENTENCES));
     }
+    let silent = told.lost.unknowns.iter().filter(|_| told.lost.leave_out.is_empty());
+    for sentence in silent.take(MOST_SENTENCES) {
+        let _ = writeln!(out, "  no harm: {sentence}");
+    }
     if told.lost.leave_out.len() > 1 {
         let left_out = &told.lost.leave_out;
         let _ = writeln!(

@@ -92,6 +92,7 @@ mod tests {
             estimates: vec![estimate("EXX1"), estimate("EYY1"), estimate("EZZ1")],
             sigmas: Vec::new(),
             angle_sigmas: Vec::new(),
+            ties: Vec::new(),
             residuals: Vec::new(),
             condition: 1.0,
             freedom: 1,

@@ -133,6 +133,9 @@ pub struct Row {
     pub weight: f64,
 }
 
+/// Columns for a name; a longer one shifts its line.
+const WIDEST_NAME: usize = 60;
+
 impl Estimate {
     /// Value, uncertainty, effect and inflation as text. The value has as many decimals as the uncertainty: a place of a ball is large.
     #[must_use]
@@ -158,7 +161,7 @@ impl Calibration {
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = self.selection.as_ref().map_or_else(String::new, Selection::table);
-        let wide = |names: &mut dyn Iterator<Item = usize>| names.max().unwrap_or(0).max(12) + 1;
+        let wide = |names: &mut dyn Iterator<Item = usize>| names.max().unwrap_or(0).clamp(12, WIDEST_NAME) + 1;
         // Writing into a String cannot fail.
         for (title, list) in [("parameter", &self.parameters), ("set-up", &self.unknowns)] {
             if list.is_empty() {

@@ -26,6 +26,8 @@ struct Member {
     row: usize,
     run: usize,
     sense: i8,
+    /// Where the axis stood, unless the table says its sense.
+    place: Option<f64>,
     time: f64,
 }
 
@@ -45,14 +47,17 @@ pub(super) fn find(data: &mut DataSet, table: &Table, findings: &mut Vec<Diagnos
         let place = observation.setup * components + observation.target.unwrap_or(0);
         if let Some(group) = groups.get_mut(place) {
             let time = observation.t_s.unwrap_or(group.len() as f64);
-            group.push(Member { row, run: observation.run, sense: observation.reading.state.direction(axis), time });
+            let place = table.column(&format!("{axis}_dir")).is_none().then(|| observation.reading.position[axis]);
+            let sense = observation.reading.state.direction(axis);
+            group.push(Member { row, run: observation.run, sense, place, time });
         }
     }
     let mut levels = 0;
     for (place, mut group) in groups.into_iter().enumerate().filter(|(_, group)| !group.is_empty()) {
-        // Where the axis came from to the first position is not known: it goes on from there.
+        // Where the axis came from to the first position is not known: it goes on from there, and so does a reading where the last one was.
         for k in (0..group.len().saturating_sub(1)).rev() {
-            if group[k].sense == 0 {
+            let begins = group[k].place.is_some() && (k == 0 || group[k].place == group[k - 1].place);
+            if group[k].sense == 0 || begins {
                 group[k].sense = group[k + 1].sense;
             }
         }

@@ -51,6 +51,10 @@ pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnos
         let value_mm = section.required("value_mm", "500.012", |section, key| {
             section.number_where(key, "a length above 0", |mm| mm > 0.0)
         });
+        if from.is_some() && from == to {
+            let place = section.place_of("to");
+            section.report(Code::BAD_VALUE, place, "a distance of a ball from itself", "name another ball");
+        }
         if let (Some(from), Some(to), Some(value_mm)) = (from, to, value_mm) {
             let sigma_mm = section.number_where("sigma_um", "a number above 0", |um| um > 0.0).map(mm_from_um);
             lengths.push((from.to_owned(), to.to_owned(), value_mm, sigma_mm));
