@@ -311,6 +311,34 @@ fn a_copied_row_is_found_wherever_it_stands() {
     assert!(of("dx_um,X_dir", &format!("{one}1\n")).starts_with("E0605"));
 }
 
+/// Without a run and without senses: two set-ups, in each twice there and back, the first position of a cycle where the last one ended.
+#[test]
+fn cycles_begin_with_each_set_up() {
+    let mut rows = String::new();
+    for setup in ["A", "B"] {
+        for (row, x) in
+            [0, 100, 200, 300, 400, 500, 500, 400, 300, 200, 100, 0].into_iter().cycle().take(24).enumerate()
+        {
+            writeln!(rows, "{x},0,0,EXX,{},{setup}", 0.01 * f64::from(x) + 0.1 * row as f64).unwrap();
+        }
+    }
+    let (data, findings) = load("X,Y,Z,component,value_um,setup", &rows, DRIFT);
+    let data = data.unwrap_or_else(|| panic!("{findings:?}"));
+    assert_eq!(
+        data.cycles.iter().map(|cycle| (cycle.setup, cycle.number)).collect::<Vec<_>>(),
+        [(0, 1), (0, 2), (1, 1), (1, 2)]
+    );
+    let of_row: Vec<usize> = data.observations.iter().map(|row| row.cycle.unwrap().0).collect();
+    assert_eq!(of_row, (0..48).map(|row| row / 12).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_ball_has_no_distance_from_itself() {
+    let description = "[measurement]\nkind = \"probe\"\n[[length]]\nfrom = \"a\"\nto = \"a\"\nvalue_mm = 50\n";
+    let found = refusal("X,Y,Z,target", "0,0,0,a\n0,0,1,a\n", description);
+    assert!(found.starts_with("E0404") && found.contains("distance of a ball from itself"), "{found}");
+}
+
 /// Stylus and spindle are both unknown: turning the spindle tells them.
 #[test]
 fn a_spindle_that_turns_tells_the_stylus_from_the_spindle() {
