@@ -54,6 +54,9 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         sigma: None,
         sigma_rad: None,
         free: free.to_vec(),
+        artefact: Setup::default(),
+        rods: Vec::new(),
+        cycles: Vec::new(),
         setups: Vec::new(),
         runs: vec![String::new()],
         targets: Vec::new(),
@@ -64,7 +67,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
 }
 
 pub(crate) fn setup(label: &str, centre_mm: [f64; 3], length_mm: f64) -> Setup {
-    Setup { label: label.to_owned(), centre_mm: Vector::from(centre_mm), length_mm }
+    Setup { label: label.to_owned(), centre_mm: Vector::from(centre_mm), length_mm, ..Setup::default() }
 }
 
 /// An observation that read zero.
@@ -75,6 +78,9 @@ pub(crate) fn observation(reading: Reading, setup: usize) -> Observation {
         run: 0,
         t_s: None,
         condition: 0,
+        temperature_c: None,
+        feed: None,
+        cycle: None,
         values: [Some(0.0); 3],
         target: None,
         component: None,
@@ -151,7 +157,11 @@ impl Bench {
                 let offset = if has(Free::Offset) { three(3 * observation.setup) } else { Vector::zeros() };
                 let turn = if has(Free::Offset) { 3 * setups } else { 0 } + 3 * observation.setup;
                 let turn = if has(Free::Rotation) { three(turn) } else { Vector::zeros() };
-                let moved = Rotation3::new(turn) * place + offset - place;
+                // An artefact that is warm is larger as seen from the point that stays.
+                let of = &set.setups[observation.setup];
+                let warmth = of.expansion_per_k * (of.temperature_c.unwrap_or(20.0) - 20.0);
+                let grown = place + (place - of.origin_mm.unwrap_or(place)) * warmth;
+                let moved = Rotation3::new(turn) * grown + offset - place;
                 let kinematics = Kinematics::new(&self.machine);
                 let to_f = model.tool_orientation(&position) * kinematics.rotation(&position).transpose();
                 let read = model.deviation(&position, &tool_mm, &state).translation - to_f * moved + noise;
@@ -160,7 +170,10 @@ impl Bench {
             "ballbar" => {
                 let setup = &set.setups[observation.setup];
                 let ball = setup.centre_mm + three(3 * observation.setup);
-                let length = setup.length_mm + unknowns.get(3 * setups + observation.setup).copied().unwrap_or(0.0);
+                let which = if has(Free::Rod) { setup.rod } else { observation.setup };
+                let warmth = setup.expansion_per_k * (setup.temperature_c.unwrap_or(20.0) - 20.0);
+                let longer = unknowns.get(3 * setups + which).copied().unwrap_or(0.0);
+                let length = (setup.length_mm + longer) * (1.0 + warmth);
                 let tip = model.actual(&position, &tool_mm, &state).translation;
                 observation.values[0] = Some((tip - ball).norm() - length + noise.x);
             }
@@ -189,7 +202,13 @@ impl Bench {
                 let sense = if on_table { -1.0 } else { 1.0 };
                 let k = component.direction.index() % 3;
                 let offset = observation.setup * set.targets.len() + observation.target.unwrap();
-                let offset = if has(Free::Offset) { unknowns[offset] } else { 0.0 };
+                let mut offset = if has(Free::Offset) { unknowns[offset] } else { 0.0 };
+                if let Some((cycle, time)) = observation.cycle {
+                    let first = setups * set.targets.len();
+                    let level = set.cycles[cycle].level;
+                    let level = level.map_or(0.0, |level| unknowns[first + set.cycles.len() + level]);
+                    offset += unknowns[first + cycle] * time + level;
+                }
                 let value = if component.direction.is_rotation() {
                     deviation.rotation[k] * sense + offset + noise.x / 1000.0
                 } else {
@@ -215,7 +234,8 @@ impl Bench {
 
     /// What the data cannot tell; the readings do not matter.
     pub(crate) fn lost(&self) -> Vec<String> {
-        identify(&self.machine, &ErrorModel::default(), &self.parameters, &self.data).unwrap().lost.parameters
+        let lost = identify(&self.machine, &ErrorModel::default(), &self.parameters, &self.data).unwrap().lost;
+        lost.confused.into_iter().map(|one| one.sentence).collect()
     }
 }
 

@@ -178,7 +178,7 @@ fn loads_from_levels() {
 }
 
 /// Three axes, all of the tool side.
-fn three_axes(errors: &str) -> String {
+pub(crate) fn three_axes(errors: &str) -> String {
     format!(
         "[machine]\nname = \"three\"\ntopology = \"wFXYZSt\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 700]\n\
          [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 500]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 600]\n{errors}"

@@ -95,7 +95,7 @@ fn tally(bench: &Bench, noise_mm: f64, outliers: f64, repetitions: u64) -> Tally
     }
 }
 
-fn check(bench: &Bench, outliers: f64) {
+pub(crate) fn check(bench: &Bench, outliers: f64) {
     let name = name(bench);
     let found = tally(bench, 1e-3, outliers, 200);
     println!(

@@ -179,6 +179,14 @@ fn circles_give_squareness_and_scales() {
     simulate(&shop, "plan.csv", "circles.csv", "0.3um", "5");
     let report = calibrate(&shop, &["circles.csv"], "model.txt", &[]);
     demand(&report, SIX, 1.5);
+    let options = ["--monte-carlo", "40", "--seed", "7"];
+    let repeated = calibrate(&shop, &["circles.csv"], "model.txt", &options);
+    for one in ["parameters", "unknowns"].iter().flat_map(|list| repeated[list].as_array().unwrap()) {
+        let [spread, sigma] = ["sigma_monte_carlo", "sigma"].map(|key| one[key].as_f64().unwrap());
+        // Of 40 repetitions the scatter is known to 11 %.
+        assert!((spread / sigma - 1.0).abs() < 0.5, "{one}");
+    }
+    assert!(report["parameters"][0]["sigma_monte_carlo"].is_null());
     let unknowns = report["unknowns"].as_array().unwrap();
     assert_eq!(unknowns[0]["name"], "X of the table ball of set-up A");
     assert_eq!(unknowns.len(), 3);
@@ -198,6 +206,37 @@ fn what_the_data_cannot_tell_is_named() {
     let few: String = shop.text("circles.csv").lines().take(4).map(|line| format!("{line}\n")).collect();
     let shop = shop.file("circles.csv", few).file("circles.toml", CIRCLES_TOML);
     shop.run(arguments).exits(4).says("E0606").says("3 readings cannot tell 9 unknowns");
+}
+
+#[test]
+fn a_model_is_reduced_to_what_the_data_tell() {
+    let free = CIRCLES_TOML.replace("[\"centre\"]", "[\"centre\", \"length\"]");
+    let shop = circles();
+    simulate(&shop, "plan.csv", "circles.csv", "0.3um", "5");
+    let shop = shop.file("circles.toml", free).file("model.txt", format!("EYX0\nEYX2@400\nEYX2@800\n{}", names(SIX)));
+    refused(&shop, "model.txt", &["E0606", "circles.toml:1:1", "EYX2@800", "without these 3 parameters", "--reduce"]);
+    let report = calibrate(&shop, &["circles.csv"], "model.txt", &["--reduce"]);
+    // What the length takes of the gains is that of Z; X and Y carry the workpiece, where a gain moves the other way.
+    let expected = [
+        ("EYX2@400", 0.0),
+        ("EC0X", 16.0),
+        ("EB0Z", -12.0),
+        ("EA0Z", 9.0),
+        ("EXX1", 32.0 + 11.0),
+        ("EYY1", -21.0 + 11.0),
+    ];
+    demand(&report, &expected, 60.0);
+    let mut left_out: Vec<&str> = report["left_out"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|one| one["parameters"].as_array().unwrap())
+        .map(|name| name.as_str().unwrap())
+        .collect();
+    left_out.sort_unstable();
+    assert_eq!(left_out, ["EYX0", "EYX2@800", "EZZ1"]);
+    let found = report["diagnostics"].as_array().unwrap();
+    assert_eq!(found.iter().filter(|one| one["code"] == "W0605" && one["line"] == 1).count(), 3, "{report}");
 }
 
 #[test]

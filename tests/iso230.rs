@@ -5,8 +5,9 @@ use std::fmt::Write as _;
 
 use ncfix::measure::data::DataSet;
 use ncfix::measure::iso230::circle::{self, Point};
+use ncfix::measure::iso230::drift::without_drift;
 use ncfix::measure::iso230::minimum_zone;
-use ncfix::measure::iso230::positioning::{Approach, Fault, approaches, figures, without_drift};
+use ncfix::measure::iso230::positioning::{Approach, Fault, approaches, figures};
 use ncfix::model::file;
 use ncfix::source::{FileId, Source};
 
@@ -127,15 +128,15 @@ fn readings_of_a_measurement_have_sense_and_cycle() {
             writeln!(rows, "{x},0,0,{sense},EXX,{}", 10 * cycle + x / 100 - 2 * sense).unwrap();
         }
     }
-    let found = approaches(&data(&rows), name).unwrap();
+    let found = approaches(&data(&rows), name, None).unwrap();
     assert_eq!(found.len(), 12);
     assert_eq!((found[3].is_up, found[3].cycle, found[6].cycle, found[11].cycle), (false, 0, 1, 1));
     // B = (x/100 − 2) − (x/100 + 2) µm.
     let both = figures(&found).unwrap().both.unwrap();
     near(both.mean_reversal, -4e-3);
     near(both.systematic, 6e-3);
-    assert_eq!(approaches(&data(&rows), "EYX".parse().unwrap()), Err(Fault::Nothing));
-    assert_eq!(approaches(&data("5,0,0,0,EXX,1\n6,0,0,1,EXX,1\n"), name), Err(Fault::NoSense(5.0)));
+    assert_eq!(approaches(&data(&rows), "EYX".parse().unwrap(), None), Err(Fault::Nothing));
+    assert_eq!(approaches(&data("5,0,0,0,EXX,1\n6,0,0,1,EXX,1\n"), name, None), Err(Fault::NoSense(5.0)));
 }
 
 #[test]

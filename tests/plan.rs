@@ -127,7 +127,11 @@ fn table_5_3_carries_81_parameters_and_no_spindle_offsets() {
     assert_eq!((pairs[0], pairs[14], pairs[41], pairs[42]), ((15, 60), (0, 360), (-5, 345), (15, 60)));
     // The spindle offsets of this preset are the tool of unknown place.
     let run = plan(&shop, "kolibri.toml", &["probe", "--variant", "rumba", "--tool", "74", "--model", "mayer-13"]);
-    assert!(run.stderr.contains("cannot tell: EX0S cannot be told from X of the tool"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("cannot tell: EX0S and EY0S cannot be told from the tool\n    turn the spindle"),
+        "{}",
+        run.stderr
+    );
     // Two spindle offsets, and the scale of everything: no length is known.
     assert!(run.stderr.contains("the plan tells 25 of 28"), "{}", run.stderr);
     let wrong = plan(&shop, &machine("esmaeili_xyz5"), &["probe", "--variant", "rumba"]);
@@ -484,7 +488,7 @@ fn every_plan_is_documented() {
 
 #[test]
 fn no_other_pose_would_have_told_more() {
-    use ncfix::calibrate::{improve, told};
+    use ncfix::calibrate::{identify, improve};
     let source =
         ncfix::source::Source::new(ncfix::source::FileId(0), "kolibri.toml", KOLIBRI.as_bytes().to_vec()).unwrap();
     let (found, _) = ncfix::model::file::load(&source);
@@ -500,11 +504,21 @@ fn no_other_pose_would_have_told_more() {
     let rank_with = |candidate: usize| {
         let mut data = plan.data.clone();
         data.observations.push(plan.candidates[candidate]);
-        told(&machine, &parameters, &[data]).rank
+        identify(&machine, &ncfix::model::ErrorModel::default(), &parameters, &[data]).unwrap().rank
     };
-    let before = told(&machine, &parameters, std::slice::from_ref(&plan.data)).rank;
+    let before =
+        identify(&machine, &ncfix::model::ErrorModel::default(), &parameters, std::slice::from_ref(&plan.data))
+            .unwrap()
+            .rank;
     let best = (0..plan.candidates.len()).map(rank_with).max().unwrap();
-    let chosen = improve(&machine, &parameters, std::slice::from_ref(&plan.data), &plan.candidates, 1);
+    let chosen = improve(
+        &machine,
+        &ncfix::model::ErrorModel::default(),
+        &parameters,
+        std::slice::from_ref(&plan.data),
+        &plan.candidates,
+        1,
+    );
     assert_eq!(chosen.len(), 1);
     assert_eq!(rank_with(chosen[0]), best);
     assert!(best > before);

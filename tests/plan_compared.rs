@@ -52,7 +52,9 @@ const PRINTED: [[f64; 3]; 10] = [
 ];
 
 /// A parameter counts as not told where its uncertainty alone moves the tip by more, mm.
-const MOST: f64 = 0.1;
+const MOST: f64 = 0.01;
+/// The same for a model that is kept although most of it is told badly.
+const LOOSE: f64 = 0.1;
 
 /// What a parameter of 1 does at the end of the travel, at an arm of 300 mm.
 fn at_tip(name: &ParameterName) -> f64 {
@@ -256,21 +258,20 @@ impl Shop {
     }
 
     /// Takes out of the model what the data cannot tell, and fits the rest.
-    fn calibrated(&self, data: &[DataSet]) -> (ErrorModel, Vec<String>) {
+    fn calibrated(&self, data: &[DataSet], limit: f64) -> (ErrorModel, Vec<String>) {
         let mut parameters = parameters();
         let mut lost = Vec::new();
         let none = ErrorModel::default();
         for _ in 0..60 {
             let found = identify(&self.machine, &none, &parameters, data).unwrap();
-            let mut names: Vec<String> =
-                found.lost.parameters.iter().filter_map(|text| Some(text.split_once(' ')?.0.to_owned())).collect();
+            let mut names: Vec<String> = found.lost.leave_out.iter().map(ToString::to_string).collect();
             if names.is_empty() {
                 let worst = found.columns.iter().zip(&found.sigmas).filter_map(|(column, sigma)| match column {
                     Column::Parameter(name) => Some((at_tip(name) * sigma * PROBE, name.to_string())),
                     Column::Effect(_) | Column::Unknown(..) => None,
                 });
                 let worst = worst.max_by(|one, other| one.0.total_cmp(&other.0)).unwrap();
-                names.extend((worst.0 > MOST).then_some(worst.1));
+                names.extend((worst.0 > limit).then_some(worst.1));
             }
             if names.is_empty() {
                 break;
@@ -307,7 +308,7 @@ fn diagonals(name: &str, space: [[f64; 2]; 3], like: &DataSet) -> DataSet {
     out.setups.clear();
     for diagonal in 0..4_u8 {
         let label = format!("D{diagonal}");
-        out.setups.push(Setup { label, centre_mm: Vector::zeros(), length_mm: 0.0 });
+        out.setups.push(Setup { label, ..Setup::default() });
         for step in 0..=20 {
             let share = f64::from(step) / 20.0;
             let turned = |bit: u8| if diagonal >> bit & 1 == 1 { 1.0 - share } else { share };
@@ -341,6 +342,8 @@ struct Compared {
     means: [f64; 3],
     /// Within the reach of the plates, and of the whole space.
     diagonals: Vec<[f64; 3]>,
+    /// Efficiency on the diagonals of what the plates give with terms kept that they tell badly, %.
+    loose: Vec<f64>,
     lost: [Vec<String>; 3],
     table: String,
 }
@@ -348,7 +351,9 @@ struct Compared {
 fn compare() -> Compared {
     let (machine, errors) = truth();
     let shop = Shop { machine, errors };
-    let models = [shop.direct(), shop.plates(), shop.spheres()].map(|data| shop.calibrated(&data));
+    let models = [shop.direct(), shop.plates(), shop.spheres()].map(|data| shop.calibrated(&data, MOST));
+    let (loose, _) = shop.calibrated(&shop.plates(), LOOSE);
+    let mut loose_shares = Vec::new();
     let none = ErrorModel::default();
     let mut table = String::new();
     let mut means = [0.0; 3];
@@ -362,6 +367,8 @@ fn compare() -> Compared {
             let whole = measured.concat();
             let left = left.map(|left| left.concat());
             let shares = left.each_ref().map(|left| 100.0 * (1.0 - sum(left) / sum(&whole)));
+            let of_loose = shop.left(&loose, &set).concat();
+            loose_shares.push(100.0 * (1.0 - sum(&of_loose) / sum(&whole)));
             diagonals.push(shares);
             write!(table, "| {} | all | {:.1} / {:.1} |", set.name, largest(&whole), rms(&whole)).unwrap();
             for (left, share) in left.iter().zip(shares) {
@@ -392,7 +399,7 @@ fn compare() -> Compared {
         means[0], means[1], means[2]
     )
     .unwrap();
-    Compared { means, diagonals, lost: models.map(|(_, lost)| lost), table }
+    Compared { means, diagonals, loose: loose_shares, lost: models.map(|(_, lost)| lost), table }
 }
 
 /// Rank of the machine's parameters, and the variance inflation of the roll of Z, with plates of one tool vector and of two.
@@ -446,7 +453,7 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
          The machine is `samples/machines/maho700s.toml` without weight and drift, with all 18 functions, and with what no cubic function can follow:\n\
          pitch errors of 1.5 µm (X) and 1 µm (Z) every 12 mm, bows of the fourth order of 4 µm in EYX and EXZ, and the tilt of Y that depends on X.\n\
          The model is the same for all: cubic functions of the 18 components, squareness in the slopes of Y and Z, 51 parameters, less what the\n\
-         measurements cannot tell, or only so badly that its uncertainty alone is more than 0.1 mm at the tip.\n\n\
+         measurements cannot tell, or only so badly that its uncertainty alone is more than 10 µm at the tip.\n\n\
          | method | plans | instrument | not told |\n| --- | --- | --- | --- |\n",
     );
     let rows = [
@@ -473,10 +480,19 @@ fn page(compared: &Compared, tools: &[Told<'_>]) -> String {
          | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
     );
     out.push_str(&compared.table);
+    let shares = |shares: &[f64]| shares.iter().map(|share| format!("{share:.0} %")).collect::<Vec<_>>().join(" and ");
+    let kept: Vec<f64> = compared.diagonals.iter().map(|shares| shares[1]).collect();
+    writeln!(
+        out,
+        "\nThe limit matters. With all terms kept whose uncertainty moves the tip by up to 0.1 mm, the plates fit plates as well, but of the diagonals they say\n\
+         {} in place of {}: sums of terms that cancel each other in the planes of the plates do not cancel beside them. Efficiencies of plates\n\
+         alone do not tell how good a model is elsewhere: hold out diagonals as well, and look at the column of effects and uncertainties.",
+        shares(&compared.loose),
+        shares(&kept),
+    )
+    .unwrap();
     out.push_str(
-        "\nOn the diagonals the model from the plates leaves more than half of what is measured. That is so within the 400 mm of the plates too, so that it\n\
-         is not what a cubic function does beyond the holes; what it is has not been found. Efficiencies of plates alone do not tell how good a\n\
-         model is elsewhere: hold out diagonals as well.\n\
+        "\
          \n## One tool vector or two\n\n\
          The roll of the axis that carries the spindle, ECZ, moves no tip that is in line with the spindle. Plates in three planes, at\n\
          one place or two in each, all measured with every tool; all 51 parameters. A stylus to the side tells all\n\
@@ -522,11 +538,11 @@ fn three_methods_and_two_tools() {
     }
     // As printed: direct measurement and plates say most of it, spheres with two lengths of a tool along the spindle less.
     assert!(direct > 70.0 && plates > 70.0, "{:?}\n{text}", compared.means);
-    assert!(bar < direct - 5.0 && bar < plates - 5.0 && bar > 20.0, "{:?}\n{text}", compared.means);
+    assert!(bar < direct && bar < plates && bar > 20.0, "{:?}\n{text}", compared.means);
     assert!(["ECZ1", "ECZ2", "ECZ3"].iter().all(|name| compared.lost[2].iter().any(|lost| lost == name)));
-    // Plates say little of diagonals, within their own reach too: it is not that cubic functions are led beyond the holes.
-    for shares in &compared.diagonals {
-        assert!(shares[0] > 70.0 && shares[1] < shares[0], "{shares:?}\n{text}");
+    // Terms that are told badly do their harm where no plate lay.
+    for (shares, loose) in compared.diagonals.iter().zip(&compared.loose) {
+        assert!(shares[0] > 70.0 && shares[1] > loose + 20.0, "{shares:?} {loose}\n{text}");
     }
     let written = std::fs::read_to_string(&path).unwrap_or_default().replace("\r\n", "\n");
     let different = written.lines().zip(text.lines()).find(|(is, should)| is != should);

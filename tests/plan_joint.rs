@@ -1,11 +1,12 @@
 //! Plans that go with measurements which are there already: what they tell together, and which further poses help then.
 
-use ncfix::calibrate::{improve, told};
+use ncfix::calibrate::{identify, improve};
 use ncfix::geometry::{Plane, Vector};
 use ncfix::machine::Machine;
 use ncfix::measure::data::DataSet;
 use ncfix::measure::plan::builder::Builder;
 use ncfix::measure::plan::{Wishes, find};
+use ncfix::model::ErrorModel;
 use ncfix::model::parameter::ParameterName;
 use ncfix::source::{FileId, Source};
 
@@ -97,13 +98,14 @@ fn poses_are_chosen_for_what_the_others_do_not_tell() {
         own.observations.extend(more.iter().map(|&number| few.candidates[number]));
         std::iter::once(own).chain(plates.clone()).collect()
     };
-    let rank = |data: &[DataSet]| told(&machine, &parameters, data).rank;
+    let rank = |data: &[DataSet]| identify(&machine, &ErrorModel::default(), &parameters, data).unwrap().rank;
     let best = (0..few.candidates.len()).map(|number| rank(&together(&[number]))).max().unwrap();
-    let chosen = improve(&machine, &parameters, &together(&[]), &few.candidates, 4);
+    let chosen = improve(&machine, &ErrorModel::default(), &parameters, &together(&[]), &few.candidates, 4);
     assert_eq!(chosen.len(), 4);
     assert_eq!(rank(&together(&chosen[..1])), best, "no other pose would have told more");
     assert!(best > rank(&together(&[])));
     // Chosen with what is there, four poses tell together at least what those tell that were chosen for the balls alone.
-    let alone = improve(&machine, &parameters, std::slice::from_ref(&few.data), &few.candidates, 4);
+    let alone =
+        improve(&machine, &ErrorModel::default(), &parameters, std::slice::from_ref(&few.data), &few.candidates, 4);
     assert!(rank(&together(&chosen)) >= rank(&together(&alone)));
 }

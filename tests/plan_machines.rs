@@ -61,7 +61,7 @@ fn fitting(shop: &Shop, machine: &Machine, errors: &ErrorModel) -> Vec<Parameter
     let is_told = |parameters: &[ParameterName]| {
         let found = identify(machine, errors, parameters, &data).unwrap();
         let worst = found.inflation.iter().take(parameters.len()).copied().fold(0.0, f64::max);
-        found.lost.parameters.is_empty() && worst < 50.0
+        found.lost.leave_out.is_empty() && worst < 50.0
     };
     let mut out = Vec::new();
     for name in CANDIDATES.split(' ') {

@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::measure::data::DataSet;
 use crate::measure::kind::Unknown;
+use crate::model::ErrorName;
 use crate::model::parameter::ParameterName;
 
 use super::effect::{EffectParameter, Parameter};
@@ -35,6 +36,16 @@ impl Column {
         Named { column: self, data }
     }
 
+    /// The parameter of the machine, if it is one.
+    #[must_use]
+    pub fn parameter(&self) -> Option<Parameter> {
+        match self {
+            Column::Parameter(name) => Some(Parameter::from(*name)),
+            Column::Effect(parameter) => Some(Parameter::from(parameter.clone())),
+            Column::Unknown(..) => None,
+        }
+    }
+
     /// Whether it is a parameter of the machine, not of a measurement.
     #[must_use]
     pub fn is_of_machine(&self) -> bool {
@@ -43,12 +54,31 @@ impl Column {
 
     /// Whether it is an angle, rad, rather than a length, mm.
     #[must_use]
-    pub fn is_angle(&self) -> bool {
-        match self {
-            Column::Parameter(name) => name.component.direction.is_rotation(),
-            Column::Effect(_) => false,
-            Column::Unknown(_, unknown) => matches!(unknown, Unknown::Rotation(..)),
-        }
+    pub fn is_angle(&self, data: &[DataSet]) -> bool {
+        let (number, unknown) = match self {
+            Column::Parameter(name) => return name.component.direction.is_rotation(),
+            Column::Effect(_) => return false,
+            Column::Unknown(number, unknown) => (*number, *unknown),
+        };
+        let Some(set) = data.get(number) else { return false };
+        let target = match unknown {
+            Unknown::Rotation(..) => return true,
+            Unknown::Offset(which, _) if set.kind.name == "direct" => which % set.targets.len().max(1),
+            Unknown::Drift(which) | Unknown::Level(which) => set.cycles.get(which).map_or(0, |cycle| cycle.target),
+            _ => return false,
+        };
+        set.targets
+            .get(target)
+            .and_then(|name| name.parse::<ErrorName>().ok())
+            .is_some_and(|name| name.direction.is_rotation())
+    }
+
+    /// By how many mm 1 K makes the ball-bar longer whose temperature it is.
+    #[must_use]
+    pub fn mm_per_k(&self, data: &[DataSet]) -> Option<f64> {
+        let Column::Unknown(number, Unknown::RodTemperature(which)) = self else { return None };
+        let setup = data.get(*number)?.setups.get(*which)?;
+        Some(setup.length_mm * setup.expansion_per_k).filter(|&mm_per_k| mm_per_k > 0.0)
     }
 }
 
@@ -70,8 +100,21 @@ impl fmt::Display for Named<'_> {
             Some("") | None => String::new(),
             Some(label) => format!(" of set-up {label}"),
         };
+        let cycle = |which: usize| {
+            let Some(cycle) = set.cycles.get(which) else { return String::new() };
+            let component = set.targets.get(cycle.target).map_or("", String::as_str);
+            format!("{component} in cycle {}{}", cycle.number, setup(cycle.setup))
+        };
         match unknown {
             Unknown::Centre(which, direction) => write!(f, "{} of the table ball{}", axis(direction), setup(which)),
+            Unknown::Drift(which) => write!(f, "drift of {}", cycle(which)),
+            Unknown::Level(which) => write!(f, "zero of {}", cycle(which)),
+            Unknown::Rod(which) => {
+                let rod = set.rods.get(which).map(String::as_str).filter(|rod| !rod.is_empty());
+                let own = set.setups.iter().position(|setup| setup.rod == which).map_or_else(String::new, setup);
+                write!(f, "length of the {}", rod.map_or(format!("ball-bar{own}"), |rod| format!("rod {rod}")))
+            }
+            Unknown::RodTemperature(which) => write!(f, "temperature of the ball-bar{}", setup(which)),
             Unknown::Length(which) => write!(f, "length of the ball-bar{}", setup(which)),
             Unknown::Offset(which, _) if set.kind.name == "direct" => {
                 let count = set.targets.len().max(1);

@@ -14,7 +14,7 @@ use super::column::Column;
 use super::effect::{EffectParameter, Parameter, Part};
 
 /// Known distances have this standard uncertainty where the description gives none, mm.
-const TIE_SIGMA: f64 = 1e-4;
+pub(super) const TIE_SIGMA: f64 = 1e-4;
 
 /// An unknown of a set-up that moves no reading by a larger share of itself is not told, as the place of a ball across a circle: 0.1 mm would
 /// be less than 1 µm, and its own square more.
@@ -24,6 +24,9 @@ const WEAK: f64 = 0.01;
 pub(super) fn tie_sigma(data: &[DataSet], set: usize, tie: usize) -> f64 {
     data.get(set).and_then(|set| set.lengths.get(tie)).and_then(|length| length.sigma_mm).unwrap_or(TIE_SIGMA)
 }
+
+/// Rotations move points at about this lever, mm.
+const LEVER_MM: f64 = 1000.0;
 
 /// Parameters and data, laid out in columns.
 #[derive(Clone, Debug)]
@@ -124,8 +127,54 @@ impl<'a> Design<'a> {
         unknowns.filter(|(_, factor)| **factor < WEAK).map(|(column, _)| column).collect()
     }
 
+    /// About how much a unit of each column can move, mm: what is far below it is left by the arithmetic.
+    pub(super) fn reach(&self, errors: &ErrorModel) -> Vec<f64> {
+        let lever = |is_angle: bool| if is_angle { LEVER_MM } else { 1.0 };
+        let of_unknown = |column: &Column| if column.is_of_machine() { 0.0 } else { lever(column.is_angle(self.data)) };
+        let mut reach: Vec<f64> = self.columns.iter().map(of_unknown).collect();
+        let mut raise = |column: usize, component: ErrorName, value: f64| {
+            if let Some(most) = reach.get_mut(column) {
+                *most = most.max(value.abs() * lever(component.direction.is_rotation()));
+            }
+        };
+        let mut units = Units::new(self);
+        for set in self.data {
+            let mut now = None;
+            for observation in &set.observations {
+                if now.replace(observation.condition) != Some(observation.condition) {
+                    units.enter(errors, set.condition(observation));
+                }
+                let state = &observation.reading.state;
+                let command = self.within_turn(&observation.reading.position);
+                for (column, name, _) in &self.geometry {
+                    raise(*column, name.component, name.weight(&command, state));
+                }
+                for (column, _, part) in &units.parts {
+                    raise(*column, part.component, part.value(&command, state));
+                }
+            }
+        }
+        reach
+    }
+
     /// Calls `out` with every equation: its line, and its factors by all columns where they are wanted.
-    pub(super) fn walk(&self, errors: &ErrorModel, values: &[f64], factors: bool, mut out: impl FnMut(Line, &[f64])) {
+    pub(super) fn walk(&self, errors: &ErrorModel, values: &[f64], factors: bool, out: impl FnMut(Line, &[f64])) {
+        self.walk_with([errors, errors], values, factors, out);
+    }
+
+    /// The same on a machine without errors; effects have the values by which some of their parameters act.
+    pub(super) fn walk_exact(&self, effects: &ErrorModel, values: &[f64], out: impl FnMut(Line, &[f64])) {
+        self.walk_with([&ErrorModel::default(), effects], values, true, out);
+    }
+
+    /// The equations on a machine with the first errors, and the factors of effects as they are in the second ones.
+    fn walk_with(
+        &self,
+        [errors, effects]: [&ErrorModel; 2],
+        values: &[f64],
+        factors: bool,
+        mut out: impl FnMut(Line, &[f64]),
+    ) {
         let mut model = Model::at(self.machine, errors, &Condition::default());
         let mut units = Units::new(self);
         let mut equations: Vec<Equation> = Vec::new();
@@ -148,7 +197,7 @@ impl<'a> Design<'a> {
                     let condition = set.condition(observation);
                     model = Model::at(self.machine, errors, condition);
                     if factors {
-                        units.enter(errors, condition);
+                        units.enter(effects, condition);
                     }
                 }
                 let reading = &observation.reading;

@@ -15,6 +15,8 @@ use crate::model::parameter::ParameterName;
 use crate::model::{Accumulator, Effect, ErrorModel, ErrorName};
 use crate::units::{um_from_mm, urad_from_rad};
 
+use super::cause::Cause;
+
 /// Step of a central difference as a share of the parameter, and the least.
 const STEP: f64 = 1e-4;
 const LEAST_STEP: f64 = 1e-6;
@@ -313,7 +315,7 @@ fn collect(machine: &Machine, effect: Box<dyn Effect>, condition: &Condition, fa
 }
 
 /// Why an effect may not be told: what did not change between the readings.
-pub(super) fn hint(names: &[&str], data: &[DataSet]) -> Option<&'static str> {
+pub(super) fn lack(names: &[&str], data: &[DataSet]) -> Option<Cause> {
     let mut loads: Vec<_> = Vec::new();
     let mut is_warm = false;
     let mut last = None;
@@ -331,9 +333,9 @@ pub(super) fn hint(names: &[&str], data: &[DataSet]) -> Option<&'static str> {
     }
     let is_of = |source: &str| names.iter().any(|name| name.starts_with(source));
     match loads.as_slice() {
-        [only] if is_of("load.") && only.is_empty() => Some("; there was no load on the table"),
-        [_] if is_of("load.") => Some("; there was only one load: measure without it, too"),
-        _ if !is_warm && !is_of("load.") => Some("; there are no temperatures"),
+        [only] if is_of("load.") && only.is_empty() => Some(Cause::NoLoad),
+        [_] if is_of("load.") => Some(Cause::OneLoad),
+        _ if !is_warm && !is_of("load.") => Some(Cause::NoTemperatures),
         _ => None,
     }
 }

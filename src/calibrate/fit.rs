@@ -7,14 +7,16 @@
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
-use crate::numeric::{Normal, RANK_LIMIT, Solution, Step, System};
+use crate::numeric::{Normal, Solution, Step, System};
 
 use super::column::Column;
 use super::design::{Design, Line, Origin, tie_sigma};
 use super::effect::Parameter;
-use super::noise::{FIRST_SIGMA, Noise, group_of};
+use super::fault::{Fault, Unsettled};
+use super::identify::{Identified, judge};
+use super::noise::{Noise, group_of};
 use super::robust::TUKEY_VARIANCE;
-use super::words::{self, Lost};
+use super::words;
 
 /// Rounds at most.
 const MAX_ROUNDS: usize = 60;
@@ -32,6 +34,9 @@ const KEPT_FACTORS: usize = 1 << 25;
 const HELD: f64 = 1e-3;
 /// Singular values that are zero but for the arithmetic, as a share of the largest one.
 const ARITHMETIC: f64 = 1e-12;
+/// Residuals that are larger than described by this factor, or more than one in so many rejected, are why nothing settles.
+const STRANGE: f64 = 3.0;
+const SHARE: usize = 5;
 /// Rows with less weight were rejected.
 const REJECTED: f64 = 0.01;
 
@@ -56,6 +61,8 @@ pub struct Fit {
     pub angle_sigmas: Vec<f64>,
     /// What is left of every reading, mm or rad: measurement, row, residual, weight.
     pub residuals: Vec<(usize, usize, f64, f64)>,
+    /// What is left of every known distance, mm: measurement, number of the distance, residual, standard uncertainty.
+    pub ties: Vec<(usize, usize, f64, f64)>,
     /// Largest by smallest singular value of columns of unit length, where readings are as good as each other.
     pub condition: f64,
     /// Equations less unknowns.
@@ -90,22 +97,6 @@ pub struct Estimate {
     pub effect_mm: f64,
 }
 
-/// Why there is no result.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Fault {
-    /// Less equations than unknowns.
-    TooFew {
-        /// Equations.
-        equations: usize,
-        /// Unknowns.
-        unknowns: usize,
-    },
-    /// The data cannot tell these combinations, each a sentence.
-    NotTold(Vec<String>),
-    /// It did not settle.
-    NotSettled,
-}
-
 /// Fits parameters to data, from what the model says of them.
 ///
 /// # Errors
@@ -117,23 +108,45 @@ pub fn fit<P: Clone + Into<Parameter>>(
     data: &[DataSet],
     options: Options,
 ) -> Result<Fit, Fault> {
+    let parameters: Vec<Parameter> = parameters.iter().cloned().map(Into::into).collect();
+    let start = awake(machine, start, &parameters, data)?;
+    let judged = judge(machine, &start, &parameters, data)?;
+    fit_judged(machine, &start, &parameters, data, options, &judged)
+}
+
+/// Where an arm or a time constant does nothing because what it changes is 0: after a first fit of that.
+pub(super) fn awake(
+    machine: &Machine,
+    start: &ErrorModel,
+    parameters: &[Parameter],
+    data: &[DataSet],
+) -> Result<ErrorModel, Fault> {
+    if !parameters.iter().any(|parameter| parameter.is_idle(start)) {
+        return Ok(start.clone());
+    }
+    let linear: Vec<Parameter> = parameters.iter().filter(|one| one.is_linear()).cloned().collect();
+    let judged = judge(machine, start, &linear, data)?;
+    Ok(fit_judged(machine, start, &linear, data, Options { robust: false }, &judged)?.errors)
+}
+
+/// Fits what can be told.
+pub(super) fn fit_judged(
+    machine: &Machine,
+    start: &ErrorModel,
+    parameters: &[Parameter],
+    data: &[DataSet],
+    options: Options,
+    judged: &Identified,
+) -> Result<Fit, Fault> {
     let design = Design::new(machine, data, parameters);
     let mut errors = start.clone();
-    if design.parameters.iter().any(|parameter| parameter.is_idle(start)) {
-        // An arm or a time constant does nothing where what it changes is 0; a first value of that does.
-        let linear: Vec<Parameter> = design.parameters.iter().filter(|one| one.is_linear()).cloned().collect();
-        errors = fit(machine, start, &linear, data, Options { robust: false })?.errors;
-    }
-    let mut values = design.start(&errors);
-    let mut rounds = Rounds::new(&design, data, options);
+    let mut values = design.start(start);
+    let mut rounds = Rounds::new(&design, data, options, judged);
     let mut is_last = false;
     for round in 0..MAX_ROUNDS {
         is_last |= round + 1 == MAX_ROUNDS;
-        let is_same = rounds.look(&errors, &values, round, is_last)?;
-        let solution = if round == 0 || is_last { Some(rounds.solved()?) } else { None };
-        if let (0, Some(solution)) = (round, &solution) {
-            (rounds.condition, rounds.inflation) = (solution.condition(), solution.inflation.clone());
-        }
+        let is_same = rounds.look(&errors, &values, round, is_last);
+        let solution = if is_last { Some(rounds.solved()?) } else { None };
         let step = match (rounds.step(), &solution) {
             (Some(step), _) => step,
             (None, Some(solution)) => step_of(solution),
@@ -146,7 +159,7 @@ pub fn fit<P: Clone + Into<Parameter>>(
             parameter.set(&mut errors, value);
         }
         if !values.iter().all(|value| value.is_finite()) {
-            return Err(Fault::NotSettled);
+            return Err(Fault::NotSettled(None));
         }
         let moved = largest_step(&step);
         rounds.used = shared(step.used, &rounds.lines, rounds.noise.groups(), values.len());
@@ -155,7 +168,7 @@ pub fn fit<P: Clone + Into<Parameter>>(
         }
         is_last = moved < SETTLED && round > rounds.early() && is_same;
     }
-    Err(Fault::NotSettled)
+    Err(Fault::NotSettled(rounds.unsettled()))
 }
 
 /// What is carried from round to round.
@@ -171,18 +184,12 @@ struct Rounds<'a> {
     factors: Vec<f64>,
     errors: ErrorModel,
     values: Vec<f64>,
-    /// Unknowns of set-ups that the data does not tell, which is no harm.
-    lost: Lost,
-    is_first: bool,
-    /// Of the first round, in which readings are as good as each other.
-    condition: f64,
-    inflation: Vec<f64>,
-    /// Whether unknowns were held that only together with others cannot be told.
-    is_reduced: bool,
+    /// What the data can tell, with the unknowns of set-ups that it does not, which is no harm.
+    judged: &'a Identified,
 }
 
 impl<'a> Rounds<'a> {
-    fn new(design: &'a Design<'a>, data: &[DataSet], options: Options) -> Rounds<'a> {
+    fn new(design: &'a Design<'a>, data: &[DataSet], options: Options, judged: &'a Identified) -> Rounds<'a> {
         let noise = Noise::new(data);
         let used = vec![0.0; noise.groups()];
         Rounds {
@@ -195,12 +202,26 @@ impl<'a> Rounds<'a> {
             factors: Vec::new(),
             errors: ErrorModel::default(),
             values: Vec::new(),
-            lost: Lost::default(),
-            is_first: true,
-            condition: 1.0,
-            inflation: Vec::new(),
-            is_reduced: false,
+            judged,
         }
+    }
+
+    /// The measurement that is furthest from what it says.
+    fn unsettled(&self) -> Option<Unsettled> {
+        let of = |set: usize, described: &DataSet| {
+            let times = |group: usize, given: Option<f64>| given.map_or(0.0, |given| self.noise.scale(group) / given);
+            let own =
+                || self.lines.iter().zip(&self.weights).filter(|(line, _)| line.set == set && line.row().is_some());
+            let rejected = own().filter(|&(_, &weight)| weight < REJECTED).count();
+            Unsettled {
+                set,
+                times: f64::max(times(2 * set, described.sigma), times(2 * set + 1, described.sigma_rad)),
+                rejected: [rejected, own().count()],
+            }
+        };
+        let all = self.design.data.iter().enumerate().map(|(set, described)| of(set, described));
+        let largest = all.max_by(|one, other| one.times.total_cmp(&other.times))?;
+        (largest.times > STRANGE || largest.rejected[0] * SHARE > largest.rejected[1]).then_some(largest)
     }
 
     /// Rounds whose weights are not those of the end.
@@ -214,9 +235,8 @@ impl<'a> Rounds<'a> {
     }
 
     /// Looks at the residuals: finds noise and weights. Returns whether the noise stayed the same.
-    fn look(&mut self, errors: &ErrorModel, values: &[f64], round: usize, is_last: bool) -> Result<bool, Fault> {
+    fn look(&mut self, errors: &ErrorModel, values: &[f64], round: usize, is_last: bool) -> bool {
         self.errors.clone_from(errors);
-        self.is_first = round == 0;
         self.values = values.to_vec();
         // Directions of readings depend on where the unknowns of the set-ups are, which the first rounds find.
         let with_factors = self.design.is_curved() || round < 2 || round == self.early() + 1 || is_last;
@@ -227,26 +247,15 @@ impl<'a> Rounds<'a> {
             kept.clear();
         }
         let mut fits = true;
-        let mut strongest = vec![0.0_f64; width];
         self.design.walk(errors, values, with_factors, |line, factors| {
             lines.push(line);
             fits &= lines.len() * width <= KEPT_FACTORS;
-            if round == 0 {
-                strongest.iter_mut().zip(factors).for_each(|(most, factor)| *most = most.max(factor.abs()));
-            }
             if with_factors && fits {
                 kept.extend_from_slice(factors);
             }
         });
         if !fits {
             self.factors = Vec::new();
-        }
-        if round == 0 {
-            self.lost.held = self.design.weak(&strongest);
-            self.lost.loose.clone_from(&self.lost.held);
-        }
-        if self.lines.len() < width {
-            return Err(Fault::TooFew { equations: self.lines.len(), unknowns: width });
         }
         // A first step brings the residuals to where they say something.
         let is_same = round > 0 && self.noise.update(&self.lines, &self.used, self.options.robust);
@@ -256,7 +265,7 @@ impl<'a> Rounds<'a> {
             if counts && line.row().is_some() { noise.weight(line, round <= early) } else { 1.0 }
         };
         self.weights = self.lines.iter().map(weight).collect();
-        Ok(is_same)
+        is_same
     }
 
     /// Calls `out` with every equation, its factors, and the root of its weight.
@@ -264,8 +273,6 @@ impl<'a> Rounds<'a> {
         let root = |line: &Line, weight: f64| {
             let sigma = match line.origin {
                 Origin::Row(_) => self.noise.sigma(group_of(line)),
-                // What can be told does not depend on how well a distance is known.
-                Origin::Tie(_) if self.is_first => FIRST_SIGMA,
                 Origin::Tie(tie) => tie_sigma(self.design.data, line.set, tie),
             };
             weight.sqrt() / sigma
@@ -273,11 +280,11 @@ impl<'a> Rounds<'a> {
         let width = self.design.columns.len();
         let mut own = vec![0.0; width];
         let mut pass = |line: &Line, factors: &[f64], weight: f64| {
-            if self.lost.held.is_empty() {
+            if self.judged.lost.held.is_empty() {
                 return out(line, factors, weight);
             }
             own.copy_from_slice(factors);
-            self.lost.held.iter().for_each(|&column| own[column] = 0.0);
+            self.judged.lost.held.iter().for_each(|&column| own[column] = 0.0);
             out(line, &own, weight);
         };
         if self.factors.len() == self.lines.len() * width {
@@ -296,7 +303,7 @@ impl<'a> Rounds<'a> {
     /// Calls `out` with the factors of a row for each unknown that stays where it is.
     fn each_held(&self, mut out: impl FnMut(&[f64])) {
         let mut factors = vec![0.0; self.design.columns.len()];
-        for &column in &self.lost.held {
+        for &column in &self.judged.lost.held {
             factors.fill(0.0);
             factors[column] = 1.0;
             out(&factors);
@@ -309,32 +316,23 @@ impl<'a> Rounds<'a> {
         self.each_held(|factors| normal.add(0, factors, 0.0, 1.0 / HELD));
         let mut step = normal.solve()?;
         if let Some(first) = step.used.first_mut() {
-            *first -= self.lost.held.len() as f64;
+            *first -= self.judged.lost.held.len() as f64;
         }
         Some(step)
     }
 
-    fn solved(&mut self) -> Result<Solution, Fault> {
+    fn solved(&self) -> Result<Solution, Fault> {
         let count = self.design.columns.len();
-        let system = || {
-            let mut system = System::new(count);
-            self.each(|line, factors, weight| system.add(factors, line.residual, weight));
-            self.each_held(|factors| system.add(factors, 0.0, 1.0 / HELD));
-            // Later weights differ by as much as readings do: what is told at all was found by the first ones.
-            system.solve_to(if self.is_first { RANK_LIMIT } else { ARITHMETIC }).ok_or(Fault::NotSettled)
-        };
-        let solution = system()?;
-        if solution.rank == count {
-            return Ok(solution);
+        let mut system = System::new(count);
+        self.each(|line, factors, weight| system.add(factors, line.residual, weight));
+        self.each_held(|factors| system.add(factors, 0.0, 1.0 / HELD));
+        // Weights differ by as much as readings do: what can be told at all was judged before.
+        let solution = system.solve_to(ARITHMETIC).ok_or(Fault::NotSettled(None))?;
+        if solution.rank < count {
+            let lost = words::lost(&solution.null_space, &self.design.columns, self.design.data);
+            return Err(Fault::NotTold(Box::new(lost)));
         }
-        let lost = words::lost(&solution.null_space, &self.design.columns, self.design.data);
-        if !lost.parameters.is_empty() || self.is_reduced {
-            return Err(Fault::NotTold([lost.parameters, lost.unknowns].concat()));
-        }
-        self.is_reduced = true;
-        self.lost.held.extend(lost.held);
-        self.lost.loose.extend(lost.loose);
-        self.solved()
+        Ok(solution)
     }
 }
 
@@ -372,20 +370,25 @@ fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Sol
         .iter()
         .zip(values)
         .enumerate()
-        .map(|(k, (column, &value))| (k, column.clone(), value, rounds.lost.loose.contains(&k)))
+        .map(|(k, (column, &value))| (k, column.clone(), value, rounds.judged.lost.loose.contains(&k)))
         .map(|(k, column, value, is_loose)| Estimate {
             column,
             value,
             sigma: if is_loose { f64::INFINITY } else { (solution.cofactors[(k, k)] * spread).sqrt() },
-            inflation: if is_loose { f64::INFINITY } else { rounds.inflation.get(k).copied().unwrap_or(1.0) },
+            inflation: if is_loose { f64::INFINITY } else { rounds.judged.inflation.get(k).copied().unwrap_or(1.0) },
             effect_mm: effects.get(k).map_or(0.0, |unit| unit * value.abs()),
         })
         .collect();
     let lines = rounds.lines.iter().zip(&rounds.weights);
     let residuals = lines.filter_map(|(line, &weight)| Some((line.set, line.row()?, line.residual, weight))).collect();
+    let ties = rounds.lines.iter().filter_map(|line| match line.origin {
+        Origin::Tie(tie) => Some((line.set, tie, line.residual, tie_sigma(rounds.design.data, line.set, tie))),
+        Origin::Row(_) => None,
+    });
+    let ties = ties.collect();
     let (sigmas, angle_sigmas) = (0..rounds.noise.groups() / 2)
         .map(|set| (rounds.noise.sigma(2 * set), rounds.noise.sigma(2 * set + 1)))
         .unzip();
-    let (condition, freedom) = (rounds.condition, solution.freedom);
-    Fit { errors, estimates, sigmas, angle_sigmas, residuals, condition, freedom, rounds: count }
+    let (condition, freedom) = (rounds.judged.condition, solution.freedom);
+    Fit { errors, estimates, sigmas, angle_sigmas, residuals, ties, condition, freedom, rounds: count }
 }

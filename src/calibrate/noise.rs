@@ -56,6 +56,11 @@ impl Noise {
         self.0.get(group).map_or(FIRST_SIGMA, |group| group.sigma)
     }
 
+    /// Spread of the residuals of a group, or what is described where that is more.
+    pub(super) fn scale(&self, group: usize) -> f64 {
+        self.0.get(group).map_or(FIRST_SIGMA, |group| group.scale)
+    }
+
     /// The weight of a reading by its residual.
     pub(super) fn weight(&self, line: &Line, is_early: bool) -> f64 {
         self.0.get(group_of(line)).map_or(1.0, |group| weight(line.residual / group.scale, is_early))

@@ -8,7 +8,8 @@ use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
 
 use super::effect::Parameter;
-use super::fit::{Fault, Options, fit};
+use super::fault::Fault;
+use super::fit::{Options, fit};
 
 /// A measurement and a model.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,7 +18,8 @@ use super::candidates::handicap;
 use super::column::Column;
 use super::design::{Design, Line, Origin, tie_sigma};
 use super::effect::Parameter;
-use super::fit::{Fault, Fit, Options, fit};
+use super::fault::Fault;
+use super::fit::{Fit, Options, fit};
 use super::noise::{FIRST_ANGLE_SIGMA, FIRST_SIGMA, group_of};
 use super::robust::{spread, weight};
 
@@ -99,7 +100,7 @@ pub fn select(
     let mut choice = Choice::default();
     let (mut passes, mut is_settled) = (0, false);
     while passes < MOST_PASSES && !is_settled {
-        choice = choose(&job.rows(&fitted)?, rule).ok_or(Fault::NotSettled)?;
+        choice = choose(&job.rows(&fitted)?, rule).ok_or(Fault::NotSettled(None))?;
         passes += 1;
         let now: Vec<usize> = choice.terms.iter().map(|term| term.candidate).collect();
         is_settled = now == chosen;

@@ -3,6 +3,7 @@
 mod calibrate;
 mod diagnose;
 mod examples;
+mod figures;
 mod load;
 mod machine;
 mod measured;
@@ -13,6 +14,7 @@ mod steps;
 
 pub(super) use calibrate::CalibrateArguments;
 pub(super) use diagnose::DiagnoseArguments;
+pub(super) use figures::FiguresArguments;
 pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
@@ -137,6 +139,9 @@ pub(super) enum Command {
     /// Write what instruments would read on a machine with its errors
     #[command(after_help = simulate::AFTER_HELP)]
     Simulate(SimulateArguments),
+    /// Print figures of ISO 230 of measured data: A, E, R, B, M; G, F, D, H; size and form of a sphere
+    #[command(after_help = figures::AFTER_HELP)]
+    Figures(FiguresArguments),
     /// Check or show a machine file
     #[command(subcommand, after_help = examples::MACHINE)]
     Machine(MachineCommand),

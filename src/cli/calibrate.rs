@@ -7,14 +7,15 @@ use super::calibrated;
 use super::calibrated_report::{self, Held};
 use super::exit_code::ExitCode;
 use super::findings::Findings;
+use super::identifiable;
 use super::input::{self, is_standard_stream};
 use super::machine_choice::{self, Chosen, short_hash};
-use super::measurement::{self, Measurement, description_of, is_angle, reads_angles};
+use super::measurement::{self, Measurement, description_of};
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
-use super::{conditions, parameters, print, select, tell};
-use crate::calibrate::{Column, Fault, Fit, Options, Parameter, Refusal, fit, quality};
+use super::{conditions, figures, parameters, print, repeated, select, state, tell};
+use crate::calibrate::{Compared, Fit, Options, Parameter, Refusal, fit, quality, reversals};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Vector;
 use crate::measure::data::DataSet;
@@ -79,6 +80,7 @@ fn calibrate(
     for path in arguments.data.iter().chain(&arguments.hold_out) {
         inputs.extend([path.clone(), description_of(path)?]);
     }
+    inputs.extend(arguments.state.state.iter().cloned());
     protect(&target, &inputs, findings);
     if let Some(page) = page {
         protect(page, &inputs, findings);
@@ -87,7 +89,13 @@ fn calibrate(
         }
     }
     report.inputs.push(calibrated_report::machine_input(&start));
-    let Some(chosen) = chosen else { return Ok(()) };
+    for path in &arguments.state.state {
+        report.inputs.push(calibrated_report::condition_input(&input::read(path, MACHINE)?));
+    }
+    let Some(mut chosen) = chosen else { return Ok(()) };
+    if !state::read(&arguments.state, &mut chosen, findings)? {
+        return Ok(());
+    }
     report.machine.clone_from(&chosen.machine.name);
     let parameters = match arguments.model.as_str() {
         "none" if arguments.select.is_some() => Some(Vec::new()),
@@ -102,12 +110,22 @@ fn calibrate(
         }
         all.extend(read);
     }
-    let Some(parameters) = parameters.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    let Some(mut parameters) = parameters.filter(|_| !findings.has_errors()) else { return Ok(()) };
+    if chosen.state.is_some() {
+        all.iter_mut().for_each(|one| one.data.fill_in(&chosen.condition));
+    }
     conditions::check(&chosen, &all, &parameters, findings);
     if findings.has_errors() {
         return Ok(());
     }
+    measurement::check_copies(&all, findings);
+    if findings.has_errors() {
+        return Ok(());
+    }
     let held_out = all.split_off(arguments.data.len().min(all.len()));
+    if arguments.reduce {
+        parameters = identifiable::reduced((&chosen.machine, &chosen.errors), &parameters, &all, findings, report);
+    }
     let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
     let candidates = match &arguments.select {
         Some(words) => select::candidates(arguments, words, &chosen.machine, &chosen.errors, &data, findings)?,
@@ -116,7 +134,10 @@ fn calibrate(
     let Some(candidates) = candidates else { return Ok(()) };
     let job = Job { arguments, chosen: &chosen, parameters: &parameters, candidates: &candidates };
     let Some(fit) = job.fit(&all, findings, report) else { return Ok(()) };
+    report.figures = all.iter().map(|one| figures::of(&one.data, &chosen.machine)).collect();
+    identifiable::distances(&fit, &all, findings);
     job.compare(&fit, &all, &held_out, findings, report);
+    Job::rows(&fit, &all, findings, report);
     if findings.has_errors() {
         return Ok(());
     }
@@ -141,17 +162,27 @@ impl Job<'_> {
     /// Fits; `None` where the data do not allow it, which findings say.
     fn fit(&self, all: &[Measurement], findings: &mut Findings, report: &mut calibration::Calibration) -> Option<Fit> {
         let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
-        let fit = match self.found(&data, report) {
-            Ok(fit) => fit,
+        let reversals = reversals(&self.chosen.errors, self.parameters.iter().chain(self.candidates), &data);
+        if !reversals.is_empty() {
+            let help =
+                "a reversal cannot be told from a drift: take \"drift\" out of free, or the reversal out of the model";
+            for message in reversals {
+                findings.add(Diagnostic::nowhere(Code::DRIFT_NOT_TOLD, message, help), &[]);
+            }
+            return None;
+        }
+        let (fit, parameters) = match self.found(&data, report) {
+            Ok(found) => found,
             Err(refusal) => {
-                findings.extend(select::refusals(refusal), &[]);
+                select::refuse(refusal, all, findings);
                 return None;
             }
         };
+        let badly = identifiable::badly_told(&fit, all, self.arguments.max, findings);
         for found in &fit.estimates {
             let one = calibrated::estimate(found, &self.chosen.errors, &data);
             let is_parameter = found.column.is_of_machine();
-            if is_parameter && found.effect_mm > self.arguments.max {
+            if is_parameter && found.effect_mm > self.arguments.max && !badly {
                 let effect = micrometers(um_from_mm(found.effect_mm));
                 let message = format!("{} would move the tool by {effect} (root of the mean square)", one.name);
                 let help = "check units and signs of the readings; give a larger --max if the machine is like this";
@@ -162,7 +193,16 @@ impl Job<'_> {
         report.condition = Some(fit.condition);
         report.degrees_of_freedom = fit.freedom;
         report.rounds = fit.rounds;
-        for (row, set, place) in calibrated::weighted_down(&fit, all) {
+        if let Some(runs) = self.arguments.monte_carlo {
+            let (machine, how) = (&self.chosen.machine, [runs, self.arguments.seed]);
+            repeated::repeat(machine, &parameters, all, (&fit, self.options()), how, findings, report);
+        }
+        Some(fit)
+    }
+
+    /// Says which rows do not fit; behind what is said of whole measurements, as they may be many.
+    fn rows(fit: &Fit, all: &[Measurement], findings: &mut Findings, report: &mut calibration::Calibration) {
+        for (row, set, place) in calibrated::weighted_down(fit, all) {
             let size = format!("{} {}", significant(row.residual), row.unit);
             let message = format!("{size} are left of this reading, which counts {:.0} %", row.weight * 100.0);
             let help = "look for its cause; --no-robust lets it count like the others";
@@ -170,18 +210,22 @@ impl Job<'_> {
             findings.add(found, all.get(set).map_or(&[], |one| &one.sources));
             report.weighted_down.push(row);
         }
-        Some(fit)
     }
 
-    fn found(&self, data: &[DataSet], report: &mut calibration::Calibration) -> Result<Fit, Refusal> {
+    fn options(&self) -> Options {
+        Options { robust: !self.arguments.no_robust }
+    }
+
+    /// The fit, and the parameters of which it is.
+    fn found(&self, data: &[DataSet], report: &mut calibration::Calibration) -> Result<(Fit, Vec<Parameter>), Refusal> {
         let (machine, start) = (&self.chosen.machine, &self.chosen.errors);
         if self.arguments.select.is_none() {
-            let options = Options { robust: !self.arguments.no_robust };
-            return Ok(fit(machine, start, self.parameters, data, options)?);
+            let found = fit(machine, start, self.parameters, data, self.options())?;
+            return Ok((found, self.parameters.to_vec()));
         }
         let (found, told) = select::chosen(self.arguments, machine, start, self.parameters, self.candidates, data)?;
         report.selection = Some(told);
-        Ok(found.fit)
+        Ok((found.fit, found.parameters))
     }
 
     /// Holds the result against all measurements.
@@ -203,17 +247,22 @@ impl Job<'_> {
             let quality = match quality(&self.chosen.machine, &fit.errors, data) {
                 Ok(found) => found,
                 Err(fault) => {
-                    findings.extend(refusals(fault, &format!("{}: ", data.name)), &[]);
+                    identifiable::refuse(fault, &format!("{}: ", data.name), std::slice::from_ref(one), findings);
                     continue;
                 }
             };
-            if let Some(described) = data.sigma.filter(|&described| quality.left[0] > POOR * described) {
-                let times = significant(quality.left[0] / described);
-                let name = &quality.name;
-                let message =
-                    format!("{name}: what is left (root of the mean square) is {times} times what sigma_um says");
-                let help = "choose a model with more parameters, measure faster, or correct sigma_um";
-                findings.add(Diagnostic::nowhere(Code::POOR_FIT, message, help), &[]);
+            for (angles, described, key) in [(false, data.sigma, "sigma_um"), (true, data.sigma_rad, "sigma_urad")] {
+                let is_of_unit =
+                    |line: &Compared| data.observations.get(line.row).is_some_and(|row| row.is_angle() == angles);
+                let left = quality.part(String::new(), is_of_unit).left[0];
+                if let Some(described) = described.filter(|&described| left > POOR * described) {
+                    let times = significant(left / described);
+                    let name = &quality.name;
+                    let message =
+                        format!("{name}: what is left (root of the mean square) is {times} times what {key} says");
+                    let help = format!("choose a model with more parameters, measure faster, or correct {key}");
+                    findings.add(Diagnostic::nowhere(Code::POOR_FIT, message, help), &[]);
+                }
             }
             let held = Held { data, quality, sigmas, weights, is_held_out };
             report.data.extend(held.shown(&self.chosen.machine, self.arguments.report.is_some()));
@@ -229,8 +278,9 @@ impl Job<'_> {
         // A name may have any character; a comment ends with its line.
         let name = |text: &str| text.replace(char::is_control, " ");
         let mut text = format!("{HEAD} model {}", name(&self.arguments.model));
+        let condition = self.chosen.state.as_ref().map_or_else(String::new, |hash| format!(", condition ({hash})"));
         // Writing into a String cannot fail.
-        let _ = writeln!(text, ", began with {} ({})", name(start.name()), short_hash([start.bytes()]));
+        let _ = writeln!(text, ", began with {} ({}){condition}", name(start.name()), short_hash([start.bytes()]));
         for one in used {
             let hash = short_hash(one.sources.iter().map(Source::bytes));
             let _ = writeln!(text, "{HEAD} {} {} ({hash})", one.data.kind.name, name(one.sources[0].name()));
@@ -245,12 +295,7 @@ impl Job<'_> {
         let Some((_, written)) = file::load(&again).0 else {
             return Err(wrong("the result is no machine file".into()));
         };
-        for one in &fit.estimates {
-            let parameter = match &one.column {
-                Column::Parameter(name) => Parameter::from(*name),
-                Column::Effect(parameter) => Parameter::from(parameter.clone()),
-                Column::Unknown(..) => continue,
-            };
+        for parameter in fit.estimates.iter().filter_map(|one| one.column.parameter()) {
             let (found, read) = (parameter.get(errors), parameter.get(&written));
             if (found - read).abs() > 1e-9 * found.abs() + f64::MIN_POSITIVE {
                 return Err(wrong(format!("{parameter} would read {read:e} in place of {found:e}")));
@@ -260,41 +305,21 @@ impl Job<'_> {
     }
 }
 
-/// Findings for a fit that is not possible.
-pub(super) fn refusals(fault: Fault, of: &str) -> Vec<Diagnostic> {
-    match fault {
-        Fault::TooFew { equations, unknowns } => {
-            let message = format!("{of}{equations} readings cannot tell {unknowns} unknowns");
-            let help = "measure more, describe what is known of the set-ups, or choose a smaller model";
-            vec![Diagnostic::nowhere(Code::NOT_TOLD, message, help)]
-        }
-        Fault::NotTold(sentences) => {
-            let help =
-                "measure in poses in which they differ, describe what is known of the set-up, or leave a parameter out";
-            let of_one = |sentence: String| Diagnostic::nowhere(Code::NOT_TOLD, format!("{of}{sentence}"), help);
-            sentences.into_iter().map(of_one).collect()
-        }
-        Fault::NotSettled => {
-            let message = format!("{of}the parameters do not settle");
-            let help = "check signs and set-ups in the description, --machine, and sigma_um; --no-robust counts all rows alike";
-            vec![Diagnostic::nowhere(Code::NOT_SETTLED, message, help)]
-        }
-    }
-}
-
 /// Says where readings are in another unit than their column, as far as their size tells.
 fn check_sizes(chosen: &Chosen, measurement: &Measurement, max_mm: f64, findings: &mut Findings) {
     let data = &measurement.data;
     let help = "check the unit of the column; if the machine is like this, give a larger --max";
-    let mut sum = 0.0;
-    let mut count = 0.0_f64;
+    // Lengths, then angles: sum of squares, number, the first row.
+    let mut sums = [(0.0, 0.0_f64, None); 2];
     for row in &data.observations {
-        let arm = if is_angle(row) { ARM_MM } else { 1.0 };
+        let arm = if row.is_angle() { ARM_MM } else { 1.0 };
         for (index, value) in row.values.iter().enumerate() {
-            let Some(size) = value.map(|value| value.abs() * arm) else { continue };
-            sum += size * size;
-            count += 1.0;
-            if size > max_mm {
+            let Some(size) = value.map(|value| value.abs()) else { continue };
+            let (sum, count, first) = &mut sums[usize::from(row.is_angle())];
+            *sum += size * size;
+            *count += 1.0;
+            first.get_or_insert(row.place);
+            if size * arm > max_mm {
                 let (place, shown) = calibrated::cell(measurement, row.place, index);
                 let message =
                     format!("{shown} is beyond {}, which no reading should be", micrometers(um_from_mm(max_mm)));
@@ -302,15 +327,17 @@ fn check_sizes(chosen: &Chosen, measurement: &Measurement, max_mm: f64, findings
             }
         }
     }
-    let rms = (sum / count.max(1.0)).sqrt();
-    if let (Some(sigma), Some(first)) = (data.sigma, data.observations.first())
-        && count > 0.0
-        && rms < sigma * if reads_angles(data) { ARM_MM } else { 1.0 }
-    {
-        let (place, _) = calibrated::cell(measurement, first.place, 0);
-        let message = "all readings together are less than their uncertainty (root of the mean square)";
-        let help = "check the unit of the column and sigma_um in the description";
-        findings.add(Diagnostic::at(Code::DATA_SIZE, place, message, help), &measurement.sources);
+    let kinds = [(data.sigma, "lengths", "sigma_um"), (data.sigma_rad, "angles", "sigma_urad")];
+    for ((sum, count, first), (sigma, what, key)) in sums.into_iter().zip(kinds) {
+        if let (Some(sigma), Some(first)) = (sigma, first)
+            && (sum / count).sqrt() < sigma
+        {
+            let (place, _) = calibrated::cell(measurement, first, 0);
+            let message =
+                format!("all {what} that were read are together less than their uncertainty (root of the mean square)");
+            let help = format!("check the unit of the column and {key} in the description");
+            findings.add(Diagnostic::at(Code::DATA_SIZE, place, message, help), &measurement.sources);
+        }
     }
     check_balls(chosen, measurement, max_mm, findings);
 }
@@ -340,28 +367,5 @@ fn check_balls(chosen: &Chosen, measurement: &Measurement, max_mm: f64, findings
                 findings.add(Diagnostic::at(Code::DATA_SIZE, row.place, message, help), &measurement.sources);
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_fault_is_a_refusal() {
-        let not_told = Fault::NotTold(vec!["a".into(), "b".into()]);
-        let faults = [Fault::TooFew { equations: 2, unknowns: 3 }, not_told, Fault::NotSettled];
-        let found: Vec<(String, String)> = faults
-            .into_iter()
-            .flat_map(|fault| refusals(fault, "set: "))
-            .map(|one| (one.code.to_string(), one.message))
-            .collect();
-        let expected = [
-            ("E0606", "set: 2 readings cannot tell 3 unknowns"),
-            ("E0606", "set: a"),
-            ("E0606", "set: b"),
-            ("E0607", "set: the parameters do not settle"),
-        ];
-        assert_eq!(found, expected.map(|(code, message)| (code.to_owned(), message.to_owned())));
     }
 }

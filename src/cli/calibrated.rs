@@ -1,12 +1,13 @@
 //! What `ncfix calibrate` reports of a fit: numbers in the units of people.
 
-use super::measurement::{Measurement, is_angle};
+use std::collections::HashMap;
+
+use super::measurement::Measurement;
 use crate::calibrate::effect::coefficient_unit;
 use crate::calibrate::{Column, Estimate, Fit, Parameter};
 use crate::csv::Table;
 use crate::diagnostic::Place;
-use crate::measure::data::DataSet;
-use crate::measure::kind::Unknown;
+use crate::measure::data::{DataSet, Observation};
 use crate::model::ErrorModel;
 use crate::report::calibration;
 use crate::report::compared::DOES_NOT_FIT;
@@ -25,6 +26,7 @@ pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -
         name,
         value: found.value * factor,
         sigma: found.sigma * factor,
+        sigma_monte_carlo: None,
         unit,
         start: before * factor,
         effect_um,
@@ -33,52 +35,85 @@ pub(super) fn estimate(found: &Estimate, start: &ErrorModel, data: &[DataSet]) -
 }
 
 /// The factor from mm, rad and powers of them to the unit that is shown: µm, µrad, per power of m or rad.
-fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
+pub(super) fn unit_of(column: &Column, data: &[DataSet]) -> (f64, String) {
+    if let Some(mm_per_k) = column.mm_per_k(data) {
+        return (1.0 / mm_per_k, "K".into());
+    }
     match column {
         Column::Parameter(name) => {
             let is_rotary = name.component.axis().is_some_and(|axis| axis.is_rotary());
-            coefficient_unit(column.is_angle(), is_rotary, name.degree())
+            coefficient_unit(column.is_angle(data), is_rotary, name.degree())
         }
         Column::Effect(parameter) => {
             let (factor, unit) = parameter.unit();
             (factor, unit.to_owned())
         }
-        Column::Unknown(..) => coefficient_unit(column.is_angle() || is_zero_of_angles(column, data), false, 0),
+        Column::Unknown(..) => coefficient_unit(column.is_angle(data), false, 0),
     }
 }
 
-/// Whether a column is the zero of an instrument that reads angles.
-fn is_zero_of_angles(column: &Column, data: &[DataSet]) -> bool {
-    let Column::Unknown(number, Unknown::Offset(which, _)) = column else { return false };
-    data.get(*number).filter(|set| !set.targets.is_empty()).is_some_and(|set| {
-        let target = Some(which % set.targets.len());
-        set.observations.iter().find(|row| row.target == target).is_some_and(is_angle)
-    })
-}
-
-/// The rows that count for less because they do not fit, once each, with their places and the number of their measurement.
+/// The rows that count for less because they do not fit, once each, with the places of their worst readings and the number of their measurement.
 pub(super) fn weighted_down(fit: &Fit, all: &[Measurement]) -> Vec<(calibration::Row, usize, Place)> {
     let mut rows: Vec<(calibration::Row, usize, Place)> = Vec::new();
-    for &(set, row, residual, weight) in fit.residuals.iter().filter(|&&(_, _, _, weight)| weight < DOES_NOT_FIT) {
-        let Some(measurement) = all.get(set) else { continue };
-        let Some(place) = measurement.data.observations.get(row).map(|row| row.place) else { continue };
+    let mut tables: Vec<Option<Cells<'_>>> = all.iter().map(|_| None).collect();
+    // Of the row before: its measurement and number, and how many of its readings there were.
+    let mut last = (usize::MAX, usize::MAX, 0);
+    let mut shown = (usize::MAX, usize::MAX);
+    for &(set, row, residual, weight) in &fit.residuals {
+        last = if (last.0, last.1) == (set, row) { (set, row, last.2 + 1) } else { (set, row, 0) };
+        if weight >= DOES_NOT_FIT {
+            continue;
+        }
+        let (Some(measurement), Some(cells)) = (all.get(set), tables.get_mut(set)) else { continue };
+        let Some(observation) = measurement.data.observations.get(row) else { continue };
+        let place = cells.get_or_insert_with(|| Cells::new(measurement)).place(observation, last.2);
         let source = &measurement.sources[0];
-        let is_angle = measurement.data.observations.get(row).is_some_and(is_angle);
         let found = calibration::Row {
             file: source.name().to_owned(),
             line: source.line_column(place.span.start).0,
-            residual: if is_angle { urad_from_rad(residual) } else { um_from_mm(residual) },
-            unit: if is_angle { "µrad" } else { "µm" },
+            residual: if observation.is_angle() { urad_from_rad(residual) } else { um_from_mm(residual) },
+            unit: if observation.is_angle() { "µrad" } else { "µm" },
             weight,
         };
         // A row may have three readings: the worst says it all.
-        match rows.iter_mut().find(|(_, of, known)| *of == set && *known == place) {
-            Some((known, _, _)) if known.weight > weight => *known = found,
+        match rows.last_mut().filter(|_| shown == (set, row)) {
+            Some(known) if known.0.weight > weight => *known = (found, set, place),
             Some(_) => {}
             None => rows.push((found, set, place)),
         }
+        shown = (set, row);
     }
     rows
+}
+
+/// The cells of a measurement.
+struct Cells<'a> {
+    measurement: &'a Measurement,
+    table: Option<Table>,
+    /// The numbers of rows by where they begin.
+    rows: HashMap<u32, usize>,
+}
+
+impl<'a> Cells<'a> {
+    fn new(measurement: &'a Measurement) -> Cells<'a> {
+        let (table, _) = Table::read(&measurement.sources[0]);
+        let places = table.iter().flat_map(Table::rows).map(|row| row.place(0).span.start);
+        let rows = places.enumerate().map(|(number, start)| (start, number)).collect();
+        Cells { measurement, table, rows }
+    }
+
+    /// The place of the reading of this number in its row; the row itself where it has no cell of its own.
+    fn place(&self, row: &Observation, number: usize) -> Place {
+        let columns = self.measurement.data.kind.columns;
+        let index = (0..row.values.len()).filter(|&k| row.values[k].is_some()).nth(number);
+        let cell = || {
+            let line = self.table.as_ref()?.rows().nth(*self.rows.get(&row.place.span.start)?)?;
+            let filled = |name: &&str| line.column(name).filter(|&column| !line.text(column).is_empty());
+            let single = columns.iter().find(|name| name.starts_with("value_") && filled(name).is_some());
+            Some(line.place(filled(single.or_else(|| columns.get(index?))?)?))
+        };
+        cell().unwrap_or(row.place)
+    }
 }
 
 /// Where a value of a row stands in its table; the row itself where there is none.

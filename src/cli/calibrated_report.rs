@@ -4,7 +4,7 @@ use super::arguments::CalibrateArguments;
 use super::findings::Findings;
 use super::input::is_standard_stream;
 use super::machine_choice::short_hash;
-use super::measurement::{Measurement, is_angle};
+use super::measurement::Measurement;
 use super::output::{Spool, Target};
 use super::stop::Stop;
 use crate::calibrate::{Compared, Fit, Quality};
@@ -60,6 +60,11 @@ pub(super) fn machine_input(start: &Source) -> Input {
     Input { file: start.name().to_owned(), role: "machine", hash: short_hash([start.bytes()]) }
 }
 
+/// A file of the condition.
+pub(super) fn condition_input(source: &Source) -> Input {
+    Input { file: source.name().to_owned(), role: "condition", hash: short_hash([source.bytes()]) }
+}
+
 /// The files of a measurement.
 pub(super) fn inputs(one: &Measurement, is_held_out: bool) -> [Input; 2] {
     let roles = if is_held_out { ["readings, held out", "description, held out"] } else { ["readings", "description"] };
@@ -101,7 +106,7 @@ impl Held<'_> {
     }
 
     fn in_unit(&self, angles: bool, machine: &Machine, with_readings: bool) -> Option<Data> {
-        let is_of_unit = |line: &Compared| self.row(line).is_some_and(is_angle) == angles;
+        let is_of_unit = |line: &Compared| self.row(line).is_some_and(Observation::is_angle) == angles;
         let whole = self.quality.part(self.quality.name.clone(), is_of_unit);
         if whole.readings == 0 {
             return None;

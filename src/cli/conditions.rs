@@ -16,8 +16,10 @@ pub(super) fn check(chosen: &Chosen, all: &[Measurement], parameters: &[Paramete
         .iter()
         .map(|one| Table::read(&one.sources[0]).0.map(|table| Column::all(&table)).unwrap_or_default())
         .collect();
+    let base = &chosen.condition;
     let has_sensor = |columns: &[Column], sensor: &str| {
-        columns.iter().any(|column| matches!(column, Column::Sensor(name) if name == sensor))
+        base.trace(sensor).is_some()
+            || columns.iter().any(|column| matches!(column, Column::Sensor(name) if name == sensor))
     };
     let mut wanted: Vec<&str> = Vec::new();
     for parameter in parameters {
@@ -29,7 +31,10 @@ pub(super) fn check(chosen: &Chosen, all: &[Measurement], parameters: &[Paramete
         let own = sensors.iter().copied().filter(|sensor| last.split('~').next() == Some(*sensor));
         let own: Vec<&str> = own.collect();
         wanted.extend(if own.is_empty() { sensors } else { own });
-        if effect.needs_load() && !columns.iter().any(|columns| columns.contains(&Column::Force)) {
+        if effect.needs_load()
+            && base.loads().is_empty()
+            && !columns.iter().any(|columns| columns.contains(&Column::Force))
+        {
             let message = format!("{} is about the weight of workpieces, and no table has load_N", parameter.name());
             let help = "add load_N and the place of the load, load_x_mm load_y_mm load_z_mm, to the tables";
             findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
@@ -69,7 +74,7 @@ pub(super) fn check(chosen: &Chosen, all: &[Measurement], parameters: &[Paramete
             };
             findings.add(Diagnostic::nowhere(Code::NO_TEMPERATURES, message, help), &[]);
         }
-        if needs_load && !columns.contains(&Column::Force) {
+        if needs_load && base.loads().is_empty() && !columns.contains(&Column::Force) {
             let message = format!("{name}: no workpiece weight is given: the table is taken as empty");
             let help = "add a column load_N, 0 for none";
             findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);

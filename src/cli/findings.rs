@@ -14,6 +14,9 @@ const MOST_KEPT: usize = 1000;
 /// Findings drawn.
 const MOST_DRAWN: usize = 50;
 
+/// Findings about a file as a whole, of which there may be several in its first line.
+const ABOUT_FILES: &[Code] = &[Code::NOT_TOLD, Code::NOT_SETTLED, Code::REDUCED];
+
 /// What makes two findings the same: one in a loop is met again with every pass. Without a place the message decides.
 type Identity = (Code, String, Option<Place>);
 
@@ -34,7 +37,8 @@ impl Findings {
     pub(super) fn add(&mut self, mut diagnostic: Diagnostic, sources: &[Source]) {
         let source = diagnostic.place.and_then(|place| sources.iter().find(|source| source.id() == place.file));
         let name = source.map_or(diagnostic.message.as_str(), Source::name);
-        let identity = (diagnostic.code, name.to_owned(), diagnostic.place);
+        let what = if ABOUT_FILES.contains(&diagnostic.code) { diagnostic.message.as_str() } else { name };
+        let identity = (diagnostic.code, what.to_owned(), diagnostic.place);
         let is_full = self.seen.len() >= MOST_KEPT;
         if self.seen.contains(&identity) {
             return;

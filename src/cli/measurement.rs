@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use super::findings::Findings;
 use super::input::{self, is_standard_stream};
 use super::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
 use crate::measure::data::{self, DataSet, Observation};
-use crate::source::{FileId, Source};
+use crate::source::{FileId, Source, Span};
 use crate::units::{rad_from_urad, um_from_mm};
 
 /// A measurement with its files.
@@ -54,19 +55,26 @@ pub(super) fn read(
     Ok(data.map(|mut data| {
         if reads_angles(&data) {
             // An instrument for angles has as many µrad as one for lengths has µm.
-            data.sigma = data.sigma.map(|mm| rad_from_urad(um_from_mm(mm)));
-            data.sigma_rad = data.sigma_rad.or(data.sigma);
+            data.sigma_rad = data.sigma_rad.or(data.sigma.map(|mm| rad_from_urad(um_from_mm(mm))));
         }
         Measurement { data, sources }
     }))
 }
 
-/// Whether the reading of a row is an angle.
-pub(super) fn is_angle(row: &Observation) -> bool {
-    row.component.is_some_and(|name| name.direction.is_rotation())
+/// Says which tables are the same as one before: readings that count twice look better than they are, and those that were fitted are no test.
+pub(super) fn check_copies(all: &[Measurement], findings: &mut Findings) {
+    for (number, one) in all.iter().enumerate() {
+        let same = |other: &&Measurement| other.sources[0].bytes() == one.sources[0].bytes();
+        if let Some(first) = all.get(..number).unwrap_or_default().iter().find(same) {
+            let message = format!("the table is the same as {}", first.sources[0].name());
+            let help = "give each measurement once; hold out readings that were taken again";
+            let place = Place { file: one.sources[0].id(), span: Span::new(0, 0) };
+            findings.add(Diagnostic::at(Code::DATA_REPEATED, place, message, help), &one.sources);
+        }
+    }
 }
 
 /// Whether all readings of a measurement are angles.
 pub(super) fn reads_angles(data: &DataSet) -> bool {
-    !data.observations.is_empty() && data.observations.iter().all(is_angle)
+    !data.observations.is_empty() && data.observations.iter().all(Observation::is_angle)
 }

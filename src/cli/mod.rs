@@ -15,8 +15,10 @@ mod diagnose_faults;
 mod exit_code;
 mod explain;
 mod extended;
+mod figures;
 mod findings;
 mod fix;
+mod identifiable;
 mod input;
 mod library;
 mod load;
@@ -30,6 +32,7 @@ mod plan;
 mod presets;
 mod program;
 mod progress;
+mod repeated;
 mod select;
 mod sensors;
 mod simulate;
@@ -84,6 +87,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Plan(arguments) => plan::run(arguments),
         Command::Calibrate(arguments) => calibrate::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Figures(arguments) => figures::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),
     }

@@ -12,7 +12,8 @@ use super::program::protect;
 use super::stop::Stop;
 use super::value::ToolVector;
 use super::{measurement, parameters, tell};
-use crate::calibrate::{Parameter, improve, told};
+use crate::calibrate::words::listed;
+use crate::calibrate::{Column, Parameter, identify, improve};
 use crate::emit::flat;
 use crate::machine::Machine;
 use crate::measure::data::{DataSet, Observation};
@@ -21,7 +22,7 @@ use crate::measure::plan::{Wishes, table};
 
 /// What a row without a reading is taken for when it is asked what it tells.
 const READ: f64 = 0.0;
-/// Names that are shown of those that no reading feels.
+/// Names that are shown of those that would have to be left out.
 const MOST_NAMES: usize = 30;
 /// Sentences that are shown.
 const MOST_SENTENCES: usize = 12;
@@ -153,7 +154,7 @@ fn judge(
         for candidate in &mut candidates {
             candidate.values = values(plan);
         }
-        for chosen_one in improve(machine, parameters, &all, &candidates, more) {
+        for chosen_one in improve(machine, &chosen.errors, parameters, &all, &candidates, more) {
             if let Some(candidate) = plan.candidates.get(chosen_one).copied() {
                 plan.visit(&candidate, "more")
                     .map_err(|reason| Stop::Usage(format!("no way to a further pose: {reason}")))?;
@@ -169,21 +170,34 @@ fn judge(
 
 /// What a plan tells, in words.
 fn said(who: &str, name: &str, chosen: &Chosen, parameters: &[Parameter], data: &[DataSet]) -> String {
-    let told = told(&chosen.machine, parameters, data);
-    let unknowns = told.columns - told.parameters;
+    let Some(told) = identify(&chosen.machine, &chosen.errors, parameters, data) else {
+        return format!("{who} has positions that are too large to judge it\n");
+    };
+    let (columns, count) = (told.columns.len(), parameters.len());
+    let unknowns = told.columns.iter().filter(|column| matches!(column, Column::Unknown(..))).count();
     let mut out = format!(
-        "model {name}, {} parameters and {unknowns} unknowns of the set-up: {who} tells {} of {} (condition {:.0})\n",
-        told.parameters, told.rank, told.columns, told.condition
+        "model {name}, {count} parameters and {unknowns} unknowns of the set-up: {who} tells {} of {columns} (condition {:.0})\n",
+        told.rank, told.condition
     );
-    if !told.idle.is_empty() {
-        let shown: Vec<&str> = told.idle.iter().map(String::as_str).take(MOST_NAMES).collect();
-        let _ = writeln!(out, "  not felt: {}{}", shown.join(", "), more(told.idle.len(), shown.len()));
+    for one in told.lost.confused.iter().take(MOST_SENTENCES) {
+        let _ = writeln!(out, "  cannot tell: {}\n    {}", one.sentence, one.remedy);
     }
-    for sentence in told.sentences.iter().take(MOST_SENTENCES) {
-        let _ = writeln!(out, "  cannot tell: {sentence}");
+    let all = told.lost.confused.len();
+    if all > MOST_SENTENCES {
+        let _ = writeln!(out, "  cannot tell:{}", more(all, MOST_SENTENCES));
     }
-    if told.sentences.len() > MOST_SENTENCES {
-        let _ = writeln!(out, "  cannot tell:{}", more(told.sentences.len(), MOST_SENTENCES));
+    let silent = told.lost.unknowns.iter().filter(|_| told.lost.leave_out.is_empty());
+    for sentence in silent.take(MOST_SENTENCES) {
+        let _ = writeln!(out, "  no harm: {sentence}");
+    }
+    if told.lost.leave_out.len() > 1 {
+        let left_out = &told.lost.leave_out;
+        let _ = writeln!(
+            out,
+            "  all others could be told without these {}: {}",
+            left_out.len(),
+            listed(left_out, MOST_NAMES)
+        );
     }
     out
 }

@@ -4,8 +4,9 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::arguments::CalibrateArguments;
-use super::calibrate;
 use super::findings::Findings;
+use super::identifiable;
+use super::measurement::Measurement;
 use super::parameters;
 use super::stop::Stop;
 use crate::calibrate::candidates::{Pieces, of_component, of_motion};
@@ -92,14 +93,15 @@ pub(super) fn chosen(
     Ok((found, report))
 }
 
-/// Findings for a choice that is not possible.
-pub(super) fn refusals(refusal: Refusal) -> Vec<Diagnostic> {
+/// Adds findings for a choice that is not possible.
+pub(super) fn refuse(refusal: Refusal, all: &[Measurement], findings: &mut Findings) {
     match refusal {
-        Refusal::Fault(fault) => calibrate::refusals(fault, ""),
+        Refusal::Fault(fault) => identifiable::refuse(fault, "", all, findings),
         Refusal::TooLarge { equations, columns } => {
             let message =
                 format!("{equations} readings times {columns} parameters and candidates are more than fit into memory");
-            vec![Diagnostic::nowhere(Code::NOT_TOLD, message, "name fewer candidates, or give wider --knots")]
+            let help = "name fewer candidates, or give wider --knots";
+            findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
         }
     }
 }

@@ -210,6 +210,12 @@ impl Job<'_> {
         let (Some(noise), None) = (noise, self.plan.data.sigma) else { return bytes.to_vec() };
         let Some(mut edit) = std::str::from_utf8(bytes).ok().and_then(Edit::parse) else { return bytes.to_vec() };
         edit.set("measurement", "sigma_um", &Given::Number(um_from_mm(noise)));
+        // Where lengths and angles were read, angles have as many µrad.
+        let rows = &self.plan.data.observations;
+        let is_mixed = rows.iter().any(Observation::is_angle) && !rows.iter().all(Observation::is_angle);
+        if is_mixed && self.plan.data.sigma_rad.is_none() {
+            edit.set("measurement", "sigma_urad", &Given::Number(um_from_mm(noise)));
+        }
         edit.text().into_bytes()
     }
 }

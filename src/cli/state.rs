@@ -12,11 +12,19 @@ use crate::machine::{Condition, Load, Machine, ZeroPose};
 use crate::model::Effect;
 use crate::source::FileId;
 
-/// Reads the condition into the machine; whether it can be used.
+/// Reads the condition into the machine, and says what the model needs and it lacks; whether it can be used.
 ///
 /// # Errors
 /// Where the file cannot be read.
 pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Findings) -> Result<bool, Stop> {
+    Ok(read(choice, chosen, findings)? && check(choice, chosen, &chosen.condition, findings))
+}
+
+/// Reads the condition into the machine; whether it is one.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(super) fn read(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Findings) -> Result<bool, Stop> {
     let mut condition = Condition::default();
     let mut parts = Vec::new();
     let mut is_logged = false;
@@ -47,9 +55,9 @@ pub(super) fn apply(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Fi
     if !parts.is_empty() {
         chosen.state = Some(short_hash(parts.iter().map(String::as_bytes)));
     }
-    let is_sound = check(choice, chosen, &condition, findings);
     chosen.condition = condition;
-    Ok(is_sound)
+    check_load(choice, chosen, findings);
+    Ok(true)
 }
 
 /// Moves to the instants that were asked for, which must lie in the log.
@@ -116,12 +124,18 @@ fn check(choice: &StateChoice, chosen: &Chosen, condition: &Condition, findings:
         let help = "give --load with the weight in N, 0 for none, or --state with [[load]]";
         findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
     }
+    true
+}
+
+/// Says where a load does not count as it stands.
+fn check_load(choice: &StateChoice, chosen: &Chosen, findings: &mut Findings) {
+    let needs_load = chosen.errors.effects().any(Effect::needs_load);
     if !needs_load && choice.load.is_some() {
         let message = "the machine file says nothing about the weight of workpieces: --load changes nothing";
         let help = "add [[load]] to the machine file, or leave --load out";
         findings.add(Diagnostic::nowhere(Code::NO_LOAD, message, help), &[]);
     }
-    if needs_load && let Some(axis) = turning(&chosen.machine, condition.loads()) {
+    if needs_load && let Some(axis) = turning(&chosen.machine, chosen.condition.loads()) {
         let message = format!(
             "{axis} turns a load that is off its center; the load counts where it stands with {axis} at 0 throughout"
         );
@@ -130,7 +144,6 @@ fn check(choice: &StateChoice, chosen: &Chosen, condition: &Condition, findings:
         );
         findings.add(Diagnostic::nowhere(Code::LOAD_TURNS, message, help), &[]);
     }
-    true
 }
 
 /// The first rotary axis under the table that moves the center of a load.

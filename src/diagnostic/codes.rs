@@ -331,6 +331,13 @@ the machine file. The axis must be there, too, and a parameter stands there once
 with the model only when two axes are exchanged or one is reversed, or lack exactly those errors that the machine file has, because a table of
 the control was active while measuring. Causes found in such readings would be nonsense; the finding says what the evidence is and what to change.";
 
+    DRIFT_NOT_TOLD = "E0613" "drift that cannot be told from a reversal"
+"A drift that is a straight line in time within a back-and-forth cycle makes the way back differ from the way forth by more the farther from the turn
+a position is; a reversal (backlash, lateral play) makes it differ by the same everywhere. A drift is only taken out where there is no reversal: the
+model has none for the component (EXXb, or for a reading of a length EBXb too, which acts with its Abbe arm), and the readings show none, which a test
+of Student says with an error of 0.1 %. Each cycle must go both ways. Take \"drift\" out of free and let the machine warm up before, measure faster, or take the
+reversal out of the model where there is none.";
+
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"
@@ -416,4 +423,13 @@ moved. With --no-robust all readings count alike.";
     POOR_FIT = "W0604" "more is left than the instrument explains"
 "What the calibrated model leaves is well above the uncertainty that sigma_um gives. The machine has errors that the model lacks, its temperature changed,
 or sigma_um is too small. The standard uncertainties of the parameters rest on sigma_um and are then too small as well.";
+    REDUCED = "W0605" "parameters left out"
+"With --reduce, ncfix calibrate leaves out parameters that the data cannot tell from others, and fits the rest. Of those that cannot be told from each other
+the least simple one goes: truncated powers before backlashes, before coefficients from the highest degree down, later ones of the model before earlier
+ones, location errors last. What was left out stays as it is in the machine file that the calibration begins with; what it does on the machine is
+in the others as far as the poses were alike, and wrong elsewhere. The message says why, and the help what to measure instead.";
+    UNLIKE_REPEATED = "W0606" "uncertainties unlike simulated repetitions"
+"With --monte-carlo, ncfix calibrate simulates the readings many times, with the noise that it found, and fits them again. The scatter of a parameter differs from
+its standard uncertainty by more than 25 %, beyond what the number of repetitions lets expect, or repetitions could not be fitted. Reasons are few
+readings, weights that follow the noise, or unknowns that move far.";
 }

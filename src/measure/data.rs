@@ -1,6 +1,8 @@
 //! One measurement: readings, the set-ups in which they were taken, and what is unknown of these.
 
+mod bodies;
 mod condition;
+pub mod cycles;
 mod description;
 mod drivers;
 mod rows;
@@ -16,6 +18,7 @@ use crate::machine::{Condition, Machine};
 use crate::model::ErrorName;
 use crate::source::Source;
 
+use self::cycles::Cycle;
 use super::kind::Kind;
 use super::reading::{Reading, Readings};
 
@@ -32,8 +35,14 @@ pub struct DataSet {
     pub sigma_rad: Option<f64>,
     /// What is unknown of every set-up.
     pub free: Vec<Free>,
+    /// What set-ups have that the description does not name: where the artefact is the same in all of them.
+    pub artefact: Setup,
     /// Mountings of the instrument.
     pub setups: Vec<Setup>,
+    /// Labels of the extension rods of ball-bars: set-ups with the same rod have the same length.
+    pub rods: Vec<String>,
+    /// Back-and-forth cycles of readings of one component, where a drift is unknown.
+    pub cycles: Vec<Cycle>,
     /// Labels of the repetitions, in the order in which they begin; one that is empty where there is no column `run`.
     pub runs: Vec<String>,
     /// Names of balls of unknown place.
@@ -91,10 +100,16 @@ impl DataSet {
 pub enum Free {
     /// Place of the table ball of a ball-bar.
     Centre,
-    /// Length of a ball-bar.
+    /// A drift that is linear in time within each back-and-forth cycle.
+    Drift,
+    /// Length of a ball-bar, for every set-up.
     Length,
     /// A shift of all readings.
     Offset,
+    /// Length of a ball-bar, for every extension rod.
+    Rod,
+    /// Temperature of a ball-bar, for every set-up.
+    RodTemperature,
     /// A small rotation of an artefact.
     Rotation,
     /// The tool vector.
@@ -102,7 +117,7 @@ pub enum Free {
 }
 
 /// A mounting.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Setup {
     /// Its label; empty where there is one without.
     pub label: String,
@@ -110,6 +125,14 @@ pub struct Setup {
     pub centre_mm: Vector,
     /// Nominal length of the ball-bar, mm.
     pub length_mm: f64,
+    /// Number of its extension rod.
+    pub rod: usize,
+    /// Expansion of the rod or artefact per K; 0 where it counts as measured at 20 °C.
+    pub expansion_per_k: f64,
+    /// Its temperature, °C, where no row says more.
+    pub temperature_c: Option<f64>,
+    /// The point from which an artefact expands, mm, in the workpiece frame.
+    pub origin_mm: Option<Vector>,
 }
 
 /// A distance between two balls.
@@ -136,6 +159,12 @@ pub struct Observation {
     pub t_s: Option<f64>,
     /// Number of the condition of the machine.
     pub condition: usize,
+    /// Temperature of the ball-bar or artefact, °C.
+    pub temperature_c: Option<f64>,
+    /// Feed, mm/min.
+    pub feed: Option<f64>,
+    /// The number of its back-and-forth cycle, and its place in the time of it, -1/2 to 1/2: what a drift needs.
+    pub cycle: Option<(usize, f64)>,
     /// What was read: deviations along X, Y, Z, or one value; mm, or rad where an angle was read. `None` for an empty cell.
     pub values: [Option<f64>; 3],
     /// The ball that was probed.
@@ -146,6 +175,14 @@ pub struct Observation {
     pub spindle_rad: f64,
     /// The row in its file.
     pub place: Place,
+}
+
+impl Observation {
+    /// Whether an angle was read.
+    #[must_use]
+    pub fn is_angle(&self) -> bool {
+        self.component.is_some_and(|name| name.direction.is_rotation())
+    }
 }
 
 /// Reads a pair of files. All findings are reported in one run; there is data only where none of them is an error.
@@ -189,6 +226,10 @@ fn load_as(
             rows::read(&rows, readings, &mut data, &mut findings);
             data.drivers = drivers::read(&rows, machine, sign, &data);
         }
+    }
+    bodies::finish(&mut data, machine);
+    if findings.is_empty() && data.free.contains(&Free::Drift) {
+        cycles::find(&mut data, &rows, &mut findings);
     }
     if findings.is_empty() {
         (data.kind.check)(&data, &rows, &mut findings);

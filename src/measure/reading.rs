@@ -107,6 +107,12 @@ impl<'a> Readings<'a> {
         self.sign
     }
 
+    /// Whether the table gives senses of motion, rather than the order of its rows.
+    #[must_use]
+    pub fn has_senses(&self) -> bool {
+        !self.senses.is_empty()
+    }
+
     /// Reads the next row; rows must come in order.
     ///
     /// # Errors

@@ -61,6 +61,18 @@ impl<'a> Simulation<'a> {
         Simulation { machine, errors, model, condition: usize::MAX, data, values }
     }
 
+    /// What is unknown of the set-ups has these values, as the kind lists its unknowns.
+    #[must_use]
+    pub fn with_unknowns(
+        machine: &'a Machine,
+        errors: &'a ErrorModel,
+        data: &'a DataSet,
+        values: Vec<f64>,
+    ) -> Simulation<'a> {
+        let model = Model::new(machine, errors);
+        Simulation { machine, errors, model, condition: usize::MAX, data, values }
+    }
+
     /// What is read in a row of the plan, in the condition of the row.
     ///
     /// # Errors

@@ -88,6 +88,28 @@ impl System {
         self.rows
     }
 
+    /// Takes an unknown out: its factors are zero in all rows so far.
+    pub fn clear(&mut self, column: usize) {
+        // The triangle of rows without a column is the triangle without it.
+        if column < self.columns {
+            self.pending.column_mut(column).fill(0.0);
+        }
+    }
+
+    /// The same rows with the unknowns from `first` on only.
+    #[must_use]
+    pub fn behind(&self, first: usize) -> System {
+        let mut out = System::new(self.columns.saturating_sub(first));
+        for row in self.pending.row_iter().take(self.filled) {
+            let row: Vec<f64> = row.iter().copied().skip(first).collect();
+            if let Some((value, factors)) = row.split_last() {
+                out.add(factors, *value, 1.0);
+            }
+        }
+        out.rows = self.rows;
+        out
+    }
+
     /// Solves it with [`RANK_LIMIT`]; `None` where it has numbers that are not finite.
     #[must_use]
     pub fn solve(self) -> Option<Solution> {

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::compared::{Input, Part, Readings};
 use super::correction::push_row;
+use super::figures;
 use super::json::Finding;
 use super::number::significant;
 use super::selection::Selection;
@@ -20,8 +21,12 @@ pub struct Calibration {
     pub parameters: Vec<Estimate>,
     /// What was unknown of the set-ups.
     pub unknowns: Vec<Estimate>,
+    /// Parameters of the model that were left out because the data cannot tell them.
+    pub left_out: Vec<LeftOut>,
     /// Measurements.
     pub data: Vec<Data>,
+    /// Figures of ISO 230 of the measurements, which do not depend on the model.
+    pub figures: Vec<figures::Measurement>,
     /// Rows that count for less because they do not fit.
     pub weighted_down: Vec<Row>,
     /// Largest by smallest singular value of the equations; `null` without a result.
@@ -48,6 +53,15 @@ pub struct Calibration {
     pub diagnostics: Vec<Finding>,
 }
 
+/// Parameters that were left out for one reason.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// Their names.
+    pub parameters: Vec<String>,
+    /// Why the data cannot tell them.
+    pub reason: String,
+}
+
 /// A number that was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Estimate {
@@ -57,7 +71,9 @@ pub struct Estimate {
     pub value: f64,
     /// Its uncertainty.
     pub sigma: f64,
-    /// The unit of both: `µm`, `µrad/m`.
+    /// The scatter of simulated repetitions, where they were asked for.
+    pub sigma_monte_carlo: Option<f64>,
+    /// The unit of these: `µm`, `µrad/m`.
     pub unit: String,
     /// Its value in the machine file that the calibration began with; 0 for set-ups.
     pub start: f64,
@@ -117,6 +133,9 @@ pub struct Row {
     pub weight: f64,
 }
 
+/// Columns for a name; a longer one shifts its line.
+const WIDEST_NAME: usize = 60;
+
 impl Estimate {
     /// Value, uncertainty, effect and inflation as text. The value has as many decimals as the uncertainty: a place of a ball is large.
     #[must_use]
@@ -142,22 +161,33 @@ impl Calibration {
     #[must_use]
     pub fn table(&self) -> String {
         let mut out = self.selection.as_ref().map_or_else(String::new, Selection::table);
-        let wide = |names: &mut dyn Iterator<Item = usize>| names.max().unwrap_or(0).max(12) + 1;
+        let wide = |names: &mut dyn Iterator<Item = usize>| names.max().unwrap_or(0).clamp(12, WIDEST_NAME) + 1;
         // Writing into a String cannot fail.
         for (title, list) in [("parameter", &self.parameters), ("set-up", &self.unknowns)] {
             if list.is_empty() {
                 continue;
             }
             let width = wide(&mut list.iter().map(|one| one.name.chars().count()));
+            let has_repetitions = list.iter().any(|one| one.sigma_monte_carlo.is_some());
+            let repeated = |text: &str| if has_repetitions { format!("{text:>12}") } else { String::new() };
             let _ = writeln!(
                 out,
-                "{title:<width$}{:>12}{:>12}  {:<10}{:>12}{:>12}",
-                "value", "± 1σ", "unit", "effect µm", "inflation"
+                "{title:<width$}{:>12}{:>12}{}  {:<10}{:>12}{:>12}",
+                "value",
+                "± 1σ",
+                repeated("± MC"),
+                "unit",
+                "effect µm",
+                "inflation"
             );
             for one in list {
                 let [value, sigma, effect, inflation] = one.cells();
                 let (name, unit) = (&one.name, &one.unit);
-                let _ = writeln!(out, "{name:<width$}{value:>12}{sigma:>12}  {unit:<10}{effect:>12}{inflation:>12}");
+                let scatter = repeated(&one.sigma_monte_carlo.map_or("-".into(), significant));
+                let _ = writeln!(
+                    out,
+                    "{name:<width$}{value:>12}{sigma:>12}{scatter}  {unit:<10}{effect:>12}{inflation:>12}"
+                );
             }
             out.push('\n');
         }
@@ -200,11 +230,14 @@ impl Calibration {
             let _ = writeln!(out, "… and {} more", self.weighted_down.len() - MOST_SHOWN);
         }
         out.push('\n');
+        out.push_str(&figures::lines(&self.figures));
         if let Some(condition) = self.condition {
             let (freedom, rounds) = (self.degrees_of_freedom, self.rounds);
             push_row(&mut out, "condition", &format!("{condition:.1}, {freedom} degrees of freedom, {rounds} rounds"));
         }
-        push_row(&mut out, "model", &self.model);
+        let left_out: usize = self.left_out.iter().map(|one| one.parameters.len()).sum();
+        let rest = if left_out > 0 { format!(" less {left_out} parameters") } else { String::new() };
+        push_row(&mut out, "model", &format!("{}{rest}", self.model));
         push_row(&mut out, "machine", &self.machine);
         if let Some(output) = &self.output {
             push_row(&mut out, "written", if output == "-" { "standard output" } else { output });

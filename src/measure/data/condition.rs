@@ -49,9 +49,13 @@ struct Moment {
     zero: usize,
 }
 
-/// Whether a table says anything of its conditions; findings where it does so by halves.
-pub(super) fn begin(table: &Table, findings: &mut Vec<Diagnostic>) -> Option<Conditions> {
-    let columns = Column::all(table);
+/// Whether a table says anything of its conditions, beside the column of the instrument's own temperature; findings where it does so by halves.
+pub(super) fn begin(table: &Table, own: Option<&str>, findings: &mut Vec<Diagnostic>) -> Option<Conditions> {
+    let mut columns = Column::all(table);
+    // The temperature of the instrument is none of the machine.
+    if let Some(own) = own.and_then(|own| columns.get_mut(table.column(own)?)) {
+        *own = Column::Other;
+    }
     check_load(table, &columns, findings);
     let has_temperatures = columns.iter().any(|column| matches!(column, Column::Sensor(_)));
     if !has_temperatures && !columns.contains(&Column::Force) {

@@ -1,13 +1,13 @@
 //! The description of a measurement: NAME.toml.
 
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AXES, Axis, Vector};
 use crate::machine::file::{MachineFile, Section};
-use crate::source::Source;
+use crate::source::{Source, Span};
 use crate::units::{mm_from_um, rad_from_urad};
 
 use super::super::kind::{self, KINDS};
-use super::{DataSet, KnownLength, Setup, number_of};
+use super::{DataSet, KnownLength, Setup, bodies, number_of};
 
 /// Reads it; there is a measurement, without rows yet, where its kind is known.
 pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnostic>) {
@@ -17,19 +17,28 @@ pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnos
     };
     let mut findings = Vec::new();
     let mut root = file.root();
-    let mut data = None;
+    let (mut data, mut free_place) = (None, None);
     if let Some(mut section) = root.required("measurement", "a section [measurement] with kind", Section::section) {
         data = read_measurement(name, &mut section);
+        free_place = Some(section.place_of("free"));
         section.finish(&mut findings);
     }
-    let mut setups = Vec::new();
+    let kind = data.as_ref().map_or("", |data: &DataSet| data.kind.name);
+    let mut artefact = Setup::default();
+    if let Some(mut section) = (kind == "displacement").then(|| root.section("artefact")).flatten() {
+        artefact = bodies::read_artefact(&mut section);
+        section.finish(&mut findings);
+    }
+    let (mut setups, mut rods) = (Vec::new(), Vec::new());
     if let Some(mut section) = root.section("setup") {
         let labels: Vec<&str> = section.keys().collect();
         for label in labels {
             if let Some(mut one) = section.section(label) {
                 let centre_mm = one.vector("centre_mm").unwrap_or_default();
                 let length_mm = one.number_where("length_mm", "a length above 0", |mm| mm > 0.0).unwrap_or(0.0);
-                setups.push(Setup { label: label.to_owned(), centre_mm, length_mm });
+                let mut setup = Setup { label: label.to_owned(), centre_mm, length_mm, ..artefact.clone() };
+                bodies::read_setup(&mut one, kind, &mut setup, &mut rods);
+                setups.push(setup);
                 one.finish(&mut findings);
             }
         }
@@ -42,6 +51,10 @@ pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnos
         let value_mm = section.required("value_mm", "500.012", |section, key| {
             section.number_where(key, "a length above 0", |mm| mm > 0.0)
         });
+        if from.is_some() && from == to {
+            let place = section.place_of("to");
+            section.report(Code::BAD_VALUE, place, "a distance of a ball from itself", "name another ball");
+        }
         if let (Some(from), Some(to), Some(value_mm)) = (from, to, value_mm) {
             let sigma_mm = section.number_where("sigma_um", "a number above 0", |um| um > 0.0).map(mm_from_um);
             lengths.push((from.to_owned(), to.to_owned(), value_mm, sigma_mm));
@@ -52,7 +65,7 @@ pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnos
     let balls = root.section("ball").map_or_else(Vec::new, |section| read_balls(section, &mut findings));
     root.finish(&mut findings);
     let data = data.map(|mut data: DataSet| {
-        data.setups = setups;
+        (data.setups, data.rods, data.artefact) = (setups, rods, artefact);
         data.balls = balls;
         data.fixed = fixed;
         for (from, to, value_mm, sigma_mm) in lengths {
@@ -61,6 +74,10 @@ pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnos
         }
         data
     });
+    if let Some((message, help)) = data.as_ref().and_then(bodies::contradiction) {
+        let place = Place { file: source.id(), span: Span::default() };
+        findings.push(Diagnostic::at(Code::BAD_VALUE, free_place.unwrap_or(place), message, help));
+    }
     (data, findings)
 }
 
@@ -127,6 +144,9 @@ fn read_measurement(name: &str, section: &mut Section<'_>) -> Option<DataSet> {
         sigma,
         sigma_rad,
         free: unknowns,
+        artefact: Setup::default(),
+        rods: Vec::new(),
+        cycles: Vec::new(),
         setups: Vec::new(),
         runs: Vec::new(),
         targets: Vec::new(),

@@ -4,15 +4,16 @@ use std::collections::HashMap;
 
 use crate::csv::Table;
 use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::geometry::{AxisVector, Vector};
+use crate::geometry::AxisVector;
 
 use super::super::reading::Readings;
-use super::{DataSet, Observation, Setup, condition, text};
+use super::{DataSet, Observation, Setup, bodies, condition, text};
 
 /// Reads all rows into `data`.
 pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet, findings: &mut Vec<Diagnostic>) {
     let [setup_column, run_column, time_column] = ["setup", "run", "t_s"].map(|name| rows.column(name));
-    let mut conditions = condition::begin(rows, findings);
+    let mut conditions = condition::begin(rows, data.kind.temperature, findings);
+    let [temperature_column, feed_column] = [data.kind.temperature, Some("feed_mm_min")].map(|name| rows.column(name?));
     let mut seen: HashMap<(Vec<u64>, usize, usize), Place> = HashMap::new();
     // A column of another meaning may have as many labels as rows.
     let mut runs: HashMap<String, usize> = HashMap::new();
@@ -42,20 +43,25 @@ pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet,
                 continue;
             }
             None => {
-                data.setups.push(Setup { label, centre_mm: Vector::zeros(), length_mm: 0.0 });
+                data.setups.push(Setup { label, ..data.artefact.clone() });
                 data.setups.len() - 1
             }
         };
-        let t_s = match time_column.filter(|&column| !row.text(column).is_empty()) {
-            Some(column) => match row.number(column, readings.sign()) {
-                Ok(seconds) => Some(seconds),
-                Err(finding) => {
-                    findings.push(finding);
-                    continue;
-                }
-            },
-            None => None,
+        let mut number = |column: Option<usize>| match column.filter(|&column| !row.text(column).is_empty()) {
+            Some(column) => {
+                row.number(column, readings.sign()).map_err(|finding| findings.push(finding)).ok().map(Some)
+            }
+            None => Some(None),
         };
+        let (Some(t_s), Some(temperature_c), Some(feed)) =
+            (number(time_column), number(temperature_column), number(feed_column))
+        else {
+            continue;
+        };
+        if let (Some(column), Some(found)) = (temperature_column, bodies::implausible(temperature_c)) {
+            findings.push(Diagnostic::at(Code::DATA_CELL, row.place(column), found, bodies::PLAUSIBLE));
+            continue;
+        }
         let run =
             *runs.entry(run_column.map_or(String::new(), |column| text(&row, column))).or_insert_with_key(|label| {
                 data.runs.push(label.clone());
@@ -75,6 +81,9 @@ pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet,
             run,
             t_s,
             condition: number,
+            temperature_c,
+            feed,
+            cycle: None,
             values: [None; 3],
             target: None,
             component: None,
@@ -88,12 +97,12 @@ pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet,
                 continue;
             }
         }
-        let key = (bits(&observation), setup, observation.target.unwrap_or(usize::MAX));
+        let key = (bits(&observation, readings.has_senses()), setup, observation.target.unwrap_or(usize::MAX));
         // A plan may go to the same pose again.
         if let Some(first) = (!data.is_plan).then(|| seen.insert(key, observation.place)).flatten() {
             let line = row_line(rows, first);
             let message = format!("the row is the same as that in line {line}");
-            let help = "take one of them out: a repetition would differ by the noise of the instrument";
+            let help = "take one of them out: a repetition would differ by the noise of the instrument; where it is one, give t_s or run";
             findings.push(Diagnostic::at(Code::DATA_REPEATED, observation.place, message, help));
         }
         data.observations.push(observation);
@@ -106,10 +115,16 @@ pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet,
 }
 
 /// Everything that a row says, to tell copies.
-fn bits(observation: &Observation) -> Vec<u64> {
+///
+/// A sense that follows from the order of the rows is none of it: a copy elsewhere in the table would have another. But a single value without a
+/// time may well be read again on the way back.
+fn bits(observation: &Observation, has_senses: bool) -> Vec<u64> {
+    let count = observation.values.iter().flatten().count();
+    let is_single = observation.t_s.is_none() && (1..3).contains(&count);
     let AxisVector(position) = observation.reading.position;
     let values = observation.values.map(|value| value.unwrap_or(f64::NAN));
-    let senses = observation.reading.state.direction.map(f64::from);
+    let senses =
+        observation.reading.state.direction.map(|sense| if has_senses || is_single { f64::from(sense) } else { 0.0 });
     let tool = observation.reading.tool_mm;
     let spindle = [observation.spindle_rad];
     position
@@ -118,7 +133,8 @@ fn bits(observation: &Observation) -> Vec<u64> {
         .chain(&senses)
         .chain(tool.iter())
         .chain(&spindle)
-        .chain(&[observation.run as f64, observation.t_s.unwrap_or(f64::NAN), observation.condition as f64])
+        .chain(&[observation.run as f64, observation.condition as f64])
+        .chain(&[observation.t_s, observation.temperature_c].map(|value| value.unwrap_or(f64::NAN)))
         .map(|value| value.to_bits())
         .collect()
 }

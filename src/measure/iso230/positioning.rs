@@ -11,22 +11,16 @@
 //! | E↑, E | `max x̄ᵢ − min x̄ᵢ` of one sense, of both senses |
 //! | A↑, A | `max(x̄ᵢ + 2 sᵢ) − min(x̄ᵢ − 2 sᵢ)` of one sense, of both senses |
 //!
-//! [`without_drift`] takes a linear drift in time out of every back-and-forth cycle (Spaan 1995, ch. 3). At one target the way back differs from
-//! the way out by drift × time and by the reversal; only where there is no reversal is the difference the drift alone, which is why an axis
-//! with backlash is refused. Both are told apart by the time between the two: next to the turn it is short, at the begin of the cycle long.
+//! A drift can be taken out before ([`super::drift`]).
 
 use std::fmt;
 
 use crate::geometry::Axis;
-use crate::measure::data::DataSet;
+use crate::measure::data::{DataSet, Observation};
 use crate::model::ErrorName;
 
 /// Targets closer than this are one, mm or rad.
-const SAME: f64 = 1e-6;
-/// Standard errors from which a reversal is one.
-const SIGNIFICANT: f64 = 3.0;
-/// A reversal below this share of the range of the readings harms no drift, however well it is known.
-const HARMLESS: f64 = 0.01;
+pub(super) const SAME: f64 = 1e-6;
 
 /// A reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +74,8 @@ pub struct Target {
     pub up: Option<[f64; 2]>,
     /// The same of the negative sense.
     pub down: Option<[f64; 2]>,
+    /// The smaller number of approaches of a sense that was used.
+    pub runs: usize,
 }
 
 /// All figures.
@@ -168,69 +164,21 @@ pub fn figures(readings: &[Approach]) -> Result<Figures, Fault> {
             mean_systematic: range(pairs.iter().map(|[up, down]| 0.5 * (up[0] + down[0]))),
         }
     });
-    let mut runs = usize::MAX;
-    for target in &targets {
-        for is_up in [true, false] {
-            let count = at(readings, target.position, is_up).count();
-            if count > 0 {
-                runs = runs.min(count);
-            }
-        }
-    }
+    let runs = targets.iter().map(|target| target.runs).min().unwrap_or(0);
     Ok(Figures { up: one(|target| target.up), down: one(|target| target.down), both, targets, runs })
 }
 
-/// The readings without a drift that is linear in time within every cycle; cycles are brought to the mean of all.
-///
-/// # Errors
-/// [`Fault::Backlash`] where the two ways differ by a reversal, [`Fault::TooFew`] where they cannot be compared.
-pub fn without_drift(readings: &[Approach]) -> Result<Vec<Approach>, Fault> {
-    let cycles = readings.iter().map(|reading| reading.cycle).max().ok_or(Fault::Nothing)?.saturating_add(1);
-    if cycles > readings.len() {
-        return Err(Fault::TooFew);
-    }
-    // Of every cycle the time between the ways and the difference of what was read.
-    let mut pairs: Vec<Vec<[f64; 2]>> = vec![Vec::new(); cycles];
-    for up in readings.iter().filter(|reading| reading.is_up) {
-        let is_other =
-            |other: &&Approach| !other.is_up && other.cycle == up.cycle && (other.target - up.target).abs() < SAME;
-        for down in readings.iter().filter(is_other) {
-            let pair = [up.time - down.time, up.deviation - down.deviation];
-            pairs.get_mut(up.cycle).into_iter().for_each(|own| own.push(pair));
-        }
-    }
-    if pairs.iter().any(|own| own.len() < 3) {
-        return Err(Fault::TooFew);
-    }
-    let (reversal, sigma) = reversal(&pairs).ok_or(Fault::TooFew)?;
-    let spread = range(readings.iter().map(|reading| reading.deviation));
-    if reversal.abs() > SIGNIFICANT * sigma && reversal.abs() > HARMLESS * spread {
-        return Err(Fault::Backlash(reversal, sigma));
-    }
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-    let level = mean(&readings.iter().map(|reading| reading.deviation).collect::<Vec<_>>());
-    let mut out = readings.to_vec();
-    for (cycle, own) in pairs.iter().enumerate() {
-        let slope = sum(own, |[time, difference]| time * difference) / sum(own, |[time, _]| time * time);
-        let members: Vec<&Approach> = readings.iter().filter(|reading| reading.cycle == cycle).collect();
-        let time = mean(&members.iter().map(|reading| reading.time).collect::<Vec<_>>());
-        let deviation = mean(&members.iter().map(|reading| reading.deviation).collect::<Vec<_>>());
-        for reading in out.iter_mut().filter(|reading| reading.cycle == cycle) {
-            reading.deviation += level - deviation - slope * (reading.time - time);
-        }
-    }
-    Ok(out)
-}
-
-/// What was read of a component; readings are evenly spaced in time, and a cycle ends where the axis comes back to the sense of its begin.
+/// What was read of a component, in all set-ups or one; readings without `t_s` are evenly spaced in time, and a cycle ends where the axis comes
+/// back to the sense of its begin.
 ///
 /// # Errors
 /// [`Fault`] where there are no readings or their sense is not known.
-pub fn approaches(data: &DataSet, component: ErrorName) -> Result<Vec<Approach>, Fault> {
+pub fn approaches(data: &DataSet, component: ErrorName, setup: Option<usize>) -> Result<Vec<Approach>, Fault> {
     let axis: Axis = component.axis().ok_or(Fault::Nothing)?;
     let mut out: Vec<Approach> = Vec::new();
     let mut cycle = 0;
-    for observation in data.observations.iter().filter(|observation| observation.component == Some(component)) {
+    let own = |row: &&Observation| row.component == Some(component) && setup.is_none_or(|setup| setup == row.setup);
+    for observation in data.observations.iter().filter(own) {
         let Some(deviation) = observation.values[0] else { continue };
         let target = observation.reading.position[axis];
         let is_up = match observation.reading.state.direction[axis.slot()] {
@@ -243,67 +191,41 @@ pub fn approaches(data: &DataSet, component: ErrorName) -> Result<Vec<Approach>,
         {
             cycle += 1;
         }
-        out.push(Approach { target, deviation, is_up, cycle, time: out.len() as f64 });
+        out.push(Approach { target, deviation, is_up, cycle, time: observation.t_s.unwrap_or(out.len() as f64) });
     }
     if out.is_empty() { Err(Fault::Nothing) } else { Ok(out) }
 }
 
 fn targets(readings: &[Approach]) -> Result<Vec<Target>, Fault> {
-    let mut positions: Vec<f64> = readings.iter().map(|reading| reading.target).collect();
-    positions.sort_by(f64::total_cmp);
-    positions.dedup_by(|one, other| (*one - *other).abs() < SAME);
-    if positions.is_empty() {
+    let mut sorted: Vec<&Approach> = readings.iter().collect();
+    sorted.sort_by(|one, other| one.target.total_cmp(&other.target));
+    if sorted.is_empty() {
         return Err(Fault::Nothing);
     }
-    let side = |position: f64, is_up: bool| -> Result<Option<[f64; 2]>, Fault> {
-        let count = at(readings, position, is_up).count();
-        match count {
-            0 => Ok(None),
-            1 => Err(Fault::Once(position)),
-            _ => {
-                let mean = at(readings, position, is_up).sum::<f64>() / count as f64;
-                let squares = at(readings, position, is_up).map(|value| (value - mean).powi(2)).sum::<f64>();
-                Ok(Some([mean, (squares / (count - 1) as f64).sqrt()]))
-            }
-        }
-    };
-    positions
-        .into_iter()
-        .map(|position| Ok(Target { position, up: side(position, true)?, down: side(position, false)? }))
+    let at_one = sorted.chunk_by(|one, other| (one.target - other.target).abs() < SAME);
+    at_one
+        .map(|own| {
+            let position = own.first().map_or(0.0, |reading| reading.target);
+            let side = |is_up: bool| -> Result<Option<[f64; 2]>, Fault> {
+                let values = || own.iter().filter(|reading| reading.is_up == is_up).map(|reading| reading.deviation);
+                match values().count() {
+                    0 => Ok(None),
+                    1 => Err(Fault::Once(position)),
+                    count => {
+                        let mean = values().sum::<f64>() / count as f64;
+                        let squares = values().map(|value| (value - mean).powi(2)).sum::<f64>();
+                        Ok(Some([mean, (squares / (count - 1) as f64).sqrt()]))
+                    }
+                }
+            };
+            let count = |is_up: bool| own.iter().filter(|reading| reading.is_up == is_up).count();
+            let runs = [count(true), count(false)].into_iter().filter(|&count| count > 0).min().unwrap_or(0);
+            Ok(Target { position, up: side(true)?, down: side(false)?, runs })
+        })
         .collect()
 }
 
-/// Deviations at a target in one sense.
-fn at(readings: &[Approach], position: f64, is_up: bool) -> impl Iterator<Item = f64> {
-    let here = move |reading: &&Approach| reading.is_up == is_up && (reading.target - position).abs() < SAME;
-    readings.iter().filter(here).map(|reading| reading.deviation)
-}
-
-/// The reversal that all cycles have in common, beside a drift of their own each, and its standard error.
-fn reversal(pairs: &[Vec<[f64; 2]>]) -> Option<(f64, f64)> {
-    let (mut factor, mut value, mut squares, mut count) = (0.0, 0.0, 0.0, 0.0);
-    for own in pairs {
-        let (tt, t, td) = (sum(own, |[t, _]| t * t), sum(own, |[t, _]| t), sum(own, |[t, d]| t * d));
-        let n = own.len() as f64;
-        // The drift of the cycle is swept out.
-        factor += n - t * t / tt;
-        value += sum(own, |[_, d]| d) - t * td / tt;
-        squares += sum(own, |[_, d]| d * d) - td * td / tt;
-        count += n - 1.0;
-    }
-    if !(factor > 1e-9 && count > 1.0) {
-        return None;
-    }
-    let reversal = value / factor;
-    let left = (squares - reversal * value).max(0.0);
-    Some((reversal, (left / (count - 1.0) / factor).sqrt()))
-}
-
-fn sum(pairs: &[[f64; 2]], term: impl Fn([f64; 2]) -> f64) -> f64 {
-    pairs.iter().map(|&pair| term(pair)).sum()
-}
-
-fn range(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn range(values: impl Iterator<Item = f64>) -> f64 {
     let [low, high] =
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
     (high - low).max(0.0)

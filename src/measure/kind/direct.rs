@@ -2,28 +2,34 @@
 //!
 //! `component` names what was measured, `value_um` or `value_urad` how much: the deviation of the body that the axis moves, at the point of
 //! measurement that the tool vector gives, so that a displacement contains the angular errors with their Abbe arms (Spaan 1995, ch. 3).
-//! `offset` frees the zero of the instrument for every set-up and component.
+//! `offset` frees the zero of the instrument for every set-up and component, `drift` lets it move on in a straight line of time within every
+//! back-and-forth cycle, each with a zero of its own: where there is no reversal (see [`crate::measure::iso230::drift`]).
+
+use std::collections::HashMap;
 
 use super::{Equation, Kind, Seen, Unknown, at, needed, no_ties, optional, zeros};
 use crate::csv::{DecimalSign, Row, Table};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Branch;
 use crate::measure::data::{DataSet, Free, Observation, number_of, text};
+use crate::measure::iso230::drift;
+use crate::measure::iso230::positioning::Approach;
 use crate::model::ErrorName;
 use crate::model::name::ErrorKind;
-use crate::units::{mm_from_um, rad_from_urad};
+use crate::units::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
 
 /// The kind.
 pub(super) const KIND: Kind = Kind {
     name: "direct",
     title: "one error component at a time",
-    free: &[Free::Offset],
+    free: &[Free::Offset, Free::Drift],
     read,
-    check: |_: &DataSet, _: &Table, _: &mut Vec<Diagnostic>| {},
+    check,
     unknowns,
     start: zeros,
     equations,
     ties: no_ties,
+    temperature: None,
     columns: &["component", "value_um", "value_urad"],
 };
 
@@ -54,8 +60,54 @@ fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut 
 }
 
 fn unknowns(data: &DataSet) -> Vec<Unknown> {
-    let count = if data.free.contains(&Free::Offset) { data.setups.len() * data.targets.len() } else { 0 };
-    (0..count).map(|which| Unknown::Offset(which, 0)).collect()
+    let zeros = (0..zeros_of_setups(data)).map(|which| Unknown::Offset(which, 0));
+    let levels = data.cycles.iter().enumerate().filter(|(_, cycle)| cycle.level.is_some());
+    let drifts = (0..data.cycles.len()).map(Unknown::Drift);
+    zeros.chain(drifts).chain(levels.map(|(number, _)| Unknown::Level(number))).collect()
+}
+
+fn zeros_of_setups(data: &DataSet) -> usize {
+    if data.free.contains(&Free::Offset) { data.setups.len() * data.targets.len() } else { 0 }
+}
+
+/// Whether readings with a drift have a reversal, which cannot be told from it.
+fn check(data: &DataSet, _: &Table, findings: &mut Vec<Diagnostic>) {
+    if data.is_plan || data.cycles.is_empty() {
+        return;
+    }
+    let mut groups: HashMap<(usize, usize), (Place, Vec<Approach>)> = HashMap::new();
+    for row in &data.observations {
+        let (Some((number, time)), Some(deviation)) = (row.cycle, row.values[0]) else { continue };
+        let (Some(cycle), Some(axis)) = (data.cycles.get(number), row.component.and_then(|name| name.axis())) else {
+            continue;
+        };
+        let (_, own) = groups.entry((cycle.setup, cycle.target)).or_insert_with(|| (row.place, Vec::new()));
+        let sense = row.reading.state.direction(axis);
+        if sense == 0 {
+            continue;
+        }
+        let target = row.reading.position[axis];
+        own.push(Approach { target, deviation, is_up: sense > 0, cycle: cycle.number - 1, time });
+    }
+    let mut groups: Vec<_> = groups.into_iter().collect();
+    groups.sort_by_key(|(key, _)| *key);
+    for ((_, target), (place, own)) in groups {
+        let name = data.targets.get(target).map_or("", String::as_str);
+        let message = match drift::significant_reversal(&own) {
+            Ok(None) => continue,
+            Ok(Some((value, sigma))) => {
+                let is_rotation = name.parse::<ErrorName>().is_ok_and(|name| name.direction.is_rotation());
+                let (unit, factor) = if is_rotation { ("µrad", urad_from_rad(1.0)) } else { ("µm", um_from_mm(1.0)) };
+                let [value, sigma] = [value * factor, sigma * factor];
+                format!(
+                    "way forth and way back of {name} differ by a reversal of {value:.2} ± {sigma:.2} {unit}, which is no drift"
+                )
+            }
+            Err(fault) => format!("{name}: {fault}"),
+        };
+        let help = "take \"drift\" out of free, and measure fast or warmed up where the axis has a reversal";
+        findings.push(Diagnostic::at(Code::DRIFT_NOT_TOLD, place, message, help));
+    }
 }
 
 fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values: &[f64], out: &mut Vec<Equation>) {
@@ -78,6 +130,16 @@ fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values:
         let place = observation.setup * data.targets.len() + observation.target.unwrap_or(0);
         predicted += at(values, place);
         equation.by_unknown.push((place, 1.0));
+    }
+    if let Some((number, time)) = observation.cycle {
+        let place = zeros_of_setups(data) + number;
+        predicted += at(values, place) * time;
+        equation.by_unknown.push((place, time));
+        if let Some(level) = data.cycles.get(number).and_then(|cycle| cycle.level) {
+            let place = zeros_of_setups(data) + data.cycles.len() + level;
+            predicted += at(values, place);
+            equation.by_unknown.push((place, 1.0));
+        }
     }
     equation.residual = read - predicted;
     out.push(equation);

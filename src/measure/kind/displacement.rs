@@ -2,11 +2,11 @@
 //!
 //! An artefact may lie off its nominal place: `offset` and `rotation` move it in the workpiece, with which it turns. A point whose nominal
 //! place is p lies at R p + o, so that the tool is d = F's directions of (tip − R p − o) from it. R is exact: 1 mrad over 500 mm makes
-//! 0.25 µm by its square.
+//! 0.25 µm by its square. An artefact of known expansion and temperature is stretched before, from a point of its own.
 
 use nalgebra::Rotation3;
 
-use super::{Equation, Kind, Seen, Unknown, no_ties, optional, three, vector_at, zeros};
+use super::{Equation, Kind, Seen, Unknown, no_expansion, no_ties, optional, three, vector_at, zeros};
 use crate::csv::{DecimalSign, Row, Table};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::Vector;
@@ -26,6 +26,7 @@ pub(super) const KIND: Kind = Kind {
     start: zeros,
     equations,
     ties: no_ties,
+    temperature: Some("T_artefact_C"),
     columns: &COLUMNS,
 };
 
@@ -54,6 +55,7 @@ fn check(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
             help,
         ));
     }
+    no_expansion(data, table, findings);
 }
 
 fn unknowns(data: &DataSet) -> Vec<Unknown> {
@@ -68,6 +70,11 @@ fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values:
     let first = 3 * observation.setup;
     let turn = first + if has_offset { 3 * data.setups.len() } else { 0 };
     let mut point = seen.nominal.translation;
+    let setup = data.setups.get(observation.setup);
+    if let Some(origin) = setup.filter(|setup| setup.expansion_per_k > 0.0).and_then(|setup| setup.origin_mm) {
+        // An artefact that is warm has its points farther from the one that stays.
+        point = origin + (point - origin) * data.stretch(observation);
+    }
     let mut angle = Vector::zeros();
     if has_rotation {
         angle = vector_at(values, turn);

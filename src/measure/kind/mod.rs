@@ -39,6 +39,8 @@ pub struct Kind {
     pub equations: fn(&DataSet, &Observation, &Seen<'_>, &[f64], &mut Vec<Equation>),
     /// The equations that belong to no reading: known distances, in their order.
     pub ties: fn(&DataSet, &[f64], &mut Vec<Equation>),
+    /// The column with the temperature of its instrument or artefact.
+    pub temperature: Option<&'static str>,
     /// The columns of its readings, with the unit of each.
     pub columns: &'static [&'static str],
 }
@@ -51,8 +53,16 @@ pub const KINDS: &[&Kind] = &[&displacement::KIND, &ballbar::KIND, &probe::KIND,
 pub enum Unknown {
     /// Shift of the table ball from where the description has it.
     Centre(usize, usize),
+    /// Drift of the readings over the time of a back-and-forth cycle.
+    Drift(usize),
+    /// Zero of a back-and-forth cycle against that of the first one.
+    Level(usize),
     /// Length of the ball-bar beyond the nominal one.
     Length(usize),
+    /// Length of an extension rod beyond the nominal one.
+    Rod(usize),
+    /// What the ball-bar of a set-up is longer because it is warmer than described.
+    RodTemperature(usize),
     /// Shift of readings; direction 0 where there is one value.
     Offset(usize, usize),
     /// Rotation of the artefact.
@@ -126,8 +136,11 @@ pub struct Equation {
 pub fn word(free: Free) -> &'static str {
     match free {
         Free::Centre => "centre",
+        Free::Drift => "drift",
         Free::Length => "length",
         Free::Offset => "offset",
+        Free::Rod => "rod",
+        Free::RodTemperature => "rod_temperature",
         Free::Rotation => "rotation",
         Free::Tool => "tool",
     }
@@ -155,6 +168,27 @@ fn zeros(data: &DataSet, _: &Model) -> Vec<f64> {
 
 /// For kinds that know no distances.
 fn no_ties(_: &DataSet, _: &[f64], _: &mut Vec<Equation>) {}
+
+/// Says where temperatures are given that an expansion is missing for, or the other way round.
+fn no_expansion(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
+    let Some(name) = data.kind.temperature else { return };
+    let column = table.column(name);
+    let setup = |row: &Observation| data.setups.get(row.setup);
+    let grows = |row: &Observation| setup(row).is_some_and(|setup| setup.expansion_per_k > 0.0);
+    let is_warm = |row: &Observation| row.temperature_c.or_else(|| setup(row)?.temperature_c).is_some();
+    let at = table.header_place(column);
+    if data.observations.iter().any(|row| row.temperature_c.is_some() && !grows(row)) {
+        let help =
+            "give rod_expansion_per_K in the set-up (ball-bar) or expansion_per_K in [artefact], or rename the column";
+        findings.push(Diagnostic::at(Code::DATA_COLUMN, at, format!("{name} says nothing without an expansion"), help));
+    } else if !data.free.contains(&Free::RodTemperature)
+        && data.observations.iter().any(|row| grows(row) && !is_warm(row))
+    {
+        let help =
+            format!("fill the column {name}, give the temperature in the description, or take the expansion out");
+        findings.push(Diagnostic::at(Code::DATA_COLUMN, at, "an expansion is given, but no temperature", help));
+    }
+}
 
 /// A column that the kind needs.
 fn needed(row: &Row<'_>, name: &str) -> Result<usize, Diagnostic> {

@@ -23,6 +23,7 @@ pub(super) const KIND: Kind = Kind {
     start,
     equations,
     ties,
+    temperature: None,
     columns: &["target"],
 };
 

@@ -79,7 +79,7 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let feed = wishes.feed.unwrap_or(1000.0);
     let every = wishes.every.unwrap_or(2_f64.to_radians()).max(1e-4);
     let mut data = empty(kind("ballbar")?, &[Free::Centre, Free::Length]);
-    data.setups.push(Setup { label: "A".into(), centre_mm, length_mm: radius_mm });
+    data.setups.push(Setup { label: "A".into(), centre_mm, length_mm: radius_mm, ..Setup::default() });
     let mut plan = Builder::new(machine, wishes, data);
     let chord = 1_f64.to_radians();
     plan.reach = Reach::Sphere { chord, feed };

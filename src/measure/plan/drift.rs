@@ -83,7 +83,7 @@ fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, Refused> {
 fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     let tool_mm = wishes.tool_mm();
     let mut data = empty(kind("displacement")?, &[Free::Offset]);
-    data.setups.push(Setup { label: "A".into(), centre_mm: crate::geometry::Vector::zeros(), length_mm: 0.0 });
+    data.setups.push(Setup { label: "A".into(), ..Setup::default() });
     let mut plan = Builder::new(machine, wishes, data);
     plan.is_geometric = false;
     let centre_mm = wishes.centre_or_middle(machine, &tool_mm);

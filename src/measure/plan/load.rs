@@ -108,7 +108,7 @@ fn level(machine: &Machine, wishes: &Wishes, loads: &[Load]) -> Result<Builder, 
     let feed = wishes.feed.unwrap_or(1000.0);
     let dwell_s = wishes.dwell_s.unwrap_or(4.0);
     let mut set = empty(kind("direct")?, &[Free::Offset]);
-    set.setups.push(Setup { label: "A".into(), centre_mm: Vector::zeros(), length_mm: 0.0 });
+    set.setups.push(Setup { label: "A".into(), ..Setup::default() });
     let numbers: Vec<usize> =
         components.iter().map(|component| number_of(&mut set.targets, &component.to_string())).collect();
     let mut plan = Builder::new(machine, wishes, set);

@@ -95,7 +95,7 @@ impl Grid {
             let sign = if side.sum() < 0.0 { "-" } else { "+" };
             self.plan.notes.push(format!("{label}: the plate is reached from its side {sign}{letter}"));
         }
-        self.plan.data.setups.push(Setup { label: label.to_owned(), centre_mm: Vector::zeros(), length_mm: 0.0 });
+        self.plan.data.setups.push(Setup { label: label.to_owned(), ..Setup::default() });
         self.plan.stop(&format!("set-up {label}: clear the way"));
         let gaps = self.side - 1;
         let between = (0..gaps * gaps).map(|number| [(number % gaps) as f64 + 0.5, (number / gaps) as f64 + 0.5]);

@@ -137,11 +137,11 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
         if variant == "samba" && spindle != Some(*turned) {
             spindle = Some(*turned);
             label = format!("S{turned}");
-            plan.data.setups.push(Setup { label: label.clone(), centre_mm: Vector::zeros(), length_mm: 0.0 });
+            plan.data.setups.push(Setup { label: label.clone(), ..Setup::default() });
             plan.retract()?;
             plan.stop(&format!("turn the spindle to {turned} deg"));
         } else if plan.data.setups.is_empty() {
-            plan.data.setups.push(Setup { label: "A".into(), centre_mm: Vector::zeros(), length_mm: 0.0 });
+            plan.data.setups.push(Setup { label: "A".into(), ..Setup::default() });
         }
         let setup = plan.data.setups.len().saturating_sub(1);
         let row = row(&plan, pose, setup)?;

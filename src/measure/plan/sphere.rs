@@ -152,7 +152,12 @@ fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
     };
     let mut data = empty(kind("ballbar")?, &[Free::Centre, Free::Length]);
     for Sphere { label, radius_mm, centre_mm, .. } in &spheres {
-        data.setups.push(Setup { label: label.clone(), centre_mm: *centre_mm, length_mm: *radius_mm });
+        data.setups.push(Setup {
+            label: label.clone(),
+            centre_mm: *centre_mm,
+            length_mm: *radius_mm,
+            ..Setup::default()
+        });
     }
     let mut plan = Builder::new(machine, wishes, data);
     plan.reach = Reach::Sphere { chord, feed };

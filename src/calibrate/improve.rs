@@ -1,4 +1,4 @@
-//! What a measurement will tell before it is made: rank and condition of its equations, and which further poses help most.
+//! Which further poses make a plan tell more.
 //!
 //! Judged on the machine without errors: with them, what depends on each other exactly does so to 1e-4 only, and looks as if it could be told.
 
@@ -10,7 +10,6 @@ use crate::model::ErrorModel;
 
 use super::design::Design;
 use super::effect::Parameter;
-use super::words;
 
 /// Candidates that are tried out in full in every round of [`improve`].
 const SHORT_LIST: usize = 8;
@@ -22,79 +21,12 @@ const LOST: f64 = 1e-10;
 /// What a reading of 1 rad counts as, mm.
 const MM_PER_RAD: f64 = 1000.0;
 
-/// What measurements tell of a model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Told {
-    /// Parameters of the machine.
-    pub parameters: usize,
-    /// Parameters and unknowns of the set-ups.
-    pub columns: usize,
-    /// Equations.
-    pub rows: usize,
-    /// How many combinations of the columns they tell.
-    pub rank: usize,
-    /// Largest by smallest singular value that is not zero.
-    pub condition: f64,
-    /// What no reading feels.
-    pub idle: Vec<String>,
-    /// A sentence for everything else that they do not tell.
-    pub sentences: Vec<String>,
-}
-
-/// Judges measurements by where they are made; the values of readings do not matter, but a cell without one gives no equation.
-#[must_use]
-pub fn told(machine: &Machine, parameters: &[impl Clone + Into<Parameter>], data: &[DataSet]) -> Told {
-    let design = Design::new(machine, data, parameters);
-    let rows = factors(&design);
-    let mut squares = vec![0.0; design.columns.len()];
-    for row in &rows {
-        for (sum, factor) in squares.iter_mut().zip(row) {
-            *sum += factor * factor;
-        }
-    }
-    let felt: Vec<usize> = (0..squares.len()).filter(|&column| squares[column] > 0.0).collect();
-    let mut normal = DMatrix::<f64>::zeros(felt.len(), felt.len());
-    for row in &rows {
-        let row = DVector::from_iterator(felt.len(), felt.iter().map(|&column| row[column] / squares[column].sqrt()));
-        normal.ger(1.0, &row, &row, 1.0);
-    }
-    let idle = design.columns.iter().zip(&squares).filter(|(_, square)| **square <= 0.0);
-    let idle = idle.map(|(column, _)| column.name(data).to_string()).collect();
-    let system = normal.symmetric_eigen();
-    let most = system.eigenvalues.iter().copied().fold(0.0, f64::max);
-    let mut least = most;
-    let mut lost = Vec::new();
-    for (&value, direction) in system.eigenvalues.iter().zip(system.eigenvectors.column_iter()) {
-        if value > most * LOST {
-            least = least.min(value);
-        } else {
-            // In columns of unit length: a coefficient per mm² is a small number, a shift in mm is not.
-            let mut whole = DVector::zeros(squares.len());
-            for (&column, part) in felt.iter().zip(direction.iter()) {
-                whole[column] = *part;
-            }
-            lost.push(whole);
-        }
-    }
-    Told {
-        parameters: parameters.len(),
-        columns: design.columns.len(),
-        rows: rows.len(),
-        rank: felt.len() - lost.len(),
-        condition: if least > 0.0 { (most / least).sqrt() } else { f64::INFINITY },
-        idle,
-        sentences: {
-            let words::Lost { parameters, unknowns, .. } = words::lost(&lost, &design.columns, data);
-            parameters.into_iter().chain(unknowns).collect()
-        },
-    }
-}
-
 /// The candidates for the first measurement that raise the smallest singular value of all measurements together most, one after the other:
 /// numbers into `candidates`.
 #[must_use]
 pub fn improve(
     machine: &Machine,
+    start: &ErrorModel,
     parameters: &[impl Clone + Into<Parameter>],
     data: &[DataSet],
     candidates: &[Observation],
@@ -103,7 +35,7 @@ pub fn improve(
     let design = Design::new(machine, data, parameters);
     let width = design.columns.len();
     let mut normal = DMatrix::<f64>::zeros(width, width);
-    for row in factors(&design) {
+    for row in factors(&design, start) {
         let row = DVector::from_vec(row);
         normal.ger(1.0, &row, &row, 1.0);
     }
@@ -116,7 +48,7 @@ pub fn improve(
             first.observations = vec![*candidate];
         }
         let design = Design::new(machine, &single, parameters);
-        sets.push((number, factors(&design).into_iter().map(DVector::from_vec).collect()));
+        sets.push((number, factors(&design, start).into_iter().map(DVector::from_vec).collect()));
     }
     // One scale for all rounds: that of what could be measured.
     let mut scale = DVector::from_fn(width, |column, _| normal[(column, column)]);
@@ -125,9 +57,13 @@ pub fn improve(
             *sum += factor * factor;
         }
     }
-    let scale = scale.map(|sum| if sum > 0.0 { 1.0 / sum.sqrt() } else { 0.0 });
-    let scaled = |row: &DVector<f64>| row.component_mul(&scale);
-    normal = DMatrix::from_fn(width, width, |row, column| normal[(row, column)] * scale[row] * scale[column]);
+    // What none of them feels stays lost, whatever is chosen.
+    let felt: Vec<usize> = (0..width).filter(|&column| scale[column] > 0.0).collect();
+    let scale: Vec<f64> = felt.iter().map(|&column| 1.0 / scale[column].sqrt()).collect();
+    let scaled = |row: &DVector<f64>| DVector::from_fn(felt.len(), |place, _| row[felt[place]] * scale[place]);
+    normal = DMatrix::from_fn(felt.len(), felt.len(), |row, column| {
+        normal[(felt[row], felt[column])] * scale[row] * scale[column]
+    });
     for row in sets.iter_mut().flat_map(|(_, rows)| rows) {
         *row = scaled(row);
     }
@@ -183,10 +119,10 @@ fn weakest(normal: &DMatrix<f64>) -> Vec<DVector<f64>> {
     columns.filter(|&(&value, _)| value <= limit).map(|(_, column)| column.into_owned()).collect()
 }
 
-fn factors(design: &Design<'_>) -> Vec<Vec<f64>> {
+fn factors(design: &Design<'_>, start: &ErrorModel) -> Vec<Vec<f64>> {
     let values = vec![0.0; design.columns.len()];
     let mut rows = Vec::new();
-    design.walk(&ErrorModel::default(), &values, true, |line, row| {
+    design.walk_exact(start, &values, |line, row| {
         // 1 µrad is told as well as 1 µm.
         let weight = if line.is_angle { MM_PER_RAD } else { 1.0 };
         rows.push(row.iter().map(|factor| factor * weight).collect());

@@ -1,0 +1,51 @@
+//! Reversals of a model that readings with an unknown drift cannot be told from.
+//!
+//! A reading of a length feels the reversal of its own component and those of the angles of its axis, which act with their Abbe arms; a reading
+//! of an angle feels its own.
+
+use crate::measure::data::DataSet;
+use crate::model::motion::Function;
+use crate::model::parameter::{ParameterName, Term};
+use crate::model::{ErrorModel, ErrorName};
+
+use super::effect::Parameter;
+
+/// A sentence for every component of the data that was read with an unknown drift and has a reversal: one that is to be fitted, or one of the
+/// model that it begins with.
+#[must_use]
+pub fn reversals<'a>(
+    errors: &ErrorModel,
+    parameters: impl Iterator<Item = &'a Parameter>,
+    data: &[DataSet],
+) -> Vec<String> {
+    let backlash = |parameter: &Parameter| match parameter {
+        Parameter::Geometry(name) if name.term == Term::Backlash => Some(*name),
+        _ => None,
+    };
+    let backlashes: Vec<ParameterName> = parameters.filter_map(backlash).collect();
+    let mut out = Vec::new();
+    for set in data.iter().filter(|set| !set.cycles.is_empty()) {
+        let mut read: Vec<usize> = set.cycles.iter().map(|cycle| cycle.target).collect();
+        read.sort_unstable();
+        read.dedup();
+        let names = read.iter().filter_map(|&target| set.targets.get(target)?.parse::<ErrorName>().ok());
+        for read in names {
+            let feels = |own: &ErrorName| {
+                *own == read
+                    || (own.axis() == read.axis() && own.direction.is_rotation() && !read.direction.is_rotation())
+            };
+            let fitted = backlashes.iter().find(|name| feels(&name.component));
+            let known = errors.motion.iter().find(|entry| {
+                let Function::Backlash(backlash) = &entry.function else { return false };
+                feels(&entry.name) && backlash.reversal.values.iter().any(|&value| value != 0.0)
+            });
+            let cause = match (fitted, known) {
+                (Some(name), _) => format!("{name} is to be found"),
+                (None, Some(entry)) => format!("the machine file has a backlash of {}", entry.name),
+                (None, None) => continue,
+            };
+            out.push(format!("{}: {read} was read with an unknown drift, but {cause}", set.name));
+        }
+    }
+    out
+}

@@ -1,0 +1,125 @@
+//! A null space by directions that people can read: each has a column of its own, the least simple one possible, and few others.
+//!
+//! Of a null space any mixture of its directions would do as well. Columns are gone through from the least simple one, and each is taken that still
+//! takes part in what is not yet said by those before; without the columns that were taken all others can be told. That is the rule by which a model is
+//! reduced, too.
+
+use nalgebra::{DMatrix, DVector};
+
+/// A column takes part by more than this, as a share of itself. Lower limits come later: a column that hardly takes part would leave the others
+/// as good as not told.
+const TAKES_PART: [f64; 3] = [0.02, 1e-3, 1e-6];
+/// What is smaller is left by the arithmetic.
+pub(super) const NOISE: f64 = 1e-9;
+/// Parts of a direction that are smaller than this share of its largest one are not said.
+pub(super) const COUNTS: f64 = 0.01;
+/// Steps that are spent on shorter directions.
+const MOST_STEPS: usize = 30_000_000;
+
+/// A direction: its own column, and its parts by columns of unit length; that of the own column is 1.
+pub(super) type Direction = (usize, DVector<f64>);
+
+/// Finds the directions. `order` has the columns in groups, the simple groups first: a column of a simple group is taken only where none of the other
+/// groups takes part at all.
+pub(super) fn directions(null_space: &[DVector<f64>], order: &[Vec<usize>]) -> Vec<Direction> {
+    let Some(height) = null_space.first().map(DVector::len) else { return Vec::new() };
+    let count = null_space.len();
+    let whole = DMatrix::from_fn(height, count, |row, column| null_space[column][row]);
+    let mut taken: Vec<usize> = Vec::new();
+    // Of each column what is not yet said.
+    let mut open: Vec<DVector<f64>> = whole.row_iter().map(|row| row.transpose()).collect();
+    for group in order.iter().rev() {
+        for limit in TAKES_PART {
+            for &column in group.iter().rev() {
+                let size = open.get(column).map_or(0.0, DVector::norm);
+                if taken.len() == count || size <= limit || taken.contains(&column) {
+                    continue;
+                }
+                let unit = &open[column] / size;
+                for row in &mut open {
+                    let part = row.dot(&unit);
+                    row.axpy(-part, &unit, 1.0);
+                }
+                taken.push(column);
+            }
+        }
+    }
+    if taken.len() < count {
+        return Vec::new();
+    }
+    let own = DMatrix::from_fn(count, count, |row, column| whole[(taken[row], column)]);
+    let Some(back) = own.try_inverse() else { return Vec::new() };
+    let mut all = whole * back;
+    let mut out = Vec::new();
+    for (number, &column) in taken.iter().enumerate() {
+        let mut direction = all.column_mut(number);
+        // Exactly, so that nothing comes back as noise.
+        taken.iter().for_each(|&other| direction[other] = f64::from(u8::from(other == column)));
+        let least = NOISE * direction.amax();
+        direction.iter_mut().filter(|part| part.abs() < least).for_each(|part| *part = 0.0);
+        out.push((column, direction.into_owned()));
+    }
+    out.sort_by_key(|(column, _)| *column);
+    out
+}
+
+/// Makes directions shorter where the difference of two has fewer parts than one of them.
+pub(super) fn shorten(directions: &mut [Direction]) {
+    let support = |direction: &DVector<f64>| -> Vec<usize> {
+        let least = COUNTS * direction.amax();
+        (0..direction.len()).filter(|&k| direction[k].abs() >= least).collect()
+    };
+    let mut steps = 0;
+    let mut supports: Vec<Vec<usize>> = directions.iter().map(|(_, direction)| support(direction)).collect();
+    for one in 0..directions.len() {
+        for other in 0..directions.len() {
+            if one == other || supports[one].len() < 3 || directions[other].1[directions[one].0] != 0.0 {
+                continue;
+            }
+            for &column in &supports[other].clone() {
+                steps += directions[one].1.len();
+                let part = directions[one].1[column];
+                if part == 0.0 || steps > MOST_STEPS {
+                    continue;
+                }
+                let factor = part / directions[other].1[column];
+                let mut next = &directions[one].1 - &directions[other].1 * factor;
+                next[column] = 0.0;
+                let found = support(&next);
+                // The own column has to stay one of the large ones.
+                if found.len() < supports[one].len() && found.contains(&directions[one].0) {
+                    directions[one].1 = next;
+                    supports[one] = found;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_direction_has_a_column_of_its_own_from_the_last_group() {
+        // Two mixtures of e0 + e2 and of e1 − 2 e3 + e0.
+        let [one, other] = [[1.0, 0.0, 1.0, 0.0], [1.0, 1.0, 0.0, -2.0]].map(|parts| DVector::from_row_slice(&parts));
+        let mixed = [(&one + &other).normalize(), (&one - &other * 0.5).normalize()];
+        let found = directions(&mixed, &[vec![0, 1], vec![2, 3]]);
+        assert_eq!(found.iter().map(|(own, _)| *own).collect::<Vec<_>>(), [2, 3]);
+        assert!((&found[0].1 - &one).amax() < 1e-12, "{}", found[0].1);
+        assert!((&found[1].1 + &other * 0.5).amax() < 1e-12, "{}", found[1].1);
+        // Where the last group does not reach, the first one is taken.
+        let found = directions(&mixed, &[vec![0, 1, 3], vec![2]]);
+        assert_eq!(found.iter().map(|(own, _)| *own).collect::<Vec<_>>(), [2, 3]);
+    }
+
+    #[test]
+    fn shorter_directions_span_the_same() {
+        let rows = [[1.0, 0.0, 1.0, 1.0, 1.0], [0.0, 1.0, 1.0, 1.0, 0.0]].map(|parts| DVector::from_row_slice(&parts));
+        let mut found: Vec<Direction> = rows.iter().cloned().enumerate().collect();
+        shorten(&mut found);
+        assert_eq!(found[0].1, DVector::from_row_slice(&[1.0, -1.0, 0.0, 0.0, 1.0]));
+        assert_eq!(found[1].1, rows[1]);
+    }
+}

@@ -1,0 +1,223 @@
+//! What `ncfix calibrate` says of parameters that the data cannot tell: refusals, and models that are reduced.
+
+use super::findings::Findings;
+use super::measurement::Measurement;
+use crate::calibrate::words::listed;
+use crate::calibrate::{Confused, Estimate, Fault, Fit, Lost, Parameter, Unsettled, reduce};
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::machine::Machine;
+use crate::measure::data::DataSet;
+use crate::model::ErrorModel;
+use crate::report::calibration;
+use crate::report::number::{micrometers, significant};
+use crate::source::{Source, Span};
+use crate::units::um_from_mm;
+
+/// Kinds of combinations that are said, the most frequent ones.
+const MOST_SAID: usize = 10;
+/// A known distance is off by so many standard uncertainties.
+const CONTRADICTS: f64 = 5.0;
+/// No readings are so far off by themselves.
+const RUNS_AWAY: f64 = 1e6;
+
+/// Adds findings for a fit that is not possible; `of` says what was fitted.
+pub(super) fn refuse(fault: Fault, of: &str, all: &[Measurement], findings: &mut Findings) {
+    let described = |set: usize| all.get(set).or(all.first()).map(|one| first_line(&one.sources[1]));
+    for (set, found) in refusals(fault, of) {
+        let place = described(set.unwrap_or(0));
+        let sources = all.get(set.unwrap_or(0)).or(all.first()).map_or(&[][..], |one| &one.sources);
+        findings.add(Diagnostic { place, ..found }, sources);
+    }
+}
+
+/// The first line of a file.
+fn first_line(source: &Source) -> Place {
+    let end = source.bytes().iter().position(|&byte| byte == b'\n' || byte == b'\r');
+    Place { file: source.id(), span: Span::new(0, end.unwrap_or(source.bytes().len())) }
+}
+
+/// Findings, each with the number of its measurement.
+fn refusals(fault: Fault, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
+    match fault {
+        Fault::TooFew { equations, unknowns, lost } => {
+            let message = format!("{of}{equations} readings cannot tell {unknowns} unknowns");
+            let help =
+                "measure more, describe what is known of the set-ups, choose a smaller model, or let --reduce do it";
+            let mut out = vec![(None, Diagnostic::nowhere(Code::NOT_TOLD, message, help))];
+            out.extend(not_told(*lost, of));
+            out
+        }
+        Fault::NotTold(lost) => not_told(*lost, of),
+        Fault::NotSettled(why) => vec![not_settled(why, of)],
+    }
+}
+
+fn not_told(lost: Lost, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
+    let more = lost.confused.len().saturating_sub(MOST_SAID);
+    let mut out: Vec<(Option<usize>, Diagnostic)> = lost
+        .confused
+        .into_iter()
+        .take(MOST_SAID)
+        .map(|one| (one.set, Diagnostic::nowhere(Code::NOT_TOLD, format!("{of}{}", one.sentence), one.remedy)))
+        .collect();
+    for sentence in lost.unknowns.iter().filter(|_| lost.leave_out.is_empty()).take(MOST_SAID) {
+        let help = "describe what is known of the set-up";
+        out.push((None, Diagnostic::nowhere(Code::NOT_TOLD, format!("{of}{sentence}"), help)));
+    }
+    let count = lost.leave_out.len();
+    if count > 1 {
+        let rest = if more > 0 { format!(" ({more} reasons are not shown)") } else { String::new() };
+        let message = format!(
+            "{of}without these {count} parameters the data tell all others{rest}: {}",
+            listed(&lost.leave_out, usize::MAX)
+        );
+        let help = "measure as said above, take them out of the file for --model, or let --reduce leave them out";
+        out.push((None, Diagnostic::nowhere(Code::NOT_TOLD, message, help)));
+    }
+    out
+}
+
+fn not_settled(why: Option<Unsettled>, of: &str) -> (Option<usize>, Diagnostic) {
+    let Some(Unsettled { set, times, rejected: [rejected, readings] }) = why else {
+        let message = format!("{of}the parameters do not settle");
+        let help =
+            "check signs and set-ups in the description, --machine, and sigma_um; --no-robust counts all rows alike";
+        return (None, Diagnostic::nowhere(Code::NOT_SETTLED, message, help));
+    };
+    if times > RUNS_AWAY {
+        let message = format!(
+            "{of}the fit runs away: the parameters are told too badly, or positions or readings are in another unit"
+        );
+        let help =
+            "check units of positions and set-ups, choose a smaller model, or measure where the parameters do more";
+        return (Some(set), Diagnostic::nowhere(Code::NOT_SETTLED, message, help));
+    }
+    let size = if times > 1.0 {
+        format!("what is left is {} times what sigma_um says", significant(times))
+    } else {
+        "what is left scatters unlike noise".to_owned()
+    };
+    let message =
+        format!("{of}the parameters do not settle: {size}, and {rejected} of {readings} readings count for nothing");
+    let help = "write a larger sigma_um, or none, and check signs and set-ups; --no-robust counts all rows alike";
+    (Some(set), Diagnostic::nowhere(Code::NOT_SETTLED, message, help))
+}
+
+/// Says which parameters are told so badly that their uncertainty alone moves the tool by more than `max_mm`, which is refused. Returns whether there are
+/// any.
+pub(super) fn badly_told(fit: &Fit, all: &[Measurement], max_mm: f64, findings: &mut Findings) -> bool {
+    let uncertain = |one: &Estimate| {
+        let share = if one.value == 0.0 { 0.0 } else { one.sigma / one.value.abs() };
+        one.effect_mm * share
+    };
+    let of_machine = fit.estimates.iter().filter(|one| one.column.is_of_machine());
+    let badly: Vec<(f64, Parameter)> = of_machine
+        .filter(|one| uncertain(one) > max_mm)
+        .filter_map(|one| Some((uncertain(one), one.column.parameter()?)))
+        .collect();
+    let Some(worst) = badly.iter().map(|(mm, _)| *mm).max_by(f64::total_cmp) else { return false };
+    let names: Vec<Parameter> = badly.into_iter().map(|(_, parameter)| parameter).collect();
+    let message = format!(
+        "told so badly that their uncertainty alone moves the tool by up to {}: {}",
+        micrometers(um_from_mm(worst)),
+        listed(&names, MOST_SAID)
+    );
+    let help = "measure where they do more, take them out of the model, or let --reduce leave them out";
+    let place = all.first().map(|one| first_line(&one.sources[1]));
+    let found = Diagnostic { place, ..Diagnostic::nowhere(Code::NOT_TOLD, message, help) };
+    findings.add(found, all.first().map_or(&[], |one| &one.sources));
+    true
+}
+
+/// Says which known distances do not fit: they contradict each other or the probings.
+pub(super) fn distances(fit: &Fit, all: &[Measurement], findings: &mut Findings) {
+    for &(set, tie, left, sigma) in fit.ties.iter().filter(|(.., left, sigma)| left.abs() > CONTRADICTS * sigma) {
+        let Some(one) = all.get(set) else { continue };
+        let Some(length) = one.data.lengths.get(tie) else { continue };
+        let name = |number: usize| one.data.targets.get(number).map_or("?", String::as_str);
+        let [from, to] = length.between.map(name);
+        let message = format!(
+            "{}: {} are left of the distance from {from} to {to} ({} mm), {} times its uncertainty",
+            one.data.name,
+            micrometers(um_from_mm(left.abs())),
+            length.value_mm,
+            significant(left.abs() / sigma)
+        );
+        let help =
+            "check value_mm and sigma_um of [[length]], and whether another one says something else of these balls";
+        let found = Diagnostic {
+            place: Some(first_line(&one.sources[1])),
+            ..Diagnostic::nowhere(Code::POOR_FIT, message, help)
+        };
+        findings.add(found, &one.sources);
+    }
+}
+
+/// Leaves out what the data cannot tell, with a finding for each reason. The parameters that stay.
+pub(super) fn reduced(
+    (machine, start): (&Machine, &ErrorModel),
+    parameters: &[Parameter],
+    all: &[Measurement],
+    findings: &mut Findings,
+    report: &mut calibration::Calibration,
+) -> Vec<Parameter> {
+    let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
+    // Where numbers are not finite the fit says so.
+    let Some(found) = reduce(machine, start, parameters, &data) else { return parameters.to_vec() };
+    for Confused { sentence, remedy, parameters, set } in found.left_out {
+        let one = all.get(set.unwrap_or(0)).or(all.first());
+        let names: Vec<String> = parameters.iter().map(ToString::to_string).collect();
+        let message = format!("left out: {}: {sentence}", listed(&parameters, usize::MAX));
+        let place = one.map(|one| first_line(&one.sources[1]));
+        let found = Diagnostic { place, ..Diagnostic::nowhere(Code::REDUCED, message, remedy) };
+        findings.add(found, one.map_or(&[], |one| &one.sources));
+        report.left_out.push(calibration::LeftOut { parameters: names, reason: sentence });
+    }
+    found.parameters
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::parameter::ParameterName;
+
+    #[test]
+    fn every_fault_is_a_refusal() {
+        let named = |names: &[&str]| -> Vec<Parameter> {
+            names.iter().map(|name| Parameter::from(name.parse::<ParameterName>().unwrap())).collect()
+        };
+        let confused = |names: &[&str], sentence: &str| Confused {
+            sentence: sentence.into(),
+            remedy: "do".into(),
+            parameters: named(names),
+            set: None,
+        };
+        let mut lost = Lost::default();
+        lost.confused = vec![confused(&["EXX1"], "a"), confused(&["EYY1"], "b")];
+        lost.leave_out = named(&["EXX1", "EYY1"]);
+        let strange = Unsettled { set: 1, times: 40.0, rejected: [3, 9] };
+        let faults = [
+            Fault::TooFew { equations: 2, unknowns: 3, lost: Box::default() },
+            Fault::NotTold(Box::new(lost)),
+            Fault::NotSettled(None),
+            Fault::NotSettled(Some(strange)),
+        ];
+        let found: Vec<(String, String)> = faults
+            .into_iter()
+            .flat_map(|fault| refusals(fault, "set: "))
+            .map(|(_, one)| (one.code.to_string(), one.message))
+            .collect();
+        let expected = [
+            ("E0606", "set: 2 readings cannot tell 3 unknowns"),
+            ("E0606", "set: a"),
+            ("E0606", "set: b"),
+            ("E0606", "set: without these 2 parameters the data tell all others: EXX1 and EYY1"),
+            ("E0607", "set: the parameters do not settle"),
+            (
+                "E0607",
+                "set: the parameters do not settle: what is left is 40.0 times what sigma_um says, and 3 of 9 readings count for nothing",
+            ),
+        ];
+        assert_eq!(found, expected.map(|(code, message)| (code.to_owned(), message.to_owned())));
+    }
+}

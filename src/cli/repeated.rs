@@ -1,0 +1,111 @@
+//! `ncfix calibrate --monte-carlo`: simulated repetitions beside the uncertainties.
+
+use super::calibrated::unit_of;
+use super::findings::Findings;
+use super::identifiable;
+use super::measurement::Measurement;
+use super::progress::Progress;
+use crate::calibrate::words::listed;
+use crate::calibrate::{Fit, MonteCarlo, Options, Parameter, monte_carlo};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::machine::Machine;
+use crate::measure::data::DataSet;
+use crate::report::calibration;
+use crate::report::number::significant;
+
+/// Names in the finding.
+const MOST_NAMES: usize = 6;
+
+/// Repeats the fit, and fills the scatter in.
+pub(super) fn repeat(
+    machine: &Machine,
+    parameters: &[Parameter],
+    all: &[Measurement],
+    (fit, options): (&Fit, Options),
+    runs_and_seed: [u64; 2],
+    findings: &mut Findings,
+    report: &mut calibration::Calibration,
+) {
+    let data: Vec<DataSet> = all.iter().map(|one| one.data.clone()).collect();
+    let mut line = Progress::new();
+    let mut progress = |done: u64| line.share("repetitions", done as f64 / runs_and_seed[0].max(1) as f64);
+    let found = monte_carlo(machine, parameters, &data, fit, options, runs_and_seed, &mut progress);
+    line.clear();
+    let found = match found {
+        Ok(found) => found,
+        Err(fault) => return identifiable::refuse(fault, "repetitions: ", all, findings),
+    };
+    let (mut of_machine, mut of_setups) = (report.parameters.iter_mut(), report.unknowns.iter_mut());
+    for (estimate, spread) in fit.estimates.iter().zip(&found.spreads) {
+        let is_parameter = estimate.column.is_of_machine();
+        let shown = if is_parameter { of_machine.next() } else { of_setups.next() };
+        if let Some(shown) = shown.filter(|_| found.runs > 1) {
+            shown.sigma_monte_carlo = Some(spread * unit_of(&estimate.column, &data).0);
+        }
+    }
+    contradictions(fit, &found).into_iter().for_each(|finding| findings.add(finding, &[]));
+}
+
+/// What repetitions say against the uncertainties.
+fn contradictions(fit: &Fit, found: &MonteCarlo) -> Vec<Diagnostic> {
+    let mut out = Vec::new();
+    let all = fit.estimates.iter().zip(&found.spreads);
+    let wrong: Vec<(Parameter, f64)> = all
+        .filter(|(one, spread)| found.contradicts(**spread, one.sigma))
+        .filter_map(|(one, spread)| Some((one.column.parameter()?, spread / one.sigma)))
+        .collect();
+    let worst = wrong.iter().map(|(_, times)| *times).max_by(|one, other| one.ln().abs().total_cmp(&other.ln().abs()));
+    if let (Some(worst), true) = (worst, found.runs > 1) {
+        let names: Vec<Parameter> = wrong.into_iter().map(|(name, _)| name).collect();
+        let times = significant(worst);
+        let message =
+            format!("{} scatter in simulated repetitions by up to {times} times ± 1σ", listed(&names, MOST_NAMES));
+        let help = "take ± MC for the uncertainty; more readings, or --no-robust, bring both together";
+        out.push(Diagnostic::nowhere(Code::UNLIKE_REPEATED, message, help));
+    }
+    if found.failed > 0 {
+        let message =
+            format!("{} of {} simulated repetitions could not be fitted", found.failed, found.failed + found.runs);
+        let help = "measure more: with other noise these data would tell nothing";
+        out.push(Diagnostic::nowhere(Code::UNLIKE_REPEATED, message, help));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::{Column, Estimate};
+    use crate::model::ErrorModel;
+
+    #[test]
+    fn uncertainties_that_repetitions_contradict_are_named() {
+        let estimate = |name: &str| Estimate {
+            column: Column::Parameter(name.parse().unwrap()),
+            value: 1.0,
+            sigma: 2.0,
+            inflation: 1.0,
+            effect_mm: 0.0,
+        };
+        let fit = Fit {
+            errors: ErrorModel::default(),
+            estimates: vec![estimate("EXX1"), estimate("EYY1"), estimate("EZZ1")],
+            sigmas: Vec::new(),
+            angle_sigmas: Vec::new(),
+            ties: Vec::new(),
+            residuals: Vec::new(),
+            condition: 1.0,
+            freedom: 1,
+            rounds: 1,
+        };
+        // With 201 repetitions three standard deviations of a standard deviation are 15 %: 40 % are the limit.
+        let found = MonteCarlo { spreads: vec![2.7, 2.9, 1.0], runs: 201, failed: 0 };
+        let said = contradictions(&fit, &found);
+        assert_eq!(said.len(), 1);
+        assert_eq!(said[0].code, Code::UNLIKE_REPEATED);
+        assert!(said[0].message.starts_with("EYY1 and EZZ1 scatter"), "{}", said[0].message);
+        let found = MonteCarlo { spreads: vec![2.0; 3], runs: 1, failed: 4 };
+        let said = contradictions(&fit, &found);
+        assert_eq!(said[0].message, "4 of 5 simulated repetitions could not be fitted");
+    }
+}
