@@ -1,6 +1,6 @@
 //! What the data cannot tell, in words.
 //!
-//! Every direction of the null space has a parameter of its own ([`super::null_space`]), the last in an order of simplicity (unknowns of set-ups,
+//! Every direction of the null space has a parameter of its own (`null_space`), the last in an order of simplicity (unknowns of set-ups,
 //! location errors, coefficients by degree, backlash, truncated powers, parameters of effects), and is said by columns before: a coefficient of high degree cannot be told from
 //! those of low degree, a parameter from places of balls, not the other way round. Directions of one kind are one sentence.
 
