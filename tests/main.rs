@@ -12,6 +12,7 @@ mod by_hand;
 mod calibrate;
 mod calibrate_effects;
 mod calibrate_factors;
+mod calibrate_limits;
 mod calibrate_monte_carlo;
 mod calibrate_rank;
 mod calibrate_recover;

@@ -268,6 +268,17 @@ fn wishes(arguments: &PlanArguments, machine: &Machine) -> Result<Wishes, Stop> 
     };
     let angle = |degrees: Option<f64>| degrees.map(f64::to_radians);
     let is_turned = arguments.axis.is_some_and(|axis| axis.is_rotary());
+    let linear = machine.axes.iter().flatten().filter(|data| !data.axis.is_rotary());
+    let slowest = linear.filter_map(|data| data.max_feed).min_by(f64::total_cmp);
+    if let (Some(feed), Some(most), false) = (arguments.feed, slowest, is_turned)
+        && feed > most
+    {
+        // The control would be slower than the program says, or the machine faster than it may.
+        return Err(Stop::Usage(format!(
+            "--feed {feed} mm/min is beyond the {most} mm/min that every linear axis of the machine {} has; give {most} or less",
+            machine.name
+        )));
+    }
     Ok(Wishes {
         tools_mm: arguments.tool.iter().map(tool).collect(),
         centres_mm: arguments.centre.clone(),
