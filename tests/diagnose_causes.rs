@@ -112,11 +112,14 @@ fn nothing_is_named_where_nothing_is_hidden() {
     }
 }
 
+/// Cases, those that were named rightly, and what others were named.
+type Counted = (usize, usize, BTreeMap<String, usize>);
+
 /// What was named for each hidden row, over seeds and sizes.
 #[test]
 #[ignore = "takes half an hour"]
 fn confusion_of_hidden_rows() {
-    let mut table: BTreeMap<(String, String), (usize, usize, BTreeMap<String, usize>)> = BTreeMap::new();
+    let mut table: BTreeMap<(String, String), Counted> = BTreeMap::new();
     for bench in BENCHES {
         let rows = rows_shown(bench).iter().filter(|&&row| row < FIRST_FAULT);
         let hidden = rows.map(|&row| (format!("{row:02}"), vec![row], None));
