@@ -4,7 +4,7 @@
 //! Everything is linear in small deviations: a deviation of the tool from the workpiece acts on a reading by the derivatives that the kind of
 //! measurement gives ([`crate::measure::kind::Equation`]), an error of an axis by the sensitivity of the error model. There is no second formula.
 
-use crate::calibrate::{Column, Fault, Options, Parameter, fit};
+use crate::calibrate::{Column, Fault, Options, Parameter, WEAK, fit};
 use crate::geometry::Vector;
 use crate::machine::{Condition, Machine};
 use crate::measure::data::DataSet;
@@ -146,7 +146,20 @@ impl<'a> Scene<'a> {
                 });
             }
         }
+        scene.leave_weak();
         Ok(scene)
+    }
+
+    /// Unknowns that are hardly told explain nothing: they would be taken metres away for it.
+    fn leave_weak(&mut self) {
+        let mut strongest = vec![0.0_f64; self.unknowns];
+        for &(unknown, factor) in self.items.iter().flat_map(|item| &item.by_unknown) {
+            if let Some(most) = strongest.get_mut(unknown) {
+                *most = most.max(factor.abs());
+            }
+        }
+        let is_told = |unknown: usize| strongest.get(unknown).is_some_and(|most| *most >= WEAK);
+        self.items.iter_mut().for_each(|item| item.by_unknown.retain(|(unknown, _)| is_told(*unknown)));
     }
 
     /// What one unit of a deviation does to every reading.
