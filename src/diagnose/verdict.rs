@@ -297,10 +297,10 @@ fn class(
         .collect();
     rivals.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut class: Vec<usize> = Vec::new();
-    let mut names: Vec<(&'static str, Effect, String)> = Vec::new();
+    let mut names: Vec<(Effect, String)> = Vec::new();
     for place in std::iter::once(number).chain(rivals.into_iter().map(|(_, place)| place)) {
         if let Some(one) = field.candidates.get(place) {
-            let name = (one.cause.name, one.cause.effect, one.parameter.clone());
+            let name = (one.cause.effect, one.parameter.clone());
             if !names.contains(&name) {
                 names.push(name);
                 class.push(place);
