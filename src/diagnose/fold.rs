@@ -1,7 +1,7 @@
 //! The second gate: what a term gains on readings that were not used, with the selection repeated without them.
 //!
 //! Parts that are left out are runs, else set-ups, of each measurement; where they would take all of what shows a term with them, they are
-//! stretches of rows.
+//! stretches of rows, and at last shorter stretches from all over.
 
 use std::collections::HashMap;
 
@@ -12,6 +12,8 @@ use super::search::{Field, Taken, Weights};
 const PARTS: usize = 6;
 /// Stretches of rows.
 const STRETCHES: usize = 5;
+/// Rounds in which they are dealt out where whole ones do not say.
+const ROUNDS: usize = 3;
 /// A part says something of a term that has this share of what shows it, and leaves that share to the others.
 const SHOWN: f64 = 0.02;
 const KEPT: f64 = 0.2;
@@ -44,8 +46,8 @@ fn repeats(scene: &Scene<'_>) -> Vec<usize> {
     parts.into_iter().map(|number| number.map_or(NO_PART, part)).collect()
 }
 
-/// Parts by stretches of each sequence of rows.
-fn stretches(scene: &Scene<'_>) -> Vec<usize> {
+/// Parts by stretches of each sequence of rows, dealt out in so many rounds: a part of several shows more than what happens in one place.
+fn stretches(scene: &Scene<'_>, rounds: usize) -> Vec<usize> {
     let mut lengths: HashMap<usize, usize> = HashMap::new();
     scene.rows.iter().for_each(|row| *lengths.entry(row.sequence).or_insert(0) += 1);
     let mut seen: HashMap<usize, usize> = HashMap::new();
@@ -55,7 +57,7 @@ fn stretches(scene: &Scene<'_>) -> Vec<usize> {
         .map(|row| {
             let place = seen.entry(row.sequence).or_insert(0);
             *place += 1;
-            (*place - 1) * STRETCHES / lengths.get(&row.sequence).copied().unwrap_or(1).max(1)
+            (*place - 1) * STRETCHES * rounds / lengths.get(&row.sequence).copied().unwrap_or(1).max(1) % STRETCHES
         })
         .collect();
     scene.items.iter().map(|item| of_rows.get(item.row).copied().unwrap_or(NO_PART)).collect()
@@ -82,7 +84,7 @@ pub(super) fn confirmed(
     note: &mut dyn FnMut(f64),
 ) -> Vec<(Taken, f64)> {
     let mut gains: Vec<Option<f64>> = vec![None; judged.len()];
-    for parts in [repeats, stretches] {
+    for parts in [repeats, |scene: &Scene<'_>| stretches(scene, 1), |scene: &Scene<'_>| stretches(scene, ROUNDS)] {
         let open: Vec<usize> = (0..judged.len()).filter(|&k| gains.get(k).is_some_and(Option::is_none)).collect();
         if open.is_empty() {
             break;

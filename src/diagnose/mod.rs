@@ -12,6 +12,7 @@
 
 pub mod cause;
 mod empirical;
+mod event;
 pub mod extend;
 pub mod fault;
 mod fold;

@@ -5,8 +5,9 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::cause::{Candidate, Values, circle, periodic, vibration};
+use super::cause::{Candidate, Values, circle, drift, periodic, vibration};
 use super::empirical::Empirical;
+use super::event::Events;
 use super::scene::{NO_ROW, Scene, Through};
 use super::sweep::{self, Sweep, Transform};
 use crate::geometry::Axis;
@@ -40,6 +41,7 @@ pub(super) struct Seek {
     sweeps: Vec<(Axis, Sweep)>,
     time: Option<Clock>,
     circles: Option<Circles>,
+    events: Option<Events>,
     empirical: Empirical,
 }
 
@@ -78,6 +80,7 @@ impl Seek {
             sweeps: linear.filter_map(sweep).collect(),
             time: Clock::new(scene),
             circles: Circles::new(scene),
+            events: Events::new(scene),
             empirical: Empirical::new(scene),
         }
     }
@@ -102,7 +105,8 @@ impl Seek {
         let sweeps: usize = self.sweeps.iter().map(|(_, sweep)| sweep.count() * DIRECTIONS.len()).sum();
         let time = self.time.as_ref().map_or(0, |clock| 3 * clock.count());
         let chords = if self.circles.is_some() { CHORDS.len() } else { 0 };
-        sweeps + time + chords + self.empirical.count()
+        let events = self.events.as_ref().map_or(0, |events| TIPS.len() * events.count());
+        sweeps + time + chords + events + self.empirical.count()
     }
 
     /// The most promising of each for what is left, unwhitened, with 1/σ of the readings and what a column must explain.
@@ -153,9 +157,8 @@ impl Seek {
                 out.extend(found.map(|frequency| vibration::candidate(direction, frequency)));
             }
         }
-        if let Some(circles) = &self.circles {
+        let information = |place: Through| {
             let mut information = vec![0.0; scene.rows.len()];
-            let place = Through::Reading(false);
             if let Some(factors) = factors.get(&place) {
                 for ((item, factor), weight) in scene.items.iter().zip(factors.iter()).zip(weights) {
                     if item.row != NO_ROW {
@@ -163,7 +166,20 @@ impl Seek {
                     }
                 }
             }
-            out.extend(circles.best(&by_row(products(place)), &information).and_then(|count| circle::chords(scene, count)));
+            information
+        };
+        if let Some(events) = &self.events {
+            for (direction, place) in TIPS.into_iter().enumerate() {
+                let found = events.best(&by_row(products(place)), &information(place));
+                out.extend(found.map(|event| drift::behind(direction, event.set, event.instant, event.fade)));
+            }
+        }
+        if let Some(circles) = &self.circles {
+            let place = Through::Reading(false);
+            let information = information(place);
+            out.extend(
+                circles.best(&by_row(products(place)), &information).and_then(|count| circle::chords(scene, count)),
+            );
         }
         out
     }
