@@ -16,7 +16,7 @@ pub(in crate::diagnose) mod periodic;
 mod servo;
 mod setup;
 mod spike;
-mod thermal;
+pub(in crate::diagnose) mod thermal;
 mod unnamed;
 pub(in crate::diagnose) mod vibration;
 
