@@ -78,23 +78,32 @@ struct Part {
     with: f64,
 }
 
-/// Keeps what also gains on readings that were not used. `note` gets the share that is done.
+/// What was selected without a part, by the kind of parts and its number: it depends on the weights only.
+pub(super) type Selections = HashMap<(usize, usize), Vec<usize>>;
+
+/// Keeps what also gains on readings that were not used. `known` is what was selected before with the same weights; `note` gets the share
+/// that is done.
 pub(super) fn confirmed(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     judged: Vec<Taken>,
+    known: &mut Selections,
     note: &mut dyn FnMut(f64),
 ) -> Vec<(Taken, f64)> {
     let mut gains: Vec<Option<f64>> = vec![None; judged.len()];
-    for parts in [repeats, |scene: &Scene<'_>| stretches(scene, 1), |scene: &Scene<'_>| stretches(scene, ROUNDS)] {
+    let kinds = [repeats, |scene: &Scene<'_>| stretches(scene, 1), |scene: &Scene<'_>| stretches(scene, ROUNDS)];
+    for (kind, parts) in kinds.into_iter().enumerate() {
         let open: Vec<usize> = (0..judged.len()).filter(|&k| gains.get(k).is_some_and(Option::is_none)).collect();
         if open.is_empty() {
             break;
         }
         let parts = parts(field.scene);
+        let mut selected = |field: &mut Field<'_, '_>, part: usize, train: &Weights| {
+            known.entry((kind, part)).or_insert_with(|| field.forward(train, &[])).clone()
+        };
         let terms: Vec<usize> = open.iter().filter_map(|&k| judged.get(k)).map(|term| term.candidate).collect();
         let all: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
-        for (&k, found) in open.iter().zip(of_parts(field, weights, &parts, (&all, &terms), note)) {
+        for (&k, found) in open.iter().zip(of_parts(field, weights, &parts, (&all, &terms), &mut selected, note)) {
             if let Some(gain) = gains.get_mut(k) {
                 *gain = found;
             }
@@ -105,12 +114,16 @@ pub(super) fn confirmed(
     kept.collect()
 }
 
+/// What is selected without a part.
+type Select<'k> = &'k mut dyn FnMut(&mut Field<'_, '_>, usize, &Weights) -> Vec<usize>;
+
 /// The gain of each term over some parts; `None` where they do not say.
 fn of_parts(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     parts: &[usize],
     (judged, terms): (&[usize], &[usize]),
+    select: Select<'_>,
     note: &mut dyn FnMut(f64),
 ) -> Vec<Option<f64>> {
     let count = parts.iter().filter(|&&part| part != NO_PART).max().map_or(0, |most| most + 1);
@@ -137,7 +150,7 @@ fn of_parts(
         if !says.contains(&true) {
             continue;
         }
-        let selected = field.forward(&train, &[]);
+        let selected = select(field, part, &train);
         let with = unseen(field, &train, &test, &selected);
         for (((&term, does), _), found) in
             terms.iter().zip(&does).zip(&says).zip(&mut found).filter(|((_, says), _)| **says)

@@ -13,7 +13,7 @@ use crate::numeric::fisher;
 use super::cause::{Candidate, Effect, periodic, thermal};
 use super::freedom::Order;
 use super::scene::{NO_ROW, Scene, Through};
-use super::score::{Layout, Scores};
+use super::score::{Layout, Scores, in_parts};
 use super::seek::Seek;
 
 /// Terms at most.
@@ -309,22 +309,19 @@ impl<'s, 'a> Field<'s, 'a> {
         loop {
             let memory = self.memory(weights, &taken);
             let of_noise = order.correlations(self.series(weights, &taken, memory).left());
-            let judged: Vec<Taken> = taken
-                .iter()
-                .map(|&number| {
-                    let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
-                    let series = self.series(weights, &others, memory);
-                    let columns = self.columns(&self.candidates[number]);
-                    let gain = series.gain(&columns);
-                    let inflation = inflation(&order, &of_noise, &series, &columns);
-                    // Readings that wander together are as good as fewer that do not.
-                    let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).max(1.0);
-                    let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
-                    let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
-                    let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
-                    Taken { candidate: number, chance: chance.min(1.0) }
-                })
-                .collect();
+            let judged = in_parts(&taken, &|&number: &usize| {
+                let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
+                let series = self.series(weights, &others, memory);
+                let columns = self.columns(&self.candidates[number]);
+                let gain = series.gain(&columns);
+                let inflation = inflation(&order, &of_noise, &series, &columns);
+                // Readings that wander together are as good as fewer that do not.
+                let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).max(1.0);
+                let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
+                let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
+                let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
+                Taken { candidate: number, chance: chance.min(1.0) }
+            });
             let weakest = judged.iter().max_by(|a, b| a.chance.total_cmp(&b.chance));
             match weakest {
                 Some(weakest) if weakest.chance > limit => {

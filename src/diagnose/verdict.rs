@@ -1,7 +1,7 @@
 //! The verdict: findings with their sizes, rivals and what they gain, and what is left.
 
 use super::cause::{CAUSES, Candidate, Cause, Effect};
-use super::fold::{WORTH, confirmed, counts, unseen};
+use super::fold::{Selections, WORTH, confirmed, counts, unseen};
 use super::held::{Compared, compare};
 use super::noise::{self, is_angle};
 use super::readings::{doing, drop_far, left_of, projected, rms, weights};
@@ -88,7 +88,8 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
             break;
         }
     }
-    let mut kept = confirm(&mut field, &weights, taken, note);
+    let mut selections = Selections::new();
+    let mut kept = confirm(&mut field, &weights, taken, &mut selections, note);
     for _ in 0..AGAIN {
         let known: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
         note("search again", 0.0);
@@ -96,7 +97,7 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
         if taken.len() == known.len() || known.is_empty() {
             break;
         }
-        let again = confirm(&mut field, &weights, taken, note);
+        let again = confirm(&mut field, &weights, taken, &mut selections, note);
         if again.len() <= kept.len() {
             break;
         }
@@ -116,11 +117,12 @@ fn confirm(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     taken: Vec<usize>,
+    selections: &mut Selections,
     note: &mut dyn FnMut(&str, f64),
 ) -> Vec<(Taken, f64)> {
     let judged = field.backward(weights, taken, LIMIT);
     let judged = large_enough(field, weights, judged);
-    confirmed(field, weights, judged, &mut |share| note("held-out parts", share))
+    confirmed(field, weights, judged, selections, &mut |share| note("held-out parts", share))
 }
 
 fn propose(scene: &Scene<'_>) -> Vec<Candidate> {
