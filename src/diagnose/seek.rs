@@ -15,6 +15,8 @@ use crate::model::name::{DIRECTIONS, ErrorName};
 
 /// Rows of which a first look is had.
 const SOME: usize = 1500;
+/// Rows that stay together in it.
+const STRETCH: usize = 50;
 /// Cycles within a run, at most.
 const MOST_CYCLES: f64 = 1000.0;
 /// Bins for a cycle of the highest frequency.
@@ -197,7 +199,10 @@ impl Circles {
             .enumerate()
             .map(|(place, row)| (place, at(&angles, row), at(&radii, row)))
             .filter(|(_, angle, radius)| angle.is_finite() && radius.is_finite())
-            .step_by((scene.rows.len() / SOME).max(1))
+            .enumerate()
+            // Neighbours stay together: every so many rows alone one number of chords looks like another.
+            .filter(|(count, _)| count / STRETCH % (scene.rows.len() / SOME).max(1) == 0)
+            .map(|(_, place)| place)
             .collect();
         let chords = CHORDS
             .map(|count| places.iter().map(|(_, angle, radius)| radius * circle::chord(*angle, count)).collect())
