@@ -7,6 +7,7 @@ use std::collections::HashMap;
 
 use super::scene::{NO_ROW, Scene};
 use super::search::{Field, Taken, Weights};
+use crate::numeric::Series;
 
 /// Parts at most.
 const PARTS: usize = 6;
@@ -127,8 +128,8 @@ fn of_parts(
     note: &mut dyn FnMut(f64),
 ) -> Vec<Option<f64>> {
     let count = parts.iter().filter(|&&part| part != NO_PART).max().map_or(0, |most| most + 1);
-    let does: Vec<Vec<f64>> = terms.iter().map(|&term| contribution(field, weights, judged, term)).collect();
-    let whole: Vec<f64> = does.iter().map(|does| shown(field, weights, does)).collect();
+    let mut everywhere = field.series(weights, &[], 0.0);
+    let does: Vec<Does> = terms.iter().map(|&term| Does::new(field, weights, judged, term, &mut everywhere)).collect();
     let mut found: Vec<Vec<Part>> = terms.iter().map(|_| Vec::new()).collect();
     for part in (0..count).filter(|_| count > 1) {
         note(part as f64 / count as f64);
@@ -155,7 +156,7 @@ fn of_parts(
         for (((&term, does), _), found) in
             terms.iter().zip(&does).zip(&says).zip(&mut found).filter(|((_, says), _)| **says)
         {
-            let out = stand_ins(field, &train, (term, does), &selected);
+            let out = stand_ins(field, &train, (term, &does.all), &selected);
             if out.is_empty() {
                 found.push(Part { without: with, with });
                 continue;
@@ -169,27 +170,52 @@ fn of_parts(
 }
 
 /// What a term does to the readings, with the amounts found beside the others.
-fn contribution(field: &Field<'_, '_>, weights: &Weights, judged: &[usize], term: usize) -> Vec<f64> {
-    let mut columns = Vec::new();
-    let mut own = 0..0;
-    for &number in judged {
-        let of = field.candidates.get(number).map(|one| field.columns(one)).unwrap_or_default();
-        if number == term {
-            own = columns.len()..columns.len() + of.len();
-        }
-        columns.extend(of);
-    }
-    let (amounts, _) = field.series(weights, &[], 0.0).amounts(&columns);
-    let mut does = vec![0.0; field.scene.items.len()];
-    for (column, amount) in columns.iter().zip(&amounts).skip(own.start).take(own.len()) {
-        does.iter_mut().zip(column).for_each(|(value, part)| *value += part * amount);
-    }
-    does
+struct Does {
+    all: Vec<f64>,
+    /// Squares of it beside the set-ups.
+    whole: f64,
+    /// What each of several columns does, and its squares.
+    columns: Vec<(Vec<f64>, f64)>,
 }
 
-/// How much of what a term does some readings show beside their set-ups.
-fn shown(field: &Field<'_, '_>, weights: &Weights, does: &[f64]) -> f64 {
-    let mut series = field.series(weights, &[], 0.0);
+impl Does {
+    fn new(field: &Field<'_, '_>, weights: &Weights, judged: &[usize], term: usize, series: &mut Series) -> Does {
+        let mut columns = Vec::new();
+        let mut own = 0..0;
+        for &number in judged {
+            let of = field.candidates.get(number).map(|one| field.columns(one)).unwrap_or_default();
+            if number == term {
+                own = columns.len()..columns.len() + of.len();
+            }
+            columns.extend(of);
+        }
+        let (amounts, _) = field.series(weights, &[], 0.0).amounts(&columns);
+        let mut all = vec![0.0; field.scene.items.len()];
+        let mut parts = Vec::new();
+        for (mut column, amount) in columns.into_iter().zip(amounts).skip(own.start).take(own.len()) {
+            column.iter_mut().for_each(|value| *value *= amount);
+            all.iter_mut().zip(&column).for_each(|(sum, value)| *sum += value);
+            let squares = shown(series, &column);
+            parts.push((column, squares));
+        }
+        let whole = shown(series, &all);
+        Does { all, whole, columns: if own.len() > 1 { parts } else { Vec::new() } }
+    }
+
+    /// Whether some readings show it, and others all of it that these show.
+    fn is_said(&self, train: &mut Series, test: &mut Series) -> bool {
+        let least = SHOWN * self.whole;
+        shown(test, &self.all) > least
+            && shown(train, &self.all) > KEPT * self.whole
+            && self
+                .columns
+                .iter()
+                .all(|(column, squares)| shown(test, column) <= least || shown(train, column) > KEPT * squares)
+    }
+}
+
+/// How much of something readings show beside their set-ups.
+fn shown(series: &mut Series, does: &[f64]) -> f64 {
     series.set_values(does);
     series.squares()
 }
