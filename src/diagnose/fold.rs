@@ -143,11 +143,8 @@ fn of_parts(
             series: weights.series.clone(),
         };
         let (train, test) = (of(false), of(true));
-        let says: Vec<bool> = does
-            .iter()
-            .zip(&whole)
-            .map(|(does, whole)| shown(field, &test, does) > SHOWN * whole && shown(field, &train, does) > KEPT * whole)
-            .collect();
+        let [mut of_train, mut of_test] = [&train, &test].map(|part| field.series(part, &[], 0.0));
+        let says: Vec<bool> = does.iter().map(|does| does.is_said(&mut of_train, &mut of_test)).collect();
         if !says.contains(&true) {
             continue;
         }
