@@ -106,9 +106,12 @@ fn find(arguments: &DiagnoseArguments, findings: &mut Findings, report: &mut dia
         for (one, why_not) in report.findings.iter_mut().zip(outcome.why_not) {
             one.extends = why_not.is_none();
             one.extends_why = why_not;
+            if one.extends && one.correctable == "no" {
+                // What the file has as a table needs no name.
+                one.correctable = "program".into();
+            }
         }
-        report.output =
-            arguments.output.as_ref().filter(|_| outcome.is_written).map(|path| path.display().to_string());
+        report.output = arguments.output.as_ref().filter(|_| outcome.is_written).map(|path| path.display().to_string());
     }
     Ok(())
 }

@@ -84,7 +84,8 @@ impl Job<'_> {
         for changes in &self.extension {
             let made = changes.clone().and_then(|changes| {
                 let mut own = grown.text.clone();
-                let anchors = changes.iter().map(|change| made(old, &mut own, change)).collect::<Result<Vec<_>, _>>()?;
+                let anchors =
+                    changes.iter().map(|change| made(old, &mut own, change)).collect::<Result<Vec<_>, _>>()?;
                 if anchors.is_empty() {
                     return Err("the readings do not say how much of it there is".into());
                 }
@@ -265,7 +266,10 @@ fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64,
     let is_own = |parameter: &Parameter| {
         changes.iter().any(|change| match (change, parameter) {
             (Change::Parameter { name, .. }, Parameter::Geometry(own)) => name == own,
-            (Change::Drift { direction, sensor, .. }, Parameter::Effect(own)) => {
+            (
+                Change::Drift { direction, sensor, .. } | Change::DriftOver { direction, sensor, .. },
+                Parameter::Effect(own),
+            ) => {
                 let name = own.name();
                 name.starts_with(&format!("drift.{direction}")) && name.contains(sensor.as_str())
             }

@@ -5,7 +5,7 @@ use crate::machine::edit::{Edit, Given};
 use crate::model::ParameterName;
 use crate::model::name::{ErrorKind, ErrorName};
 
-use super::unit_of;
+use super::{unit_of, warm};
 
 /// Positions, periods, forces are the same up to this share.
 const SAME: f64 = 1e-9;
@@ -55,6 +55,19 @@ pub enum Change {
         /// Its coefficient.
         um_per_k: f64,
     },
+    /// One that changes along a linear axis.
+    DriftOver {
+        /// `X`, `Y`, `Z`.
+        direction: &'static str,
+        /// The axis.
+        over: Axis,
+        /// The sensor.
+        sensor: String,
+        /// Its time constant.
+        lag_s: f64,
+        /// Two places, mm, and the coefficients there, straight between them.
+        nodes: [[f64; 2]; 2],
+    },
     /// Growth of a scale.
     Growth {
         /// The axis.
@@ -90,20 +103,24 @@ pub enum Anchor {
     Entry(&'static str, usize),
 }
 
-fn same(one: f64, other: f64) -> bool {
+pub(super) fn same(one: f64, other: f64) -> bool {
     (one - other).abs() <= SAME * one.abs().max(other.abs())
 }
 
-fn text(key: &str, text: impl Into<String>) -> (String, Given) {
+pub(super) fn text(key: &str, text: impl Into<String>) -> (String, Given) {
     (key.to_owned(), Given::Text(text.into()))
 }
 
-fn number(key: &str, number: f64) -> (String, Given) {
+pub(super) fn number(key: &str, number: f64) -> (String, Given) {
     (key.to_owned(), Given::Number(number))
 }
 
 /// Entries of a list of sections whose words are these.
-fn entries<'a>(edit: &'a Edit, list: &'a str, words: &'a [(&'a str, String)]) -> impl Iterator<Item = usize> + 'a {
+pub(super) fn entries<'a>(
+    edit: &'a Edit,
+    list: &'a str,
+    words: &'a [(&'a str, String)],
+) -> impl Iterator<Item = usize> + 'a {
     (0..edit.count(list))
         .filter(move |&index| words.iter().all(|(key, word)| edit.word(list, index, key) == Some(word.as_str())))
 }
@@ -118,9 +135,14 @@ impl Change {
             Change::Parameter { name, .. } => return Err(format!("{} is no entry", name.component)),
             Change::Wave { name, period, parts } => wave(edit, *name, *period, *parts),
             Change::Shape { .. } => self.shape(edit),
-            Change::Drift { direction, sensor, lag_s, um_per_k } => drift(edit, direction, (sensor, *lag_s), *um_per_k),
+            Change::Drift { direction, sensor, lag_s, um_per_k } => {
+                warm::drift(edit, direction, (sensor, *lag_s), *um_per_k)
+            }
+            Change::DriftOver { direction, over, sensor, lag_s, nodes } => {
+                return warm::drift_over(edit, direction, *over, (sensor, *lag_s), *nodes);
+            }
             Change::Growth { axis, sensor, lag_s, um_per_m_k, um_per_k } => {
-                return growth(edit, *axis, (sensor, *lag_s), [*um_per_m_k, *um_per_k]);
+                return warm::growth(edit, *axis, (sensor, *lag_s), [*um_per_m_k, *um_per_k]);
             }
             Change::Load { name, reference_n, lean, values } => load(edit, *name, (*reference_n, *lean), values),
         };
@@ -143,13 +165,15 @@ impl Change {
         let found = entries(edit, "motion", &words).find(|&index| {
             are(edit, index, own, places)
                 && with.as_ref().zip(across.as_ref()).is_none_or(|((axis, others), key)| {
-                    edit.word("motion", index, "with") == Some(axis.to_string().as_str()) && are(edit, index, key, others)
+                    edit.word("motion", index, "with") == Some(axis.to_string().as_str())
+                        && are(edit, index, key, others)
                 })
         });
         if let Some(index) = found {
             for (row, values) in values.iter().enumerate() {
                 for (k, value) in values.iter().enumerate() {
-                    let path = if with.is_some() { format!("{values_key}[{row}][{k}]") } else { format!("{values_key}[{k}]") };
+                    let path =
+                        if with.is_some() { format!("{values_key}[{row}][{k}]") } else { format!("{values_key}[{k}]") };
                     let sum = edit.number("motion", index, &path)? + value;
                     edit.set_at("motion", index, &path, &Given::Number(sum)).then_some(())?;
                 }
@@ -170,7 +194,7 @@ impl Change {
     }
 }
 
-fn pushed(edit: &mut Edit, list: &'static str, keys: &[(String, Given)]) -> Option<Anchor> {
+pub(super) fn pushed(edit: &mut Edit, list: &'static str, keys: &[(String, Given)]) -> Option<Anchor> {
     edit.push(list, keys).then(|| Anchor::Entry(list, edit.count(list).saturating_sub(1)))
 }
 
@@ -188,7 +212,8 @@ fn wave(edit: &mut Edit, name: ErrorName, period: f64, [sine, cosine]: [f64; 2])
         sine += old * angle.cos();
         cosine += old * angle.sin();
     }
-    let keys = [number(&amplitude, rounded(sine.hypot(cosine))), number(phase, rounded(cosine.atan2(sine).to_degrees()))];
+    let keys =
+        [number(&amplitude, rounded(sine.hypot(cosine))), number(phase, rounded(cosine.atan2(sine).to_degrees()))];
     match found {
         Some(index) => keys
             .iter()
@@ -204,79 +229,6 @@ fn wave(edit: &mut Edit, name: ErrorName, period: f64, [sine, cosine]: [f64; 2])
 /// To 1 pm, or 1e-6 of a degree.
 pub(super) fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
-}
-
-/// A sensor goes into every entry of the direction: at each place of an axis it adds the same.
-fn drift(edit: &mut Edit, direction: &str, (sensor, lag_s): (&str, f64), um_per_k: f64) -> Option<Anchor> {
-    let mut own = vec![text("name", sensor), number("um_per_K", um_per_k)];
-    own.extend((lag_s > 0.0).then(|| number("lag_s", lag_s)));
-    let words = [("direction", direction.to_owned())];
-    let found: Vec<usize> = entries(edit, "drift", &words).collect();
-    let Some(&first) = found.first() else {
-        return pushed(edit, "drift", &[text("direction", direction), ("sensors".into(), Given::Entries(vec![own]))]);
-    };
-    for &index in &found {
-        let known = (0..edit.length("drift", index, "sensors")).find(|k| {
-            let lag = edit.number("drift", index, &format!("sensors[{k}].lag_s")).unwrap_or(0.0);
-            edit.word("drift", index, &format!("sensors[{k}].name")) == Some(sensor) && same(lag, lag_s)
-        });
-        match known {
-            Some(k) => {
-                let path = format!("sensors[{k}].um_per_K");
-                let sum = edit.number("drift", index, &path)? + um_per_k;
-                edit.set_at("drift", index, &path, &Given::Number(sum)).then_some(())?;
-            }
-            None => edit.append("drift", index, "sensors", &own).then_some(())?,
-        }
-    }
-    Some(Anchor::Entry("drift", first))
-}
-
-/// An axis has one scale: another sensor goes beside the first where one mean of both can be what both do.
-fn growth(
-    edit: &mut Edit,
-    axis: Axis,
-    (sensor, lag_s): (&str, f64),
-    [slope, offset]: [f64; 2],
-) -> Result<Anchor, String> {
-    const LIST: &str = "expansion";
-    const NO: &str = "the machine file has its expansion in a form that cannot be added to";
-    // µm/K = µm/(m K) · m.
-    let held = |slope: f64, offset: f64| if slope == 0.0 { 0.0 } else { rounded(offset / slope * 1e3) };
-    let words = [("axis", axis.to_string())];
-    let found = entries(edit, LIST, &words).next();
-    let own = |fixed: Option<f64>| {
-        let mut keys = vec![("sensors".to_owned(), Given::Texts(vec![sensor.to_owned()])), number("um_per_m_K", slope)];
-        keys.extend((lag_s > 0.0).then(|| number("lag_s", lag_s)));
-        keys.extend(fixed.map(|fixed| number("fixed_mm", fixed)));
-        ("scale".to_owned(), Given::Entry(keys))
-    };
-    let Some(index) = found else {
-        let keys = [text("axis", axis.to_string()), number("fixed_mm", held(slope, offset)), own(None)];
-        return pushed(edit, LIST, &keys).ok_or_else(|| NO.into());
-    };
-    if !edit.has(LIST, index, "scale") {
-        let (key, given) = own(Some(held(slope, offset)));
-        return if edit.set_at(LIST, index, &key, &given) { Ok(Anchor::Entry(LIST, index)) } else { Err(NO.into()) };
-    }
-    let at = |key: &str| edit.number(LIST, index, key);
-    let lag = at("scale.lag_s").unwrap_or(0.0);
-    let is_same = edit.length(LIST, index, "scale.sensors") == 1
-        && edit.word(LIST, index, "scale.sensors[0]") == Some(sensor)
-        && same(lag, lag_s);
-    if !is_same {
-        return Err(format!(
-            "the scale of {axis} has another sensor or another lag in the machine file already, and [[expansion]] has one for each axis; name \
-             sensors and weights by hand"
-        ));
-    }
-    let (Some(old), Some(fixed)) = (at("scale.um_per_m_K"), at("scale.fixed_mm").or(at("fixed_mm"))) else {
-        return Err(NO.into());
-    };
-    let (sum, offset) = (old + slope, old * fixed / 1e3 + offset);
-    let is_done = edit.set_at(LIST, index, "scale.um_per_m_K", &Given::Number(sum))
-        && edit.set_at(LIST, index, "scale.fixed_mm", &Given::Number(held(sum, offset)));
-    if is_done { Ok(Anchor::Entry(LIST, index)) } else { Err(NO.into()) }
 }
 
 fn load(

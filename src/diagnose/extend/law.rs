@@ -34,7 +34,9 @@ fn drivers(one: &Finding) -> Result<Drivers, String> {
         } else if let Some(axis) = driver.strip_suffix("_dir").and_then(axis) {
             out.senses.push(axis);
         } else {
-            return Err(format!("it goes with {driver}, and tables of the machine file with positions and senses of axes alone"));
+            return Err(format!(
+                "it goes with {driver}, and tables of the machine file with positions and senses of axes alone"
+            ));
         }
     }
     Ok(out)
@@ -93,8 +95,7 @@ impl Law<'_> {
     fn looks(&self, axis: Axis) -> Vec<f64> {
         let (low, high) = (self.low[axis], self.high[axis]);
         let step = STEP * (high - low);
-        let mut out: Vec<f64> =
-            (0..LOOKS).map(|k| low + (high - low) * k as f64 / (LOOKS - 1) as f64).collect();
+        let mut out: Vec<f64> = (0..LOOKS).map(|k| low + (high - low) * k as f64 / (LOOKS - 1) as f64).collect();
         for &at in self.one.candidate.points.iter().flatten() {
             out.extend([at - step, at, at + step].into_iter().filter(|at| low < *at && *at < high));
         }
@@ -156,7 +157,8 @@ pub(super) fn law(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Chang
     let (factor, _) = unit_of(name);
     let row = Row { number: NOWHERE, ..first.clone() };
     let law = Law { one, row, low, high, factor: factor * sign };
-    if drivers.places.iter().chain([&own]).any(|&axis| high[axis] < low[axis] || !(high[axis] - low[axis]).is_finite()) {
+    if drivers.places.iter().chain([&own]).any(|&axis| high[axis] < low[axis] || !(high[axis] - low[axis]).is_finite())
+    {
         return Err("the travel is not known".into());
     }
     let others: Vec<Axis> = drivers.places.iter().copied().filter(|&axis| axis != own).collect();

@@ -7,6 +7,7 @@ pub mod change;
 mod entry;
 mod law;
 pub mod note;
+mod warm;
 
 use crate::calibrate::Parameter;
 use crate::calibrate::effect::effect_parameters;
@@ -21,6 +22,11 @@ use super::scene::{NO_ROW, Scene, Through};
 use super::verdict::{Diagnosis, Finding};
 pub use change::{Anchor, Change};
 
+/// µrad in a rad.
+const MICRO: f64 = 1e6;
+/// A constant that is told so many times worse than the size of the whole is one of the set-ups.
+const VAGUE: f64 = 30.0;
+
 /// The changes for every finding of a diagnosis, or why the machine file cannot hold it. The first measurements of the scene were `used`.
 #[must_use]
 pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Result<Vec<Change>, String>> {
@@ -32,9 +38,10 @@ fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>,
     if let Term::Parameters(names) = &candidate.term {
         let all = names.iter().zip(&one.amounts.values).enumerate();
         // What depends on the others is 0 and stays so. A constant that set-ups take up as well is as large as it likes.
+        let sizes = one.size.u95 / MICRO;
         let is_told = |&(k, (name, amount)): &(usize, (&ParameterName, &f64))| {
-            *amount != 0.0
-                && (names.len() == 1 || name.term != Part::Coefficient(0) || amount.abs() > one.amounts.u95(k))
+            let is_constant = names.len() > 1 && name.term == Part::Coefficient(0);
+            *amount != 0.0 && !(is_constant && one.amounts.u95(k) > VAGUE * sizes)
         };
         let all = all.filter(is_told);
         return Ok(all.map(|(_, (name, amount))| Change::Parameter { name: *name, amount: *amount }).collect());
@@ -47,21 +54,19 @@ fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>,
         Effect::Backlash | Effect::LateralPlay | Effect::Cross | Effect::Unknown | Effect::Motion => {
             law::law(one, scene, used).map(|change| vec![change])
         }
-        Effect::ThermalSquareness => Err("the machine file has no angle between axes that goes with a temperature; beams \
-                                          ([[segment]]) make one where the structure and its sensors are known"
-            .into()),
-        Effect::Drift => Err("it goes with time, and nobody knows when a program will run; log temperatures: one that it \
+        Effect::ThermalSquareness => entry::squareness(one, scene, used),
+        Effect::Drift => {
+            Err("it goes with time, and nobody knows when a program will run; log temperatures: one that it \
                               goes with has an entry ([[drift]])"
-            .into()),
-        Effect::Setup | Effect::Probe => Err("it belongs to the instrument and its set-up, not to the machine".into()),
-        Effect::Sensor | Effect::Outlier | Effect::Program => {
-            Err("it belongs to the data, not to the machine".into())
-        }
-        Effect::ServoMismatch | Effect::Following | Effect::Dynamic | Effect::Delay | Effect::ReversalSpike => {
-            Err("it goes with the speed or with what was before, and errors of the machine file with positions: tune the \
-                 drive, or compensate it in the control"
                 .into())
         }
+        Effect::Setup | Effect::Probe => Err("it belongs to the instrument and its set-up, not to the machine".into()),
+        Effect::Sensor | Effect::Outlier | Effect::Program => Err("it belongs to the data, not to the machine".into()),
+        Effect::ServoMismatch | Effect::Following | Effect::Dynamic | Effect::Delay | Effect::ReversalSpike => Err(
+            "it goes with the speed or with what was before, and errors of the machine file with positions: tune the \
+                 drive, or compensate it in the control"
+                .into(),
+        ),
         Effect::Location => Err("it has no parameter of the error model".into()),
     }
 }
@@ -105,16 +110,26 @@ pub fn cleaned(found: &Diagnosis, scene: &Scene<'_>, used: usize, holds: &[bool]
         is_less = true;
         away.iter_mut().zip(doing(one, scene)).for_each(|(away, own)| *away += own);
     }
+    let mut out: Vec<(usize, usize)> = Vec::new();
     for (item, away) in scene.items.iter().zip(away).filter(|(item, _)| item.row != NO_ROW) {
         let Some(row) = scene.rows.get(item.row).filter(|row| row.set < used) else { continue };
-        let Some(observation) = sets.get_mut(row.set).and_then(|set| set.observations.get_mut(row.number)) else { continue };
-        let Some(value) = observation.values.get_mut(item.value) else { continue };
+        let observation = sets.get_mut(row.set).and_then(|set| set.observations.get_mut(row.number));
+        let Some(value) = observation.and_then(|own| own.values.get_mut(item.value)) else { continue };
         let counts = item.sigma.is_finite() && !found.outliers.contains(&(row.set, row.number));
         match value {
             Some(_) if !counts => *value = None,
             Some(value) => *value -= away,
-            None if is_less || !counts => return None,
+            // A probing has no values: what it reads is where the axes stand.
+            None if !counts => out.push((row.set, row.number)),
+            None if is_less => return None,
             None => {}
+        }
+    }
+    out.sort_unstable();
+    out.dedup();
+    for (set, number) in out.into_iter().rev() {
+        if let Some(set) = sets.get_mut(set) {
+            set.observations.remove(number);
         }
     }
     Some(sets)
@@ -147,6 +162,7 @@ fn remedy(candidate: &Candidate) -> &'static str {
     match candidate.cause.correctable {
         Correctable::Program => "a corrected program takes it away",
         Correctable::Live => "only live readings can take it away",
-        Correctable::No => "it is only reported",
+        // What the file has as a table needs no name.
+        Correctable::No => "a corrected program takes it away, whatever makes it",
     }
 }

@@ -57,7 +57,9 @@ pub fn lines(one: &Finding, changes: &[Change], files: &Files, fitted: &[(String
         out.push(format!("  not told from {}{how}", rivals.join(", ")));
     }
     let needs = match one.candidate.cause.effect {
-        Effect::Load => Some("nothing is corrected without the weight on the table (--load, or a state file)".to_owned()),
+        Effect::Load => {
+            Some("nothing is corrected without the weight on the table (--load, or a state file)".to_owned())
+        }
         _ if one.candidate.cause.correctable == Correctable::Live => {
             let sensor = one.candidate.sensor.as_deref().unwrap_or_default();
             Some(format!(
@@ -69,7 +71,8 @@ pub fn lines(one: &Finding, changes: &[Change], files: &Files, fitted: &[(String
     };
     out.extend(needs.map(|needs| format!("  {needs}")));
     if !fitted.is_empty() {
-        let all = fitted.iter().map(|(name, value, sigma, unit)| format!("{name} {value:.4e} ± {:.1e} {unit}", 2.0 * sigma));
+        let all =
+            fitted.iter().map(|(name, value, sigma, unit)| format!("{name} {value:.4e} ± {:.1e} {unit}", 2.0 * sigma));
         out.push(format!("  fitted again with the others (± 2σ): {}", all.collect::<Vec<_>>().join(", ")));
     }
     for change in changes {

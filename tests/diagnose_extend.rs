@@ -1,0 +1,264 @@
+//! The machine file that a diagnosis extends: every kind of entry says data that were held out as well as the truth does, stands there once
+//! however often a diagnosis is repeated, and what has no entry is said to have none.
+
+use ncfix::diagnose::extend::{Anchor, Change};
+use ncfix::machine::edit::Edit;
+use serde_json::Value;
+
+use crate::diagnose::{case, change, diagnosed, findings, name, number, run, shop};
+use crate::plant::{Bench, Case, Recipe, Unknown};
+use crate::support::Shop;
+
+const PART: &str = "G0 X100 Y100 Z100\nG1 X300 Y250 F1000\nM30\n";
+
+/// Diagnoses with `-o` and the data held out.
+fn extend(shop: &Shop, [data, held_out]: [&[String]; 2], machine: &str, out: &str) -> Value {
+    let mut more = vec!["-o", out, "--holdout"];
+    more.extend(held_out.iter().map(String::as_str));
+    diagnosed(shop, data, machine, &more)
+}
+
+/// Extends the machine of a case, and demands that nothing is left then; the text of the extended file.
+fn mended(case: &Case, most_left: f64) -> (Shop, Vec<String>, Vec<String>, String) {
+    let (shop, data, held_out) = shop(case);
+    let found = extend(&shop, [&data, &held_out], "machine.toml", "extended.toml");
+    for one in findings(&found) {
+        assert_eq!(one["extends"], true, "{one:#}");
+        assert!(one["extends_why"].is_null(), "{one:#}");
+    }
+    let text = shop.text("extended.toml");
+    for line in case.machine_toml.lines().filter(|line| line.starts_with(['[', '#'])) {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    // What the file says of data held out, read again.
+    let [before, again] = ["machine.toml", "extended.toml"].map(|machine| diagnosed(&shop, &held_out, machine, &[]));
+    assert_eq!(findings(&again).len(), 0, "{text}\n{again:#}");
+    let [before, after] = [before, again].map(|one| number(&one["before"], "rms_um"));
+    assert!(after < most_left * case.truth.noise_um, "{before} {after}, noise {}\n{text}", case.truth.noise_um);
+    let best = case.truth.gain.min(1.0 - case.truth.noise_um / before);
+    assert!(1.0 - after / before > 0.8 * best, "{before} {after} of {best}\n{text}");
+    (shop, data, held_out, text)
+}
+
+/// What a run of a program says with the extended machine.
+fn program(shop: Shop, more: &[&str]) -> String {
+    let shop = shop.file("part.mpf", PART);
+    let run = shop.run(["part.mpf", "-o", "out.mpf", "--machine", "extended.toml"].iter().chain(more));
+    assert_eq!(run.code, 0, "{run:?}");
+    run.stderr
+}
+
+/// With all values of the entries that were added halved, a second diagnosis adds the other half to them and no entry.
+fn twice(shop: Shop, [data, held_out]: [&[String]; 2], text: &str, keys: &[&str], list: &str) {
+    let mut halved = String::new();
+    let mut is_new = false;
+    for line in text.lines() {
+        is_new =
+            if line.starts_with("[[") || line.is_empty() { false } else { is_new || line.starts_with("# diagnosed:") };
+        // The section behind its comment.
+        is_new |=
+            line.starts_with("[[") && halved.trim_end().lines().last().is_some_and(|last| last.starts_with("#  "));
+        let mut line = line.to_owned();
+        for key in keys.iter().filter(|_| is_new) {
+            if let Some((head, rest)) = line.clone().split_once(&format!("{key} = ")) {
+                let end = rest.find([',', ' ', '}']).filter(|_| !rest.starts_with('[')).unwrap_or(rest.len());
+                let (number, tail) = rest.split_at(end);
+                let half = |number: &str| format!("{:e}", 0.5 * number.trim().parse::<f64>().unwrap());
+                let number = match number.strip_prefix('[') {
+                    Some(list) => {
+                        let all = list.trim_end_matches(']').split(',').map(half);
+                        format!("[{}]", all.collect::<Vec<_>>().join(", "))
+                    }
+                    None => half(number),
+                };
+                line = format!("{head}{key} = {number}{tail}");
+            }
+        }
+        halved += &(line + "\n");
+    }
+    assert_ne!(halved, text);
+    let count = |text: &str| text.matches(&format!("[[{list}]]")).count();
+    let shop = change(shop.file("half.toml", &halved), "half.toml", |text| text);
+    let found = extend(&shop, [data, held_out], "half.toml", "again.toml");
+    assert!(findings(&found).iter().all(|one| one["extends"] == true), "{found:#}");
+    let again = shop.text("again.toml");
+    assert_eq!(count(text), count(&again), "{halved}\n{again}");
+    let [once, twice] = ["extended.toml", "again.toml"]
+        .map(|machine| number(&diagnosed(&shop, held_out, machine, &[])["before"], "rms_um"));
+    assert!((once / twice - 1.0).abs() < 0.02, "{once} {twice}\n{again}");
+}
+
+#[test]
+fn a_wave_of_a_rotary_axis_is_an_entry_that_a_second_diagnosis_changes() {
+    let (shop, data, held_out, text) = mended(&case(Bench::FiveAxis, &[4], 6.0, 2), 1.3);
+    assert!(text.contains("kind = \"periodic\"") && text.contains("period_deg = "), "{text}");
+    twice(shop, [&data, &held_out], &text, &["amplitude_urad", "amplitude_um"], "motion");
+}
+
+#[test]
+fn drift_goes_with_a_sensor_and_its_lag_and_needs_live_readings() {
+    let (shop, data, held_out, text) = mended(&case(Bench::Drift, &[38], 6.0, 2), 1.4);
+    assert!(text.contains("[[drift]]") && text.contains("lag_s = "), "{text}");
+    assert!(text.contains("nothing is corrected without a reading of T_"), "{text}");
+    twice(shop, [&data, &held_out], &text, &["um_per_K"], "drift");
+}
+
+#[test]
+fn a_program_without_live_readings_is_told_so() {
+    let (shop, ..) = mended(&case(Bench::Drift, &[38], 6.0, 3), 1.4);
+    assert!(program(shop, &[]).contains("W0501"));
+}
+
+#[test]
+fn squareness_with_a_temperature_is_a_drift_over_an_axis() {
+    let (_, _, _, text) = mended(&case(Bench::HotCold, &[42], 6.0, 2), 1.3);
+    assert!(text.contains("over = \"") && text.matches("[[drift]]").count() == 2, "{text}");
+}
+
+#[test]
+fn growth_of_a_scale_is_one_entry() {
+    let (shop, data, held_out, text) = mended(&case(Bench::HotCold, &[40], 6.0, 2), 1.3);
+    assert!(text.contains("[[expansion]]"), "{text}");
+    twice(shop, [&data, &held_out], &text, &["um_per_m_K"], "expansion");
+}
+
+#[test]
+fn what_a_weight_does_is_an_entry_that_needs_the_weight() {
+    let (shop, _, _, text) = mended(&case(Bench::Load, &[45], 6.0, 2), 1.3);
+    assert!(text.contains("[[load]]") && text.contains("reference_N = 1000"), "{text}");
+    let without = program(shop, &[]);
+    assert!(without.contains("load"), "{without}");
+}
+
+#[test]
+fn tilt_of_the_table_under_a_weight_is_a_location() {
+    let (shop, data, held_out, text) = mended(&case(Bench::Load, &[46], 6.0, 2), 1.3);
+    assert!(text.contains("at_mm = 100"), "{text}");
+    twice(shop, [&data, &held_out], &text, &["value_urad"], "load");
+}
+
+#[test]
+fn an_error_over_two_axes_is_a_grid() {
+    let (shop, _, _, text) = mended(&case(Bench::Plate, &[48], 6.0, 2), 1.3);
+    assert!(text.contains("kind = \"grid\""), "{text}");
+    program(shop, &[]);
+}
+
+#[test]
+fn a_shape_without_a_name_is_a_table() {
+    let recipe = Recipe {
+        bench: Bench::Laser,
+        hide: Vec::new(),
+        unknown: Some(Unknown::DeadZone),
+        faults: Vec::new(),
+        size_in_noise: 6.0,
+        fineness: 0.35,
+        outliers: Some(0.0),
+        seed: 11,
+    };
+    let (shop, _, _, text) = mended(&recipe.cook().unwrap(), 1.4);
+    assert!(text.contains("# diagnosed: unknown") && text.contains("positions_mm"), "{text}");
+    program(shop, &[]);
+}
+
+#[test]
+fn what_has_no_entry_says_why() {
+    let (shop, data, held_out) = shop(&case(Bench::HotCold, &[40, 58], 6.0, 2));
+    let text = shop.text("machine.toml") + "# not corrected: something of an earlier day: no reason\n";
+    let shop = shop.file("old.toml", &text);
+    let found = extend(&shop, [&data, &held_out], "old.toml", "extended.toml");
+    let all = findings(&found);
+    let of = |effect: &str| all.iter().find(|one| one["effect"] == effect).unwrap_or_else(|| panic!("{found:#}"));
+    assert_eq!(of("thermal-expansion")["extends"], true, "{found:#}");
+    let setup = of("setup");
+    assert_eq!(setup["extends"], false);
+    let why = setup["extends_why"].as_str().unwrap();
+    let text = shop.text("extended.toml");
+    assert!(text.contains(&format!("# not corrected: {}", name(setup))) && text.contains(why), "{text}");
+    assert!(!text.contains("earlier day"), "{text}");
+}
+
+#[test]
+fn without_anything_to_write_every_finding_says_why() {
+    let (shop, data, held_out) = shop(&case(Bench::HotCold, &[58], 6.0, 2));
+    let mut more = vec!["-o", "extended.toml", "--holdout"];
+    more.extend(held_out.iter().map(String::as_str));
+    let run = run(&shop, &data, "machine.toml", &more);
+    let found: Value = serde_json::from_str(&run.stdout).unwrap();
+    let all = findings(&found);
+    assert!(!all.is_empty() && run.code != 0 && !shop.path("extended.toml").exists(), "{run:?}");
+    for one in &all {
+        assert!(one["extends"] == false && one["extends_why"].as_str().is_some_and(|why| why.len() > 20), "{one}");
+    }
+}
+
+/// Makes a change in a text.
+fn made(text: &str, change: &Change) -> Result<(String, Anchor), String> {
+    let mut edit = Edit::parse(text).unwrap();
+    change.make(&mut edit).map(|anchor| (edit.text(), anchor))
+}
+
+#[test]
+fn waves_of_one_period_add_up_as_phasors() {
+    let name = "EXX".parse().unwrap();
+    // 3 µm sin + 4 µm cos: 5 µm at 53.13°.
+    let change = Change::Wave { name, period: 10.0, parts: [3e-3, 4e-3] };
+    let (once, anchor) = made("# mine\n", &change).unwrap();
+    assert_eq!(anchor, Anchor::Entry("motion", 0));
+    assert!(once.contains("amplitude_um = 5.0") && once.contains("phase_deg = 53.130102"), "{once}");
+    let (twice, _) = made(&once, &Change::Wave { name, period: 10.0, parts: [3e-3, -4e-3] }).unwrap();
+    assert!(twice.contains("amplitude_um = 6.0") && twice.matches("[[motion]]").count() == 1, "{twice}");
+    let (other, anchor) = made(&once, &Change::Wave { name, period: 5.0, parts: [1e-3, 0.0] }).unwrap();
+    assert_eq!((other.matches("[[motion]]").count(), anchor), (2, Anchor::Entry("motion", 1)));
+}
+
+#[test]
+fn a_drift_over_an_axis_gets_a_sensor_at_every_place() {
+    let text = "[[drift]]\ndirection = \"Y\"\nover = \"Z\"\nat_mm = 0\nsensors = [{ name = \"a\", um_per_K = 1 }]\n\
+                [[drift]]\ndirection = \"Y\"\nover = \"Z\"\nat_mm = 400\nsensors = [{ name = \"b\", um_per_K = 2.5, lag_s = 60 }]\n";
+    let drift = |sensor: &str, lag_s| Change::Drift { direction: "Y", sensor: sensor.into(), lag_s, um_per_k: 0.5 };
+    let (new, _) = made(text, &drift("b", 60.0)).unwrap();
+    assert!(
+        new.contains("um_per_K = 3.0, lag_s = 60") && new.contains("{ name = \"b\", um_per_K = 0.5, lag_s = 60.0 }")
+    );
+    assert_eq!(new.matches("[[drift]]").count(), 2, "{new}");
+    // Another lag is another term.
+    let (new, _) = made(text, &drift("b", 0.0)).unwrap();
+    assert_eq!(new.matches("name = \"b\"").count(), 3, "{new}");
+}
+
+#[test]
+fn a_drift_that_was_the_same_everywhere_gets_places() {
+    let text = "[[drift]]\ndirection = \"X\"\nsensors = [{ name = \"a\", um_per_K = 1 }]\n";
+    let over = ncfix::geometry::Axis::from_letter(b'Y').unwrap();
+    let change = |direction, nodes| Change::DriftOver { direction, over, sensor: "b".into(), lag_s: 0.0, nodes };
+    let (new, anchor) = made(text, &change("X", [[0.0, 2.0], [400.0, -2.0]])).unwrap();
+    assert_eq!((anchor, new.matches("over = \"Y\"").count()), (Anchor::Entry("drift", 0), 2), "{new}");
+    assert_eq!(new.matches("name = \"a\"").count(), 2, "{new}");
+    // Within the places that are there: straight between the new ones.
+    let (again, _) = made(&new, &change("X", [[0.0, 1.0], [400.0, 5.0]])).unwrap();
+    assert!(again.matches("um_per_K = 3.0").count() == 2 && again.matches("[[drift]]").count() == 2, "{again}");
+    assert!(made(&new, &change("X", [[0.0, 1.0], [700.0, 5.0]])).unwrap_err().contains("other places"));
+    let (other, _) = made(&new, &change("Z", [[0.0, 1.0], [700.0, 5.0]])).unwrap();
+    assert_eq!(other.matches("[[drift]]").count(), 4, "{other}");
+}
+
+#[test]
+fn growth_moves_the_place_where_a_scale_is_held() {
+    let axis = ncfix::geometry::Axis::from_letter(b'X').unwrap();
+    let growth = |sensor: &str, um_per_m_k, um_per_k| Change::Growth {
+        axis,
+        sensor: sensor.into(),
+        lag_s: 0.0,
+        um_per_m_k,
+        um_per_k,
+    };
+    let text = "[[expansion]]\naxis = \"X\"\nfixed_mm = 100\nworkpiece = { sensors = [\"w\"], um_per_m_K = 11.5 }\n\
+                scale = { sensors = [\"s\"], um_per_m_K = 6.0 }\n";
+    // 6 · (x − 100) + 2 · (x − 500) = 8 · (x − 200); µm/(m K) · mm/1000 is µm/K.
+    let (new, _) = made(text, &growth("s", 2.0, 1.0)).unwrap();
+    assert!(new.contains("um_per_m_K = 8.0") && new.contains("fixed_mm = 200.0") && new.contains("fixed_mm = 100\n"));
+    assert!(made(text, &growth("other", 2.0, 1.0)).unwrap_err().contains("scale of X"));
+    let (new, _) = made("", &growth("s", 2.0, 1.0)).unwrap();
+    assert!(new.contains("fixed_mm = 500.0") && new.contains("scale = { sensors = [\"s\"], um_per_m_K = 2.0"), "{new}");
+}
