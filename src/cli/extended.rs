@@ -152,11 +152,18 @@ impl Job<'_> {
             return None;
         };
         match fit(&self.chosen.machine, read, parameters, &data, Options { robust: true }) {
-            // A fit that says less of the readings that were used than the search has lost its way.
-            Ok(found) if self.level(&found.errors)[0] <= LOST * self.level(read)[0] => Some(found),
-            Ok(_) => {
-                stay("more was left of the readings than with what the search found".into());
-                None
+            Ok(found) => {
+                let ([used, held_out], [of_search, held_out_of_search]) = (self.level(&found.errors), self.level(read));
+                // Least squares without a memory of the noise go further astray than the search where terms are alike.
+                if used > LOST * of_search {
+                    stay("more was left of the readings than with what the search found".into());
+                    return None;
+                }
+                if held_out > held_out_of_search {
+                    stay("what the search found says the data held out better".into());
+                    return None;
+                }
+                Some(found)
             }
             Err(fault) => {
                 stay(identifiable::words(fault));
@@ -273,7 +280,11 @@ fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64,
                 let name = own.name();
                 name.starts_with(&format!("drift.{direction}")) && name.contains(sensor.as_str())
             }
-            (Change::Growth { axis, .. }, Parameter::Effect(own)) => own.name() == format!("expansion.{axis}.scale"),
+            (Change::Growth { axis, sensor, .. }, Parameter::Effect(own)) => {
+                let name = own.name();
+                name == format!("expansion.{axis}.scale")
+                    || name.starts_with(&format!("drift.{axis}@")) && name.contains(sensor.as_str())
+            }
             (Change::Load { name, .. }, Parameter::Effect(own)) => {
                 let rest = own.name().strip_prefix(&format!("load.{name}"));
                 rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '~']))

@@ -80,6 +80,9 @@ pub enum Change {
         um_per_m_k: f64,
         /// Coefficient times the place where it is held, µm/K: the file has the place.
         um_per_k: f64,
+        /// The same as displacement of the tool along the axis at two places, as of [`Change::DriftOver`]: for an axis whose scale goes with
+        /// another sensor already.
+        nodes: [[f64; 2]; 2],
     },
     /// What a weight does: `reference_N` and, with `lean`, at a place along a direction.
     Load {
@@ -141,8 +144,8 @@ impl Change {
             Change::DriftOver { direction, over, sensor, lag_s, nodes } => {
                 return warm::drift_over(edit, direction, *over, (sensor, *lag_s), *nodes);
             }
-            Change::Growth { axis, sensor, lag_s, um_per_m_k, um_per_k } => {
-                return warm::growth(edit, *axis, (sensor, *lag_s), [*um_per_m_k, *um_per_k]);
+            Change::Growth { axis, sensor, lag_s, um_per_m_k, um_per_k, nodes } => {
+                return warm::growth(edit, *axis, (sensor, *lag_s), [*um_per_m_k, *um_per_k], *nodes);
             }
             Change::Load { name, reference_n, lean, values } => load(edit, *name, (*reference_n, *lean), values),
         };

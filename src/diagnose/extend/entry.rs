@@ -58,6 +58,15 @@ pub(super) fn expansion(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>,
         [slope, offset] => (*slope, *offset),
         _ => return Err("it is no straight line".into()),
     };
+    let model = Model::new(scene.machine, &ErrorModel::default());
+    let (Some(name), Some(row), Some(ends)) =
+        (component(candidate), scene.rows.first(), super::super::cause::range(scene, axis))
+    else {
+        return Err("it has no travel".into());
+    };
+    let lever = model.tool_orientation(&row.position)
+        * model.sensitivity(name, &row.position, &Vector::from(row.tool_mm)).translation;
+    let at = |place: f64| lever[axis.dimension()] * um_from_mm(slope * place + offset);
     // e = slope · x + offset = strain · (x − fixed).
     Ok(vec![Change::Growth {
         axis,
@@ -65,6 +74,7 @@ pub(super) fn expansion(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>,
         lag_s: lag_of(candidate),
         um_per_m_k: rounded(MILLION * slope / share),
         um_per_k: -um_from_mm(offset) / share,
+        nodes: ends.map(|place| [rounded(place), rounded(at(place))]),
     }])
 }
 

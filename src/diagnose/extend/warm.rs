@@ -99,12 +99,13 @@ pub(super) fn drift_over(
     Ok(Anchor::Entry(LIST, first))
 }
 
-/// An axis has one scale: another sensor goes beside the first where one mean of both can be what both do.
+/// An axis has one scale: what goes with another sensor, or another lag, is a drift over the axis.
 pub(super) fn growth(
     edit: &mut Edit,
     axis: Axis,
     (sensor, lag_s): (&str, f64),
     [slope, offset]: [f64; 2],
+    nodes: [[f64; 2]; 2],
 ) -> Result<Anchor, String> {
     const LIST: &str = "expansion";
     const NO: &str = "the machine file has its expansion in a form that cannot be added to";
@@ -132,10 +133,11 @@ pub(super) fn growth(
         && edit.word(LIST, index, "scale.sensors[0]") == Some(sensor)
         && same(lag, lag_s);
     if !is_same {
-        return Err(format!(
-            "the scale of {axis} has another sensor or another lag in the machine file already, and [[expansion]] has one for each axis; name \
-             sensors and weights by hand"
-        ));
+        return drift_over(edit, &axis.to_string(), axis, (sensor, lag_s), nodes).map_err(|why| {
+            format!(
+                "the scale of {axis} goes with another sensor or another lag in the machine file already, and {why}"
+            )
+        });
     }
     let (Some(old), Some(fixed)) = (at("scale.um_per_m_K"), at("scale.fixed_mm").or(at("fixed_mm"))) else {
         return Err(NO.into());
