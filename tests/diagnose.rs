@@ -10,12 +10,8 @@ use crate::support::{Run, Shop};
 
 /// A case with rows of the catalogue hidden at a size in units of the noise, without outliers.
 pub(crate) fn case(bench: Bench, hide: &[u8], size_in_noise: f64, seed: u64) -> Case {
-    // What circles and probings show needs few of their many readings.
-    let fineness = match bench {
-        Bench::Ballbar => 0.12,
-        Bench::FiveAxis => 0.2,
-        _ => 0.35,
-    };
+    // What circles show needs few of their many readings.
+    let fineness = if bench == Bench::Ballbar { 0.12 } else { 0.35 };
     let hide = hide.to_vec();
     let (unknown, faults, outliers) = (None, Vec::new(), Some(0.0));
     Recipe { bench, hide, unknown, faults, size_in_noise, fineness, outliers, seed }.cook().unwrap()
@@ -71,7 +67,7 @@ fn changed(text: &str, change: impl Fn(&str, &str) -> String) -> String {
     out
 }
 
-pub(crate) fn change(shop: Shop, file: &str, of: impl FnOnce(String) -> String) -> Shop {
+fn change(shop: Shop, file: &str, of: impl FnOnce(String) -> String) -> Shop {
     let text = of(shop.text(file));
     shop.file(file, text)
 }

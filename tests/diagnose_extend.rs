@@ -5,7 +5,7 @@ use ncfix::diagnose::extend::{Anchor, Change};
 use ncfix::machine::edit::Edit;
 use serde_json::Value;
 
-use crate::diagnose::{case, change, diagnosed, findings, name, number, run, shop};
+use crate::diagnose::{case, diagnosed, findings, name, number, run, shop};
 use crate::plant::{Bench, Case, Recipe, Unknown};
 use crate::support::Shop;
 
@@ -18,8 +18,18 @@ fn extend(shop: &Shop, [data, held_out]: [&[String]; 2], machine: &str, out: &st
     diagnosed(shop, data, machine, &more)
 }
 
-/// Extends the machine of a case, and demands that nothing is left then; the text of the extended file.
-fn mended(case: &Case, most_left: f64) -> (Shop, Vec<String>, Vec<String>, String) {
+/// A case whose machine was extended.
+struct Mended {
+    shop: Shop,
+    files: [Vec<String>; 2],
+    /// The extended file.
+    text: String,
+    /// What it leaves of the data held out, µm.
+    left: f64,
+}
+
+/// Extends the machine of a case, and demands that nothing is left then.
+fn mended(case: &Case, most_left: f64) -> Mended {
     let (shop, data, held_out) = shop(case);
     let found = extend(&shop, [&data, &held_out], "machine.toml", "extended.toml");
     for one in findings(&found) {
@@ -31,13 +41,13 @@ fn mended(case: &Case, most_left: f64) -> (Shop, Vec<String>, Vec<String>, Strin
         assert!(text.contains(line), "{line}: {text}");
     }
     // What the file says of data held out, read again.
-    let [before, again] = ["machine.toml", "extended.toml"].map(|machine| diagnosed(&shop, &held_out, machine, &[]));
+    let again = diagnosed(&shop, &held_out, "extended.toml", &[]);
     assert_eq!(findings(&again).len(), 0, "{text}\n{again:#}");
-    let [before, after] = [before, again].map(|one| number(&one["before"], "rms_um"));
+    let (before, after) = (number(&found["before"], "holdout_rms_um"), number(&again["before"], "rms_um"));
     assert!(after < most_left * case.truth.noise_um, "{before} {after}, noise {}\n{text}", case.truth.noise_um);
     let best = case.truth.gain.min(1.0 - case.truth.noise_um / before);
     assert!(1.0 - after / before > 0.8 * best, "{before} {after} of {best}\n{text}");
-    (shop, data, held_out, text)
+    Mended { shop, files: [data, held_out], text, left: after }
 }
 
 /// What a run of a program says with the extended machine.
@@ -49,7 +59,8 @@ fn program(shop: Shop, more: &[&str]) -> String {
 }
 
 /// With all values of the entries that were added halved, a second diagnosis adds the other half to them and no entry.
-fn twice(shop: Shop, [data, held_out]: [&[String]; 2], text: &str, keys: &[&str], list: &str) -> Shop {
+fn twice(mended: Mended, keys: &[&str], list: &str) -> Shop {
+    let Mended { shop, files: [data, held_out], text, left } = mended;
     let mut halved = String::new();
     let mut is_new = false;
     for line in text.lines() {
@@ -78,81 +89,83 @@ fn twice(shop: Shop, [data, held_out]: [&[String]; 2], text: &str, keys: &[&str]
     }
     assert_ne!(halved, text);
     let count = |text: &str| text.matches(&format!("[[{list}]]")).count();
-    let shop = change(shop.file("half.toml", &halved), "half.toml", |text| text);
-    let found = extend(&shop, [data, held_out], "half.toml", "again.toml");
+    let shop = shop.file("half.toml", &halved);
+    let found = extend(&shop, [&data, &held_out], "half.toml", "again.toml");
     assert!(findings(&found).iter().all(|one| one["extends"] == true), "{found:#}");
     let again = shop.text("again.toml");
-    assert_eq!(count(text), count(&again), "{halved}\n{again}");
-    let [once, twice] = ["extended.toml", "again.toml"]
-        .map(|machine| number(&diagnosed(&shop, held_out, machine, &[])["before"], "rms_um"));
-    assert!((once / twice - 1.0).abs() < 0.02, "{once} {twice}\n{again}");
+    assert_eq!(count(&text), count(&again), "{halved}\n{again}");
+    let then = number(&diagnosed(&shop, &held_out, "again.toml", &[])["before"], "rms_um");
+    assert!((left / then - 1.0).abs() < 0.02, "{left} {then}\n{again}");
     shop
 }
 
 #[test]
-fn a_wave_of_a_rotary_axis_is_an_entry_that_a_second_diagnosis_changes() {
-    let (shop, data, held_out, text) = mended(&case(Bench::FiveAxis, &[4], 6.0, 2), 1.3);
-    assert!(text.contains("kind = \"periodic\"") && text.contains("period_deg = "), "{text}");
-    twice(shop, [&data, &held_out], &text, &["amplitude_urad", "amplitude_um"], "motion");
+fn a_wave_is_an_entry_that_a_second_diagnosis_changes() {
+    let mended = mended(&case(Bench::Ballbar, &[3], 6.0, 2), 1.3);
+    assert!(mended.text.contains("kind = \"periodic\"") && mended.text.contains("period_mm = "), "{}", mended.text);
+    twice(mended, &["amplitude_um"], "motion");
+}
+
+#[test]
+#[ignore = "half a minute: five axes"]
+fn errors_of_rotary_axes_are_entries() {
+    let text = |row| {
+        let Mended { shop, text, .. } = mended(&case(Bench::FiveAxis, &[row], 6.0, 11), 1.3);
+        program(shop, &[]);
+        text
+    };
+    assert!(text(4).contains("period_deg = "));
+    // A constant angle of C is none: it turns all balls, and these lie where they lie.
+    let of_motion = text(12);
+    assert!(of_motion.contains("# diagnosed: motion ECC"), "{of_motion}");
+    assert!(text(10).contains("EB0C = "));
 }
 
 #[test]
 fn drift_goes_with_a_sensor_and_its_lag_and_needs_live_readings() {
-    let (shop, data, held_out, text) = mended(&case(Bench::Drift, &[38], 6.0, 3), 1.4);
+    let mended = mended(&case(Bench::Drift, &[38], 6.0, 3), 1.4);
+    let text = &mended.text;
     assert!(text.contains("[[drift]]") && text.contains("lag_s = "), "{text}");
     assert!(text.contains("nothing is corrected without a reading of T_"), "{text}");
-    let shop = twice(shop, [&data, &held_out], &text, &["um_per_K"], "drift");
+    let shop = twice(mended, &["um_per_K"], "drift");
     assert!(program(shop, &[]).contains("W0501"), "without temperatures");
 }
 
 #[test]
-fn squareness_with_a_temperature_is_a_drift_over_an_axis() {
-    let (_, _, _, text) = mended(&case(Bench::HotCold, &[42], 6.0, 2), 1.3);
-    assert!(text.contains("over = \"") && text.matches("[[drift]]").count() == 2, "{text}");
-}
-
-#[test]
 fn growth_of_a_scale_is_one_entry() {
-    let (shop, data, held_out, text) = mended(&case(Bench::HotCold, &[40], 6.0, 2), 1.3);
-    assert!(text.contains("[[expansion]]"), "{text}");
-    twice(shop, [&data, &held_out], &text, &["um_per_m_K"], "expansion");
+    let mended = mended(&case(Bench::HotCold, &[40], 6.0, 11), 1.3);
+    assert!(mended.text.contains("[[expansion]]"), "{}", mended.text);
+    twice(mended, &["um_per_m_K"], "expansion");
 }
 
 #[test]
 fn what_a_weight_does_is_an_entry_that_needs_the_weight() {
-    let (shop, _, _, text) = mended(&case(Bench::Load, &[45], 6.0, 2), 1.3);
+    let Mended { shop, text, .. } = mended(&case(Bench::Load, &[45], 6.0, 2), 1.3);
     assert!(text.contains("[[load]]") && text.contains("reference_N = 1000"), "{text}");
-    let without = program(shop, &[]);
-    assert!(without.contains("load"), "{without}");
+    assert!(text.contains("nothing is corrected without the weight"), "{text}");
+    assert!(program(shop, &[]).contains("W0502"), "without a weight");
 }
 
 #[test]
 fn tilt_of_the_table_under_a_weight_is_a_location() {
-    let (shop, data, held_out, text) = mended(&case(Bench::Load, &[46], 6.0, 2), 1.3);
-    assert!(text.contains("at_mm = 100"), "{text}");
-    twice(shop, [&data, &held_out], &text, &["value_urad"], "load");
+    let mended = mended(&case(Bench::Load, &[46], 6.0, 2), 1.3);
+    assert!(mended.text.contains("at_mm = 100"), "{}", mended.text);
+    twice(mended, &["value_urad"], "load");
 }
 
 #[test]
 fn an_error_over_two_axes_is_a_grid() {
-    let (shop, _, _, text) = mended(&case(Bench::Plate, &[48], 6.0, 2), 1.3);
+    let Mended { shop, text, .. } = mended(&case(Bench::Plate, &[48], 6.0, 2), 1.3);
     assert!(text.contains("kind = \"grid\""), "{text}");
     program(shop, &[]);
 }
 
 #[test]
 fn a_shape_without_a_name_is_a_table() {
-    let recipe = Recipe {
-        bench: Bench::Laser,
-        hide: Vec::new(),
-        unknown: Some(Unknown::DeadZone),
-        faults: Vec::new(),
-        size_in_noise: 6.0,
-        fineness: 0.2,
-        outliers: Some(0.0),
-        seed: 11,
-    };
-    let (shop, _, _, text) = mended(&recipe.cook().unwrap(), 1.4);
+    let (bench, hide, faults) = (Bench::Laser, Vec::new(), Vec::new());
+    let (unknown, size_in_noise, fineness, outliers, seed) = (Some(Unknown::DeadZone), 6.0, 0.12, Some(0.0), 11);
+    let recipe = Recipe { bench, hide, unknown, faults, size_in_noise, fineness, outliers, seed };
+    let Mended { shop, text, .. } = mended(&recipe.cook().unwrap(), 1.4);
     assert!(text.contains("# diagnosed: unknown") && text.contains("positions_mm"), "{text}");
     program(shop, &[]);
 }
@@ -176,7 +189,7 @@ fn what_has_no_entry_says_why() {
 
 #[test]
 fn without_anything_to_write_every_finding_says_why() {
-    let (shop, data, held_out) = shop(&case(Bench::HotCold, &[58], 6.0, 2));
+    let (shop, data, held_out) = shop(&case(Bench::HotCold, &[42], 6.0, 2));
     let mut more = vec!["-o", "extended.toml", "--holdout"];
     more.extend(held_out.iter().map(String::as_str));
     let run = run(&shop, &data, "machine.toml", &more);
@@ -224,22 +237,6 @@ fn a_drift_over_an_axis_gets_a_sensor_at_every_place() {
 }
 
 #[test]
-fn a_drift_that_was_the_same_everywhere_gets_places() {
-    let text = "[[drift]]\ndirection = \"X\"\nsensors = [{ name = \"a\", um_per_K = 1 }]\n";
-    let over = ncfix::geometry::Axis::from_letter(b'Y').unwrap();
-    let change = |direction, nodes| Change::DriftOver { direction, over, sensor: "b".into(), lag_s: 0.0, nodes };
-    let (new, anchor) = made(text, &change("X", [[0.0, 2.0], [400.0, -2.0]])).unwrap();
-    assert_eq!((anchor, new.matches("over = \"Y\"").count()), (Anchor::Entry("drift", 0), 2), "{new}");
-    assert_eq!(new.matches("name = \"a\"").count(), 2, "{new}");
-    // Within the places that are there: straight between the new ones.
-    let (again, _) = made(&new, &change("X", [[0.0, 1.0], [400.0, 5.0]])).unwrap();
-    assert!(again.matches("um_per_K = 3.0").count() == 2 && again.matches("[[drift]]").count() == 2, "{again}");
-    assert!(made(&new, &change("X", [[0.0, 1.0], [700.0, 5.0]])).unwrap_err().contains("other places"));
-    let (other, _) = made(&new, &change("Z", [[0.0, 1.0], [700.0, 5.0]])).unwrap();
-    assert_eq!(other.matches("[[drift]]").count(), 4, "{other}");
-}
-
-#[test]
 fn growth_moves_the_place_where_a_scale_is_held() {
     let axis = ncfix::geometry::Axis::from_letter(b'X').unwrap();
     let growth = |sensor: &str, um_per_m_k, um_per_k| Change::Growth {
@@ -248,17 +245,13 @@ fn growth_moves_the_place_where_a_scale_is_held() {
         lag_s: 0.0,
         um_per_m_k,
         um_per_k,
-        nodes: [[0.0, -um_per_k], [700.0, 0.7 * um_per_m_k - um_per_k]],
     };
     let text = "[[expansion]]\naxis = \"X\"\nfixed_mm = 100\nworkpiece = { sensors = [\"w\"], um_per_m_K = 11.5 }\n\
                 scale = { sensors = [\"s\"], um_per_m_K = 6.0 }\n";
     // 6 · (x − 100) + 2 · (x − 500) = 8 · (x − 200); µm/(m K) · mm/1000 is µm/K.
     let (new, _) = made(text, &growth("s", 2.0, 1.0)).unwrap();
     assert!(new.contains("um_per_m_K = 8.0") && new.contains("fixed_mm = 200.0") && new.contains("fixed_mm = 100\n"));
-    // A scale goes with one sensor: another one makes a drift along the axis.
-    let (new, _) = made(text, &growth("other", 2.0, 1.0)).unwrap();
-    assert!(new.contains("at_mm = 700.0\nsensors = [{ name = \"other\", um_per_K = 0.4"), "{new}");
-    assert!(new.matches("over = \"X\"").count() == 2 && new.contains("um_per_m_K = 6.0"), "{new}");
+    assert!(made(text, &growth("other", 2.0, 1.0)).unwrap_err().contains("scale of X"));
     let (new, _) = made("", &growth("s", 2.0, 1.0)).unwrap();
     assert!(new.contains("fixed_mm = 500.0") && new.contains("scale = { sensors = [\"s\"], um_per_m_K = 2.0"), "{new}");
 }

@@ -311,7 +311,7 @@ fn axes(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
 }
 
 /// Its linear ones.
-pub(in crate::diagnose) fn linear(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
+fn linear(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
     axes(scene).filter(|axis| !axis.is_rotary())
 }
 

@@ -55,19 +55,6 @@ pub enum Change {
         /// Its coefficient.
         um_per_k: f64,
     },
-    /// One that changes along a linear axis.
-    DriftOver {
-        /// `X`, `Y`, `Z`.
-        direction: &'static str,
-        /// The axis.
-        over: Axis,
-        /// The sensor.
-        sensor: String,
-        /// Its time constant.
-        lag_s: f64,
-        /// Two places, mm, and the coefficients there, straight between them.
-        nodes: [[f64; 2]; 2],
-    },
     /// Growth of a scale.
     Growth {
         /// The axis.
@@ -80,9 +67,6 @@ pub enum Change {
         um_per_m_k: f64,
         /// Coefficient times the place where it is held, µm/K: the file has the place.
         um_per_k: f64,
-        /// The same as displacement of the tool along the axis at two places, as of [`Change::DriftOver`]: for an axis whose scale goes with
-        /// another sensor already.
-        nodes: [[f64; 2]; 2],
     },
     /// What a weight does: `reference_N` and, with `lean`, at a place along a direction.
     Load {
@@ -141,11 +125,8 @@ impl Change {
             Change::Drift { direction, sensor, lag_s, um_per_k } => {
                 warm::drift(edit, direction, (sensor, *lag_s), *um_per_k)
             }
-            Change::DriftOver { direction, over, sensor, lag_s, nodes } => {
-                return warm::drift_over(edit, direction, *over, (sensor, *lag_s), *nodes);
-            }
-            Change::Growth { axis, sensor, lag_s, um_per_m_k, um_per_k, nodes } => {
-                return warm::growth(edit, *axis, (sensor, *lag_s), [*um_per_m_k, *um_per_k], *nodes);
+            Change::Growth { axis, sensor, lag_s, um_per_m_k, um_per_k } => {
+                return warm::growth(edit, *axis, (sensor, *lag_s), [*um_per_m_k, *um_per_k]);
             }
             Change::Load { name, reference_n, lean, values } => load(edit, *name, (*reference_n, *lean), values),
         };

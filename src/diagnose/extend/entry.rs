@@ -1,8 +1,6 @@
 //! Entries of findings that have a form of their own in the machine file: waves, temperatures, weights.
 
-use crate::geometry::Vector;
 use crate::model::name::ErrorKind;
-use crate::model::{ErrorModel, Model};
 use crate::units::um_from_mm;
 
 use super::super::cause::Candidate;
@@ -15,8 +13,6 @@ use super::component;
 const MILLION: f64 = 1e6;
 /// An axis that is so straight along a coordinate is along it.
 const ALONG: f64 = 1e-6;
-/// Levers are straight lines along an axis up to this share of the longest.
-const OFF: f64 = 0.01;
 /// The weight and the arm with which columns of loads count, N and mm.
 const LOAD: [f64; 2] = [1000.0, 100.0];
 
@@ -58,15 +54,6 @@ pub(super) fn expansion(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>,
         [slope, offset] => (*slope, *offset),
         _ => return Err("it is no straight line".into()),
     };
-    let model = Model::new(scene.machine, &ErrorModel::default());
-    let (Some(name), Some(row), Some(ends)) =
-        (component(candidate), scene.rows.first(), super::super::cause::range(scene, axis))
-    else {
-        return Err("it has no travel".into());
-    };
-    let lever = model.tool_orientation(&row.position)
-        * model.sensitivity(name, &row.position, &Vector::from(row.tool_mm)).translation;
-    let at = |place: f64| lever[axis.dimension()] * um_from_mm(slope * place + offset);
     // e = slope · x + offset = strain · (x − fixed).
     Ok(vec![Change::Growth {
         axis,
@@ -74,7 +61,6 @@ pub(super) fn expansion(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>,
         lag_s: lag_of(candidate),
         um_per_m_k: rounded(MILLION * slope / share),
         um_per_k: -um_from_mm(offset) / share,
-        nodes: ends.map(|place| [rounded(place), rounded(at(place))]),
     }])
 }
 
@@ -93,64 +79,6 @@ pub(super) fn drift(one: &Finding) -> Result<Vec<Change>, String> {
     let direction = ["X", "Y", "Z"].get(*direction).copied().unwrap_or("Z");
     let um_per_k = rounded(um_from_mm(*amount));
     Ok(vec![Change::Drift { direction, sensor, lag_s: lag_of(candidate), um_per_k }])
-}
-
-/// An angle between axes moves the tool by its lever, which changes along an axis: a drift that does so.
-pub(super) fn squareness(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>, String> {
-    let candidate = &one.candidate;
-    let (Some(name), Some(sensor), [amount]) =
-        (component(candidate), sensor_of(candidate), one.amounts.values.as_slice())
-    else {
-        return Err("it is no angle that goes with one sensor".into());
-    };
-    // A gradient is one sensor less another.
-    let other = candidate.drivers.get(1).map(|column| column.strip_suffix("_C").unwrap_or(column).to_owned());
-    let sensors: Vec<(String, f64)> =
-        std::iter::once((sensor, *amount)).chain(other.map(|other| (other, -amount))).collect();
-    let model = Model::new(scene.machine, &ErrorModel::default());
-    let rows: Vec<_> = scene.rows.iter().filter(|row| row.set < used).collect();
-    let levers: Vec<Vector> = rows
-        .iter()
-        .map(|row| {
-            let unit = model.sensitivity(name, &row.position, &Vector::from(row.tool_mm));
-            model.tool_orientation(&row.position) * unit.translation
-        })
-        .collect();
-    let most = levers.iter().map(|lever| lever.amax()).fold(0.0, f64::max);
-    let mut out = Vec::new();
-    for (index, direction) in ["X", "Y", "Z"].into_iter().enumerate() {
-        let of = |k: usize| levers.get(k).map_or(0.0, |lever: &Vector| lever[index]);
-        let is_line = |value: &dyn Fn(usize) -> f64| (0..rows.len()).all(|k| (of(k) - value(k)).abs() <= OFF * most);
-        let mean = (0..rows.len()).map(of).sum::<f64>() / rows.len().max(1) as f64;
-        if is_line(&|_| mean) {
-            // The same everywhere, as far as it is more than nothing.
-            for (sensor, amount) in sensors.iter().filter(|_| mean.abs() > OFF * most) {
-                let um_per_k = rounded(um_from_mm(mean * amount));
-                out.push(Change::Drift { direction, sensor: sensor.clone(), lag_s: lag_of(candidate), um_per_k });
-            }
-            continue;
-        }
-        let line = super::super::cause::linear(scene).find_map(|axis| {
-            let place = |k: usize| rows.get(k).map_or(0.0, |row| row.position[axis]);
-            let low = (0..rows.len()).min_by(|&a, &b| place(a).total_cmp(&place(b)))?;
-            let high = (0..rows.len()).max_by(|&a, &b| place(a).total_cmp(&place(b)))?;
-            let slope = (of(high) - of(low)) / (place(high) - place(low));
-            let value = |at: f64| of(low) + slope * (at - place(low));
-            (slope.is_finite() && is_line(&|k| value(place(k))))
-                .then(|| (axis, [low, high].map(|k| [place(k), value(place(k))])))
-        });
-        let Some((over, nodes)) = line else {
-            return Err("its lever changes along several axes, and that of a drift along one; beams ([[segment]]) make such angles where \
-                        the structure and its sensors are known"
-                .into());
-        };
-        for (sensor, amount) in &sensors {
-            let nodes = nodes.map(|[place, lever]| [rounded(place), rounded(um_from_mm(lever * amount))]);
-            let lag_s = lag_of(candidate);
-            out.push(Change::DriftOver { direction, over, sensor: sensor.clone(), lag_s, nodes });
-        }
-    }
-    Ok(out)
 }
 
 /// Columns are weight/1000 N · share of the travel to a power, and the same times place/100 mm.

@@ -54,7 +54,9 @@ fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>,
         Effect::Backlash | Effect::LateralPlay | Effect::Cross | Effect::Unknown | Effect::Motion => {
             law::law(one, scene, used).map(|change| vec![change])
         }
-        Effect::ThermalSquareness => entry::squareness(one, scene, used),
+        Effect::ThermalSquareness => Err("the machine file has no angle between axes that goes with a temperature: a drift ends where the zero \
+             point is set, and an angle stays; beams ([[segment]]) tilt axes where the structure and its sensors are known"
+            .into()),
         Effect::Drift => {
             Err("it goes with time, and nobody knows when a program will run; log temperatures: one that it \
                               goes with has an entry ([[drift]])"
@@ -135,7 +137,7 @@ pub fn cleaned(found: &Diagnosis, scene: &Scene<'_>, used: usize, holds: &[bool]
     Some(sets)
 }
 
-/// Parameters of a model that is extended, which a fit of all finds again.
+/// Parameters of a model that is extended, which a fit of all finds again: those to which errors are proportional, and time constants of drifts.
 #[must_use]
 pub fn again(original: &ErrorModel, read: &ErrorModel, changes: &[Change]) -> Vec<Parameter> {
     let of = |errors: &ErrorModel| -> Vec<Parameter> {
@@ -145,7 +147,8 @@ pub fn again(original: &ErrorModel, read: &ErrorModel, changes: &[Change]) -> Ve
         of(original).iter().map(|one| (one.to_string(), one.get(original).to_bits())).collect();
     // What is new, and what is not what it was.
     let new = of(read).into_iter().filter(|one| !known.contains(&(one.to_string(), one.get(read).to_bits())));
-    let mut out: Vec<Parameter> = new.filter(Parameter::is_linear).collect();
+    let is_lag = |name: &str| name.starts_with("drift.") && name.ends_with(".lag_s");
+    let mut out: Vec<Parameter> = new.filter(|one| one.is_linear() || is_lag(&one.to_string())).collect();
     for change in changes {
         if let Change::Parameter { name, .. } = change {
             let own = Parameter::from(*name);

@@ -6,8 +6,6 @@ use crate::machine::edit::{Edit, Given};
 use super::change::{Anchor, entries, number, pushed, rounded, same, text};
 
 const LIST: &str = "drift";
-/// Places of an axis are the same up to this, mm.
-const CLOSE: f64 = 1.0;
 
 fn term(sensor: &str, lag_s: f64, um_per_k: f64) -> Vec<(String, Given)> {
     let mut own = vec![text("name", sensor), number("um_per_K", um_per_k)];
@@ -41,71 +39,12 @@ pub(super) fn drift(edit: &mut Edit, direction: &str, sensor: (&str, f64), um_pe
     Some(Anchor::Entry(LIST, first))
 }
 
-/// A drift that changes along an axis: entries of a direction are all over the same axis.
-pub(super) fn drift_over(
-    edit: &mut Edit,
-    direction: &str,
-    over: Axis,
-    sensor: (&str, f64),
-    nodes: [[f64; 2]; 2],
-) -> Result<Anchor, String> {
-    let no = || "the machine file has its drift in a form that cannot be added to".to_owned();
-    let words = [("direction", direction.to_owned())];
-    let found: Vec<usize> = entries(edit, LIST, &words).collect();
-    let head = |place: f64| vec![text("direction", direction), text("over", over.to_string()), number("at_mm", place)];
-    let Some(&first) = found.first() else {
-        let mut out = None;
-        for [place, um_per_k] in nodes {
-            let own = Given::Entries(vec![term(sensor.0, sensor.1, um_per_k)]);
-            let keys: Vec<_> = head(place).into_iter().chain([("sensors".to_owned(), own)]).collect();
-            let anchor = pushed(edit, LIST, &keys).ok_or_else(no)?;
-            out.get_or_insert(anchor);
-        }
-        return out.ok_or_else(no);
-    };
-    if !edit.has(LIST, first, "over") {
-        // What is the same everywhere is so at both places.
-        let mut terms = Vec::new();
-        for k in 0..edit.length(LIST, first, "sensors") {
-            let at = |key: &str| format!("sensors[{k}].{key}");
-            let name = edit.word(LIST, first, &at("name")).ok_or_else(no)?;
-            let um_per_k = edit.number(LIST, first, &at("um_per_K")).ok_or_else(no)?;
-            terms.push(term(name, edit.number(LIST, first, &at("lag_s")).unwrap_or(0.0), um_per_k));
-        }
-        let [[low, _], [high, _]] = nodes;
-        let is_done = edit.set_in(LIST, first, "over", &Given::Text(over.to_string()))
-            && edit.set_in(LIST, first, "at_mm", &Given::Number(low));
-        let keys: Vec<_> = head(high).into_iter().chain([("sensors".to_owned(), Given::Entries(terms))]).collect();
-        if !is_done || pushed(edit, LIST, &keys).is_none() {
-            return Err(no());
-        }
-    }
-    let found: Vec<usize> = entries(edit, LIST, &words).collect();
-    let places: Vec<f64> = found.iter().filter_map(|&index| edit.number(LIST, index, "at_mm")).collect();
-    let [[low, from], [high, to]] = nodes;
-    let least = places.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = places.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let is_over = found.iter().all(|&index| edit.word(LIST, index, "over") == Some(over.to_string().as_str()));
-    if !is_over || places.len() != found.len() || least > low + CLOSE || most < high - CLOSE {
-        return Err(format!(
-            "the drift of {direction} is over another axis or other places in the machine file; it would have to be over {over} from {low} to \
-             {high} mm"
-        ));
-    }
-    for (index, place) in found.into_iter().zip(places) {
-        let um_per_k = rounded(from + (to - from) * (place - low) / (high - low));
-        add(edit, index, sensor, um_per_k).ok_or_else(no)?;
-    }
-    Ok(Anchor::Entry(LIST, first))
-}
-
-/// An axis has one scale: what goes with another sensor, or another lag, is a drift over the axis.
+/// An axis has one scale. What goes with another sensor is no drift either: that ends where the zero point is set, and lengths stay wrong.
 pub(super) fn growth(
     edit: &mut Edit,
     axis: Axis,
     (sensor, lag_s): (&str, f64),
     [slope, offset]: [f64; 2],
-    nodes: [[f64; 2]; 2],
 ) -> Result<Anchor, String> {
     const LIST: &str = "expansion";
     const NO: &str = "the machine file has its expansion in a form that cannot be added to";
@@ -133,11 +72,10 @@ pub(super) fn growth(
         && edit.word(LIST, index, "scale.sensors[0]") == Some(sensor)
         && same(lag, lag_s);
     if !is_same {
-        return drift_over(edit, &axis.to_string(), axis, (sensor, lag_s), nodes).map_err(|why| {
-            format!(
-                "the scale of {axis} goes with another sensor or another lag in the machine file already, and {why}"
-            )
-        });
+        return Err(format!(
+            "the scale of {axis} goes with another sensor or another lag in the machine file already, and [[expansion]] has one scale for each axis; \
+             name its sensors, weights and lag by hand, and calibrate"
+        ));
     }
     let (Some(old), Some(fixed)) = (at("scale.um_per_m_K"), at("scale.fixed_mm").or(at("fixed_mm"))) else {
         return Err(NO.into());
