@@ -10,6 +10,9 @@ use super::{unit_of, warm};
 /// Positions, periods, forces are the same up to this share.
 const SAME: f64 = 1e-9;
 
+/// Waves are the same that are apart by this share of a turn at most between both ends of the travel.
+const TOGETHER: f64 = 0.05;
+
 /// A change.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
@@ -28,6 +31,8 @@ pub enum Change {
         period: f64,
         /// Amplitudes.
         parts: [f64; 2],
+        /// From where to where it was seen, mm or degrees.
+        travel: [f64; 2],
     },
     /// A table, a grid or a backlash that changes along the axis.
     Shape {
@@ -120,7 +125,7 @@ impl Change {
     pub fn make(&self, edit: &mut Edit) -> Result<Anchor, String> {
         let is_done = match self {
             Change::Parameter { name, .. } => return Err(format!("{} is no entry", name.component)),
-            Change::Wave { name, period, parts } => wave(edit, *name, *period, *parts),
+            Change::Wave { name, period, parts, travel } => wave(edit, *name, (*period, *travel), *parts),
             Change::Shape { .. } => self.shape(edit),
             Change::Drift { direction, sensor, lag_s, um_per_k } => {
                 warm::drift(edit, direction, (sensor, *lag_s), *um_per_k)
@@ -182,20 +187,33 @@ pub(super) fn pushed(edit: &mut Edit, list: &'static str, keys: &[(String, Given
     edit.push(list, keys).then(|| Anchor::Entry(list, edit.count(list).saturating_sub(1)))
 }
 
-fn wave(edit: &mut Edit, name: ErrorName, period: f64, [sine, cosine]: [f64; 2]) -> Option<Anchor> {
+fn wave(
+    edit: &mut Edit,
+    name: ErrorName,
+    (period, [low, high]): (f64, [f64; 2]),
+    [sine, cosine]: [f64; 2],
+) -> Option<Anchor> {
     let (factor, unit) = unit_of(name);
     let (amplitude, phase) = (format!("amplitude_{unit}"), "phase_deg");
     let key = if name.axis().is_some_and(Axis::is_rotary) { "period_deg" } else { "period_mm" };
     let words = [("component", name.to_string()), ("kind", "periodic".to_owned())];
-    let found = entries(edit, "motion", &words)
-        .find(|&index| edit.number("motion", index, key).is_some_and(|own| same(own, period)));
+    // Waves that stay together over the travel are one.
+    let apart = |own: f64| 1.0 / period - 1.0 / own;
+    let found = entries(edit, "motion", &words).find_map(|index| {
+        let own = edit.number("motion", index, key).filter(|&own| apart(own).abs() * (high - low).abs() < TOGETHER)?;
+        Some((index, own))
+    });
     let (mut sine, mut cosine) = (factor * sine, factor * cosine);
-    if let Some(index) = found {
+    if let Some((index, own)) = found {
         let old = edit.number("motion", index, &amplitude)?;
         let angle = edit.number("motion", index, phase).unwrap_or(0.0).to_radians();
+        // With the period of the other, in step in the middle.
+        let (turned, straight) = (std::f64::consts::TAU * apart(own) * f64::midpoint(low, high)).sin_cos();
+        (sine, cosine) = (sine * straight - cosine * turned, sine * turned + cosine * straight);
         sine += old * angle.cos();
         cosine += old * angle.sin();
     }
+    let found = found.map(|(index, _)| index);
     let keys =
         [number(&amplitude, rounded(sine.hypot(cosine))), number(phase, rounded(cosine.atan2(sine).to_degrees()))];
     match found {

@@ -16,13 +16,16 @@ const ALONG: f64 = 1e-6;
 /// The weight and the arm with which columns of loads count, N and mm.
 const LOAD: [f64; 2] = [1000.0, 100.0];
 
-pub(super) fn periodic(one: &Finding) -> Result<Vec<Change>, String> {
+pub(super) fn periodic(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
     let ([sine, cosine], Some((period, _)), Some(name)) =
         (one.amounts.values.as_slice(), one.candidate.constant, component(&one.candidate))
     else {
         return Err("it is no wave of one component of the error".into());
     };
-    Ok(vec![Change::Wave { name, period, parts: [*sine, *cosine] }])
+    let axis = name.axis().ok_or("it is no error of an axis")?;
+    let travel = super::super::cause::range(scene, axis).ok_or("it has no travel")?;
+    let travel = travel.map(|place| if axis.is_rotary() { place.to_degrees() } else { place });
+    Ok(vec![Change::Wave { name, period, parts: [*sine, *cosine], travel }])
 }
 
 /// The name of a sensor by its column.

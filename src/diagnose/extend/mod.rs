@@ -47,7 +47,7 @@ fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>,
         return Ok(all.map(|(_, (name, amount))| Change::Parameter { name: *name, amount: *amount }).collect());
     }
     match candidate.cause.effect {
-        Effect::Periodic => entry::periodic(one),
+        Effect::Periodic => entry::periodic(one, scene),
         Effect::ThermalExpansion => entry::expansion(one, scene),
         Effect::ThermalDrift => entry::drift(one),
         Effect::Load => entry::load(one, scene),
