@@ -107,7 +107,7 @@ fn a_wave_is_an_entry_that_a_second_diagnosis_changes() {
 }
 
 #[test]
-#[ignore = "half a minute: five axes"]
+#[ignore = "a minute or two: five axes"]
 fn errors_of_rotary_axes_are_entries() {
     let text = |row| {
         let Mended { shop, text, .. } = mended(&case(Bench::FiveAxis, &[row], 6.0, 11), 1.3);
