@@ -9,23 +9,16 @@ use crate::plant::{Bench, Case, Recipe};
 use crate::support::{Run, Shop};
 
 /// A case with rows of the catalogue hidden at a size in units of the noise, without outliers.
-fn case(bench: Bench, hide: &[u8], size_in_noise: f64, seed: u64) -> Case {
+pub(crate) fn case(bench: Bench, hide: &[u8], size_in_noise: f64, seed: u64) -> Case {
+    // What circles show needs few of their many readings.
+    let fineness = if bench == Bench::Ballbar { 0.12 } else { 0.35 };
     let hide = hide.to_vec();
-    let recipe = Recipe {
-        bench,
-        hide,
-        unknown: None,
-        faults: Vec::new(),
-        size_in_noise,
-        fineness: 0.35,
-        outliers: Some(0.0),
-        seed,
-    };
-    recipe.cook().unwrap()
+    let (unknown, faults, outliers) = (None, Vec::new(), Some(0.0));
+    Recipe { bench, hide, unknown, faults, size_in_noise, fineness, outliers, seed }.cook().unwrap()
 }
 
 /// The files of a case in a folder, its tables and descriptions changed.
-fn shop(case: &Case) -> (Shop, Vec<String>, Vec<String>) {
+pub(crate) fn shop(case: &Case) -> (Shop, Vec<String>, Vec<String>) {
     let shop = Shop::new();
     let paths = case.save(&shop.path("")).unwrap();
     let names = |paths: &[std::path::PathBuf]| {
@@ -34,32 +27,32 @@ fn shop(case: &Case) -> (Shop, Vec<String>, Vec<String>) {
     (shop, names(&paths.files), names(&paths.held_out))
 }
 
-fn run(shop: &Shop, data: &[String], machine: &str, more: &[&str]) -> Run {
+pub(crate) fn run(shop: &Shop, data: &[String], machine: &str, more: &[&str]) -> Run {
     let head = ["diagnose".to_owned()].into_iter().chain(data.iter().cloned());
     let rest = ["--machine", machine, "--json"].into_iter().chain(more.iter().copied()).map(str::to_owned);
     shop.run(head.chain(rest))
 }
 
-fn report(run: &Run) -> Value {
+pub(crate) fn report(run: &Run) -> Value {
     serde_json::from_str(&run.stdout).unwrap_or_else(|error| panic!("{error}: {run:?}"))
 }
 
-fn diagnosed(shop: &Shop, data: &[String], machine: &str, more: &[&str]) -> Value {
+pub(crate) fn diagnosed(shop: &Shop, data: &[String], machine: &str, more: &[&str]) -> Value {
     let run = run(shop, data, machine, more);
     assert_eq!(run.code, 0, "{run:?}");
     report(&run)
 }
 
-fn findings(report: &Value) -> Vec<Value> {
+pub(crate) fn findings(report: &Value) -> Vec<Value> {
     report["findings"].as_array().unwrap().clone()
 }
 
-fn number(value: &Value, key: &str) -> f64 {
+pub(crate) fn number(value: &Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or_else(|| panic!("{key} of {value}"))
 }
 
 /// Effect and parameter.
-fn name(finding: &Value) -> String {
+pub(crate) fn name(finding: &Value) -> String {
     format!("{} {}", finding["effect"].as_str().unwrap(), finding["parameter"].as_str().unwrap()).trim_end().to_owned()
 }
 
@@ -274,6 +267,31 @@ fn a_mirrored_axis_turns_angles_over_and_leaves_play() {
             ("location", "EB0Z" | "EC0Y" | "EB0Y" | "EC0X" | "EB0X") => -size,
             _ => size,
         });
+    }
+}
+
+#[test]
+fn order_of_files_and_columns_and_remarks_do_not_matter() {
+    let (shop, data, held_out) = shop(&case(Bench::Plate, &[20, 8], 6.0, 2));
+    let mut files = [data, held_out].concat();
+    let found = diagnosed(&shop, &files, "machine.toml", &[]);
+    files.reverse();
+    agree(&found, &diagnosed(&shop, &files, "machine.toml", &[]), |_, size| size);
+    // The last column first.
+    let turned = |text: String| -> String {
+        let line = |line: &str| line.rsplit_once(',').map(|(rest, last)| format!("{last},{rest}\n")).unwrap();
+        text.lines().map(line).collect()
+    };
+    let shop = files.iter().fold(shop, |shop, file| change(shop, file, turned));
+    let shop = change(shop, "machine.toml", |text| {
+        let line = |line: &str| format!("# a remark\n# a remark\n{line}   \n");
+        text.lines().map(line).collect()
+    });
+    let other = diagnosed(&shop, &files, "machine.toml", &[]);
+    agree(&found, &other, |_, size| size);
+    for (one, other) in findings(&found).iter().zip(findings(&other)) {
+        assert_eq!(one["drivers"], other["drivers"]);
+        assert_eq!(one["class"], other["class"]);
     }
 }
 

@@ -101,15 +101,17 @@ fn find(arguments: &DiagnoseArguments, findings: &mut Findings, report: &mut dia
     tell_all(&found, &of_model, (&sets, used), report);
     if let Some(target) = target {
         let extension = extension(&found, &of_model, used);
-        for (one, &holds) in report.findings.iter_mut().zip(&extension.holds) {
-            one.extends = holds;
+        let job = extended::Job { chosen: &chosen, scene: &of_model, used, found: &found, extension };
+        let outcome = job.write(target, findings)?;
+        for (one, why_not) in report.findings.iter_mut().zip(outcome.why_not) {
+            one.extends = why_not.is_none();
+            one.extends_why = why_not;
+            if one.extends && one.correctable == "no" {
+                // What the file has as a table needs no name.
+                one.correctable = "program".into();
+            }
         }
-        let job = extended::Job { chosen: &chosen, scene: &of_model, used, extension };
-        report.output = job
-            .write(target, findings)?
-            .then(|| arguments.output.clone())
-            .flatten()
-            .map(|path| path.display().to_string());
+        report.output = arguments.output.as_ref().filter(|_| outcome.is_written).map(|path| path.display().to_string());
     }
     Ok(())
 }
@@ -202,6 +204,7 @@ fn cause(found: &Finding, micro: f64) -> diagnosis::Cause {
             Correctable::No => "no".into(),
         },
         extends: false,
+        extends_why: None,
         made_by: one.cause.made_by.to_owned(),
     }
 }

@@ -2,21 +2,27 @@
 
 use super::diagnose::file_of;
 use super::findings::Findings;
+use super::identifiable;
 use super::input;
 use super::machine_choice::Chosen;
 use super::output::{Spool, Target};
 use super::stop::Stop;
-use crate::calibrate::effect::effect_parameters;
-use crate::calibrate::{Options, Parameter, fit};
-use crate::diagnose::extend::{Extension, noted};
-use crate::diagnose::{Scene, levels};
+use crate::calibrate::{Fit, Options, Parameter, fit};
+use crate::diagnose::extend::{Anchor, Change, again, cleaned, note};
+use crate::diagnose::{Diagnosis, Scene, levels};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{ErrorModel, file, write};
+use crate::machine::edit::Edit;
+use crate::measure::data::DataSet;
+use crate::model::motion::Function;
+use crate::model::name::ErrorKind;
+use crate::model::parameter::Term;
+use crate::model::{ErrorModel, ParameterName, file, write};
 use crate::source::{FileId, Source};
 
 const MACHINE: FileId = FileId(0);
 /// What is read back may differ by the digits that are written.
 const DIGITS: f64 = 1e-9;
+const SECTIONS: &str = "write location and motion as sections of their own";
 
 /// What shall be written.
 pub(super) struct Job<'a> {
@@ -24,106 +30,273 @@ pub(super) struct Job<'a> {
     pub(super) scene: &'a Scene<'a>,
     /// Measurements that were used; those behind them were held out.
     pub(super) used: usize,
-    pub(super) extension: Extension,
+    pub(super) found: &'a Diagnosis,
+    /// For every finding its changes, or why there are none.
+    pub(super) extension: Vec<Result<Vec<Change>, String>>,
 }
 
+/// What became of it.
+pub(super) struct Outcome {
+    pub(super) is_written: bool,
+    /// For every finding why the file does not have it; `None` where it does.
+    pub(super) why_not: Vec<Option<String>>,
+}
+
+/// A text in which some findings are, each with where it stands.
+struct Grown {
+    text: String,
+    anchors: Vec<Result<Vec<Anchor>, String>>,
+}
+
+type Refused = (String, &'static str);
+
 impl Job<'_> {
-    /// Writes the extended machine file. Returns whether it did; findings say why not.
-    pub(super) fn write(&self, target: Target, findings: &mut Findings) -> Result<bool, Stop> {
-        match self.text()? {
+    /// Writes the extended machine file; findings say why not.
+    pub(super) fn write(&self, target: Target, findings: &mut Findings) -> Result<Outcome, Stop> {
+        let Some(path) = file_of(self.chosen) else { return Err(Stop::Usage("-o needs --machine".into())) };
+        let old = input::read(path, MACHINE)?;
+        let Ok(text) = std::str::from_utf8(old.bytes()) else {
+            return Err(Stop::Usage(format!("{} is not UTF-8", old.name())));
+        };
+        let grown = self.grow(&old, text);
+        let mut why_not: Vec<Option<String>> = grown.anchors.iter().map(|one| one.clone().err()).collect();
+        match self.text(&old, text, &grown, findings) {
             Ok(text) => {
                 let mut spool = Spool::new(target)?;
                 if let Err(error) = spool.writer().write_all(text.as_bytes()) {
                     return Err(spool.fault(&error));
                 }
                 spool.publish(false)?;
-                Ok(true)
+                Ok(Outcome { is_written: true, why_not })
             }
             Err((message, help)) => {
+                for why in &mut why_not {
+                    why.get_or_insert_with(|| message.clone());
+                }
                 findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
-                Ok(false)
+                Ok(Outcome { is_written: false, why_not })
             }
         }
+    }
+
+    /// Makes the changes of one finding after another; those that do not go beside what is there are left out.
+    fn grow(&self, old: &Source, text: &str) -> Grown {
+        let mut grown = Grown { text: note::without_left_out(text), anchors: Vec::new() };
+        for changes in &self.extension {
+            let made = changes.clone().and_then(|changes| {
+                let mut own = grown.text.clone();
+                let anchors =
+                    changes.iter().map(|change| made(old, &mut own, change)).collect::<Result<Vec<_>, _>>()?;
+                if anchors.is_empty() {
+                    return Err("the readings do not say how much of it there is".into());
+                }
+                Ok((own, anchors))
+            });
+            grown.anchors.push(made.map(|(text, anchors)| {
+                grown.text = text;
+                anchors
+            }));
+        }
+        grown
     }
 
     /// The text, or what is wrong and what to do.
-    fn text(&self) -> Result<Result<String, (String, &'static str)>, Stop> {
-        let extension = &self.extension;
-        if extension.entries.is_empty() && extension.parameters.is_empty() {
-            let help = "without -o the diagnosis stands by itself";
-            return Ok(Err(("nothing was found that a machine file can hold".into(), help)));
+    fn text(&self, old: &Source, original: &str, grown: &Grown, findings: &mut Findings) -> Result<String, Refused> {
+        if grown.anchors.iter().all(Result::is_err) {
+            let help = "without -o the diagnosis stands by itself; --json says of each finding why (extends_why)";
+            return Err(("nothing was found that a machine file can hold".into(), help));
         }
-        let Some(path) = file_of(self.chosen) else { return Err(Stop::Usage("-o needs --machine".into())) };
-        let old = input::read(path, MACHINE)?;
-        let Ok(text) = std::str::from_utf8(old.bytes()) else {
-            return Err(Stop::Usage(format!("{} is not UTF-8", old.name())));
-        };
-        let begun = format!("{}\n{}", text.trim_end(), extension.entries);
-        let (Some(read), Some(original)) = (load(&old, &begun), load(&old, text)) else {
-            let message = format!("what was found does not go beside what {} has already", old.name());
-            return Ok(Err((
-                message,
-                "take entries of the same direction or axis out of it, or add the terms by hand",
-            )));
-        };
-        let errors = self.fitted(&original, &read);
-        let changed = match write::write(&begun, &read, &errors) {
-            Ok(changed) => changed,
-            Err(reason) => return Ok(Err((reason.0, "write location and motion as sections of their own"))),
-        };
-        let out = noted(&changed, &extension.parameters);
-        let Some(written) = load(&old, &out) else {
-            return Ok(Err((
-                "the result is no machine file".into(),
-                "write location and motion as sections of their own",
-            )));
-        };
-        for (name, ..) in &extension.parameters {
-            let [found, read] = [name.get(&errors), name.get(&written)];
+        let fault = || (format!("{} cannot be read again", old.name()), SECTIONS);
+        let read = load(old, &grown.text).ok_or_else(fault)?;
+        let original = load(old, original).ok_or_else(fault)?;
+        let changes: Vec<Change> = self
+            .extension
+            .iter()
+            .zip(&grown.anchors)
+            .filter(|(_, anchors)| anchors.is_ok())
+            .flat_map(|(changes, _)| changes.iter().flatten().cloned())
+            .collect();
+        let parameters = again(&original, &read, &changes);
+        let fitted = self.fitted(&read, &parameters, grown, findings);
+        let errors = fitted.as_ref().map_or(&read, |fitted| &fitted.errors);
+        let changed = write::write(&grown.text, &read, errors).map_err(|reason| (reason.0, SECTIONS))?;
+        let out = self.noted(&changed, grown, fitted.as_ref());
+        let written = load(old, &out).ok_or(("the result is no machine file".to_owned(), SECTIONS))?;
+        for parameter in &parameters {
+            let [found, read] = [errors, &written].map(|errors| parameter.get(errors));
             if (found - read).abs() > DIGITS * found.abs() + f64::MIN_POSITIVE {
-                let message = format!("{name} would read {read:e} in place of {found:e}");
-                return Ok(Err((message, "write location and motion as sections of their own")));
+                return Err((format!("{parameter} would read {read:e} in place of {found:e}"), SECTIONS));
             }
         }
-        Ok(self.helps(&written).map(|()| out))
+        self.helps(&written).map(|()| out)
     }
 
-    /// All parameters fitted together; their amounts where the fit cannot tell them apart as the search could.
-    fn fitted(&self, original: &ErrorModel, read: &ErrorModel) -> ErrorModel {
-        let known: Vec<String> = effect_parameters(original).iter().map(|one| one.name().to_owned()).collect();
-        let new = effect_parameters(read).into_iter().filter(|one| !known.contains(&one.name().to_owned()));
-        let mut parameters: Vec<Parameter> = new.map(Parameter::from).filter(Parameter::is_linear).collect();
-        parameters.extend(self.extension.parameters.iter().map(|(name, ..)| Parameter::from(*name)));
-        let mut start = read.clone();
-        for (name, amount, _) in &self.extension.parameters {
-            let value = name.get(&start) + amount;
-            name.set(&mut start, value);
+    /// All parameters fitted together; `None` where they stay as the search found them.
+    fn fitted(
+        &self,
+        read: &ErrorModel,
+        parameters: &[Parameter],
+        grown: &Grown,
+        findings: &mut Findings,
+    ) -> Option<Fit> {
+        let holds: Vec<bool> = grown.anchors.iter().map(Result::is_ok).collect();
+        if parameters.is_empty() {
+            return None;
         }
-        let data = self.scene.sets.get(..self.used).unwrap_or_default();
-        match fit(&self.chosen.machine, &start, &parameters, data, Options { robust: true }) {
-            Ok(found) => found.errors,
-            Err(_) => start,
+        let help = "they stand in the file as the search found them; calibrate with them where they shall be as good as they can be";
+        let mut stay = |why: String| {
+            let message = format!("the terms that were found are not fitted again together: {why}");
+            findings.add(Diagnostic::nowhere(Code::REDUCED, message, help), &[]);
+        };
+        let Some(data) = cleaned(self.found, self.scene, self.used, &holds) else {
+            stay("readings that do not count, or findings that the machine file does not hold, cannot be taken out of these data".into());
+            return None;
+        };
+        // Time constants too, which the search took from a list; without them where that does not go.
+        let linear: Vec<Parameter> = parameters.iter().filter(|one| one.is_linear()).cloned().collect();
+        let found = self.fit(read, parameters, &data);
+        let found =
+            if linear.len() < parameters.len() { found.or_else(|_| self.fit(read, &linear, &data)) } else { found };
+        found.map_err(stay).ok()
+    }
+
+    /// A fit that says the readings as well as what the search found; least squares without a memory of the noise go astray where terms are alike.
+    fn fit(&self, read: &ErrorModel, parameters: &[Parameter], data: &[DataSet]) -> Result<Fit, String> {
+        let found = fit(&self.chosen.machine, read, parameters, data, Options { robust: true });
+        let found = found.map_err(identifiable::words)?;
+        let (level, of_search) = (self.level(&found.errors), self.level(read));
+        if level[0] > LOST * of_search[0] {
+            return Err("more was left of the readings than with what the search found".into());
         }
+        if level[1] > LOST * of_search[1] {
+            return Err("what the search found says the data held out better".into());
+        }
+        Ok(found)
+    }
+
+    /// The text with what is said beside the terms, and behind it what it does not have.
+    fn noted(&self, text: &str, grown: &Grown, fitted: Option<&Fit>) -> String {
+        let Some(mut edit) = Edit::parse(text) else { return text.to_owned() };
+        let name = |set: &DataSet| set.name.clone();
+        let (used, held_out) = self.scene.sets.split_at(self.used.min(self.scene.sets.len()));
+        let files =
+            note::Files { used: used.iter().map(name).collect(), held_out: held_out.iter().map(name).collect() };
+        let mut behind = Vec::new();
+        let all = self.found.findings.iter().zip(&self.extension).zip(&grown.anchors);
+        for ((one, changes), anchors) in all {
+            match (changes, anchors) {
+                (Ok(changes), Ok(anchors)) => {
+                    let lines = note::lines(one, changes, &files, &estimates(changes, fitted));
+                    let is_done = match anchors.first() {
+                        Some(Anchor::Key(section, key)) => edit.note_key(section, key, &lines),
+                        Some(Anchor::Entry(list, index)) => edit.note(list, *index, &lines),
+                        None => false,
+                    };
+                    if !is_done {
+                        behind.extend(lines.iter().map(|line| format!("# {line}")));
+                    }
+                }
+                (_, Err(why)) | (Err(why), _) => behind.push(note::left_out(one, why)),
+            }
+        }
+        let mut out = edit.text();
+        if !behind.is_empty() {
+            out = format!("{}\n\n{}\n", out.trim_end(), behind.join("\n"));
+        }
+        out
+    }
+
+    fn level(&self, errors: &ErrorModel) -> [f64; 2] {
+        let scene = Scene::new(&self.chosen.machine, errors, self.scene.sets).map(|mut scene| {
+            // What was left out as a fault of the data does not count here either.
+            scene.items.iter_mut().zip(&self.scene.items).for_each(|(item, known)| item.sigma = known.sigma);
+            levels(&scene, self.used)
+        });
+        scene.unwrap_or([f64::INFINITY; 2])
     }
 
     /// Whether the model says the data better with it: the data held out where there are any.
-    fn helps(&self, errors: &ErrorModel) -> Result<(), (String, &'static str)> {
+    fn helps(&self, errors: &ErrorModel) -> Result<(), Refused> {
         let before = levels(self.scene, self.used);
-        let after = Scene::new(&self.chosen.machine, errors, self.scene.sets).map(|scene| levels(&scene, self.used));
-        let worse = match after {
-            Err(_) => Some("the data"),
-            Ok(after) if after[0] > before[0] => Some("the data used"),
-            Ok(after) if after[1] > before[1] => Some("the data held out"),
-            Ok(_) => None,
+        let after = self.level(errors);
+        let which = if after[0].is_infinite() {
+            "the data"
+        } else if after[0] > before[0] {
+            "the data used"
+        } else if after[1] > before[1] {
+            "the data held out"
+        } else {
+            return Ok(());
         };
-        match worse {
-            None => Ok(()),
-            Some(which) => {
-                let message = format!("the extended model says {which} worse than the model as it is");
-                Err((message, "measure more, or in other poses; the findings stand as they are"))
-            }
-        }
+        let message = format!("the extended model says {which} worse than the model as it is");
+        Err((message, "measure more, or in other poses; the findings stand as they are"))
     }
+}
+
+/// More than this of what the search leaves is not better.
+const LOST: f64 = 1.01;
+
+/// Makes one change in a text; where it stands, or why it does not go.
+fn made(old: &Source, text: &mut String, change: &Change) -> Result<Anchor, String> {
+    let no = || "it does not go beside what the machine file has already".to_owned();
+    let anchor = if let Change::Parameter { name, amount } = change {
+        let read = load(old, text).ok_or_else(no)?;
+        let mut errors = read.clone();
+        name.set(&mut errors, name.get(&read) + amount);
+        *text = write::write(text, &read, &errors).map_err(|reason| reason.0)?;
+        place_of(name, &errors)
+    } else {
+        let mut edit = Edit::parse(text).ok_or_else(no)?;
+        let anchor = change.make(&mut edit)?;
+        *text = edit.text();
+        anchor
+    };
+    load(old, text).ok_or_else(no)?;
+    Ok(anchor)
+}
+
+/// Where a parameter stands.
+fn place_of(name: &ParameterName, errors: &ErrorModel) -> Anchor {
+    if name.component.kind == ErrorKind::Location {
+        return Anchor::Key("location", name.component.to_string());
+    }
+    let own = |function: &Function| match name.term {
+        Term::Backlash => matches!(function, Function::Backlash(_)),
+        Term::Knot { .. } => matches!(function, Function::Piecewise(_)),
+        _ => matches!(function, Function::Polynomial(_) | Function::Piecewise(_)),
+    };
+    let index = errors.motion.iter().position(|error| error.name == name.component && own(&error.function));
+    Anchor::Entry("motion", index.unwrap_or(0))
+}
+
+/// What a fit found of the parameters of some changes: name, value, standard uncertainty, unit.
+fn estimates(changes: &[Change], fitted: Option<&Fit>) -> Vec<(String, f64, f64, String)> {
+    let Some(fitted) = fitted else { return Vec::new() };
+    let is_own = |parameter: &Parameter| {
+        changes.iter().any(|change| match (change, parameter) {
+            (Change::Parameter { name, .. }, Parameter::Geometry(own)) => name == own,
+            (Change::Drift { direction, sensor, .. }, Parameter::Effect(own)) => {
+                let name = own.name();
+                name.starts_with(&format!("drift.{direction}")) && name.contains(sensor.as_str())
+            }
+            (Change::Growth { axis, .. }, Parameter::Effect(own)) => own.name() == format!("expansion.{axis}.scale"),
+            (Change::Load { name, .. }, Parameter::Effect(own)) => {
+                let rest = own.name().strip_prefix(&format!("load.{name}"));
+                rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '~']))
+            }
+            _ => false,
+        })
+    };
+    let mut out = Vec::new();
+    for estimate in &fitted.estimates {
+        let Some(parameter) = estimate.column.parameter().filter(is_own) else { continue };
+        let (factor, unit) = match &parameter {
+            Parameter::Geometry(name) => (1.0, name.unit()),
+            Parameter::Effect(own) => (own.unit().0, own.unit().1.to_owned()),
+        };
+        out.push((parameter.to_string(), factor * estimate.value, factor * estimate.sigma, unit));
+    }
+    out
 }
 
 /// The errors of a machine file.

@@ -52,6 +52,11 @@ fn refusals(fault: Fault, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
     }
 }
 
+/// The first thing that a fault says, as a part of a sentence.
+pub(super) fn words(fault: Fault) -> String {
+    refusals(fault, "").into_iter().next().map_or_else(|| "nothing can be told".to_owned(), |(_, found)| found.message)
+}
+
 fn not_told(lost: Lost, of: &str) -> Vec<(Option<usize>, Diagnostic)> {
     let more = lost.confused.len().saturating_sub(MOST_SAID);
     let mut out: Vec<(Option<usize>, Diagnostic)> = lost

@@ -125,8 +125,8 @@ pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / count.max(1.0)).sqrt()
 }
 
-/// What a model leaves of the measurements that are used and of those held out beside the set-ups, root of the mean square, mm or rad; readings
-/// that are far from the others do not count.
+/// What a model leaves of the measurements that are used and of those held out beside the set-ups, root of the mean square in units of the
+/// uncertainty of each reading, so that lengths and angles count alike; readings that are far from the others do not count.
 #[must_use]
 pub fn levels(scene: &Scene<'_>, used: usize) -> [f64; 2] {
     let field = Field::new(scene, Vec::new());
@@ -136,6 +136,7 @@ pub fn levels(scene: &Scene<'_>, used: usize) -> [f64; 2] {
         let left = projected(&field, &weights, &values);
         drop_far(scene, &mut weights, &left);
         let left = projected(&field, &weights, &values);
-        rms(counts(scene, &weights).into_iter().filter_map(|place| left.get(place).copied()))
+        let of = |place: usize| Some(left.get(place)? * weights.items.get(place)?);
+        rms(counts(scene, &weights).into_iter().filter_map(of))
     })
 }

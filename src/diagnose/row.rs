@@ -6,6 +6,8 @@ use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisVector};
 use crate::measure::data::{DataSet, Observation};
 use crate::model::ErrorName;
 
+/// Number of a row that was not measured: of a place where a shape is wanted.
+pub const NOWHERE: usize = usize::MAX;
 /// The name of the column that says how fast the tool goes along its path.
 const FEED: &str = "feed_mm_min";
 /// Motions below this are none, mm or rad.

@@ -7,7 +7,7 @@ use crate::geometry::{AXES, Axis};
 use crate::units::{um_from_mm, urad_from_rad};
 
 /// 95 % of a normal distribution, in standard deviations.
-const EXPANDED: f64 = 1.96;
+pub(super) const EXPANDED: f64 = 1.96;
 /// mm/s² in m/s², and s in ms.
 const THOUSAND: f64 = 1e3;
 /// Parts in a million: µm/m, µrad.
@@ -35,7 +35,7 @@ pub struct Amounts {
 
 impl Amounts {
     /// A linear form of them: value and standard deviation.
-    fn form(&self, factors: &[f64]) -> (f64, f64) {
+    pub(super) fn form(&self, factors: &[f64]) -> (f64, f64) {
         let value = self.values.iter().zip(factors).map(|(value, factor)| value * factor).sum();
         let mut variance = 0.0;
         for (row, one) in self.covariance.iter().zip(factors) {

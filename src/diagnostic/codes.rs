@@ -427,7 +427,8 @@ or sigma_um is too small. The standard uncertainties of the parameters rest on s
 "With --reduce, ncfix calibrate leaves out parameters that the data cannot tell from others, and fits the rest. Of those that cannot be told from each other
 the least simple one goes: truncated powers before backlashes, before coefficients from the highest degree down, later ones of the model before earlier
 ones, location errors last. What was left out stays as it is in the machine file that the calibration begins with; what it does on the machine is
-in the others as far as the poses were alike, and wrong elsewhere. The message says why, and the help what to measure instead.";
+in the others as far as the poses were alike, and wrong elsewhere. The message says why, and the help what to measure instead. ncfix diagnose says so
+where the terms that it found cannot be fitted again together: they are written as its search found them.";
     UNLIKE_REPEATED = "W0606" "uncertainties unlike simulated repetitions"
 "With --monte-carlo, ncfix calibrate simulates the readings many times, with the noise that it found, and fits them again. The scatter of a parameter differs from
 its standard uncertainty by more than 25 %, beyond what the number of repetitions lets expect, or repetitions could not be fitted. Reasons are few

@@ -20,6 +20,12 @@ pub enum Given {
     Whole(i64),
     /// A list of numbers.
     Numbers(Vec<f64>),
+    /// A list of texts.
+    Texts(Vec<String>),
+    /// Lists of numbers in a list.
+    Rows(Vec<Vec<f64>>),
+    /// An entry with keys of its own.
+    Entry(Vec<(String, Given)>),
     /// A list of entries with keys of their own.
     Entries(Vec<Vec<(String, Given)>>),
 }
@@ -82,22 +88,107 @@ impl Edit {
         true
     }
 
+    /// How many entries a list of sections has.
+    #[must_use]
+    pub fn count(&self, list: &str) -> usize {
+        match self.0.get(list) {
+            Some(Item::ArrayOfTables(tables)) => tables.len(),
+            Some(Item::Value(Value::Array(array))) => array.len(),
+            _ => 0,
+        }
+    }
+
+    /// Whether the entry of this number has a key.
+    #[must_use]
+    pub fn has(&self, list: &str, index: usize, path: &str) -> bool {
+        self.at(list, index, path).is_some()
+    }
+
+    /// A number in the entry of this number, by keys and numbers as [`Self::set_at`] has them.
+    #[must_use]
+    pub fn number(&self, list: &str, index: usize, path: &str) -> Option<f64> {
+        let item = self.at(list, index, path)?;
+        item.as_float().or_else(|| item.as_integer().map(|whole| whole as f64))
+    }
+
+    /// A text in it.
+    #[must_use]
+    pub fn word(&self, list: &str, index: usize, path: &str) -> Option<&str> {
+        self.at(list, index, path)?.as_str()
+    }
+
+    /// How long a list in it is.
+    #[must_use]
+    pub fn length(&self, list: &str, index: usize, path: &str) -> usize {
+        match self.at(list, index, path) {
+            Some(Item::ArrayOfTables(tables)) => tables.len(),
+            Some(Item::Value(Value::Array(array))) => array.len(),
+            _ => 0,
+        }
+    }
+
+    fn at(&self, list: &str, index: usize, path: &str) -> Option<&Item> {
+        let mut item = self.0.get(list)?.get(index)?;
+        for word in path.split('.') {
+            let (key, numbers) = word.split_at(word.find('[').unwrap_or(word.len()));
+            item = item.get(key)?;
+            for number in numbers.split_terminator(']') {
+                item = item.get(number.strip_prefix('[')?.parse::<usize>().ok()?)?;
+            }
+        }
+        Some(item)
+    }
+
+    /// Adds an entry behind the others of a list in the entry of this number; whether that is possible.
+    pub fn append(&mut self, list: &str, index: usize, key: &str, entries: &[(String, Given)]) -> bool {
+        let own = self.0.get_mut(list).and_then(|item| item.get_mut(index)).and_then(|item| item.get_mut(key));
+        own.is_some_and(|item| behind(item, entries))
+    }
+
+    /// Lines of comment above the entry of this number; whether it is a section that can have some.
+    pub fn note(&mut self, list: &str, index: usize, lines: &[String]) -> bool {
+        let Some(Item::ArrayOfTables(tables)) = self.0.get_mut(list) else { return false };
+        let Some(table) = tables.get_mut(index) else { return false };
+        let decor = table.decor_mut();
+        let before = decor.prefix().and_then(|prefix| prefix.as_str()).unwrap_or("\n").to_owned();
+        decor.set_prefix(before + &comment(lines));
+        true
+    }
+
+    /// Lines of comment above a key of a section; whether it can have some.
+    pub fn note_key(&mut self, section: &str, key: &str, lines: &[String]) -> bool {
+        let Some(Item::Table(table)) = self.0.get_mut(section) else { return false };
+        let Some(mut key) = table.key_mut(key) else { return false };
+        let decor = key.leaf_decor_mut();
+        let before = decor.prefix().and_then(|prefix| prefix.as_str()).unwrap_or_default().to_owned();
+        decor.set_prefix(before + &comment(lines));
+        true
+    }
+
     /// Adds an entry behind the others of a list of sections; whether that is possible.
     pub fn push(&mut self, list: &str, entries: &[(String, Given)]) -> bool {
-        let item = self.0.entry(list).or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
-        match item {
-            Item::ArrayOfTables(tables) => {
-                let mut table = Table::new();
-                entries.iter().for_each(|(key, given)| put(&mut table, key, given));
-                tables.push(table);
-                true
-            }
-            Item::Value(Value::Array(array)) => {
-                array.push(inline(entries));
-                true
-            }
-            _ => false,
+        behind(self.0.entry(list).or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new())), entries)
+    }
+}
+
+fn comment(lines: &[String]) -> String {
+    lines.iter().map(|line| format!("# {}\n", line.replace(char::is_control, " "))).collect()
+}
+
+/// Adds an entry behind the others of a list.
+fn behind(list: &mut Item, entries: &[(String, Given)]) -> bool {
+    match list {
+        Item::ArrayOfTables(tables) => {
+            let mut table = Table::new();
+            entries.iter().for_each(|(key, given)| put(&mut table, key, given));
+            tables.push(table);
+            true
         }
+        Item::Value(Value::Array(array)) => {
+            array.push(inline(entries));
+            true
+        }
+        _ => false,
     }
 }
 
@@ -120,6 +211,13 @@ fn value(given: &Given) -> Value {
         Given::Number(number) => number_value(*number),
         Given::Whole(number) => (*number).into(),
         Given::Numbers(numbers) => numbers.iter().copied().map(number_value).collect::<Array>().into(),
+        Given::Texts(texts) => texts.iter().map(String::as_str).collect::<Array>().into(),
+        Given::Rows(rows) => rows
+            .iter()
+            .map(|numbers| Value::Array(numbers.iter().copied().map(number_value).collect()))
+            .collect::<Array>()
+            .into(),
+        Given::Entry(entries) => Value::InlineTable(inline(entries)),
         Given::Entries(all) => all.iter().map(|entries| Value::InlineTable(inline(entries))).collect::<Array>().into(),
     }
 }
@@ -181,5 +279,20 @@ mod tests {
             .collect();
         assert!(places.is_sorted(), "{text}");
         assert!(!edit.push("a", &[]));
+    }
+
+    #[test]
+    fn comments_stand_above_what_they_belong_to() {
+        let text = "[a]\n# old\nb = 1\n\n# of m\n[[m]]\ns = [{ n = 1 }]\n[[m]]\n";
+        let mut edit = Edit::parse(text).unwrap();
+        assert_eq!((edit.count("m"), edit.count("a"), edit.count("x")), (2, 0, 0));
+        assert_eq!(edit.number("m", 0, "s[0].n"), Some(1.0));
+        assert!(edit.append("m", 0, "s", &[("n".into(), Given::Whole(2))]) && edit.length("m", 0, "s") == 2);
+        assert!(edit.note("m", 0, &["new\nline".into()]) && edit.note_key("a", "b", &["two".into(), "three".into()]));
+        assert!(!edit.note("m", 2, &[]) && !edit.note_key("a", "c", &[]) && !edit.note("a", 0, &[]));
+        assert_eq!(
+            edit.text(),
+            "[a]\n# old\n# two\n# three\nb = 1\n\n# of m\n# new line\n[[m]]\ns = [{ n = 1 }, { n = 2 }]\n[[m]]\n"
+        );
     }
 }

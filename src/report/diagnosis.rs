@@ -158,6 +158,8 @@ pub struct Cause {
     pub correctable: String,
     /// Whether the machine file that was written has it.
     pub extends: bool,
+    /// Why it does not; `null` where it does, and where none was asked for.
+    pub extends_why: Option<String>,
     /// What makes it.
     pub made_by: String,
 }
@@ -256,15 +258,11 @@ impl Diagnosis {
             let _ = writeln!(out, "Nothing with a shape is left beside the noise.");
         }
         if let Some(path) = &self.output {
-            let left_out: Vec<String> = self
-                .findings
-                .iter()
-                .filter(|one| !one.extends)
-                .map(|one| format!("{} {}", one.effect, one.parameter).trim_end().to_owned())
-                .collect();
             let _ = writeln!(out, "\nWritten: {path}");
-            if !left_out.is_empty() {
-                let _ = writeln!(out, "It has no entry for {}.", left_out.join(", "));
+            for one in self.findings.iter().filter(|one| !one.extends) {
+                let name = format!("{} {}", one.effect, one.parameter);
+                let why = one.extends_why.as_deref().unwrap_or("it has no entry");
+                let _ = writeln!(out, "It does not have {}: {why}.", name.trim_end());
             }
         }
     }

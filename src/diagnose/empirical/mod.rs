@@ -43,6 +43,8 @@ struct Driver {
     is_length: bool,
     /// Its periods, of a length.
     sweep: Option<Sweep>,
+    /// Where it is the position of an axis (or its sense) and nothing else.
+    axis: Option<Axis>,
 }
 
 /// How a shape is made of one driver or two.
@@ -90,7 +92,10 @@ impl Empirical {
             let goes_round = cause::range(scene, axis).is_some_and(|[low, high]| high - low > 3.2);
             let values = scene.rows.iter().map(|row| if goes_round { of(row) } else { row.position[axis] });
             let own = driver(axis.to_string(), values.collect(), false);
-            drivers.extend(own.map(|driver| if axis.is_rotary() { driver } else { driver.length() }));
+            drivers.extend(own.map(|own| {
+                let own = if axis.is_rotary() { own } else { own.length() };
+                Driver { axis: Some(axis), ..own }
+            }));
         }
         // Where tools differ, a place in the workpiece is not a position of an axis.
         for &axis in axes.iter().filter(|axis| !axis.is_rotary()) {
@@ -103,7 +108,8 @@ impl Empirical {
         }
         for &axis in &axes {
             let values = scene.rows.iter().map(|row| row.sense_of(axis)).collect();
-            drivers.extend(driver(format!("{axis}_dir"), values, true));
+            let own = driver(format!("{axis}_dir"), values, true);
+            drivers.extend(own.map(|driver| Driver { axis: Some(axis), ..driver }));
         }
         let times = scene.rows.iter().map(|row| row.time_s.unwrap_or(f64::NAN)).collect();
         drivers.extend(driver("t_s".to_owned(), times, false));
@@ -206,7 +212,8 @@ fn driver(name: String, values: Vec<f64>, is_sense: bool) -> Option<Driver> {
         }
     };
     let bins = values.iter().map(bin).collect();
-    Some(Driver { name, bins, values: Arc::new(values), low, high, is_sense, is_length: false, sweep: None })
+    let values = Arc::new(values);
+    Some(Driver { name, bins, values, low, high, is_sense, is_length: false, sweep: None, axis: None })
 }
 
 impl Driver {

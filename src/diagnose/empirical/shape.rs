@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::{Empirical, Form};
 use crate::diagnose::cause::{Candidate, UNNAMED, Weight};
+use crate::diagnose::row::{NOWHERE, Row};
 use crate::diagnose::scene::Through;
+use crate::geometry::Axis;
 
 impl Empirical {
     pub(super) fn candidate(&self, place: Through, form: Form) -> Candidate {
@@ -26,8 +28,8 @@ impl Empirical {
             }
             Form::Bump(a, b, at, wide) => {
                 let (one, other) = (self.value(a), self.value(b));
-                let bump: Column = Arc::new(move |row| {
-                    let far = (one(row) - at[0]).powi(2) + (other(row) - at[1]).powi(2);
+                let bump: Column = Arc::new(move |of| {
+                    let far = (one(of) - at[0]).powi(2) + (other(of) - at[1]).powi(2);
                     (-far / (2.0 * wide * wide)).exp()
                 });
                 (vec![(bump, at.to_vec())], vec![a, b])
@@ -36,7 +38,7 @@ impl Empirical {
                 let value = self.value(b);
                 let wave = |of: fn(f64) -> f64| -> Column {
                     let value = Arc::clone(&value);
-                    Arc::new(move |row| of(std::f64::consts::TAU * value(row) / period))
+                    Arc::new(move |at| of(std::f64::consts::TAU * value(at) / period))
                 };
                 let waves = [(wave(f64::sin), Vec::new()), (wave(f64::cos), Vec::new())];
                 (times(&[(self.beyond(a, edge, side), vec![edge])], &waves), vec![a, b])
@@ -60,26 +62,34 @@ impl Empirical {
 
     fn weight(&self, column: Column) -> Weight {
         let first = Arc::clone(&self.index);
+        let drivers: Vec<Arc<Vec<f64>>> = self.drivers.iter().map(|driver| Arc::clone(&driver.values)).collect();
+        let axes: Vec<_> = self.drivers.iter().map(|one| (one.axis, one.is_sense, [one.low, one.high])).collect();
         Weight::new(move |row| {
+            if row.number == NOWHERE {
+                return column(&|driver| axes.get(driver).map_or(f64::NAN, |one| value_at(one, row)));
+            }
             let place = first.get(row.set).map_or(usize::MAX, |first| first + row.number);
-            column(place)
+            column(&|driver| drivers.get(driver).and_then(|values| values.get(place)).copied().unwrap_or(0.0))
         })
     }
 
     fn value(&self, a: usize) -> Column {
-        let values = self.drivers.get(a).map(|driver| Arc::clone(&driver.values)).unwrap_or_default();
-        Arc::new(move |row| values.get(row).copied().unwrap_or(0.0))
+        let is_known = a < self.drivers.len();
+        Arc::new(move |of| if is_known { of(a) } else { 0.0 })
     }
 
     fn centred(&self, a: usize) -> Column {
         let Some(driver) = self.drivers.get(a) else { return Arc::new(|_| 0.0) };
         let (value, low, high) = (self.value(a), driver.low, driver.high);
-        Arc::new(move |row| (value(row) - f64::midpoint(low, high)) / (high - low))
+        Arc::new(move |of| (value(of) - f64::midpoint(low, high)) / (high - low))
     }
 
     fn beyond(&self, a: usize, edge: f64, side: f64) -> Column {
         let value = self.value(a);
-        Arc::new(move |row| f64::from(u8::from(side * (value(row) - edge) > 0.0)))
+        Arc::new(move |of| {
+            let value = value(of);
+            if value.is_nan() { value } else { f64::from(u8::from(side * (value - edge) > 0.0)) }
+        })
     }
 
     /// Straight between knots, 1 at one of them and 0 at all others.
@@ -90,22 +100,32 @@ impl Empirical {
             .map(|knot| {
                 let at = low + step * knot as f64;
                 let value = self.value(a);
-                let hat: Column = Arc::new(move |row| (1.0 - ((value(row) - at) / step).abs()).max(0.0));
+                let hat: Column = Arc::new(move |of| {
+                    let value = value(of);
+                    if value.is_nan() { value } else { (1.0 - ((value - at) / step).abs()).max(0.0) }
+                });
                 (hat, vec![at])
             })
             .collect()
     }
 }
 
-/// A function of the number of a row.
-type Column = Arc<dyn Fn(usize) -> f64 + Send + Sync>;
+/// A function of the values of the drivers, which are told by their numbers.
+type Column = Arc<dyn Fn(&dyn Fn(usize) -> f64) -> f64 + Send + Sync>;
+
+/// The value of a driver where nothing was measured: known of axes and senses only.
+fn value_at((axis, is_sense, [low, high]): &(Option<Axis>, bool, [f64; 2]), row: &Row) -> f64 {
+    let Some(axis) = *axis else { return f64::NAN };
+    let value = if *is_sense { row.sense_of(axis) } else { row.position[axis] };
+    if axis.is_rotary() && !(*low..=*high).contains(&value) { value.rem_euclid(std::f64::consts::TAU) } else { value }
+}
 
 fn times(ones: &[(Column, Vec<f64>)], others: &[(Column, Vec<f64>)]) -> Vec<(Column, Vec<f64>)> {
     let mut out = Vec::new();
     for (one, at) in ones {
         for (other, and) in others {
             let (one, other) = (Arc::clone(one), Arc::clone(other));
-            let product: Column = Arc::new(move |row| one(row) * other(row));
+            let product: Column = Arc::new(move |of| one(of) * other(of));
             out.push((product, at.iter().chain(and).copied().collect()));
         }
     }

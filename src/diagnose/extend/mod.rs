@@ -1,0 +1,171 @@
+//! What findings add to the machine file: parameters of the geometry, and entries for what is no parameter, each with its size and evidence beside it.
+//!
+//! [`extension`] says for every finding which [`Change`]s of the file hold it, or why none does. [`change`] makes them in the text, [`note`] says what is
+//! written beside them.
+
+pub mod change;
+mod entry;
+mod law;
+pub mod note;
+mod warm;
+
+use crate::calibrate::Parameter;
+use crate::calibrate::effect::effect_parameters;
+use crate::measure::data::DataSet;
+use crate::model::name::ErrorName;
+use crate::model::parameter::Term as Part;
+use crate::model::{ErrorModel, ParameterName};
+use crate::units::{um_from_mm, urad_from_rad};
+
+use super::cause::{Candidate, Correctable, Effect, Term};
+use super::scene::{NO_ROW, Scene, Through};
+use super::verdict::{Diagnosis, Finding};
+pub use change::{Anchor, Change};
+
+/// µrad in a rad.
+const MICRO: f64 = 1e6;
+/// A constant that is told so many times worse than the size of the whole is one of the set-ups.
+const VAGUE: f64 = 30.0;
+
+/// The changes for every finding of a diagnosis, or why the machine file cannot hold it. The first measurements of the scene were `used`.
+#[must_use]
+pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Result<Vec<Change>, String>> {
+    found.findings.iter().map(|one| changes(one, scene, used)).collect()
+}
+
+fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>, String> {
+    let candidate = &one.candidate;
+    if let Term::Parameters(names) = &candidate.term {
+        let all = names.iter().zip(&one.amounts.values).enumerate();
+        // What depends on the others is 0 and stays so. A constant that set-ups take up as well is as large as it likes.
+        let sizes = one.size.u95 / MICRO;
+        let is_told = |&(k, (name, amount)): &(usize, (&ParameterName, &f64))| {
+            let is_constant = names.len() > 1 && name.term == Part::Coefficient(0);
+            *amount != 0.0 && !(is_constant && one.amounts.u95(k) > VAGUE * sizes)
+        };
+        let all = all.filter(is_told);
+        return Ok(all.map(|(_, (name, amount))| Change::Parameter { name: *name, amount: *amount }).collect());
+    }
+    match candidate.cause.effect {
+        Effect::Periodic => entry::periodic(one, scene),
+        Effect::ThermalExpansion => entry::expansion(one, scene),
+        Effect::ThermalDrift => entry::drift(one),
+        Effect::Load => entry::load(one, scene),
+        Effect::Backlash | Effect::LateralPlay | Effect::Cross | Effect::Unknown | Effect::Motion => {
+            law::law(one, scene, used).map(|change| vec![change])
+        }
+        Effect::ThermalSquareness => Err("the machine file has no angle between axes that goes with a temperature: a drift ends where the zero \
+             point is set, and an angle stays; beams ([[segment]]) tilt axes where the structure and its sensors are known"
+            .into()),
+        Effect::Drift => {
+            Err("it goes with time, and nobody knows when a program will run; log temperatures: one that it \
+                              goes with has an entry ([[drift]])"
+                .into())
+        }
+        Effect::Setup | Effect::Probe => Err("it belongs to the instrument and its set-up, not to the machine".into()),
+        Effect::Sensor | Effect::Outlier | Effect::Program => Err("it belongs to the data, not to the machine".into()),
+        Effect::ServoMismatch | Effect::Following | Effect::Dynamic | Effect::Delay | Effect::ReversalSpike => Err(
+            "it goes with the speed or with what was before, and errors of the machine file with positions: tune the \
+                 drive, or compensate it in the control"
+                .into(),
+        ),
+        Effect::Location => Err("it has no parameter of the error model".into()),
+    }
+}
+
+/// The component through which all columns act, where there is one.
+fn component(candidate: &Candidate) -> Option<ErrorName> {
+    let mut all = candidate.columns.iter().flatten().map(|(through, _)| *through);
+    let Through::Component(name) = all.next()? else { return None };
+    (candidate.columns.iter().all(|parts| parts.len() == 1) && all.all(|own| own == Through::Component(name)))
+        .then_some(name)
+}
+
+/// The unit of a deviation in the file, and the factor to it.
+fn unit_of(name: ErrorName) -> (f64, &'static str) {
+    if name.direction.is_rotation() { (urad_from_rad(1.0), "urad") } else { (um_from_mm(1.0), "um") }
+}
+
+/// What a finding does to every reading of a scene, mm or rad.
+fn doing(one: &Finding, scene: &Scene<'_>) -> Vec<f64> {
+    let mut out = vec![0.0; scene.items.len()];
+    for (parts, amount) in one.candidate.columns.iter().zip(&one.amounts.values) {
+        for (through, weight) in parts {
+            for ((out, factor), item) in out.iter_mut().zip(scene.factors(*through)).zip(&scene.items) {
+                if let Some(row) = scene.rows.get(item.row) {
+                    *out += factor * amount * weight.of(row);
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The measurements that were used, without readings that did not count and without what findings do that the file does not hold: what the
+/// terms that it holds are fitted to again. `None` where these findings cannot be taken out of the readings.
+#[must_use]
+pub fn cleaned(found: &Diagnosis, scene: &Scene<'_>, used: usize, holds: &[bool]) -> Option<Vec<DataSet>> {
+    let mut sets: Vec<DataSet> = scene.sets.iter().take(used).cloned().collect();
+    let mut away = vec![0.0; scene.items.len()];
+    let mut is_less = false;
+    for (one, _) in found.findings.iter().zip(holds).filter(|(_, holds)| !**holds) {
+        is_less = true;
+        away.iter_mut().zip(doing(one, scene)).for_each(|(away, own)| *away += own);
+    }
+    let mut out: Vec<(usize, usize)> = Vec::new();
+    for (item, away) in scene.items.iter().zip(away).filter(|(item, _)| item.row != NO_ROW) {
+        let Some(row) = scene.rows.get(item.row).filter(|row| row.set < used) else { continue };
+        let observation = sets.get_mut(row.set).and_then(|set| set.observations.get_mut(row.number));
+        let Some(value) = observation.and_then(|own| own.values.get_mut(item.value)) else { continue };
+        let counts = item.sigma.is_finite() && !found.outliers.contains(&(row.set, row.number));
+        match value {
+            Some(_) if !counts => *value = None,
+            Some(value) => *value -= away,
+            // A probing has no values: what it reads is where the axes stand.
+            None if !counts => out.push((row.set, row.number)),
+            None if is_less => return None,
+            None => {}
+        }
+    }
+    out.sort_unstable();
+    out.dedup();
+    for (set, number) in out.into_iter().rev() {
+        if let Some(set) = sets.get_mut(set) {
+            set.observations.remove(number);
+        }
+    }
+    Some(sets)
+}
+
+/// Parameters of a model that is extended, which a fit of all finds again: those to which errors are proportional, and time constants of drifts.
+#[must_use]
+pub fn again(original: &ErrorModel, read: &ErrorModel, changes: &[Change]) -> Vec<Parameter> {
+    let of = |errors: &ErrorModel| -> Vec<Parameter> {
+        effect_parameters(errors).into_iter().map(Parameter::from).collect()
+    };
+    let known: Vec<(String, u64)> =
+        of(original).iter().map(|one| (one.to_string(), one.get(original).to_bits())).collect();
+    // What is new, and what is not what it was.
+    let new = of(read).into_iter().filter(|one| !known.contains(&(one.to_string(), one.get(read).to_bits())));
+    let is_lag = |name: &str| name.starts_with("drift.") && name.ends_with(".lag_s");
+    let mut out: Vec<Parameter> = new.filter(|one| one.is_linear() || is_lag(&one.to_string())).collect();
+    for change in changes {
+        if let Change::Parameter { name, .. } = change {
+            let own = Parameter::from(*name);
+            if !out.contains(&own) {
+                out.push(own);
+            }
+        }
+    }
+    out
+}
+
+/// What can be done about a finding, in words.
+fn remedy(candidate: &Candidate) -> &'static str {
+    match candidate.cause.correctable {
+        Correctable::Program => "a corrected program takes it away",
+        Correctable::Live => "only live readings can take it away",
+        // What the file has as a table needs no name.
+        Correctable::No => "a corrected program takes it away, whatever makes it",
+    }
+}

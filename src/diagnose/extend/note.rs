@@ -1,0 +1,105 @@
+//! What is written beside terms that a diagnosis added: sizes, evidence, rivals, what it takes to correct them.
+
+use super::super::cause::{Correctable, Effect};
+use super::super::verdict::Finding;
+use super::{Change, remedy};
+
+/// A line that says what a diagnosis added begins with this.
+pub const HEAD: &str = "diagnosed:";
+/// A line that says what it found and did not add begins with this.
+pub const LEFT_OUT: &str = "# not corrected:";
+/// A chance below this is not said more exactly.
+const LEAST_CHANCE: f64 = 1e-12;
+/// So many rivals, and values with their uncertainties, are said.
+const MOST: usize = 3;
+const VALUES: usize = 16;
+
+/// Names of the measurements that were used, and of those held out.
+#[derive(Clone, Debug, Default)]
+pub struct Files {
+    /// Used.
+    pub used: Vec<String>,
+    /// Held out.
+    pub held_out: Vec<String>,
+}
+
+/// Size with uncertainty: `backlash EXX 3.01 ± 0.08 um (95 %)`.
+fn size(one: &Finding) -> String {
+    let digits = if one.size.u95 > 0.0 { (1.0 - one.size.u95.log10().floor()).clamp(0.0, 9.0) as usize } else { 4 };
+    let name = format!("{} {}", one.candidate.cause.effect, one.candidate.parameter);
+    format!("{} {:.digits$} ± {:.digits$} {} (95 %)", name.trim_end(), one.size.value, one.size.u95, one.size.unit)
+}
+
+/// The lines beside a term; `fitted` are parameters of it that were fitted again: name, value, standard uncertainty, unit.
+#[must_use]
+pub fn lines(one: &Finding, changes: &[Change], files: &Files, fitted: &[(String, f64, f64, String)]) -> Vec<String> {
+    let mut out = vec![format!("{HEAD} {}; {}", size(one), remedy(&one.candidate))];
+    let chance = if one.chance < LEAST_CHANCE { "next to none".to_owned() } else { format!("{:.0e}", one.chance) };
+    let unseen = if files.held_out.is_empty() {
+        "left out in turn".to_owned()
+    } else {
+        format!("held out, {}", files.held_out.join(", "))
+    };
+    out.push(format!(
+        "  from {}; of readings that were not used ({unseen}) {:.0} % less is left with it; chance {chance}",
+        files.used.join(", "),
+        100.0 * one.gain_unseen
+    ));
+    let rivals: Vec<String> = one
+        .class
+        .iter()
+        .skip(1)
+        .take(MOST)
+        .map(|(cause, parameter)| format!("{} {parameter}", cause.effect).trim_end().to_owned())
+        .collect();
+    if !rivals.is_empty() {
+        let how = one.separate_by.as_ref().map_or(String::new(), |how| format!(", told apart by: {how}"));
+        out.push(format!("  not told from {}{how}", rivals.join(", ")));
+    }
+    let needs = match one.candidate.cause.effect {
+        Effect::Load => {
+            Some("nothing is corrected without the weight on the table (--load, or a state file)".to_owned())
+        }
+        _ if one.candidate.cause.correctable == Correctable::Live => {
+            let sensor = one.candidate.sensor.as_deref().unwrap_or_default();
+            Some(format!(
+                "nothing is corrected without a reading of {} (--state)",
+                sensor.strip_suffix("_C").unwrap_or(sensor)
+            ))
+        }
+        _ => None,
+    };
+    out.extend(needs.map(|needs| format!("  {needs}")));
+    if !fitted.is_empty() {
+        let all =
+            fitted.iter().map(|(name, value, sigma, unit)| format!("{name} {value:.4e} ± {:.1e} {unit}", 2.0 * sigma));
+        out.push(format!("  fitted again with the others (± 2σ): {}", all.collect::<Vec<_>>().join(", ")));
+    }
+    for change in changes {
+        if let Change::Shape { u95, kind, .. } = change {
+            let all: Vec<f64> = u95.iter().flatten().copied().collect();
+            let most = all.iter().copied().fold(0.0, f64::max);
+            let what = if all.len() <= VALUES {
+                all.iter().map(|value| format!("{value:.2}")).collect::<Vec<_>>().join(", ")
+            } else {
+                format!("{most:.2} at most")
+            };
+            out.push(format!("  ± of the values of the {kind} (95 %): {what}"));
+        }
+    }
+    out
+}
+
+/// The line on a finding that the file does not hold.
+#[must_use]
+pub fn left_out(one: &Finding, why: &str) -> String {
+    format!("{LEFT_OUT} {}: {}", size(one), why.trim()).replace(char::is_control, " ")
+}
+
+/// A text without such lines: those of an earlier diagnosis.
+#[must_use]
+pub fn without_left_out(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    text.split_inclusive('\n').filter(|line| !line.starts_with(LEFT_OUT)).for_each(|line| out.push_str(line));
+    out
+}
