@@ -74,11 +74,12 @@ struct Part {
     with: f64,
 }
 
-/// Keeps what also gains on readings that were not used. `note` gets the share that is done.
+/// Keeps what also gains on readings that were not used. `out` gets the others with their gains, `note` the share that is done.
 pub(super) fn confirmed(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     judged: Vec<Taken>,
+    out: &mut dyn FnMut(&Taken, Option<f64>),
     note: &mut dyn FnMut(f64),
 ) -> Vec<(Taken, f64)> {
     let mut gains: Vec<Option<f64>> = vec![None; judged.len()];
@@ -95,9 +96,14 @@ pub(super) fn confirmed(
             }
         }
     }
-    let kept =
-        judged.into_iter().zip(gains).filter_map(|(term, gain)| Some((term, gain.filter(|gain| *gain > WORTH)?)));
-    kept.collect()
+    let mut kept = Vec::new();
+    for (term, gain) in judged.into_iter().zip(gains) {
+        match gain {
+            Some(gain) if gain > WORTH => kept.push((term, gain)),
+            _ => out(&term, gain),
+        }
+    }
+    kept
 }
 
 /// The gain of each term over some parts; `None` where they do not say.

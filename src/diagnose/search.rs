@@ -22,6 +22,8 @@ const MOST: usize = 10;
 const UNNAMED: f64 = 0.75;
 /// Candidates explain the same where −2 ln of the likelihood differs by less.
 const TIE: f64 = 8.0;
+/// An unknown of a set-up that moves no reading by more than this for each unit of itself, mm or rad, is none.
+const TOLD: f64 = 1e-3;
 /// Half of the width of the peak of a period, cycles over the travel, and steps towards its top.
 const PEAK: f64 = 0.4;
 const REFINED: usize = 14;
@@ -169,6 +171,8 @@ impl<'s, 'a> Field<'s, 'a> {
                 }
             }
         }
+        // The ball of a circle across its plane moves readings by second order only: what it takes with it is no set-up.
+        columns.retain(|column| column.iter().any(|value| value.abs() > TOLD));
         columns
     }
 
@@ -284,8 +288,14 @@ impl<'s, 'a> Field<'s, 'a> {
         plain.memory_of(&left)
     }
 
-    /// Takes out what does not stand beside the others, the weakest first.
-    pub(super) fn backward(&self, weights: &Weights, mut taken: Vec<usize>, limit: f64) -> Vec<Taken> {
+    /// Takes out what does not stand beside the others, the weakest first; `note` gets it.
+    pub(super) fn backward(
+        &self,
+        weights: &Weights,
+        mut taken: Vec<usize>,
+        limit: f64,
+        note: &mut dyn FnMut(&Taken),
+    ) -> Vec<Taken> {
         let order = Order::new(weights);
         loop {
             let memory = self.memory(weights, &taken);
@@ -309,6 +319,7 @@ impl<'s, 'a> Field<'s, 'a> {
             let weakest = judged.iter().max_by(|a, b| a.chance.total_cmp(&b.chance));
             match weakest {
                 Some(weakest) if weakest.chance > limit => {
+                    note(weakest);
                     let out = weakest.candidate;
                     taken.retain(|&number| number != out);
                 }

@@ -10,6 +10,8 @@ use crate::report::markup::Markup;
 
 /// Points that are drawn one by one, in a picture together.
 const MOST_POINTS: usize = 3000;
+/// The same where a page has many pictures.
+const SPARING: usize = 900;
 /// Points beyond the quartiles by this many times their distance are far from the others.
 const FAR: f64 = 5.0;
 /// With less points none is far.
@@ -34,6 +36,8 @@ pub struct Chart {
     pub is_balanced: bool,
     /// Whether points that are far from the others are drawn at the edge, so that one wrong value does not hide what the others say.
     pub is_clipped: bool,
+    /// Whether it is one of many on its page, so that columns take the place of points earlier.
+    pub is_sparing: bool,
 }
 
 /// Points that belong together.
@@ -47,6 +51,8 @@ pub struct Series {
     pub errors: Vec<f64>,
     /// How it is drawn.
     pub shape: Shape,
+    /// The number of the series whose color it has: a line through its points, which stands out from them.
+    pub like: Option<usize>,
 }
 
 /// How points are drawn.
@@ -167,17 +173,36 @@ impl Picture for Chart {
             frame.beside(out, level.value, &level.label);
         }
         let count: usize = self.series.iter().map(|series| series.points.len()).sum();
+        let most = if self.is_sparing { SPARING } else { MOST_POINTS };
         for (number, series) in self.series.iter().enumerate() {
-            let [shapes, lines] = self.paths(number, series, &frame, count > MOST_POINTS);
-            let (class, fallback) = color(number);
+            // A line of few points beside many others stays a line.
+            let is_line = series.shape == Shape::Line && series.points.len() <= MOST_POINTS;
+            let is_dense = count > most && !is_line;
+            let [shapes, lines] = self.paths(number, series, &frame, is_dense);
+            let (class, fallback) = color(series.like.unwrap_or(number));
+            if series.like.is_some() && !lines.is_empty() {
+                let halo: &str = "halo";
+                let attributes: crate::report::markup::Attributes<'_> = &[
+                    ("class", &halo),
+                    ("stroke", &"#fff"),
+                    ("stroke-width", &"5.5"),
+                    ("stroke-linejoin", &"round"),
+                    ("fill", &"none"),
+                    ("d", &lines),
+                ];
+                out.empty("path", attributes);
+            }
             out.element("g", &[("class", &class), ("fill", &fallback), ("stroke", &fallback)], |out| {
                 if !shapes.is_empty() {
                     out.empty("path", &[("stroke", &"none"), ("fill-opacity", &"0.75"), ("d", &shapes)]);
                 }
                 if !lines.is_empty() {
-                    let is_line = series.shape == Shape::Line && count <= MOST_POINTS;
-                    let dash = if is_line { dash(number) } else { "none" };
-                    let [width, opacity] = if count > MOST_POINTS { ["1.25", "0.6"] } else { ["1.4", "1"] };
+                    let dash = if is_line && series.like.is_none() { dash(number) } else { "none" };
+                    let [width, opacity] = match series.like {
+                        Some(_) => ["2.6", "1"],
+                        None if is_dense => ["1.25", "0.6"],
+                        None => ["1.4", "1"],
+                    };
                     out.empty(
                         "path",
                         &[
