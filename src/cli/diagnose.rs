@@ -14,7 +14,7 @@ use super::program::protect;
 use super::progress::Progress;
 use super::stop::Stop;
 use super::{calibrated_report, diagnose_faults, diagnosed_report, print, tell};
-use crate::diagnose::cause::{Cause, Correctable};
+use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
 use crate::diagnose::{
     Compared, Diagnosis, Finding, Rejected, Scene, Sizes, Source, diagnose, fault, reads_angles, shape,
@@ -213,7 +213,14 @@ fn tell_all(
 
 fn cause(found: &Finding, scene: &Scene<'_>, used: usize, (micro, alone): (f64, f64)) -> diagnosis::Cause {
     let one = &found.candidate;
-    let name = |cause: &Cause, parameter: &str| format!("{} {parameter}", cause.effect).trim_end().to_owned();
+    // Causes of the same effect have one name.
+    let mut class: Vec<String> = Vec::new();
+    for (cause, parameter) in &found.class {
+        let name = format!("{} {parameter}", cause.effect).trim_end().to_owned();
+        if !class.contains(&name) {
+            class.push(name);
+        }
+    }
     diagnosis::Cause {
         effect: one.cause.effect.to_string(),
         parameter: one.parameter.clone(),
@@ -231,8 +238,8 @@ fn cause(found: &Finding, scene: &Scene<'_>, used: usize, (micro, alone): (f64, 
         share: found.share.fair,
         share_alone: found.share.alone,
         p: found.chance,
-        class: found.class.iter().map(|(cause, parameter)| name(cause, parameter)).collect(),
-        separate_by: found.separate_by.clone(),
+        separate_by: found.separate_by.clone().filter(|_| class.len() > 1),
+        class,
         correctable: match one.cause.correctable {
             Correctable::Program => "program".into(),
             Correctable::Live => "live".into(),

@@ -194,12 +194,15 @@ pub fn sentence(one: &Finding, scene: &Scene<'_>, used: usize) -> Option<String>
     let most = rows.iter().map(size).fold(0.0, f64::max);
     let acting: Vec<usize> = rows.iter().copied().filter(|row| size(row) > ACTS * most).collect();
     let (mut depends, mut senses, mut limits) = (Vec::new(), Vec::new(), Vec::new());
+    let is_alone = all.iter().filter(|driver| !driver.is_sense()).count() == 1;
     for driver in &all {
         if driver.is_sense() {
             senses.push(format!("turns over with the sense of {}", driver.name.trim_end_matches("_dir")));
             continue;
         }
-        let limit = limit(driver, &rows, &acting);
+        // Where set-ups have a zero of their own, that of a function of one driver is anywhere: the usual level is none only where it is there mostly.
+        let is_usual = !is_alone || acting.len() < rows.len() / 2;
+        let limit = limit(driver, &rows, &acting).filter(|_| is_usual);
         if limit.is_none() || explained(driver, &acting, &deviations) > DEPENDS {
             depends.push(driver.name.as_str());
         }
@@ -210,6 +213,12 @@ pub fn sentence(one: &Finding, scene: &Scene<'_>, used: usize) -> Option<String>
         _ if one.candidate.parameter.is_empty() => "an error of the readings".to_owned(),
         _ => format!("an error {}", one.candidate.parameter),
     };
+    // One driver that says both where and how much is named once.
+    let is_one = depends.len() == 1 && is_alone;
+    let limits: Vec<String> = limits
+        .into_iter()
+        .map(|(name, where_it_is)| if is_one { format!("that {where_it_is}") } else { format!("{name} {where_it_is}") })
+        .collect();
     let mut parts = Vec::new();
     match (depends.as_slice(), limits.is_empty()) {
         ([], false) => parts.push(format!("is there only where {}", limits.join(" and "))),
@@ -222,7 +231,7 @@ pub fn sentence(one: &Finding, scene: &Scene<'_>, used: usize) -> Option<String>
 }
 
 /// Where it acts along a driver, where that is not everywhere.
-fn limit(driver: &Driver, rows: &[usize], acting: &[usize]) -> Option<String> {
+fn limit(driver: &Driver, rows: &[usize], acting: &[usize]) -> Option<(String, String)> {
     let value = |row: &usize| value_of(driver, *row);
     let low = acting.iter().map(value).fold(f64::INFINITY, f64::min);
     let high = acting.iter().map(value).fold(f64::NEG_INFINITY, f64::max);
@@ -236,13 +245,13 @@ fn limit(driver: &Driver, rows: &[usize], acting: &[usize]) -> Option<String> {
     let to = f64::midpoint(high, above.iter().copied().fold(f64::INFINITY, f64::min));
     let round = |value: f64| rounded(value, rows.iter().map(value_in(driver)));
     let unit = if driver.unit.is_empty() { String::new() } else { format!(" {}", driver.unit) };
-    let name = &driver.name;
-    match (is_outside(&below), is_outside(&above)) {
-        (true, true) => Some(format!("{name} is between {} and {}{unit}", round(from), round(to))),
-        (true, false) => Some(format!("{name} is beyond {}{unit}", round(from))),
-        (false, true) => Some(format!("{name} is below {}{unit}", round(to))),
-        (false, false) => None,
-    }
+    let text = match (is_outside(&below), is_outside(&above)) {
+        (true, true) => format!("is between {} and {}{unit}", round(from), round(to)),
+        (true, false) => format!("is beyond {}{unit}", round(from)),
+        (false, true) => format!("is below {}{unit}", round(to)),
+        (false, false) => return None,
+    };
+    Some((driver.name.clone(), text))
 }
 
 fn value_in(driver: &Driver) -> impl Fn(&usize) -> f64 + '_ {
@@ -266,7 +275,7 @@ fn explained(driver: &Driver, rows: &[usize], deviations: &[f64]) -> f64 {
     let places = places(driver, rows, PARTS);
     let at = |row: &usize| deviations.get(*row).copied().unwrap_or(0.0);
     let mean = rows.iter().map(at).sum::<f64>() / rows.len().max(1) as f64;
-    let mut sums = vec![[0.0; 2]; PARTS];
+    let mut sums = [[0.0; 2]; PARTS];
     for (row, place) in rows.iter().zip(places) {
         if let Some(sum) = sums.get_mut(place) {
             *sum = [sum[0] + at(row) - mean, sum[1] + 1.0];

@@ -89,6 +89,9 @@ impl Diagnosis {
 
     fn held_out_sentence(&self) -> Option<String> {
         let (before, after) = (self.before.holdout_rms_um?, self.after.holdout_rms_um?);
+        if self.findings.is_empty() {
+            return Some(format!("Of the data held out {} {} are left.", significant(before), self.unit_sign()));
+        }
         let [low, high] = self.holdout_gain_95.unwrap_or_default();
         Some(format!(
             "Data held out: {} → {} {}, {:.0} % less ({:.0} … {:.0} %).",
@@ -129,7 +132,11 @@ impl Diagnosis {
             .findings
             .iter()
             .take(CAUSES)
-            .map(|one| format!("{}, {} ({:.0} % of the squares)", one.name(), one.size(), 100.0 * one.share))
+            .map(|one| {
+                let what = one.what.as_deref().and_then(|what| what.strip_prefix("unknown: "));
+                let what = what.map_or_else(|| one.name(), |what| what.trim_end_matches("; shape attached").to_owned());
+                format!("{what}, {} ({:.0} % of the squares)", one.size(), 100.0 * one.share)
+            })
             .collect();
         let more = self.findings.len().saturating_sub(CAUSES);
         let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
@@ -153,7 +160,8 @@ impl Diagnosis {
     fn tail(&self, out: &mut String) {
         for fault in &self.data_faults {
             let rows = match fault.rows.as_slice() {
-                [first, last] => format!("rows {first} to {last}"),
+                // Outliers are rows one by one.
+                [first, last] if fault.kind != "outlier" => format!("rows {first} to {last}"),
                 [row] => format!("row {row}"),
                 rows => format!("{} rows", rows.len()),
             };
@@ -233,6 +241,12 @@ impl Cause {
         name(&self.effect, &self.parameter)
     }
 
+    /// The same with what it depends on, where it has no name.
+    #[must_use]
+    pub fn full_name(&self) -> String {
+        if self.what.is_some() { format!("{} ({})", self.name(), self.drivers.join(", ")) } else { self.name() }
+    }
+
     /// Value, uncertainty and unit.
     #[must_use]
     pub fn size(&self) -> String {
@@ -276,7 +290,11 @@ pub(in crate::report) fn sign(unit: &str) -> String {
 /// A chance in words.
 #[must_use]
 pub(in crate::report) fn chance(p: f64) -> String {
-    if p < LEAST_CHANCE { "next to none".to_owned() } else { format!("{p:.0e}") }
+    match p {
+        p if p < LEAST_CHANCE => "next to none".to_owned(),
+        p if p < 0.01 => format!("{p:.0e}"),
+        p => format!("{p:.2}"),
+    }
 }
 
 /// The shape over one driver in a line, over two as a small table.

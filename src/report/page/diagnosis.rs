@@ -6,8 +6,8 @@ mod polar;
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures as side_by_side, strip, table};
-use crate::report::diagnosis::readings::Shown;
-use crate::report::diagnosis::{DataFault, Diagnosis, Rejected, Sizes};
+use crate::report::diagnosis::readings::{Shown, Tried};
+use crate::report::diagnosis::{Cause, DataFault, Diagnosis, Rejected, Sizes, chance};
 use crate::report::markup::Markup;
 use crate::report::number::{grouped, significant};
 use crate::report::plot::{Bar, Bars};
@@ -31,7 +31,7 @@ pub fn diagnosis(found: &Diagnosis, shown: &Shown) -> String {
             for (number, one) in found.findings.iter().enumerate() {
                 evidence::section(out, found, shown, (number, one));
             }
-            polar::section(out, found, shown);
+            polar::section(out, shown);
             pictures::section(out, found, shown);
         }
         faults(out, &found.data_faults);
@@ -134,11 +134,11 @@ fn ranking(out: &mut Markup, found: &Diagnosis) {
     let alone = |k: &usize| found.findings.get(*k).map_or(0.0, |one| one.alone_um);
     order.sort_by(|a, b| alone(b).total_cmp(&alone(a)));
     let ranked = || order.iter().filter_map(|&k| Some((k, found.findings.get(k)?)));
-    let row = |(k, one): (usize, &crate::report::diagnosis::Cause)| Row {
+    let row = |(k, one): (usize, &Cause)| Row {
         class: "",
         cells: vec![
             (k + 1).to_string(),
-            one.name(),
+            one.full_name(),
             one.size(),
             significant(one.alone_um),
             percent(one.alone_share),
@@ -146,11 +146,16 @@ fn ranking(out: &mut Markup, found: &Diagnosis) {
             percent(one.share),
             percent(one.share_alone),
             percent(one.gain_holdout),
-            one.correctable.clone(),
+            match one.correctable.as_str() {
+                "program" => "a program",
+                "live" => "live readings",
+                _ => "nothing",
+            }
+            .to_owned(),
         ],
     };
     let mut rows: Vec<Row> = ranked().map(row).collect();
-    let sum = |of: fn(&crate::report::diagnosis::Cause) -> f64| found.findings.iter().map(of).sum::<f64>();
+    let sum = |of: fn(&Cause) -> f64| found.findings.iter().map(of).sum::<f64>();
     let shares = sum(|one| one.share);
     let cells = |what: &str, alone: [String; 2], share: f64| {
         let mut cells = vec![String::new(), what.to_owned(), String::new()];
@@ -181,16 +186,17 @@ fn ranking(out: &mut Markup, found: &Diagnosis) {
                    circularity). Fair share: its part of the squares that the model leaves (Shapley). Where it differs from what comes back without it, findings \
                    share what they explain. Gain on unseen: by how much less is left (RMS) of readings in which it was not looked for.";
     table(out, &heads, &rows, caption, MOST_ROWS);
+    let label = |k: usize, one: &Cause| format!("{} {}", k + 1, one.full_name());
     side_by_side(out, |out| {
         let picture = Bars {
             title: "Independent contribution".into(),
             across: format!("largest less smallest of what each does alone, in {}", found.unit_sign()),
-            bars: ranked().map(|(_, one)| Bar { label: one.name(), value: one.alone_um, error: 0.0 }).collect(),
+            bars: ranked().map(|(k, one)| Bar { label: label(k, one), value: one.alone_um, error: 0.0 }).collect(),
             is_logarithmic: false,
         };
         figure(out, &picture, "");
         let left = Bar { label: "noise, no name".into(), value: 100.0 * (1.0 - shares), error: 0.0 };
-        let shares = ranked().map(|(_, one)| Bar { label: one.name(), value: 100.0 * one.share, error: 0.0 });
+        let shares = ranked().map(|(k, one)| Bar { label: label(k, one), value: 100.0 * one.share, error: 0.0 });
         let picture = Bars {
             title: "Fair share of what the model leaves".into(),
             across: "% of the squares".into(),
@@ -206,8 +212,9 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
         return;
     }
     out.leaf("h2", &[], "Faults of the data");
-    let named = |rows: &[usize]| match rows {
-        [first, last] => format!("{first} to {last}"),
+    let named = |kind: &str, rows: &[usize]| match rows {
+        // Outliers are rows one by one.
+        [first, last] if kind != "outlier" => format!("{first} to {last}"),
         rows => {
             let more = rows.len().saturating_sub(MOST_NAMED);
             let named: Vec<String> = rows.iter().take(MOST_NAMED).map(ToString::to_string).collect();
@@ -217,7 +224,8 @@ fn faults(out: &mut Markup, all: &[DataFault]) {
     let row = |one: &DataFault| {
         let excluded = if one.excluded.is_empty() { "these readings".to_owned() } else { one.excluded.clone() };
         let name = one.name.clone();
-        let cells = vec![one.kind.clone(), name, one.what.clone(), named(&one.rows), one.evidence.clone(), excluded];
+        let cells =
+            vec![one.kind.clone(), name, one.what.clone(), named(&one.kind, &one.rows), one.evidence.clone(), excluded];
         Row { class: "wrap", cells }
     };
     let rows: Vec<Row> = all.iter().map(row).collect();
@@ -245,7 +253,7 @@ fn rejected(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
                 format!("{} {}", one.effect, one.parameter).trim_end().to_owned(),
                 one.drivers.join(", "),
                 gate(one).to_owned(),
-                crate::report::diagnosis::chance(one.p),
+                chance(one.p),
                 one.gain.map_or("–".into(), percent),
             ],
         };
@@ -256,7 +264,7 @@ fn rejected(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
     }
     out.element("details", &[], |out| {
         out.leaf("summary", &[], format_args!("All causes of the catalogue, and what each could still explain"));
-        let row = |one: &crate::report::diagnosis::readings::Tried| {
+        let row = |one: &Tried| {
             let (best, share) = match &one.best {
                 Some((parameter, share)) => (parameter.clone(), percent(*share)),
                 None => ("–".into(), "–".into()),

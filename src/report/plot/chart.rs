@@ -11,7 +11,7 @@ use crate::report::markup::Markup;
 /// Points that are drawn one by one, in a picture together.
 const MOST_POINTS: usize = 3000;
 /// The same where a page has many pictures.
-const SPARING: usize = 900;
+const SPARING: usize = 2000;
 /// Points beyond the quartiles by this many times their distance are far from the others.
 const FAR: f64 = 5.0;
 /// With less points none is far.
@@ -36,7 +36,7 @@ pub struct Chart {
     pub is_balanced: bool,
     /// Whether points that are far from the others are drawn at the edge, so that one wrong value does not hide what the others say.
     pub is_clipped: bool,
-    /// Whether it is one of many on its page, so that columns take the place of points earlier.
+    /// Whether it is one of many on its page: markers are dots, and columns take their place earlier.
     pub is_sparing: bool,
 }
 
@@ -101,9 +101,9 @@ impl Chart {
         (sorted.len() >= FEW && far > 0.0).then_some([first - far, third + far])
     }
 
-    /// The paths of a series: filled or stroked shapes, and thin lines.
-    fn paths(&self, number: usize, series: &Series, frame: &Frame, is_dense: bool) -> [String; 2] {
-        let [mut shapes, mut lines] = [String::new(), String::new()];
+    /// The paths of a series: filled or stroked shapes, thin lines, and dots.
+    fn paths(&self, number: usize, series: &Series, frame: &Frame, is_dense: bool) -> [String; 3] {
+        let [mut shapes, mut lines, mut dots] = [String::new(), String::new(), String::new()];
         let points = || series.points.iter().copied().filter(|point| point.0.is_finite() && point.1.is_finite());
         if is_dense {
             let placed = points().map(|point| (frame.across.share(point.0), point.1));
@@ -115,7 +115,7 @@ impl Chart {
                 let (low, high) = (frame.y(span.low) + 0.6, frame.y(span.high) - 0.6);
                 let _ = write!(lines, "M{x:.1} {high:.1}V{low:.1}");
             }
-            return [shapes, lines];
+            return [shapes, lines, dots];
         }
         match series.shape {
             Shape::Markers => points().for_each(|(x, y)| {
@@ -124,6 +124,9 @@ impl Chart {
                     // A triangle that points to where the value is.
                     beyond if beyond > 0.0 => shapes.push_str(&format!("M{at:.1} {:.1}l5 9h-10z", up - 6.0)),
                     beyond if beyond < 0.0 => shapes.push_str(&format!("M{at:.1} {:.1}l5-9h-10z", up + 6.0)),
+                    _ if self.is_sparing => {
+                        let _ = write!(dots, "M{at:.1} {up:.1}h0");
+                    }
                     _ => shapes.push_str(&marker(number, at, up)),
                 }
             }),
@@ -140,7 +143,7 @@ impl Chart {
                 let _ = write!(lines, "M{left:.1} {low:.1}h6M{left:.1} {high:.1}h6M{x:.1} {low:.1}V{high:.1}");
             }
         }
-        [shapes, lines]
+        [shapes, lines, dots]
     }
 }
 
@@ -178,7 +181,7 @@ impl Picture for Chart {
             // A line of few points beside many others stays a line.
             let is_line = series.shape == Shape::Line && series.points.len() <= MOST_POINTS;
             let is_dense = count > most && !is_line;
-            let [shapes, lines] = self.paths(number, series, &frame, is_dense);
+            let [shapes, lines, dots] = self.paths(number, series, &frame, is_dense);
             let (class, fallback) = color(series.like.unwrap_or(number));
             if series.like.is_some() && !lines.is_empty() {
                 let halo: &str = "halo";
@@ -195,6 +198,20 @@ impl Picture for Chart {
             out.element("g", &[("class", &class), ("fill", &fallback), ("stroke", &fallback)], |out| {
                 if !shapes.is_empty() {
                     out.empty("path", &[("stroke", &"none"), ("fill-opacity", &"0.75"), ("d", &shapes)]);
+                }
+                if !dots.is_empty() {
+                    // A dot is a line without a length: its caps are what is seen.
+                    let cap = if number.is_multiple_of(2) { "round" } else { "square" };
+                    out.empty(
+                        "path",
+                        &[
+                            ("fill", &"none"),
+                            ("stroke-width", &"3.6"),
+                            ("stroke-opacity", &"0.7"),
+                            ("stroke-linecap", &cap),
+                            ("d", &dots),
+                        ],
+                    );
                 }
                 if !lines.is_empty() {
                     let dash = if is_line && series.like.is_none() { dash(number) } else { "none" };

@@ -1,7 +1,7 @@
 //! A finding with its evidence and its rivals.
 
-use super::pictures::{driver_of, means, title_of};
-use super::{figure, side_by_side};
+use super::pictures::{driver_of, mean_lines, means, title_of};
+use super::{figure, polar, side_by_side};
 use crate::report::diagnosis::readings::{Driver, Set, Shown};
 use crate::report::diagnosis::{Cause, Diagnosis, chance, sign};
 use crate::report::markup::Markup;
@@ -28,6 +28,7 @@ pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown, (numbe
     words(out, found, one);
     let strongest = strongest(shown, number);
     side_by_side(out, |out| {
+        shown.sets.iter().for_each(|set| polar::alone(out, set, number, one));
         if let Some((set, part)) = strongest {
             let does = set.doing.get(number).map(Vec::as_slice).unwrap_or_default();
             for driver in drivers(set, part, one, does) {
@@ -37,7 +38,7 @@ pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown, (numbe
             }
             times(out, set, part, one, does);
         }
-        shape(out, one);
+        shape(out, one, shown);
     });
 }
 
@@ -131,6 +132,8 @@ fn drivers<'a>(set: &'a Set, part: usize, one: &Cause, does: &[f64]) -> Vec<&'a 
         others.sort_by(|a, b| b.0.total_cmp(&a.0));
         named.extend(others.into_iter().take(MOST_DRIVERS - 1).map(|(_, driver)| driver));
     }
+    // On a circle the picture of the cause alone says what senses do.
+    named.retain(|driver| set.circles.is_empty() || !driver.name.ends_with("_dir"));
     named.truncate(MOST_DRIVERS);
     named
 }
@@ -160,22 +163,23 @@ fn beside(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> Chart {
     let effect = |k: usize| does.get(k).copied().unwrap_or(0.0);
     let left: Vec<(f64, f64)> =
         points(set, part, driver, |k| set.readings.get(k).map_or(f64::NAN, |one| one.after + effect(k))).collect();
-    let line = means(&left).into_iter().map(|(at, mean, _)| (at, mean)).collect();
+    let lines = mean_lines(&left, 0);
     Chart {
         title: title_of(set, part, driver, "Evidence"),
         across: driver.title.clone(),
         up: format!("in {}", set.unit),
-        series: vec![
+        series: [
             Series { label: "left without it".into(), points: left, ..Series::default() },
             Series {
                 label: "what it explains".into(),
                 points: points(set, part, driver, effect).collect(),
                 ..Series::default()
             },
-            Series { points: line, shape: Shape::Line, like: Some(0), ..Series::default() },
-        ],
+        ]
+        .into_iter()
+        .chain(lines)
+        .collect(),
         is_balanced: true,
-        is_clipped: true,
         is_sparing: true,
         ..Chart::default()
     }
@@ -229,7 +233,13 @@ fn times(out: &mut Markup, set: &Set, part: usize, one: &Cause, does: &[f64]) {
 }
 
 /// The shape of a finding, over two drivers a line for each place of one of them.
-fn shape(out: &mut Markup, one: &Cause) {
+fn shape(out: &mut Markup, one: &Cause, shown: &Shown) {
+    let with_unit = |name: &String| {
+        let mut all = shown.sets.iter().flat_map(|set| &set.drivers);
+        // Time has a unit of its own in pictures of readings.
+        let known = all.find(|driver| driver.name == *name).filter(|_| name != "t_s");
+        known.map_or(name.clone(), |driver| driver.title.clone())
+    };
     let along = |k: usize| -> Vec<f64> {
         let mut values: Vec<f64> = one.shape.iter().filter_map(|place| place.at.get(k).copied()).collect();
         values.sort_by(f64::total_cmp);
@@ -237,9 +247,9 @@ fn shape(out: &mut Markup, one: &Cause) {
         values
     };
     let up = format!("in {}", sign(if one.unit == "urad" { "urad" } else { "um" }));
-    let chart = |title: String, across: &str, series| Chart {
+    let chart = |title: String, across: &String, series| Chart {
         title,
-        across: across.to_owned(),
+        across: with_unit(across),
         up: up.clone(),
         series,
         is_sparing: true,

@@ -6,14 +6,19 @@ use crate::report::diagnosis::readings::{Driver, Set, Shown};
 use crate::report::markup::Markup;
 use crate::report::plot::{Chart, Line, Series, Shape};
 
-/// Pictures of a measurement.
-const MOST: usize = 60;
+/// Pictures of all measurements together.
+const MOST: usize = 80;
 /// Parts of the range of a driver over which means are taken, and the fewest readings of one.
 const PARTS: usize = 30;
 const FEWEST: f64 = 3.0;
+/// Parts without readings that end a line.
+const GAP: f64 = 0.25;
+/// Few places.
+const FEW: usize = 3;
 
 /// Draws all measurements.
 pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
+    let mut room = MOST;
     for set in &shown.sets {
         let held = if set.is_held_out { ", held out" } else { "" };
         out.leaf("h2", &[], format_args!("{}: {}{held}, residual before and after", set.name, set.kind));
@@ -36,26 +41,42 @@ pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
             }
             for driver in &set.drivers {
                 let Some(driver) = driver_of(set, part, &driver.name) else { continue };
-                let is_first = is_named(driver) || is_place(driver);
+                let is_first = is_named(driver) || is_place(driver) && !is_at_few_places(set, part, driver);
                 charts[usize::from(!is_first)].push(chart(found, set, part, driver));
             }
         }
         let [first, rest] = charts;
-        let more = (first.len() + rest.len()).saturating_sub(MOST);
-        let room = MOST.saturating_sub(first.len());
-        let note = format!("Lines: means of both. Dashed: twice the noise on either side.");
-        side_by_side(out, |out| first.iter().take(MOST).for_each(|chart| figure(out, chart, &note)));
-        if !rest.is_empty() && room > 0 {
+        let counts = [first.len().min(room), rest.len().min(room.saturating_sub(first.len()))];
+        room -= counts[0] + counts[1];
+        let more = first.len() + rest.len() - counts[0] - counts[1];
+        let note = "Lines: means of both. Dashed: twice the noise on either side.";
+        side_by_side(out, |out| first.iter().take(counts[0]).for_each(|chart| figure(out, chart, note)));
+        if counts[1] > 0 {
             out.element("details", &[], |out| {
-                let count = rest.len().min(room);
-                out.leaf("summary", &[], format_args!("{count} more pictures, along all other drivers"));
-                side_by_side(out, |out| rest.iter().take(room).for_each(|chart| figure(out, chart, "")));
+                out.leaf("summary", &[], format_args!("{} more pictures, along all other drivers", counts[1]));
+                side_by_side(out, |out| rest.iter().take(counts[1]).for_each(|chart| figure(out, chart, "")));
             });
         }
         if more > 0 {
             out.leaf("p", &[("class", &"soft")], format_args!("{more} more pictures are not drawn."));
         }
     }
+}
+
+/// Whether a driver was at so few places that a picture hardly says more than a mean of each.
+fn is_at_few_places(set: &Set, part: usize, driver: &Driver) -> bool {
+    let own = set.readings.iter().zip(&driver.values).filter(|(reading, _)| reading.part == part);
+    let mut places: Vec<u64> = Vec::new();
+    for (_, value) in own {
+        let bits = value.to_bits();
+        if !places.contains(&bits) {
+            places.push(bits);
+        }
+        if places.len() > FEW {
+            return false;
+        }
+    }
+    true
 }
 
 /// Positions of axes.
@@ -70,15 +91,16 @@ fn chart(found: &Diagnosis, set: &Set, part: usize, driver: &Driver) -> Chart {
     };
     let (before, after) = (points(|one| one.before, true), points(|one| one.after, true));
     let without = points(|one| one.before, false);
-    let line = |points: &[(f64, f64)], like| Series {
-        points: means(points).into_iter().map(|(at, mean, _)| (at, mean)).collect(),
-        shape: Shape::Line,
-        like: Some(like),
-        ..Series::default()
-    };
-    let lines = [line(&before, 0), line(&after, 1)];
     let series = |label: &str, points| Series { label: label.into(), points, ..Series::default() };
-    let mut all = vec![series("before", before), series("after", after)];
+    let mut lines = Vec::new();
+    let mut all = if found.findings.is_empty() {
+        lines.extend(mean_lines(&after, 0));
+        vec![series("", after)]
+    } else {
+        lines.extend(mean_lines(&before, 0));
+        lines.extend(mean_lines(&after, 1));
+        vec![series("before", before), series("after", after)]
+    };
     if !without.is_empty() {
         all.push(series("left out", without));
     }
@@ -121,6 +143,20 @@ pub(super) fn driver_of<'a>(set: &'a Set, part: usize, name: &str) -> Option<&'a
     let mut values = own.map(|(_, value)| *value).filter(|value| value.is_finite());
     let first = values.next()?;
     values.any(|value| (value - first).abs() > 1e-9 * first.abs()).then_some(driver)
+}
+
+/// Lines through means, broken where there are no readings.
+pub(super) fn mean_lines(points: &[(f64, f64)], like: usize) -> Vec<Series> {
+    let means = means(points);
+    let (first, last) = (means.first().map_or(0.0, |mean| mean.0), means.last().map_or(0.0, |mean| mean.0));
+    let pieces = means.chunk_by(|one, next| next.0 - one.0 <= GAP * (last - first));
+    let line = |piece: &[(f64, f64, f64)]| Series {
+        points: piece.iter().map(|(at, mean, _)| (*at, *mean)).collect(),
+        shape: Shape::Line,
+        like: Some(like),
+        ..Series::default()
+    };
+    pieces.map(line).collect()
 }
 
 /// Means over parts of the range: where, mean, how many.

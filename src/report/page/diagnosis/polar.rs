@@ -1,10 +1,10 @@
-//! Circles of a ball-bar: before and after, and every cause drawn alone, magnified.
+//! Circles of a ball-bar before and after, and a cause drawn alone, magnified.
 
 use std::collections::BTreeMap;
 
 use super::{figure, side_by_side};
 use crate::report::compared::Circle;
-use crate::report::diagnosis::Diagnosis;
+use crate::report::diagnosis::Cause;
 use crate::report::diagnosis::readings::{Set, Shown};
 use crate::report::markup::Markup;
 use crate::report::number::significant;
@@ -13,14 +13,16 @@ use crate::report::plot::{Polar, Trace};
 /// Circles of a measurement that are drawn before and after, and those of a cause.
 const MOST_CIRCLES: usize = 6;
 const MOST_ALONE: usize = 3;
+/// Where a cause does less than this share of what it does elsewhere there is nothing to see.
+const SEEN: f64 = 0.05;
 
 /// The circles of a set-up in a plane: the first of either sense.
 type Plane<'a> = ((usize, &'a str), Vec<&'a Circle>);
 
 /// Draws the circles of all measurements with a ball-bar that were used.
-pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
+pub(super) fn section(out: &mut Markup, shown: &Shown) {
     for set in shown.sets.iter().filter(|set| !set.is_held_out && !set.circles.is_empty()) {
-        out.leaf("h2", &[], format_args!("{}: circles, each cause alone", set.name));
+        out.leaf("h2", &[], format_args!("{}: circles before and after", set.name));
         let planes = planes(set);
         let before: Vec<f64> = set.readings.iter().map(|one| one.before).collect();
         let after: Vec<f64> = set.readings.iter().map(|one| one.after).collect();
@@ -35,30 +37,25 @@ pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown) {
             let text = format_args!("{more} more circles are not drawn: those with most left come first.");
             out.leaf("p", &[("class", &"soft")], text);
         }
-        for (number, (one, does)) in found.findings.iter().zip(&set.doing).enumerate() {
-            if does.iter().all(|value| *value == 0.0) {
-                continue;
-            }
-            out.leaf("h3", &[], format_args!("{} {} alone", number + 1, one.name()));
-            side_by_side(out, |out| {
-                // One circle of every plane, where it does most.
-                let mut known: Vec<&str> = Vec::new();
-                for plane in most(set, &planes, does, planes.len()) {
-                    let name = plane.0.1;
-                    if known.len() >= MOST_ALONE || known.contains(&name) {
-                        continue;
-                    }
-                    known.push(name);
-                    let swing = swing(set, plane, does);
-                    let picture = picture(set, plane, &one.name(), &[("alone", does)]);
-                    figure(
-                        out,
-                        &picture,
-                        format_args!("Circularity of this cause alone: {} {}.", significant(swing), set.unit),
-                    );
-                }
-            });
+    }
+}
+
+/// Draws what a finding by itself does to circles, magnified: one circle of every plane, where it does most.
+pub(super) fn alone(out: &mut Markup, set: &Set, number: usize, one: &Cause) {
+    let Some(does) = set.doing.get(number) else { return };
+    let planes = planes(set);
+    let mut known: Vec<&str> = Vec::new();
+    let mut largest = 0.0;
+    for plane in most(set, &planes, does, planes.len()) {
+        let name = plane.0.1;
+        let swing = swing(set, plane, does);
+        if known.len() >= MOST_ALONE || known.contains(&name) || swing <= SEEN * largest {
+            continue;
         }
+        largest = f64::max(largest, swing);
+        known.push(name);
+        let picture = picture(set, plane, &format!("{} alone", one.name()), &[("alone", does)]);
+        figure(out, &picture, format_args!("Circularity of this cause alone: {} {}.", significant(swing), set.unit));
     }
 }
 
