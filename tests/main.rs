@@ -41,6 +41,7 @@ mod definitions;
 mod diagnose;
 mod diagnose_causes;
 mod diagnose_faults;
+mod diagnose_rates;
 mod diagnose_report;
 mod emission;
 mod esmaeili;

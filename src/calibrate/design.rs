@@ -18,7 +18,7 @@ pub(super) const TIE_SIGMA: f64 = 1e-4;
 
 /// An unknown of a set-up that moves no reading by a larger share of itself is not told, as the place of a ball across a circle: 0.1 mm would
 /// be less than 1 µm, and its own square more.
-const WEAK: f64 = 0.01;
+pub(crate) const WEAK: f64 = 0.01;
 
 /// Standard uncertainty of a known distance of a measurement, mm.
 pub(super) fn tie_sigma(data: &[DataSet], set: usize, tie: usize) -> f64 {

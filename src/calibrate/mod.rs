@@ -29,6 +29,7 @@ pub mod words;
 
 pub use crate::numeric::stepwise::{Change, Choice, Gain, Rule, Term};
 pub use column::Column;
+pub(crate) use design::WEAK;
 pub use design::{Factored, Line, Origin, equations};
 pub use drift::reversals;
 pub use effect::{EffectParameter, Parameter};

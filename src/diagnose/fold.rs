@@ -1,7 +1,7 @@
 //! The second gate: what a term gains on readings that were not used, with the selection repeated without them.
 //!
 //! Parts that are left out are runs, else set-ups, of each measurement; where they would take all of what shows a term with them, they are
-//! stretches of rows.
+//! stretches of rows, and at last shorter stretches from all over.
 
 use std::collections::HashMap;
 
@@ -12,13 +12,17 @@ use super::search::{Field, Taken, Weights};
 const PARTS: usize = 6;
 /// Stretches of rows.
 const STRETCHES: usize = 5;
+/// Rounds in which they are dealt out where whole ones do not say.
+const ROUNDS: usize = 3;
 /// A part says something of a term that has this share of what shows it, and leaves that share to the others.
 const SHOWN: f64 = 0.02;
 const KEPT: f64 = 0.2;
 /// A term that takes less than this share off what is left of unseen readings (root of the mean square) is not worth a name.
 pub(super) const WORTH: f64 = 0.01;
-/// Another candidate that explains this share of what one does stands for it.
+/// Other candidates that explain this share of what one does stand for it.
 const ALIKE: f64 = 0.9;
+/// Each of them this much at least.
+const PARTLY: f64 = 0.05;
 /// It is in none: known distances, readings that do not count.
 const NO_PART: usize = usize::MAX;
 
@@ -44,8 +48,8 @@ fn repeats(scene: &Scene<'_>) -> Vec<usize> {
     parts.into_iter().map(|number| number.map_or(NO_PART, part)).collect()
 }
 
-/// Parts by stretches of each sequence of rows.
-fn stretches(scene: &Scene<'_>) -> Vec<usize> {
+/// Parts by stretches of each sequence of rows, dealt out in so many rounds: a part of several shows more than what happens in one place.
+fn stretches(scene: &Scene<'_>, rounds: usize) -> Vec<usize> {
     let mut lengths: HashMap<usize, usize> = HashMap::new();
     scene.rows.iter().for_each(|row| *lengths.entry(row.sequence).or_insert(0) += 1);
     let mut seen: HashMap<usize, usize> = HashMap::new();
@@ -55,7 +59,7 @@ fn stretches(scene: &Scene<'_>) -> Vec<usize> {
         .map(|row| {
             let place = seen.entry(row.sequence).or_insert(0);
             *place += 1;
-            (*place - 1) * STRETCHES / lengths.get(&row.sequence).copied().unwrap_or(1).max(1)
+            (*place - 1) * STRETCHES * rounds / lengths.get(&row.sequence).copied().unwrap_or(1).max(1) % STRETCHES
         })
         .collect();
     scene.items.iter().map(|item| of_rows.get(item.row).copied().unwrap_or(NO_PART)).collect()
@@ -74,23 +78,33 @@ struct Part {
     with: f64,
 }
 
-/// Keeps what also gains on readings that were not used. `out` gets the others with their gains, `note` the share that is done.
+/// What was selected without a part, by the kind of parts and its number: it depends on the weights only.
+pub(super) type Selections = HashMap<(usize, usize), Vec<usize>>;
+
+/// Keeps what also gains on readings that were not used. `known` is what was selected before with the same weights; `out` gets the
+/// others with their gains, `note` the share that is done.
 pub(super) fn confirmed(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     judged: Vec<Taken>,
+    known: &mut Selections,
     out: &mut dyn FnMut(&Taken, Option<f64>),
     note: &mut dyn FnMut(f64),
 ) -> Vec<(Taken, f64)> {
     let mut gains: Vec<Option<f64>> = vec![None; judged.len()];
-    for parts in [repeats, stretches] {
+    let kinds = [repeats, |scene: &Scene<'_>| stretches(scene, 1), |scene: &Scene<'_>| stretches(scene, ROUNDS)];
+    for (kind, parts) in kinds.into_iter().enumerate() {
         let open: Vec<usize> = (0..judged.len()).filter(|&k| gains.get(k).is_some_and(Option::is_none)).collect();
         if open.is_empty() {
             break;
         }
         let parts = parts(field.scene);
+        let mut selected = |field: &mut Field<'_, '_>, part: usize, train: &Weights| {
+            known.entry((kind, part)).or_insert_with(|| field.forward(train, &[])).clone()
+        };
         let terms: Vec<usize> = open.iter().filter_map(|&k| judged.get(k)).map(|term| term.candidate).collect();
-        for (&k, found) in open.iter().zip(of_parts(field, weights, &parts, &terms, note)) {
+        let all: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
+        for (&k, found) in open.iter().zip(of_parts(field, weights, &parts, (&all, &terms), &mut selected, note)) {
             if let Some(gain) = gains.get_mut(k) {
                 *gain = found;
             }
@@ -106,16 +120,21 @@ pub(super) fn confirmed(
     kept
 }
 
+/// What is selected without a part.
+type Select<'k> = &'k mut dyn FnMut(&mut Field<'_, '_>, usize, &Weights) -> Vec<usize>;
+
 /// The gain of each term over some parts; `None` where they do not say.
 fn of_parts(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     parts: &[usize],
-    terms: &[usize],
+    (judged, terms): (&[usize], &[usize]),
+    select: Select<'_>,
     note: &mut dyn FnMut(f64),
 ) -> Vec<Option<f64>> {
     let count = parts.iter().filter(|&&part| part != NO_PART).max().map_or(0, |most| most + 1);
-    let whole: Vec<f64> = terms.iter().map(|&term| shown(field, weights, term)).collect();
+    let does: Vec<Vec<f64>> = terms.iter().map(|&term| contribution(field, weights, judged, term)).collect();
+    let whole: Vec<f64> = does.iter().map(|does| shown(field, weights, does)).collect();
     let mut found: Vec<Vec<Part>> = terms.iter().map(|_| Vec::new()).collect();
     for part in (0..count).filter(|_| count > 1) {
         note(part as f64 / count as f64);
@@ -129,25 +148,25 @@ fn of_parts(
             series: weights.series.clone(),
         };
         let (train, test) = (of(false), of(true));
-        let says: Vec<bool> = terms
+        let says: Vec<bool> = does
             .iter()
             .zip(&whole)
-            .map(|(&term, whole)| {
-                shown(field, &test, term) > SHOWN * whole && shown(field, &train, term) > KEPT * whole
-            })
+            .map(|(does, whole)| shown(field, &test, does) > SHOWN * whole && shown(field, &train, does) > KEPT * whole)
             .collect();
         if !says.contains(&true) {
             continue;
         }
-        let selected = field.forward(&train, &[]);
+        let selected = select(field, part, &train);
         let with = unseen(field, &train, &test, &selected);
-        for ((&term, _), found) in terms.iter().zip(&says).zip(&mut found).filter(|((_, says), _)| **says) {
-            let stand_in = selected.iter().copied().find(|&other| other == term || alike(field, &train, term, other));
-            let Some(stand_in) = stand_in else {
+        for (((&term, does), _), found) in
+            terms.iter().zip(&does).zip(&says).zip(&mut found).filter(|((_, says), _)| **says)
+        {
+            let out = stand_ins(field, &train, (term, does), &selected);
+            if out.is_empty() {
                 found.push(Part { without: with, with });
                 continue;
-            };
-            let others: Vec<usize> = selected.iter().copied().filter(|&other| other != stand_in).collect();
+            }
+            let others: Vec<usize> = selected.iter().copied().filter(|other| !out.contains(other)).collect();
             found.push(Part { without: unseen(field, &train, &test, &others), with });
         }
     }
@@ -155,16 +174,64 @@ fn of_parts(
     found.iter().map(|parts| gain(parts)).collect()
 }
 
-/// How much of a term some readings show beside their set-ups.
-fn shown(field: &Field<'_, '_>, weights: &Weights, term: usize) -> f64 {
-    let columns = field.candidates.get(term).map(|one| field.columns(one)).unwrap_or_default();
+/// What a term does to the readings, with the amounts found beside the others.
+fn contribution(field: &Field<'_, '_>, weights: &Weights, judged: &[usize], term: usize) -> Vec<f64> {
+    let mut columns = Vec::new();
+    let mut own = 0..0;
+    for &number in judged {
+        let of = field.candidates.get(number).map(|one| field.columns(one)).unwrap_or_default();
+        if number == term {
+            own = columns.len()..columns.len() + of.len();
+        }
+        columns.extend(of);
+    }
+    let (amounts, _) = field.series(weights, &[], 0.0).amounts(&columns);
+    let mut does = vec![0.0; field.scene.items.len()];
+    for (column, amount) in columns.iter().zip(&amounts).skip(own.start).take(own.len()) {
+        does.iter_mut().zip(column).for_each(|(value, part)| *value += part * amount);
+    }
+    does
+}
+
+/// How much of what a term does some readings show beside their set-ups.
+fn shown(field: &Field<'_, '_>, weights: &Weights, does: &[f64]) -> f64 {
     let mut series = field.series(weights, &[], 0.0);
-    let mut of = |column: &Vec<f64>| {
-        series.set_values(column);
-        series.squares()
-    };
-    // The one that is shown least may be the one that matters least: the first is the name.
-    columns.first().map_or(0.0, &mut of)
+    series.set_values(does);
+    series.squares()
+}
+
+/// Which of those that were selected stand for a term: itself, one that does nearly the same, or several that do it together.
+fn stand_ins(
+    field: &Field<'_, '_>,
+    weights: &Weights,
+    (term, does): (usize, &[f64]),
+    selected: &[usize],
+) -> Vec<usize> {
+    if selected.contains(&term) {
+        return vec![term];
+    }
+    let columns = |number: usize| field.candidates.get(number).map(|one| field.columns(one)).unwrap_or_default();
+    let mut series = field.series(weights, &[], 0.0);
+    series.set_values(does);
+    let whole = series.squares();
+    let mut out = Vec::new();
+    let mut open = selected.to_vec();
+    while whole > 0.0 && !open.is_empty() {
+        let gains = open.iter().map(|&other| (series.gain(&columns(other)).squares, other));
+        let Some((gain, best)) = gains.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        if gain < PARTLY * whole {
+            break;
+        }
+        out.push(best);
+        open.retain(|&other| other != best);
+        columns(best).iter().for_each(|column| {
+            series.take(column);
+        });
+        if series.squares() < (1.0 - ALIKE) * whole {
+            return out;
+        }
+    }
+    Vec::new()
 }
 
 /// The gain over parts, by which what is left becomes smaller (root of the mean square); 0 where the parts do not agree on it.
@@ -179,17 +246,6 @@ fn gain(parts: &[Part]) -> Option<f64> {
     let spread = parts.iter().map(|part| (part.without - part.with - mean).powi(2)).sum::<f64>() / (count - 1.0);
     let is_sure = mean > (spread / count).sqrt() * if parts.len() < 4 { 0.5 } else { 1.0 };
     Some(if is_sure && without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 })
-}
-
-/// Whether two candidates do nearly the same to the readings.
-fn alike(field: &Field<'_, '_>, weights: &Weights, one: usize, other: usize) -> bool {
-    let columns = |number: usize| field.candidates.get(number).map(|one| field.columns(one)).unwrap_or_default();
-    let mut series = field.series(weights, &[], 0.0);
-    let own = columns(one);
-    let Some(first) = own.first() else { return false };
-    series.set_values(first);
-    let whole = series.squares();
-    whole > 0.0 && series.gain(&columns(other)).squares > ALIKE * whole
 }
 
 /// Readings that count, of rows.

@@ -13,6 +13,7 @@
 mod account;
 pub mod cause;
 mod empirical;
+mod event;
 pub mod extend;
 pub mod fault;
 mod fold;

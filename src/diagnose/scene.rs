@@ -4,7 +4,9 @@
 //! Everything is linear in small deviations: a deviation of the tool from the workpiece acts on a reading by the derivatives that the kind of
 //! measurement gives ([`crate::measure::kind::Equation`]), an error of an axis by the sensitivity of the error model. There is no second formula.
 
-use crate::calibrate::{Column, Fault, Options, Parameter, fit};
+use std::collections::HashMap;
+
+use crate::calibrate::{Column, Fault, Options, Parameter, WEAK, fit};
 use crate::geometry::Vector;
 use crate::machine::{Condition, Machine};
 use crate::measure::data::DataSet;
@@ -146,7 +148,20 @@ impl<'a> Scene<'a> {
                 });
             }
         }
+        scene.leave_weak();
         Ok(scene)
+    }
+
+    /// Unknowns that are hardly told explain nothing: they would be taken metres away for it.
+    fn leave_weak(&mut self) {
+        let mut strongest = vec![0.0_f64; self.unknowns];
+        for &(unknown, factor) in self.items.iter().flat_map(|item| &item.by_unknown) {
+            if let Some(most) = strongest.get_mut(unknown) {
+                *most = most.max(factor.abs());
+            }
+        }
+        let is_told = |unknown: usize| strongest.get(unknown).is_some_and(|most| *most >= WEAK);
+        self.items.iter_mut().for_each(|item| item.by_unknown.retain(|(unknown, _)| is_told(*unknown)));
     }
 
     /// What one unit of a deviation does to every reading.
@@ -169,7 +184,31 @@ impl<'a> Scene<'a> {
                 _ => item.by_tip.dot(&tip) + item.by_turn.dot(&turn),
             }
         };
-        self.items.iter().map(one).collect()
+        let mut factors: Vec<f64> = self.items.iter().map(one).collect();
+        self.leave_faint(&mut factors);
+        factors
+    }
+
+    /// In a set-up that hardly shows a deviation it is not looked for: it would have to be a hundred times as large there, and would be found so.
+    fn leave_faint(&self, factors: &mut [f64]) {
+        let setup = |item: &Item| self.rows.get(item.row).map(|row| (row.set, row.setup));
+        let mut strongest: HashMap<(usize, usize), f64> = HashMap::new();
+        for (item, factor) in self.items.iter().zip(factors.iter()) {
+            if let Some(setup) = setup(item) {
+                let most = strongest.entry(setup).or_insert(0.0);
+                *most = most.max(factor.abs());
+            }
+        }
+        let least = WEAK * strongest.values().copied().fold(0.0, f64::max);
+        strongest.retain(|_, most| *most < least);
+        if strongest.is_empty() {
+            return;
+        }
+        for (item, factor) in self.items.iter().zip(factors.iter_mut()) {
+            if setup(item).is_some_and(|setup| strongest.contains_key(&setup)) {
+                *factor = 0.0;
+            }
+        }
     }
 
     /// What one unit does to the tool in the workpiece frame at a row: displacement and rotation.

@@ -249,7 +249,8 @@ fn gain(own: &Own, mut left: Vec<f64>) -> Gain {
     total
 }
 
-fn in_parts<T: Sync, R: Send>(all: &[T], work: &(dyn Fn(&T) -> R + Sync)) -> Vec<R> {
+/// Works on all of them at once, in order.
+pub(super) fn in_parts<T: Sync, R: Send>(all: &[T], work: &(dyn Fn(&T) -> R + Sync)) -> Vec<R> {
     let share = all.len().div_ceil(4 * WORKERS).max(1);
     let parts: Vec<&[T]> = all.chunks(share).collect();
     std::thread::scope(|scope| {

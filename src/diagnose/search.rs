@@ -10,16 +10,18 @@ use std::sync::Arc;
 use crate::numeric::Series;
 use crate::numeric::fisher;
 
-use super::cause::{Candidate, Effect, periodic};
+use super::cause::{Candidate, Effect, periodic, thermal};
 use super::freedom::Order;
 use super::scene::{NO_ROW, Scene, Through};
-use super::score::{Layout, Scores};
+use super::score::{Layout, Scores, in_parts};
 use super::seek::Seek;
 
 /// Terms at most.
 const MOST: usize = 10;
 /// Worth of what has no name beside what has one.
-const UNNAMED: f64 = 0.75;
+const UNNAMED: f64 = 0.9;
+/// The same of what depends on two.
+const UNNAMED_PAIR: f64 = 0.87;
 /// Candidates explain the same where −2 ln of the likelihood differs by less.
 const TIE: f64 = 8.0;
 /// An unknown of a set-up that moves no reading by more than this for each unit of itself, mm or rad, is none.
@@ -88,21 +90,35 @@ impl<'s, 'a> Field<'s, 'a> {
         })
     }
 
-    /// Moves the period of a candidate of a sweep to where it explains most: a period that is a little off leaves beats.
-    fn refine(&mut self, number: usize, series: &Series) {
-        let Some(one) = self.candidates.get(number) else { return };
-        let (Some((Through::Component(name), _)), Some((first, _))) =
-            (one.columns.first().and_then(|parts| parts.first()), one.constant)
-        else {
-            return;
-        };
-        let Some((name, axis)) = name.axis().map(|axis| (*name, axis)) else { return };
-        let Some(travel) = self.seek.travel(axis).filter(|_| one.cause.effect == Effect::Periodic) else { return };
-        let gain = |cycles: f64| series.gain(&self.columns(&periodic::candidate(name, axis, travel / cycles))).squares;
-        // Golden section over the width of a peak.
+    /// A candidate with its period or its time constant moved to where it explains most: one that is a little off leaves beats and tails. `None` where
+    /// there is none to move.
+    fn refined(&self, number: usize, series: &Series) -> Option<Candidate> {
+        let one = self.candidates.get(number)?;
+        let (first, _) = one.constant?;
+        let (through, _) = one.columns.first()?.first()?;
+        if one.cause.effect == Effect::Periodic {
+            let Through::Component(name) = *through else { return None };
+            let axis = name.axis()?;
+            let travel = self.seek.travel(axis)?;
+            let cycles = travel / first;
+            let with = |cycles: f64| Some(periodic::candidate(name, axis, travel / cycles));
+            return self.best_near(series, [cycles - PEAK, cycles, cycles + PEAK], &with);
+        }
+        let [shortest, longest] = thermal::around(first)?;
+        let with = |lag: f64| thermal::with_lag(self.scene, one, lag.exp());
+        self.best_near(series, [shortest.ln(), first.ln(), longest.ln()], &with)
+    }
+
+    /// The candidate of the number between two others that gains most, if it gains more than that of the middle one.
+    fn best_near(
+        &self,
+        series: &Series,
+        [low, middle, high]: [f64; 3],
+        with: &dyn Fn(f64) -> Option<Candidate>,
+    ) -> Option<Candidate> {
+        let gain = |at: f64| with(at).map_or(0.0, |one| series.gain(&self.columns(&one)).squares);
         let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-        let cycles = travel / first;
-        let [mut low, mut high] = [cycles - PEAK, cycles + PEAK];
+        let [mut low, mut high] = [low, high];
         let (mut left, mut right) = (high - golden * (high - low), low + golden * (high - low));
         let (mut at_left, mut at_right) = (gain(left), gain(right));
         for _ in 0..REFINED {
@@ -117,12 +133,7 @@ impl<'s, 'a> Field<'s, 'a> {
             }
         }
         let best = f64::midpoint(low, high);
-        if gain(best) > gain(cycles) {
-            let refined = periodic::candidate(name, axis, travel / best);
-            if let Some(one) = self.candidates.get_mut(number) {
-                *one = refined;
-            }
-        }
+        with(best).filter(|_| gain(best) > gain(middle))
     }
 
     /// The columns of a candidate.
@@ -240,18 +251,23 @@ impl<'s, 'a> Field<'s, 'a> {
                 self.candidates.truncate(known);
                 break;
             };
-            // Of what was sought only one that was taken stays.
-            let number = if number >= known {
-                self.candidates.swap(known, number);
-                self.candidates.truncate(known + 1);
+            // Of what was sought only one that was taken stays, and of others what is better than they are.
+            let sought = (number >= known).then(|| self.candidates.swap_remove(number));
+            self.candidates.truncate(known);
+            let number = if let Some(one) = sought {
+                self.candidates.push(one);
                 known
             } else {
-                self.candidates.truncate(known);
                 number
             };
-            if number == known {
-                self.refine(number, &series);
-            }
+            let number = match self.refined(number, &series) {
+                Some(refined) => {
+                    self.candidates.truncate(known);
+                    self.candidates.push(refined);
+                    known
+                }
+                None => number,
+            };
             let columns = self.columns(&self.candidates[number]);
             columns.iter().for_each(|column| {
                 series.take(column);
@@ -263,8 +279,11 @@ impl<'s, 'a> Field<'s, 'a> {
 
     /// What has no name must explain more than what has one.
     fn belief(&self, number: usize) -> f64 {
-        let effect = self.candidates.get(number).map(|one| one.cause.effect);
-        if effect == Some(Effect::Unknown) { UNNAMED } else { 1.0 }
+        match self.candidates.get(number) {
+            Some(one) if one.cause.effect == Effect::Unknown && one.drivers.len() > 1 => UNNAMED_PAIR,
+            Some(one) if one.cause.effect == Effect::Unknown => UNNAMED,
+            _ => 1.0,
+        }
     }
 
     /// By how much the variances of the amounts of columns are larger than of independent readings, at most.
@@ -300,22 +319,19 @@ impl<'s, 'a> Field<'s, 'a> {
         loop {
             let memory = self.memory(weights, &taken);
             let of_noise = order.correlations(self.series(weights, &taken, memory).left());
-            let judged: Vec<Taken> = taken
-                .iter()
-                .map(|&number| {
-                    let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
-                    let series = self.series(weights, &others, memory);
-                    let columns = self.columns(&self.candidates[number]);
-                    let gain = series.gain(&columns);
-                    let inflation = inflation(&order, &of_noise, &series, &columns);
-                    // Readings that wander together are as good as fewer that do not.
-                    let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).max(1.0);
-                    let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
-                    let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
-                    let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
-                    Taken { candidate: number, chance: chance.min(1.0) }
-                })
-                .collect();
+            let judged = in_parts(&taken, &|&number: &usize| {
+                let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
+                let series = self.series(weights, &others, memory);
+                let columns = self.columns(&self.candidates[number]);
+                let gain = series.gain(&columns);
+                let inflation = inflation(&order, &of_noise, &series, &columns);
+                // Readings that wander together are as good as fewer that do not.
+                let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).max(1.0);
+                let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
+                let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
+                let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
+                Taken { candidate: number, chance: chance.min(1.0) }
+            });
             let weakest = judged.iter().max_by(|a, b| a.chance.total_cmp(&b.chance));
             match weakest {
                 Some(weakest) if weakest.chance > limit => {

@@ -5,17 +5,24 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::cause::{Candidate, Values, circle, periodic, vibration};
+use super::cause::{Candidate, Values, circle, drift, periodic, vibration};
 use super::empirical::Empirical;
+use super::event::Events;
 use super::scene::{NO_ROW, Scene, Through};
-use super::sweep::Sweep;
+use super::sweep::{self, Sweep, Transform};
 use crate::geometry::Axis;
 use crate::model::name::{DIRECTIONS, ErrorName};
 
 /// Rows of which a first look is had.
 const SOME: usize = 1500;
-/// Frequencies times rows of a first look.
-const WORK: f64 = 2e6;
+/// Cycles within a run, at most.
+const MOST_CYCLES: f64 = 1000.0;
+/// Bins for a cycle of the highest frequency.
+const PER_CYCLE: f64 = 8.0;
+/// So many times the length of a run is transformed, nothing behind it.
+const PADDED: usize = 4;
+/// Pieces of a run.
+const PIECES: f64 = 32.0;
 /// Cycles within a run, at least: fewer are drift.
 const CYCLES: f64 = 8.0;
 /// Slower than this nothing vibrates, s.
@@ -33,8 +40,17 @@ pub(super) type Factors = HashMap<Through, Arc<Vec<f64>>>;
 pub(super) struct Seek {
     sweeps: Vec<(Axis, Sweep)>,
     time: Option<Clock>,
-    circles: Option<(Values, Values)>,
+    circles: Option<Circles>,
+    events: Option<Events>,
     empirical: Empirical,
+}
+
+/// Some rows on circles.
+#[derive(Clone, Debug)]
+struct Circles {
+    rows: Vec<usize>,
+    /// How far inside the chords of each number are there, mm.
+    chords: Vec<Vec<f64>>,
 }
 
 /// Rows by runs with times.
@@ -42,10 +58,13 @@ pub(super) struct Seek {
 struct Clock {
     /// Of each row: its run, when.
     rows: Vec<(usize, f64)>,
+    /// When each run starts.
+    starts: Vec<f64>,
     /// Runs of a first look.
     some: Vec<bool>,
     length: f64,
     fastest: f64,
+    transform: Transform,
 }
 
 impl Seek {
@@ -60,7 +79,8 @@ impl Seek {
         Seek {
             sweeps: linear.filter_map(sweep).collect(),
             time: Clock::new(scene),
-            circles: circle::angles(scene),
+            circles: Circles::new(scene),
+            events: Events::new(scene),
             empirical: Empirical::new(scene),
         }
     }
@@ -85,7 +105,8 @@ impl Seek {
         let sweeps: usize = self.sweeps.iter().map(|(_, sweep)| sweep.count() * DIRECTIONS.len()).sum();
         let time = self.time.as_ref().map_or(0, |clock| 3 * clock.count());
         let chords = if self.circles.is_some() { CHORDS.len() } else { 0 };
-        sweeps + time + chords + self.empirical.count()
+        let events = self.events.as_ref().map_or(0, |events| TIPS.len() * events.count());
+        sweeps + time + chords + events + self.empirical.count()
     }
 
     /// The most promising of each for what is left, unwhitened, with 1/σ of the readings and what a column must explain.
@@ -136,9 +157,8 @@ impl Seek {
                 out.extend(found.map(|frequency| vibration::candidate(direction, frequency)));
             }
         }
-        if let Some((angles, radii)) = &self.circles {
+        let information = |place: Through| {
             let mut information = vec![0.0; scene.rows.len()];
-            let place = Through::Reading(false);
             if let Some(factors) = factors.get(&place) {
                 for ((item, factor), weight) in scene.items.iter().zip(factors.iter()).zip(weights) {
                     if item.row != NO_ROW {
@@ -146,31 +166,57 @@ impl Seek {
                     }
                 }
             }
-            let sums = by_row(products(place));
-            let at = |values: &Values, row: &super::row::Row| {
-                values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
-            };
-            let step = (scene.rows.len() / SOME).max(1);
-            let rows: Vec<[f64; 4]> = scene
-                .rows
-                .iter()
-                .zip(sums.iter().zip(&information))
-                .map(|(row, (sum, information))| [at(angles, row), at(radii, row), *sum, *information])
-                .filter(|row| row[0].is_finite() && row[3] > 0.0)
-                .step_by(step)
-                .collect();
-            // Chords are as far within as they are: their amount is one.
-            let gain = |count: u32| -> f64 {
-                let one = |[angle, radius, sum, information]: &[f64; 4]| {
-                    let shape = radius * circle::chord(*angle, count);
-                    2.0 * sum * shape - information * shape * shape
-                };
-                rows.iter().map(one).sum()
-            };
-            let best = CHORDS.map(|count| (gain(count), count)).max_by(|a, b| a.0.total_cmp(&b.0));
-            out.extend(best.filter(|(gain, _)| *gain > 0.0).and_then(|(_, count)| circle::chords(scene, count)));
+            information
+        };
+        if let Some(events) = &self.events {
+            for (direction, place) in TIPS.into_iter().enumerate() {
+                let found = events.best(&by_row(products(place)), &information(place));
+                out.extend(found.map(|event| drift::behind(direction, event.set, event.instant, event.fade)));
+            }
+        }
+        if let Some(circles) = &self.circles {
+            let place = Through::Reading(false);
+            let information = information(place);
+            out.extend(
+                circles.best(&by_row(products(place)), &information).and_then(|count| circle::chords(scene, count)),
+            );
         }
         out
+    }
+}
+
+impl Circles {
+    fn new(scene: &Scene<'_>) -> Option<Circles> {
+        let (angles, radii) = circle::angles(scene)?;
+        let at = |values: &Values, row: &super::row::Row| {
+            values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
+        };
+        let places: Vec<(usize, f64, f64)> = scene
+            .rows
+            .iter()
+            .enumerate()
+            .map(|(place, row)| (place, at(&angles, row), at(&radii, row)))
+            .filter(|(_, angle, radius)| angle.is_finite() && radius.is_finite())
+            .step_by((scene.rows.len() / SOME).max(1))
+            .collect();
+        let chords = CHORDS
+            .map(|count| places.iter().map(|(_, angle, radius)| radius * circle::chord(*angle, count)).collect())
+            .collect();
+        Some(Circles { rows: places.into_iter().map(|(place, ..)| place).collect(), chords })
+    }
+
+    /// How many chords explain most. They are as far within as they are: their amount is one.
+    fn best(&self, sums: &[f64], information: &[f64]) -> Option<u32> {
+        let of = |values: &[f64]| -> Vec<f64> {
+            self.rows.iter().map(|&row| values.get(row).copied().unwrap_or(0.0)).collect()
+        };
+        let (sums, information) = (of(sums), of(information));
+        let gain = |shape: &[f64]| -> f64 {
+            let each = shape.iter().zip(sums.iter().zip(&information));
+            each.map(|(shape, (sum, information))| shape * (2.0 * sum - information * shape)).sum()
+        };
+        let gains = CHORDS.zip(&self.chords).map(|(count, shape)| (gain(shape), count));
+        gains.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(gain, _)| *gain > 0.0).map(|(_, count)| count)
     }
 }
 
@@ -209,9 +255,18 @@ impl Clock {
                 is_in
             })
             .collect();
-        let seen = (rows.len() as f64 * share).max(1.0);
-        let fastest = (1.0 / (2.2 * step)).min(WORK / seen / (3.0 * length));
-        (fastest * length > CYCLES && fastest * SLOWEST > 1.0).then_some(Clock { rows, some, length, fastest })
+        let fastest = (1.0 / (2.2 * step)).min(MOST_CYCLES / length);
+        let starts = spans.iter().map(|span| span.0).collect();
+        let bins = (PER_CYCLE * fastest * length) as usize;
+        let transform = Transform::new((PADDED * bins.max(1)).next_power_of_two());
+        (fastest * length > CYCLES && fastest * SLOWEST > 1.0).then_some(Clock {
+            rows,
+            starts,
+            some,
+            length,
+            fastest,
+            transform,
+        })
     }
 
     fn step(&self) -> f64 {
@@ -226,41 +281,59 @@ impl Clock {
         ((self.fastest - self.slowest()) / self.step()).max(0.0) as usize + 1
     }
 
-    /// The frequency that explains most, Hz: first of all runs each for itself, then of more and more of the time together.
+    /// The frequency that explains most, Hz: first of some runs each for itself, then of more and more of the time together.
     fn best(&self, sums: &[f64]) -> Option<f64> {
-        let runs = self.some.len();
-        let powers = |frequency: f64| {
-            let mut waves = vec![[0.0; 2]; runs];
-            for ((run, time), sum) in self.rows.iter().zip(sums) {
-                if *sum != 0.0 && self.some[*run] {
-                    let (sine, cosine) = (TAU * frequency * time).sin_cos();
-                    waves[*run][0] += sum * sine;
-                    waves[*run][1] += sum * cosine;
+        let runs = self.starts.len();
+        let step = 1.0 / (PER_CYCLE * self.fastest);
+        let mut bins: Vec<Vec<f64>> = vec![Vec::new(); runs];
+        for ((run, time), sum) in self.rows.iter().zip(sums) {
+            if let Some(own) = bins.get_mut(*run).filter(|_| self.some.get(*run) == Some(&true) && *sum != 0.0) {
+                let place = ((time - self.starts[*run]) / step).round() as usize;
+                if place < self.transform.length() / PADDED {
+                    own.resize(own.len().max(place + 1), 0.0);
+                    own[place] += sum;
                 }
             }
-            waves.into_iter().map(|[sine, cosine]| sine * sine + cosine * cosine).collect::<Vec<f64>>()
-        };
-        let grid = (0..self.count()).map(|k| self.slowest() + k as f64 * self.step());
-        let (_, mut frequency) = grid
-            .map(|frequency| (powers(frequency).iter().sum::<f64>(), frequency))
-            .max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let own = powers(frequency);
-        let strongest = (0..runs).max_by(|&a, &b| own[a].total_cmp(&own[b]))?;
-        let of_run: Vec<f64> = self.rows.iter().filter(|(run, _)| *run == strongest).map(|(_, time)| *time).collect();
-        let middle = f64::midpoint(*of_run.first()?, *of_run.last()?);
-        let whole = self.rows.iter().map(|(_, time)| (time - middle).abs()).fold(0.0, f64::max);
+        }
+        let hertz = 1.0 / (step * self.transform.length() as f64);
+        let (from, until) = ((self.slowest() / hertz).ceil() as usize, (self.fastest / hertz) as usize);
+        let mut powers = vec![0.0; until + 2];
+        for own in bins.iter().filter(|own| !own.is_empty()) {
+            let of_run = self.transform.powers(own, until + 2);
+            powers.iter_mut().zip(of_run).for_each(|(sum, power)| *sum += power);
+        }
+        let mut frequency = hertz * sweep::top(&powers, from..until + 1);
+        // What is left, turned back by this frequency, in short pieces: frequencies near by turn them a little.
+        let piece = self.length / PIECES;
+        let mut pieces: Vec<(f64, [f64; 2])> = Vec::new();
+        let mut last = (usize::MAX, 0);
+        for ((run, time), sum) in self.rows.iter().zip(sums) {
+            let number = ((time - self.starts[*run]) / piece) as usize;
+            if (*run, number) != last {
+                last = (*run, number);
+                pieces.push((self.starts[*run] + (number as f64 + 0.5) * piece, [0.0; 2]));
+            }
+            if let Some((_, own)) = pieces.last_mut().filter(|_| *sum != 0.0) {
+                let (sine, cosine) = (TAU * frequency * time).sin_cos();
+                own[0] += sum * cosine;
+                own[1] -= sum * sine;
+            }
+        }
+        let size = |own: &[f64; 2]| own[0].hypot(own[1]);
+        let strongest = pieces.iter().max_by(|a, b| size(&a.1).total_cmp(&size(&b.1)))?;
+        let middle = strongest.0;
+        let first = frequency;
+        let whole = pieces.iter().map(|(time, _)| (time - middle).abs()).fold(0.0, f64::max);
         let mut half = self.length / 2.0;
         loop {
             let power = |frequency: f64| {
-                let (mut sines, mut cosines) = (0.0, 0.0);
-                for ((_, time), sum) in self.rows.iter().zip(sums) {
-                    if *sum != 0.0 && (time - middle).abs() <= half {
-                        let (sine, cosine) = (TAU * frequency * (time - middle)).sin_cos();
-                        sines += sum * sine;
-                        cosines += sum * cosine;
-                    }
+                let (mut real, mut imaginary) = (0.0, 0.0);
+                for (time, own) in pieces.iter().filter(|(time, _)| (time - middle).abs() <= half) {
+                    let (sine, cosine) = (TAU * (frequency - first) * (time - middle)).sin_cos();
+                    real += own[0] * cosine + own[1] * sine;
+                    imaginary += own[1] * cosine - own[0] * sine;
                 }
-                sines * sines + cosines * cosines
+                real * real + imaginary * imaginary
             };
             let near = (-6..=6).map(|k| frequency + f64::from(k) / (16.0 * half));
             frequency = near.map(|one| (power(one), one)).max_by(|a, b| a.0.total_cmp(&b.0))?.1;

@@ -1,21 +1,55 @@
 //! Periods in position: which one of many a residual has, without trying each in full.
 //!
 //! For readings r with factors f at positions x, |Σ f r exp(2πi x/p)|² against half of Σ f² is what a sine and a cosine of period p would explain
-//! were they at right angles to all else. Positions are put into bins that are fine beside the shortest period, so that a period costs
-//! bins, not readings. What comes out is a proposal: how much it explains is found in full.
+//! were they at right angles to all else. Positions are put into bins that are fine beside the shortest period, and a Fourier transform gives
+//! all periods at once. What comes out is a proposal: how much it explains is found in full.
 
-use std::f64::consts::TAU;
+use std::fmt;
+use std::sync::Arc;
+
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftPlanner};
 
 /// Bins over the travel.
 const BINS: usize = 4096;
+/// Bins of the transform: the travel and so many times nothing behind it, so that no peak falls between two frequencies.
+const LENGTH: usize = 8 * BINS;
 /// Cycles over the travel, at least: fewer are smooth.
 const FEWEST: f64 = 3.0;
 /// At most: a tenth of a radian for a bin.
 const MOST: f64 = 130.0;
-/// Steps of the grid for one cycle more over the travel.
+/// Periods that are told apart for one cycle more over the travel.
 const STEPS: f64 = 3.0;
-/// Finer steps about the best one.
-const FINE: i32 = 10;
+
+/// A Fourier transform of real numbers with nothing behind them.
+#[derive(Clone)]
+pub(super) struct Transform(Arc<dyn Fft<f64>>);
+
+impl Transform {
+    /// To so many frequencies.
+    pub(super) fn new(length: usize) -> Transform {
+        Transform(FftPlanner::new().plan_fft_forward(length.max(1)))
+    }
+
+    /// How many.
+    pub(super) fn length(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Squares of the amplitudes of the first frequencies, from 0 on.
+    pub(super) fn powers(&self, values: &[f64], first: usize) -> Vec<f64> {
+        let mut all: Vec<Complex<f64>> = values.iter().map(|&value| Complex::new(value, 0.0)).collect();
+        all.resize(self.length(), Complex::default());
+        self.0.process(&mut all);
+        all.iter().take(first).map(|one| one.norm_sqr()).collect()
+    }
+}
+
+impl fmt::Debug for Transform {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Transform({})", self.length())
+    }
+}
 
 /// Positions in bins.
 #[derive(Clone, Debug)]
@@ -23,6 +57,7 @@ pub(super) struct Sweep {
     travel: f64,
     most: f64,
     bins: Vec<u32>,
+    transform: Transform,
 }
 
 impl Sweep {
@@ -42,7 +77,8 @@ impl Sweep {
             let share = if place.is_finite() { (place - first) / travel } else { 0.0 };
             (share * (BINS - 1) as f64).round() as u32
         };
-        (most > FEWEST).then(|| Sweep { travel, most, bins: positions.iter().map(bin).collect() })
+        let bins = || positions.iter().map(bin).collect();
+        (most > FEWEST).then(|| Sweep { travel, most, bins: bins(), transform: Transform::new(LENGTH) })
     }
 
     /// The range of the positions.
@@ -63,30 +99,29 @@ impl Sweep {
                 *sum += product;
             }
         }
-        let power = |cycles: f64| {
-            let (turn_sin, turn_cos) = (TAU * cycles / (BINS - 1) as f64).sin_cos();
-            let (mut sin, mut cos) = (0.0, 1.0);
-            let (mut sines, mut cosines) = (0.0, 0.0);
-            for value in &bins {
-                sines += value * sin;
-                cosines += value * cos;
-                (sin, cos) = (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin);
-            }
-            sines * sines + cosines * cosines
-        };
-        let better = |best: (f64, f64), cycles: f64| {
-            let own = power(cycles);
-            if own > best.0 { (own, cycles) } else { best }
-        };
-        let coarse = (0..self.count()).map(|k| FEWEST + k as f64 / STEPS).fold((0.0, FEWEST), better);
-        let near = (-FINE..=FINE).map(|k| coarse.1 + f64::from(k) / (STEPS * f64::from(FINE)));
-        let fine = near.fold(coarse, better);
-        self.travel / fine.1
+        // Cycles over the travel of each frequency.
+        let step = (BINS - 1) as f64 / self.transform.length() as f64;
+        let (from, until) = ((FEWEST / step).ceil() as usize, (self.most / step) as usize);
+        let powers = self.transform.powers(&bins, until + 2);
+        self.travel / (step * top(&powers, from..until + 1))
     }
+}
+
+/// Where the largest of some values is, between them as a parabola has it.
+pub(super) fn top(powers: &[f64], range: std::ops::Range<usize>) -> f64 {
+    let at = |place: usize| powers.get(place).copied().unwrap_or(0.0);
+    let start = range.start;
+    let best = range.max_by(|&a, &b| at(a).total_cmp(&at(b))).unwrap_or(start);
+    let (before, own, behind) = (at(best.saturating_sub(1)), at(best), at(best + 1));
+    let bend = before - 2.0 * own + behind;
+    let shift = if bend < 0.0 { 0.5 * (before - behind) / bend } else { 0.0 };
+    best as f64 + shift.clamp(-0.5, 0.5)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
 
     #[test]

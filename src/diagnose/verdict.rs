@@ -2,7 +2,7 @@
 
 use super::account::{Account, swing};
 use super::cause::{CAUSES, Candidate, Cause, Effect};
-use super::fold::{WORTH, confirmed, counts, unseen};
+use super::fold::{Selections, WORTH, confirmed, counts, unseen};
 use super::held::{Compared, compare};
 use super::noise::{self, is_angle};
 use super::readings::{doing, drop_far, left_of, projected, rms, weights};
@@ -101,7 +101,8 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
         }
     }
     let mut rejections = Rejections::default();
-    let mut kept = confirm(&mut field, &weights, taken, &mut rejections, note);
+    let mut selections = Selections::new();
+    let mut kept = confirm(&mut field, &weights, taken, (&mut selections, &mut rejections), note);
     for _ in 0..AGAIN {
         let known: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
         note("search again", 0.0);
@@ -109,7 +110,7 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
         if taken.len() == known.len() || known.is_empty() {
             break;
         }
-        let again = confirm(&mut field, &weights, taken, &mut rejections, note);
+        let again = confirm(&mut field, &weights, taken, (&mut selections, &mut rejections), note);
         if again.len() <= kept.len() {
             break;
         }
@@ -129,7 +130,7 @@ fn confirm(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     taken: Vec<usize>,
-    rejections: &mut Rejections,
+    (selections, rejections): (&mut Selections, &mut Rejections),
     note: &mut dyn FnMut(&str, f64),
 ) -> Vec<(Taken, f64)> {
     let judged = field.backward(weights, taken, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
@@ -138,7 +139,7 @@ fn confirm(
     let is_in = |term: &Taken| judged.iter().any(|other| other.candidate == term.candidate);
     all.iter().filter(|term| !is_in(term)).for_each(|term| rejections.add(term, Gate::Size, None));
     let mut out = |term: &Taken, gain| rejections.add(term, Gate::Unseen, gain);
-    confirmed(field, weights, judged, &mut out, &mut |share| note("held-out parts", share))
+    confirmed(field, weights, judged, selections, &mut out, &mut |share| note("held-out parts", share))
 }
 
 fn propose(scene: &Scene<'_>) -> Vec<Candidate> {
@@ -325,10 +326,10 @@ fn class(
         .collect();
     rivals.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut class: Vec<usize> = Vec::new();
-    let mut names: Vec<(&'static str, Effect, String)> = Vec::new();
+    let mut names: Vec<(Effect, String)> = Vec::new();
     for place in std::iter::once(number).chain(rivals.into_iter().map(|(_, place)| place)) {
         if let Some(one) = field.candidates.get(place) {
-            let name = (one.cause.name, one.cause.effect, one.parameter.clone());
+            let name = (one.cause.effect, one.parameter.clone());
             if !names.contains(&name) {
                 names.push(name);
                 class.push(place);

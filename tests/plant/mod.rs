@@ -26,5 +26,6 @@ mod write;
 pub(crate) use bench::{BENCHES, Bench};
 pub(crate) use case::{Case, File, Recipe, case};
 pub(crate) use catalogue::{NOT_SHOWN, rows_shown};
+pub(crate) use effect::Hidden;
 pub(crate) use fault::{FAULTS, Fault, FaultKind, is_possible};
 pub(crate) use unknown::{UNKNOWNS, Unknown};

@@ -22,16 +22,20 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
             let middle = |[low, high]: [f64; 2]| f64::midpoint(low, high);
             let (own, across) = (middle(own), middle(across));
             let product = Weight::new(move |row| (row.position[axis] - own) * (row.position[other] - across));
-            let alone = Weight::new(move |row| row.position[other] - across);
+            // What each does alone may come with it: from where a product is counted is anybody's choice.
+            let alone = [
+                Weight::new(move |row| row.position[other] - across),
+                Weight::new(move |row| row.position[axis] - own),
+            ];
             for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
                 let through = Through::Component(name);
                 let one = Candidate::one(&CAUSE, name, through, product.clone()).driven_by(&[&axis, &other]);
-                let mut both = one.clone();
-                both.columns.push(vec![(through, alone.clone())]);
+                let mut all = one.clone();
+                all.columns.extend(alone.iter().map(|weight| vec![(through, weight.clone())]));
                 out.push(one);
                 // Rotary with linear ones only as they are: there are many.
                 if later < place || !other.is_rotary() {
-                    out.push(both);
+                    out.push(all);
                 }
             }
         }

@@ -20,15 +20,11 @@ pub(super) const EVENT: Cause = Cause {
     shown_by: "a step in the readings of one pose that fades",
     separate_by: "a log of what happened when; the same again",
     correctable: Correctable::No,
-    propose: event,
+    propose: |_, _| {},
 };
 
 /// Degrees that are tried together.
 const DEGREES: usize = 3;
-/// Instants at which something may have happened, over the time of a measurement.
-const INSTANTS: u32 = 24;
-/// Times over which it fades, as shares of that.
-const FADES: [f64; 4] = [0.025, 0.05, 0.1, 0.2];
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let Some([start, end]) = super::times(scene) else { return };
@@ -47,29 +43,13 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     }
 }
 
-/// Only where one pose is read over and over: elsewhere what comes with time comes with place.
-fn event(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let Some([start, end]) = super::times(scene) else { return };
-    if super::axes(scene).filter(|&axis| super::range(scene, axis).is_some()).count() > 1 {
-        return;
-    }
-    let sets = scene.rows.iter().map(|row| row.set).max().unwrap_or(0);
-    for set in 0..=sets.min(3) {
-        for instant in 0..INSTANTS {
-            let at = start + (end - start) * f64::from(instant) / f64::from(INSTANTS);
-            for fade in FADES {
-                let fade = fade * (end - start);
-                let weight = Weight::new(move |row| {
-                    row.time_s
-                        .filter(|&time| row.set == set && time >= at)
-                        .map_or(0.0, |time| (-(time - at) / fade).exp())
-                });
-                for direction in 0..3 {
-                    let mut one = Candidate::one(&EVENT, tip(direction), Through::Tip(direction), weight.clone());
-                    one.constant = Some((fade, "s"));
-                    out.push(one.driven_by(&[&"t_s"]));
-                }
-            }
-        }
-    }
+/// What fades behind an instant in one measurement.
+pub(in crate::diagnose) fn behind(direction: usize, set: usize, instant: f64, fade: f64) -> Candidate {
+    let weight = Weight::new(move |row| {
+        let since = row.time_s.filter(|&time| row.set == set && time >= instant);
+        since.map_or(0.0, |time| (-(time - instant) / fade).exp())
+    });
+    let mut one = Candidate::one(&EVENT, tip(direction), Through::Tip(direction), weight);
+    one.constant = Some((fade, "s"));
+    one.driven_by(&[&"t_s"])
 }

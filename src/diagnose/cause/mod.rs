@@ -8,7 +8,7 @@ mod backlash;
 pub mod catalogue;
 pub(in crate::diagnose) mod circle;
 mod cross;
-mod drift;
+pub(in crate::diagnose) mod drift;
 mod load;
 mod location;
 mod motion;
@@ -16,7 +16,7 @@ pub(in crate::diagnose) mod periodic;
 mod servo;
 mod setup;
 mod spike;
-mod thermal;
+pub(in crate::diagnose) mod thermal;
 mod unnamed;
 pub(in crate::diagnose) mod vibration;
 
@@ -309,7 +309,7 @@ impl fmt::Display for Effect {
 }
 
 /// The axes of a scene.
-fn axes(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
+pub(in crate::diagnose) fn axes(scene: &Scene<'_>) -> impl Iterator<Item = Axis> {
     scene.machine.axes.iter().flatten().map(|data| data.axis)
 }
 

@@ -62,9 +62,18 @@ fn moving(scene: &Scene<'_>, of: fn(&crate::diagnose::row::Row) -> Option<AxisVe
     axes.filter(|&axis| scene.rows.iter().any(|row| of(row).is_some_and(|value| value[axis] != 0.0))).collect()
 }
 
-/// What a lag of an axis by a second does to it.
-fn lag(axis: Axis, factor: f64) -> Weight {
-    Weight::new(move |row| -factor * row.velocity.map_or(0.0, |velocity| velocity[axis]))
+/// An axis that is ahead of its command: errors are those of the moving body, which a table goes the other way round.
+fn ahead(scene: &Scene<'_>, axis: Axis) -> (Through, f64) {
+    let data = scene.machine.axes.iter().flatten().find(|data| data.axis == axis);
+    let along = data.and_then(|data| data.direction.get(axis.dimension()).copied()).unwrap_or(1.0);
+    (Through::Component(super::own(axis)), if along < 0.0 { -1.0 } else { 1.0 })
+}
+
+/// What a lag of an axis by `factor` seconds does to it.
+fn lag(scene: &Scene<'_>, axis: Axis, factor: f64) -> (Through, Weight) {
+    let (through, sense) = ahead(scene, axis);
+    let by = -factor * sense;
+    (through, Weight::new(move |row| by * row.velocity.map_or(0.0, |velocity| velocity[axis])))
 }
 
 /// The pair that an axis leads in its plane: XY, YZ, ZX.
@@ -83,10 +92,7 @@ fn mismatch(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         for &other in axes.iter().filter(|&&other| other != one && together(one, other)) {
             others += 1;
             if other.dimension() == (one.dimension() + 1) % 3 {
-                let parts = vec![
-                    (Through::Component(super::own(one)), lag(one, 0.5)),
-                    (Through::Component(super::own(other)), lag(other, -0.5)),
-                ];
+                let parts = vec![lag(scene, one, 0.5), lag(scene, other, -0.5)];
                 let mut candidate = Candidate::one(&MISMATCH, format!("{one}{other}"), parts[0].0, parts[0].1.clone());
                 candidate.drivers = vec!["feed_mm_min".into(), one.to_string(), other.to_string()];
                 // The amounts of both are one number: the difference of the lags.
@@ -96,8 +102,8 @@ fn mismatch(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         }
         // One axis that is later than two others.
         if others > 1 {
-            let candidate =
-                Candidate::one(&MISMATCH, pair(&axes, one), Through::Component(super::own(one)), lag(one, 1.0));
+            let (through, weight) = lag(scene, one, 1.0);
+            let candidate = Candidate::one(&MISMATCH, pair(&axes, one), through, weight);
             out.push(candidate.driven_by(&[&"feed_mm_min", &one]));
         }
     }
@@ -106,15 +112,17 @@ fn mismatch(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
 fn following(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let axes = moving(scene, |row| row.velocity);
     for &axis in &axes {
-        let one = Candidate::one(&FOLLOWING, axis, Through::Component(super::own(axis)), lag(axis, 1.0));
+        let (through, weight) = lag(scene, axis, 1.0);
+        let one = Candidate::one(&FOLLOWING, axis, through, weight);
         out.push(one.driven_by(&[&"feed_mm_min", &axis]));
     }
     // What is left of a lag of first order when its delay is taken out: half of its square towards the centre.
     let axes = moving(scene, |row| row.acceleration);
     let half = |axis: &Axis| {
         let axis = *axis;
-        let weight = Weight::new(move |row| row.acceleration.map_or(0.0, |acceleration| acceleration[axis] / 2.0));
-        (Through::Component(super::own(axis)), weight)
+        let (through, sense) = ahead(scene, axis);
+        let half = sense / 2.0;
+        (through, Weight::new(move |row| half * row.acceleration.map_or(0.0, |acceleration| acceleration[axis])))
     };
     let parts: Vec<(Through, Weight)> = axes.iter().map(half).collect();
     if let Some((through, weight)) = parts.first().cloned()
@@ -134,11 +142,12 @@ fn delay(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let start = super::times(scene).map(|[start, _]| start);
     let all = |clock: Option<f64>| -> Vec<(Through, Weight)> {
         let part = |&axis: &Axis| {
+            let (through, sense) = ahead(scene, axis);
             let weight = Weight::new(move |row| {
                 let since = clock.map_or(1.0, |start| row.time_s.map_or(0.0, |time| time - start));
-                -since * row.velocity.map_or(0.0, |velocity| velocity[axis])
+                -sense * since * row.velocity.map_or(0.0, |velocity| velocity[axis])
             });
-            (Through::Component(super::own(axis)), weight)
+            (through, weight)
         };
         axes.iter().map(part).collect()
     };

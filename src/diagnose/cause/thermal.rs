@@ -71,26 +71,43 @@ fn sensors(scene: &Scene<'_>) -> Vec<Sensor> {
         .collect();
     names.sort_unstable();
     names.dedup();
-    let mut out = Vec::new();
-    for name in names {
-        let Some(values) = sensor_values(scene.sets, name) else { continue };
-        let reference = scene.machine.reference_temperature_c;
-        for lag_s in LAGS_S {
-            let lagged: Option<Vec<Vec<f64>>> = scene
-                .sets
-                .iter()
-                .zip(values.iter())
-                .map(|(set, values)| {
-                    let times: Vec<Option<f64>> = set.observations.iter().map(|one| one.t_s).collect();
-                    lagged(&times, values, lag_s).map(|all| all.iter().map(|value| value - reference).collect())
-                })
-                .collect();
-            if let Some(lagged) = lagged {
-                out.push(Sensor { name: name.to_owned(), lag_s, values: Arc::new(lagged) });
-            }
+    names.into_iter().flat_map(|name| LAGS_S.into_iter().filter_map(|lag_s| sensor(scene, name, lag_s))).collect()
+}
+
+fn sensor(scene: &Scene<'_>, name: &str, lag_s: f64) -> Option<Sensor> {
+    let values = sensor_values(scene.sets, name)?;
+    let reference = scene.machine.reference_temperature_c;
+    let of_set = |(set, values): (&crate::measure::data::DataSet, &Vec<f64>)| -> Option<Vec<f64>> {
+        let times: Vec<Option<f64>> = set.observations.iter().map(|one| one.t_s).collect();
+        lagged(&times, values, lag_s).map(|all| all.iter().map(|value| value - reference).collect())
+    };
+    let lagged: Option<Vec<Vec<f64>>> = scene.sets.iter().zip(values.iter()).map(of_set).collect();
+    lagged.map(|lagged| Sensor { name: name.to_owned(), lag_s, values: Arc::new(lagged) })
+}
+
+/// Between which time constants the one lies that was tried: its neighbours.
+pub(in crate::diagnose) fn around(lag_s: f64) -> Option<[f64; 2]> {
+    let place = LAGS_S.iter().position(|own| *own == lag_s).filter(|place| *place > 0)?;
+    let below = LAGS_S.get(place - 1).copied().filter(|lag| *lag > 0.0).unwrap_or(lag_s / 3.0);
+    Some([below, LAGS_S.get(place + 1).copied().unwrap_or(2.0 * lag_s)])
+}
+
+/// The same candidate with another time constant; `None` where it has none.
+pub(in crate::diagnose) fn with_lag(scene: &Scene<'_>, one: &Candidate, lag_s: f64) -> Option<Candidate> {
+    let sensor = sensor(scene, one.sensor.as_deref()?, lag_s)?;
+    let (through, _) = one.columns.first()?.first()?;
+    let even = || sensor.weight(|_| 1.0);
+    let weights = match (one.cause.effect, through) {
+        (Effect::ThermalDrift, _) => vec![even()],
+        (Effect::ThermalSquareness, _) if one.drivers.len() == 1 => vec![even()],
+        (Effect::ThermalExpansion, Through::Component(name)) => {
+            let axis = name.axis()?;
+            vec![sensor.weight(move |row| row.position[axis]), even()]
         }
-    }
-    out
+        _ => return None,
+    };
+    let columns = weights.into_iter().take(one.columns.len()).map(|weight| vec![(*through, weight)]).collect();
+    Some(Candidate { columns, constant: Some((lag_s, "s")), ..one.clone() })
 }
 
 /// As a body follows with dT/dt = (sensor − T)/τ, beginning with the first reading; `None` for a lag without times in order.

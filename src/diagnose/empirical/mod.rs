@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use super::cause::{self, Candidate};
 use super::scene::{NO_ROW, Scene, Through};
+use super::sweep::Sweep;
 use crate::geometry::Axis;
 
 /// Bins over a driver.
@@ -40,6 +41,8 @@ struct Driver {
     is_sense: bool,
     /// Whether it is a length in space.
     is_length: bool,
+    /// Its periods, of a length.
+    sweep: Option<Sweep>,
 }
 
 /// How a shape is made of one driver or two.
@@ -87,7 +90,7 @@ impl Empirical {
             let goes_round = cause::range(scene, axis).is_some_and(|[low, high]| high - low > 3.2);
             let values = scene.rows.iter().map(|row| if goes_round { of(row) } else { row.position[axis] });
             let own = driver(axis.to_string(), values.collect(), false);
-            drivers.extend(own.map(|driver| Driver { is_length: !axis.is_rotary(), ..driver }));
+            drivers.extend(own.map(|driver| if axis.is_rotary() { driver } else { driver.length() }));
         }
         // Where tools differ, a place in the workpiece is not a position of an axis.
         for &axis in axes.iter().filter(|axis| !axis.is_rotary()) {
@@ -95,7 +98,7 @@ impl Empirical {
             let first = scene.rows.first().map_or(0.0, tool);
             if scene.rows.iter().any(|row| (tool(row) - first).abs() > 1.0) {
                 let values = scene.rows.iter().map(|row| row.position[axis] + tool(row)).collect();
-                drivers.extend(driver(axis.to_string(), values, false).map(|own| Driver { is_length: true, ..own }));
+                drivers.extend(driver(axis.to_string(), values, false).map(Driver::length));
             }
         }
         for &axis in &axes {
@@ -203,10 +206,15 @@ fn driver(name: String, values: Vec<f64>, is_sense: bool) -> Option<Driver> {
         }
     };
     let bins = values.iter().map(bin).collect();
-    Some(Driver { name, bins, values: Arc::new(values), low, high, is_sense, is_length: false })
+    Some(Driver { name, bins, values: Arc::new(values), low, high, is_sense, is_length: false, sweep: None })
 }
 
 impl Driver {
+    fn length(self) -> Driver {
+        let sweep = Sweep::new(&self.values);
+        Driver { is_length: true, sweep, ..self }
+    }
+
     fn edge(&self, edge: usize) -> f64 {
         self.low + (self.high - self.low) * edge as f64 / BINS as f64
     }

@@ -1,7 +1,6 @@
 //! Which shapes over two drivers are promising: by the means over bins, and for bumps and waves by a grid.
 
 use super::{BINS, BUMPS, Empirical, Form, KNOTS, NONE, SOME};
-use crate::diagnose::sweep::Sweep;
 
 impl Empirical {
     pub(super) fn forms(&self, a: usize, b: usize, sums: &[[f64; 2]], price: f64, out: &mut Vec<(f64, Form)>) {
@@ -178,7 +177,7 @@ impl Empirical {
             return;
         }
         for (b, driver) in self.drivers.iter().enumerate().filter(|(_, driver)| driver.is_length) {
-            let Some(sweep) = Sweep::new(&driver.values) else { continue };
+            let Some(sweep) = &driver.sweep else { continue };
             for pair in feeds.windows(2) {
                 let edge = f64::midpoint(pair[0], pair[1]);
                 for side in [1.0, -1.0] {

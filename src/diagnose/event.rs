@@ -1,0 +1,105 @@
+//! When something happened that faded: all instants and many times over which it may have faded, in one pass over the rows for each of these.
+
+use super::cause;
+use super::scene::Scene;
+
+/// Times over which it may fade, from the shortest to the longest, as shares of the time that was measured.
+const FADES: u32 = 24;
+const SHORTEST: f64 = 0.01;
+const LONGEST: f64 = 0.5;
+/// Fades that are told apart: 1 + 1/2 + 1/4 … times the number of the shortest, and instants half as far apart as it fades.
+const APART: f64 = 4.0;
+/// Rows behind an instant and before it, at least.
+const FEWEST: usize = 5;
+
+/// Rows with times by measurement, the first in time first.
+#[derive(Clone, Debug)]
+pub(super) struct Events {
+    sets: Vec<Vec<(usize, f64)>>,
+    fades: Vec<f64>,
+}
+
+/// What happened in one measurement.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Event {
+    pub(super) set: usize,
+    /// s.
+    pub(super) instant: f64,
+    /// s.
+    pub(super) fade: f64,
+}
+
+impl Events {
+    /// Only where one pose is read over and over: elsewhere what comes with time comes with place.
+    pub(super) fn new(scene: &Scene<'_>) -> Option<Events> {
+        let [start, end] = cause::times(scene)?;
+        if cause::axes(scene).filter(|&axis| cause::range(scene, axis).is_some()).count() > 1 {
+            return None;
+        }
+        let mut sets: Vec<Vec<(usize, f64)>> = vec![Vec::new(); scene.sets.len()];
+        for (number, row) in scene.rows.iter().enumerate() {
+            if let (Some(rows), Some(time)) = (sets.get_mut(row.set), row.time_s) {
+                rows.push((number, time));
+            }
+        }
+        sets.iter_mut().for_each(|rows| rows.sort_by(|a, b| a.1.total_cmp(&b.1)));
+        let growth = (LONGEST / SHORTEST).powf(1.0 / f64::from(FADES - 1));
+        let fades = (0..FADES).map(|k| (end - start) * SHORTEST * growth.powi(k as i32)).collect();
+        Some(Events { sets, fades })
+    }
+
+    /// How many are told apart: instants that are closer than the time over which it fades are not.
+    pub(super) fn count(&self) -> usize {
+        self.sets.len() * (APART / SHORTEST) as usize
+    }
+
+    /// The one that explains most beside a constant, by sums of factor times what is left and of squares of factors, by row.
+    pub(super) fn best(&self, sums: &[f64], information: &[f64]) -> Option<Event> {
+        let of = |values: &[f64], row: usize| values.get(row).copied().unwrap_or(0.0);
+        let mut best: Option<(f64, Event)> = None;
+        for (set, rows) in self.sets.iter().enumerate() {
+            let whole = rows.iter().map(|(row, _)| of(information, *row)).sum::<f64>();
+            let level = rows.iter().map(|(row, _)| of(sums, *row)).sum::<f64>();
+            if whole <= 0.0 {
+                continue;
+            }
+            for &fade in &self.fades {
+                // Sums over all rows from one on, each fading from there.
+                let (mut left, mut once, mut twice, mut behind) = (0.0, 0.0, 0.0, f64::NAN);
+                for (place, &(row, time)) in rows.iter().enumerate().rev() {
+                    let fades = if behind.is_nan() { 0.0 } else { (-(behind - time) / fade).exp() };
+                    behind = time;
+                    left = of(sums, row) + fades * left;
+                    once = of(information, row) + fades * once;
+                    twice = of(information, row) + fades * fades * twice;
+                    let own = twice - once * once / whole;
+                    if place < FEWEST || rows.len() - place < FEWEST || own <= 1e-6 * twice {
+                        continue;
+                    }
+                    let gain = (left - once * level / whole).powi(2) / own;
+                    if best.is_none_or(|(most, _)| gain > most) {
+                        best = Some((gain, Event { set, instant: time, fade }));
+                    }
+                }
+            }
+        }
+        best.map(|(_, event)| event)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_finds_the_instant() {
+        let rows: Vec<(usize, f64)> = (0..500).map(|k| (k, 60.0 * k as f64)).collect();
+        let events = Events { sets: vec![rows], fades: vec![900.0, 1800.0, 3600.0] };
+        let left: Vec<f64> =
+            (0..500).map(|k| if k < 200 { 0.0 } else { (-60.0 * f64::from(k - 200) / 1800.0).exp() }).collect();
+        let mean = left.iter().sum::<f64>() / 500.0;
+        let left: Vec<f64> = left.iter().map(|value| value - mean).collect();
+        let found = events.best(&left, &[1.0; 500]).unwrap();
+        assert_eq!((found.instant, found.fade), (12_000.0, 1800.0));
+    }
+}
