@@ -12,7 +12,7 @@ use crate::support::Shop;
 
 const HOSTILE: &str = "<script>alert(1)</script>";
 
-fn parsed(text: &str) -> Document<'_> {
+pub(crate) fn parsed(text: &str) -> Document<'_> {
     let options = ParsingOptions { allow_dtd: true, nodes_limit: 10_000_000, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).unwrap_or_else(|error| panic!("{error}"));
     assert!(document.descendants().all(|node| node.tag_name().name() != "script"));
@@ -25,7 +25,7 @@ fn parsed(text: &str) -> Document<'_> {
 }
 
 /// The cells of the rows of all tables.
-fn rows(document: &Document<'_>) -> Vec<Vec<String>> {
+pub(crate) fn rows(document: &Document<'_>) -> Vec<Vec<String>> {
     let rows = document.descendants().filter(|node| node.has_tag_name("tr"));
     rows.map(|row| {
         let cells = row.children().filter(|node| node.has_tag_name("td"));

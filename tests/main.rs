@@ -43,6 +43,7 @@ mod diagnose_causes;
 mod diagnose_extend;
 mod diagnose_faults;
 mod diagnose_rates;
+mod diagnose_report;
 mod emission;
 mod esmaeili;
 mod exec;

@@ -17,7 +17,7 @@ fn sound(picture: &impl Picture) -> String {
 }
 
 fn series(label: &str, points: Vec<(f64, f64)>, shape: Shape) -> Series {
-    Series { label: label.into(), points, errors: Vec::new(), shape }
+    Series { label: label.into(), points, errors: Vec::new(), shape, like: None }
 }
 
 /// All `d` of paths within a group of series.

@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     let version = env!("CARGO_PKG_VERSION");
     let mut report = calibration::Calibration { model: arguments.model.clone(), version, ..Default::default() };
-    let page = calibrated_report::target(arguments)?;
+    let page = calibrated_report::target(arguments.report.as_deref(), Some(&arguments.output), arguments.json)?;
     let mut result = calibrate(arguments, page.as_ref(), &mut findings, &mut report);
     if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
         result = calibrated_report::write(page, arguments, &findings, &mut report);

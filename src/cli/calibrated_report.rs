@@ -1,5 +1,7 @@
 //! `ncfix calibrate --report`: the page, and what it shows of each measurement.
 
+use std::path::Path;
+
 use super::arguments::CalibrateArguments;
 use super::findings::Findings;
 use super::input::is_standard_stream;
@@ -22,13 +24,13 @@ use crate::units::{um_from_mm, urad_from_rad};
 ///
 /// # Errors
 /// Where it cannot be written there.
-pub(super) fn target(arguments: &CalibrateArguments) -> Result<Option<Target>, Stop> {
-    let Some(path) = &arguments.report else { return Ok(None) };
-    if is_standard_stream(path) && (arguments.json || is_standard_stream(&arguments.output)) {
+pub(super) fn target(report: Option<&Path>, output: Option<&Path>, json: bool) -> Result<Option<Target>, Stop> {
+    let Some(path) = report else { return Ok(None) };
+    if is_standard_stream(path) && (json || output.is_some_and(is_standard_stream)) {
         return Err(Stop::Usage("standard output is taken already; give --report a file".into()));
     }
     let target = Target::new(path)?;
-    if !is_standard_stream(path) && (target.is(&arguments.output) || *path == arguments.output) {
+    if !is_standard_stream(path) && output.is_some_and(|output| target.is(output) || path == output) {
         return Err(Stop::Usage("--report and -o name the same file".into()));
     }
     Ok(Some(target))
@@ -45,13 +47,21 @@ pub(super) fn write(
     report: &mut Calibration,
 ) -> Result<(), Stop> {
     report.diagnostics = findings.json();
-    let text = page::calibration::calibration(report);
+    publish(target, &page::calibration::calibration(report))?;
+    report.report = arguments.report.as_ref().map(|path| path.display().to_string());
+    Ok(())
+}
+
+/// Writes a text as a whole.
+///
+/// # Errors
+/// Where it cannot be written.
+pub(super) fn publish(target: Target, text: &str) -> Result<(), Stop> {
     let mut spool = Spool::new(target)?;
     if let Err(error) = spool.writer().write_all(text.as_bytes()) {
         return Err(spool.fault(&error));
     }
     spool.publish(false)?;
-    report.report = arguments.report.as_ref().map(|path| path.display().to_string());
     Ok(())
 }
 
@@ -218,13 +228,14 @@ impl Held<'_> {
         if self.data.kind.name != "ballbar" {
             return Vec::new();
         }
-        let found = circles(machine, self.data);
-        found.iter().map(|circle| shown_circle(circle, self.data, points)).collect()
+        // Readings of a ball-bar are one to a row, in its order.
+        let number = |row: usize| points.binary_search_by_key(&(row + 1), |point| point.row).ok();
+        circles(machine, self.data).iter().map(|circle| shown_circle(circle, self.data, number)).collect()
     }
 }
 
 /// Times in a unit in which they are no long numbers; `None` where a reading has none.
-fn timed(times: Vec<f64>) -> Option<(String, Vec<f64>)> {
+pub(super) fn timed(times: Vec<f64>) -> Option<(String, Vec<f64>)> {
     if times.iter().any(|time| !time.is_finite()) {
         return None;
     }
@@ -238,7 +249,8 @@ fn timed(times: Vec<f64>) -> Option<(String, Vec<f64>)> {
     Some((format!("time in {unit}"), times.into_iter().map(|time| time / seconds).collect()))
 }
 
-fn shown_circle(found: &circles::Circle, data: &DataSet, points: &[Point]) -> Circle {
+/// A circle for pictures; `number` gives the number of the reading of a row.
+pub(super) fn shown_circle(found: &circles::Circle, data: &DataSet, number: impl Fn(usize) -> Option<usize>) -> Circle {
     let (plane, axes) = match found.main_plane() {
         Some(0) => ("XY".to_owned(), ["X", "Y"].map(String::from)),
         Some(1) => ("YZ".to_owned(), ["Y", "Z"].map(String::from)),
@@ -248,8 +260,6 @@ fn shown_circle(found: &circles::Circle, data: &DataSet, points: &[Point]) -> Ci
             (format!("in the plane at {azimuth}"), [azimuth, "Z".to_owned()])
         }
     };
-    // Readings of a ball-bar are one to a row, in its order.
-    let number = |row: usize| points.binary_search_by_key(&(row + 1), |point| point.row).ok();
     Circle {
         setup: found.setup,
         plane,

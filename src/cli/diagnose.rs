@@ -6,22 +6,26 @@ use super::arguments::DiagnoseArguments;
 use super::exit_code::ExitCode;
 use super::extended;
 use super::findings::Findings;
-use super::input::is_standard_stream;
+use super::input::{self, is_standard_stream};
 use super::machine_choice::{self, Chosen};
 use super::measurement::{self, description_of};
 use super::output::Target;
 use super::program::protect;
 use super::progress::Progress;
 use super::stop::Stop;
-use super::{diagnose_faults, print, tell};
-use crate::diagnose::cause::{Cause, Correctable};
+use super::{calibrated_report, diagnose_faults, diagnosed_report, print, tell};
+use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::extension;
-use crate::diagnose::{Compared, Diagnosis, Finding, Scene, Sizes, Source, diagnose, fault, reads_angles};
+use crate::diagnose::{
+    Compared, Diagnosis, Finding, Rejected, Scene, Sizes, Source, diagnose, fault, reads_angles, shape,
+};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
+use crate::report::diagnosis::readings::Shown;
 use crate::report::diagnosis::{self, DataFault, SCHEMA};
-use crate::report::json;
+use crate::report::{json, page};
+use crate::source::FileId;
 use crate::units::{um_from_mm, urad_from_rad};
 
 /// Diagnoses.
@@ -33,8 +37,17 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
         ));
     }
     let mut findings = Findings::default();
-    let mut report = diagnosis::Diagnosis { schema: SCHEMA, ..Default::default() };
-    let result = find(arguments, &mut findings, &mut report);
+    let mut report = diagnosis::Diagnosis { schema: SCHEMA, unit: "um", ..Default::default() };
+    let mut shown = Shown { version: env!("CARGO_PKG_VERSION"), ..Shown::default() };
+    let page = calibrated_report::target(arguments.report.as_deref(), arguments.output.as_deref(), arguments.json)?;
+    let mut result = find(arguments, page.as_ref(), &mut findings, &mut report, &mut shown);
+    if let (Some(page), Ok(())) = (page.filter(|_| !shown.inputs.is_empty()), &result) {
+        report.diagnostics = findings.json();
+        result = calibrated_report::publish(page, &page::diagnosis::diagnosis(&report, &shown));
+        if result.is_ok() {
+            report.report = arguments.report.as_ref().map(|path| path.display().to_string());
+        }
+    }
     if result.is_ok() && arguments.json {
         report.diagnostics = findings.json();
         print(&json::line(&report).map_err(Stop::Usage)?)?;
@@ -43,37 +56,52 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
     findings.draw();
     result?;
     if report.readings > 0 {
-        let page = report.page();
-        if goes_out {
-            tell(&page);
+        let text = report.page();
+        if goes_out || arguments.report.as_deref().is_some_and(is_standard_stream) {
+            tell(&text);
         } else {
-            print(&page)?;
+            print(&text)?;
         }
     }
     if findings.has_errors() {
-        tell(&format!("{}; nothing was written\n", findings.count()));
+        let what = if report.report.is_some() { "only the page" } else { "nothing" };
+        tell(&format!("{}; {what} was written\n", findings.count()));
     }
     Ok(findings.exit_code())
 }
 
-fn find(arguments: &DiagnoseArguments, findings: &mut Findings, report: &mut diagnosis::Diagnosis) -> Result<(), Stop> {
+fn find(
+    arguments: &DiagnoseArguments,
+    page: Option<&Target>,
+    findings: &mut Findings,
+    report: &mut diagnosis::Diagnosis,
+    shown: &mut Shown,
+) -> Result<(), Stop> {
     let first = arguments.data.first().map_or(Path::new("."), PathBuf::as_path);
     let target = arguments.output.as_deref().map(Target::new).transpose()?;
     let Some(chosen) = machine_choice::choose(&arguments.machine, first, findings)? else { return Ok(()) };
     report.machine.clone_from(&chosen.machine.name);
-    if let Some(target) = &target {
-        if chosen.is_demo {
-            return Err(Stop::Usage("-o extends a machine file; give it with --machine".into()));
-        }
-        let mut inputs = chosen.files.clone();
-        for path in arguments.data.iter().chain(&arguments.holdout) {
-            inputs.extend([path.clone(), description_of(path)?]);
-        }
-        protect(target, &inputs, findings);
+    if target.is_some() && chosen.is_demo {
+        return Err(Stop::Usage("-o extends a machine file; give it with --machine".into()));
+    }
+    let mut inputs = chosen.files.clone();
+    for path in arguments.data.iter().chain(&arguments.holdout) {
+        inputs.extend([path.clone(), description_of(path)?]);
+    }
+    target.iter().chain(page).for_each(|target| protect(target, &inputs, findings));
+    if findings.has_errors() {
+        return Ok(());
+    }
+    for path in &chosen.files {
+        shown.inputs.push(calibrated_report::machine_input(&input::read(path, FileId(0))?));
     }
     let mut sets: Vec<DataSet> = Vec::new();
     for (number, path) in arguments.data.iter().chain(&arguments.holdout).enumerate() {
-        sets.extend(measurement::read(path, number, false, &chosen.machine, findings)?.map(|one| one.data));
+        let read = measurement::read(path, number, false, &chosen.machine, findings)?;
+        if let Some(one) = &read {
+            shown.inputs.extend(calibrated_report::inputs(one, number >= arguments.data.len()));
+        }
+        sets.extend(read.map(|one| one.data));
     }
     if findings.has_errors() {
         return Ok(());
@@ -99,6 +127,9 @@ fn find(arguments: &DiagnoseArguments, findings: &mut Findings, report: &mut dia
     let found = diagnose(&of_model, &bare, used, &mut |what, share| progress.share(what, share));
     progress.clear();
     tell_all(&found, &of_model, (&sets, used), report);
+    if page.is_some() {
+        diagnosed_report::fill(&found, &of_model, used, shown);
+    }
     if let Some(target) = target {
         let extension = extension(&found, &of_model, used);
         let job = extended::Job { chosen: &chosen, scene: &of_model, used, found: &found, extension };
@@ -123,7 +154,9 @@ fn tell_all(
     (sets, used): (&[DataSet], usize),
     report: &mut diagnosis::Diagnosis,
 ) {
-    let micro = if reads_angles(scene) { urad_from_rad(1.0) } else { um_from_mm(1.0) };
+    let of_angles = reads_angles(scene);
+    let micro = if of_angles { urad_from_rad(1.0) } else { um_from_mm(1.0) };
+    report.unit = if of_angles { "urad" } else { "um" };
     let level = |of: fn(&Compared) -> Sizes| {
         let held_out = found.held_out.as_ref().map(of);
         let own = of(&found.used);
@@ -164,7 +197,9 @@ fn tell_all(
             .collect(),
     };
     report.tried = found.tried;
-    report.findings = found.findings.iter().map(|one| cause(one, micro)).collect();
+    let alone: f64 = found.findings.iter().map(|one| one.alone).sum();
+    report.findings = found.findings.iter().map(|one| cause(one, scene, used, (micro, alone))).collect();
+    report.rejected = found.rejected.iter().map(rejected).collect();
     report.not_confirmed =
         found.not_confirmed.iter().map(|one| format!("{} {}", one.cause.effect, one.parameter)).collect();
     for (number, set) in sets.iter().enumerate().take(used) {
@@ -178,9 +213,16 @@ fn tell_all(
     }
 }
 
-fn cause(found: &Finding, micro: f64) -> diagnosis::Cause {
+fn cause(found: &Finding, scene: &Scene<'_>, used: usize, (micro, alone): (f64, f64)) -> diagnosis::Cause {
     let one = &found.candidate;
-    let name = |cause: &Cause, parameter: &str| format!("{} {parameter}", cause.effect).trim_end().to_owned();
+    // Causes of the same effect have one name.
+    let mut class: Vec<String> = Vec::new();
+    for (cause, parameter) in &found.class {
+        let name = format!("{} {parameter}", cause.effect).trim_end().to_owned();
+        if !class.contains(&name) {
+            class.push(name);
+        }
+    }
     diagnosis::Cause {
         effect: one.cause.effect.to_string(),
         parameter: one.parameter.clone(),
@@ -192,12 +234,14 @@ fn cause(found: &Finding, micro: f64) -> diagnosis::Cause {
         unit: found.size.unit.into(),
         u95: found.size.u95,
         rms_um: micro * found.rms,
+        alone_um: micro * found.alone,
+        alone_share: if alone > 0.0 { found.alone / alone } else { 0.0 },
         gain_holdout: found.gain_unseen,
         share: found.share.fair,
         share_alone: found.share.alone,
         p: found.chance,
-        class: found.class.iter().map(|(cause, parameter)| name(cause, parameter)).collect(),
-        separate_by: found.separate_by.clone(),
+        separate_by: found.separate_by.clone().filter(|_| class.len() > 1),
+        class,
         correctable: match one.cause.correctable {
             Correctable::Program => "program".into(),
             Correctable::Live => "live".into(),
@@ -206,6 +250,24 @@ fn cause(found: &Finding, micro: f64) -> diagnosis::Cause {
         extends: false,
         extends_why: None,
         made_by: one.cause.made_by.to_owned(),
+        shown_by: one.cause.shown_by.to_owned(),
+        what: shape::sentence(found, scene, used),
+        // Where columns stand for places the value alone says little.
+        shape: if one.points.is_empty() { Vec::new() } else { shape::shape(found, scene, used) }
+            .into_iter()
+            .map(|(at, value_um)| diagnosis::Place { at, value_um })
+            .collect(),
+    }
+}
+
+fn rejected(found: &Rejected) -> diagnosis::Rejected {
+    diagnosis::Rejected {
+        effect: found.candidate.cause.effect.to_string(),
+        parameter: found.candidate.parameter.clone(),
+        drivers: found.candidate.drivers.clone(),
+        why: found.gate.name(),
+        p: found.chance,
+        gain: found.gain,
     }
 }
 

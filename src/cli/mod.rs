@@ -12,6 +12,7 @@ mod check;
 mod conditions;
 mod diagnose;
 mod diagnose_faults;
+mod diagnosed_report;
 mod exit_code;
 mod explain;
 mod extended;

@@ -82,13 +82,14 @@ struct Part {
 /// What was selected without a part, by the kind of parts and its number: it depends on the weights only.
 pub(super) type Selections = HashMap<(usize, usize), Vec<usize>>;
 
-/// Keeps what also gains on readings that were not used. `known` is what was selected before with the same weights; `note` gets the share
-/// that is done.
+/// Keeps what also gains on readings that were not used. `known` is what was selected before with the same weights; `out` gets the
+/// others with their gains, `note` the share that is done.
 pub(super) fn confirmed(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     judged: Vec<Taken>,
     known: &mut Selections,
+    out: &mut dyn FnMut(&Taken, Option<f64>),
     note: &mut dyn FnMut(f64),
 ) -> Vec<(Taken, f64)> {
     let mut gains: Vec<Option<f64>> = vec![None; judged.len()];
@@ -110,9 +111,14 @@ pub(super) fn confirmed(
             }
         }
     }
-    let kept =
-        judged.into_iter().zip(gains).filter_map(|(term, gain)| Some((term, gain.filter(|gain| *gain > WORTH)?)));
-    kept.collect()
+    let mut kept = Vec::new();
+    for (term, gain) in judged.into_iter().zip(gains) {
+        match gain {
+            Some(gain) if gain > WORTH => kept.push((term, gain)),
+            _ => out(&term, gain),
+        }
+    }
+    kept
 }
 
 /// What is selected without a part.

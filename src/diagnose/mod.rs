@@ -10,6 +10,7 @@
 //! extend                                 what goes into the machine file
 //! ```
 
+mod account;
 pub mod cause;
 mod empirical;
 mod event;
@@ -20,20 +21,24 @@ mod freedom;
 mod held;
 mod noise;
 mod readings;
+mod rejected;
 pub mod row;
 pub mod scene;
 mod score;
 mod search;
 mod seek;
 mod separate;
+pub mod shape;
 mod share;
 mod size;
 mod sweep;
 mod verdict;
 
+pub use account::Account;
 pub use held::{Compared, Sizes};
 pub use noise::{Left, Source};
 pub use readings::levels;
+pub use rejected::{Gate, Rejected, Tried};
 pub use scene::Scene;
 pub use share::Share;
 pub use size::{Amounts, Size};

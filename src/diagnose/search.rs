@@ -303,8 +303,14 @@ impl<'s, 'a> Field<'s, 'a> {
         plain.memory_of(&left)
     }
 
-    /// Takes out what does not stand beside the others, the weakest first.
-    pub(super) fn backward(&self, weights: &Weights, mut taken: Vec<usize>, limit: f64) -> Vec<Taken> {
+    /// Takes out what does not stand beside the others, the weakest first; `note` gets it.
+    pub(super) fn backward(
+        &self,
+        weights: &Weights,
+        mut taken: Vec<usize>,
+        limit: f64,
+        note: &mut dyn FnMut(&Taken),
+    ) -> Vec<Taken> {
         let order = Order::new(weights);
         loop {
             let memory = self.memory(weights, &taken);
@@ -325,6 +331,7 @@ impl<'s, 'a> Field<'s, 'a> {
             let weakest = judged.iter().max_by(|a, b| a.chance.total_cmp(&b.chance));
             match weakest {
                 Some(weakest) if weakest.chance > limit => {
+                    note(weakest);
                     let out = weakest.candidate;
                     taken.retain(|&number| number != out);
                 }

@@ -1,10 +1,12 @@
 //! The verdict: findings with their sizes, rivals and what they gain, and what is left.
 
+use super::account::{Account, swing};
 use super::cause::{CAUSES, Candidate, Cause, Effect};
 use super::fold::{Selections, WORTH, confirmed, counts, unseen};
 use super::held::{Compared, compare};
 use super::noise::{self, is_angle};
 use super::readings::{doing, drop_far, left_of, projected, rms, weights};
+use super::rejected::{Gate, Rejected, Rejections, Tried, tried};
 use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
 use super::separate::separating;
@@ -37,6 +39,10 @@ pub struct Finding {
     pub size: Size,
     /// Root of the mean square of what it does to the readings beyond what set-ups take, mm or rad.
     pub rms: f64,
+    /// What it does to each reading that was used, beyond what set-ups take, in the order of [`Scene::items`], mm or rad.
+    pub doing: Vec<f64>,
+    /// By how much it alone swings the readings of a set-up: the largest less the smallest, mm or rad.
+    pub alone: f64,
     /// Chance of this where there is nothing, over all candidates.
     pub chance: f64,
     /// Share of the root of the mean square of readings that were not used which it takes away: of the data held out, or with the
@@ -61,6 +67,12 @@ pub struct Diagnosis {
     pub findings: Vec<Finding>,
     /// What the data held out does not confirm.
     pub not_confirmed: Vec<Candidate>,
+    /// What a gate stopped, those that were not confirmed too.
+    pub rejected: Vec<Rejected>,
+    /// Every cause, and what the best of it would explain of what is left.
+    pub causes: Vec<Tried>,
+    /// The readings before and after.
+    pub account: Account,
     /// Readings that did not count: numbers of measurement and row.
     pub outliers: Vec<(usize, usize)>,
     /// What is left behind all findings.
@@ -88,8 +100,9 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
             break;
         }
     }
+    let mut rejections = Rejections::default();
     let mut selections = Selections::new();
-    let mut kept = confirm(&mut field, &weights, taken, &mut selections, note);
+    let mut kept = confirm(&mut field, &weights, taken, (&mut selections, &mut rejections), note);
     for _ in 0..AGAIN {
         let known: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
         note("search again", 0.0);
@@ -97,7 +110,7 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
         if taken.len() == known.len() || known.is_empty() {
             break;
         }
-        let again = confirm(&mut field, &weights, taken, &mut selections, note);
+        let again = confirm(&mut field, &weights, taken, (&mut selections, &mut rejections), note);
         if again.len() <= kept.len() {
             break;
         }
@@ -107,9 +120,9 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
     let far = field.left_with(&weights, &numbers);
     let far = projected(&field, &held_out, &far);
     drop_far(scene, &mut held_out, &far);
-    let not_confirmed = hold(&field, &weights, &held_out, &mut kept);
+    let not_confirmed = hold(&field, &weights, &held_out, &mut kept, &mut rejections);
     note("verdict", 1.0);
-    verdict(&field, bare, [&weights, &held_out], &kept, (used, not_confirmed))
+    verdict(&field, bare, [&weights, &held_out], &kept, (used, not_confirmed, &rejections))
 }
 
 /// Both gates.
@@ -117,12 +130,16 @@ fn confirm(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     taken: Vec<usize>,
-    selections: &mut Selections,
+    (selections, rejections): (&mut Selections, &mut Rejections),
     note: &mut dyn FnMut(&str, f64),
 ) -> Vec<(Taken, f64)> {
-    let judged = field.backward(weights, taken, LIMIT);
+    let judged = field.backward(weights, taken, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
+    let all = judged.clone();
     let judged = large_enough(field, weights, judged);
-    confirmed(field, weights, judged, selections, &mut |share| note("held-out parts", share))
+    let is_in = |term: &Taken| judged.iter().any(|other| other.candidate == term.candidate);
+    all.iter().filter(|term| !is_in(term)).for_each(|term| rejections.add(term, Gate::Size, None));
+    let mut out = |term: &Taken, gain| rejections.add(term, Gate::Unseen, gain);
+    confirmed(field, weights, judged, selections, &mut out, &mut |share| note("held-out parts", share))
 }
 
 fn propose(scene: &Scene<'_>) -> Vec<Candidate> {
@@ -157,7 +174,13 @@ fn is_only_here(effect: Effect) -> bool {
 }
 
 /// Takes out what the data held out does not confirm, and notes the gains there.
-fn hold(field: &Field<'_, '_>, weights: &Weights, held_out: &Weights, kept: &mut Vec<(Taken, f64)>) -> Vec<Candidate> {
+fn hold(
+    field: &Field<'_, '_>,
+    weights: &Weights,
+    held_out: &Weights,
+    kept: &mut Vec<(Taken, f64)>,
+    rejections: &mut Rejections,
+) -> Vec<Candidate> {
     let scene = field.scene;
     let mut out = Vec::new();
     if counts(scene, held_out).is_empty() {
@@ -186,7 +209,8 @@ fn hold(field: &Field<'_, '_>, weights: &Weights, held_out: &Weights, kept: &mut
             }
         }
         let Some((_, place)) = worst else { return out };
-        let (term, _) = kept.remove(place);
+        let (term, gain) = kept.remove(place);
+        rejections.add(&term, Gate::HeldOut, Some(gain));
         out.extend(field.candidates.get(term.candidate).cloned());
     }
 }
@@ -196,7 +220,7 @@ fn verdict(
     bare: &Scene<'_>,
     [weights, held_out]: [&Weights; 2],
     kept: &[(Taken, f64)],
-    (used, not_confirmed): (usize, Vec<Candidate>),
+    (used, not_confirmed, rejections): (usize, Vec<Candidate>, &Rejections),
 ) -> Diagnosis {
     let scene = field.scene;
     let taken: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
@@ -230,6 +254,8 @@ fn verdict(
         findings.push(Finding {
             size: size(candidate, &amounts, scene, used),
             rms: rms(counts(scene, weights).into_iter().filter_map(|place| does.get(place).copied())),
+            alone: swing(scene, weights, &does),
+            doing: does,
             amounts,
             chance: term.chance,
             gain_unseen: *gain,
@@ -256,19 +282,20 @@ fn verdict(
     let values: Vec<f64> = scene.items.iter().map(|item| item.left).collect();
     let without: Vec<f64> = bare.items.iter().map(|item| item.left).collect();
     let explained = field.left_with(weights, &taken);
-    let compared = |on: &Weights, after: &[f64]| {
-        let [measured, before] = [&without, &values].map(|values| projected(field, on, values));
-        compare(scene, on, [&measured, &before, after])
-    };
-    let left = left_of(field, weights, &taken);
+    let left = [left_of(field, weights, &taken), projected(field, held_out, &explained)];
+    let before = [weights, held_out].map(|on| projected(field, on, &values));
+    let compared = |on: &Weights, k: usize| compare(scene, on, [&projected(field, on, &without), &before[k], &left[k]]);
+    let parts = [(weights, before[0].as_slice(), left[0].as_slice()), (held_out, &before[1], &left[1])];
     Diagnosis {
-        used: compared(weights, &left),
-        held_out: (!counts(scene, held_out).is_empty())
-            .then(|| compared(held_out, &projected(field, held_out, &explained))),
+        used: compared(weights, 0),
+        held_out: (!counts(scene, held_out).is_empty()).then(|| compared(held_out, 1)),
         findings,
         not_confirmed,
+        rejected: rejections.list(field, &taken),
+        causes: tried(field, weights, &taken, memory),
+        account: Account::new(scene, parts, &values, &explained),
         outliers,
-        left: noise::look(field, weights, &left),
+        left: noise::look(field, weights, &left[0]),
         tried: field.tried,
         memory,
     }

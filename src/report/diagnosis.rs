@@ -1,24 +1,24 @@
-//! What a diagnosis found: the page for people and the object for programs.
+//! What a diagnosis found: the object for programs; its text for people is in [`text`], its page in [`crate::report::page::diagnosis`].
 
-use std::fmt::Write as _;
+pub mod readings;
+mod text;
+
+pub(in crate::report) use text::{chance, sign};
 
 use serde::Serialize;
 
 use super::json;
-use super::number::significant;
 
 /// The version of the object.
 pub const SCHEMA: u32 = 1;
-/// Rivals that are named for people.
-const RIVALS: usize = 4;
-/// A chance below this is said to be this.
-const LEAST_CHANCE: f64 = 1e-12;
 
 /// The result of `ncfix diagnose`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Diagnosis {
     /// [`SCHEMA`].
     pub schema: u32,
+    /// Unit of all sizes `…_um`: `um`, or `urad` where only angles were read.
+    pub unit: &'static str,
     /// Noise of the readings.
     pub noise_um: f64,
     /// How it is known: `repeats`, `instrument`, `neighbours`.
@@ -45,6 +45,8 @@ pub struct Diagnosis {
     pub unexplained: Unexplained,
     /// What stood in the data but was not confirmed by the data held out.
     pub not_confirmed: Vec<String>,
+    /// What was tried and stopped.
+    pub rejected: Vec<Rejected>,
     /// Candidates that were tried.
     pub tried: usize,
     /// Readings that were used.
@@ -53,6 +55,8 @@ pub struct Diagnosis {
     pub machine: String,
     /// The machine file that was written.
     pub output: Option<String>,
+    /// The page that was written.
+    pub report: Option<String>,
     /// Findings about the files in the order in which they were met.
     pub diagnostics: Vec<json::Finding>,
 }
@@ -119,6 +123,32 @@ pub struct DataFault {
     pub excluded: String,
 }
 
+/// A candidate that did not stand.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Rejected {
+    /// Kind of effect.
+    pub effect: String,
+    /// ISO 230-1 name, axes or direction.
+    pub parameter: String,
+    /// What it depends on.
+    pub drivers: Vec<String>,
+    /// The gate that stopped it: `significance`, `too small`, `gain on unseen parts`, `held-out data`.
+    pub why: &'static str,
+    /// Chance of this where there is nothing, over all candidates.
+    pub p: f64,
+    /// Share of the root of the mean square of unseen readings that it takes away; `null` where that was not tried, or the parts could not say.
+    pub gain: Option<f64>,
+}
+
+/// A place of a shape.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Place {
+    /// Values of the drivers, in their order and units.
+    pub at: Vec<f64>,
+    /// The deviation there (µrad where the unit of the finding is `urad`).
+    pub value_um: f64,
+}
+
 /// One finding.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Cause {
@@ -142,6 +172,10 @@ pub struct Cause {
     pub u95: f64,
     /// What it does to the readings (root of the mean square).
     pub rms_um: f64,
+    /// By how much it alone swings the readings of a set-up: the largest less the smallest of what it does.
+    pub alone_um: f64,
+    /// The part of that in the sum over all findings.
+    pub alone_share: f64,
     /// Share of the root of the mean square of unseen readings that it takes away.
     pub gain_holdout: f64,
     /// Its fair part of the squares (Shapley).
@@ -162,151 +196,10 @@ pub struct Cause {
     pub extends_why: Option<String>,
     /// What makes it.
     pub made_by: String,
-}
-
-impl Diagnosis {
-    /// The page for people.
-    #[must_use]
-    pub fn page(&self) -> String {
-        let mut out = String::new();
-        self.head(&mut out);
-        for (rank, one) in self.findings.iter().enumerate() {
-            cause(rank + 1, one, &mut out);
-        }
-        self.tail(&mut out);
-        out
-    }
-
-    // Writing into a String cannot fail.
-    fn head(&self, out: &mut String) {
-        let number = significant;
-        let from = match self.noise_from {
-            "repeats" => "from repeated readings",
-            "instrument" => "as the instrument says",
-            _ => "from neighbouring readings",
-        };
-        let _ = writeln!(
-            out,
-            "{} leaves {} µm of {} readings (RMS), {} at most; the noise is {} µm, {from}.",
-            self.machine,
-            number(self.before.rms_um),
-            self.readings,
-            number(self.before.max_um),
-            number(self.noise_um)
-        );
-        if self.expired {
-            let _ = writeln!(
-                out,
-                "The model has expired: without any model {} µm would be left. Calibrate again.",
-                number(self.without_model.holdout_rms_um.unwrap_or(self.without_model.rms_um))
-            );
-        }
-        if self.findings.is_empty() {
-            let _ = writeln!(out, "No cause stands; {} were tried.", self.tried);
-        }
-    }
-
-    fn tail(&self, out: &mut String) {
-        let number = significant;
-        for fault in &self.data_faults {
-            let rows = match fault.rows.as_slice() {
-                [first, last] => format!("rows {first} to {last}"),
-                rows => format!("{} rows", rows.len()),
-            };
-            let _ = writeln!(out, "\n{} {}: {} ({rows})", fault.kind, fault.name, fault.what);
-            if !fault.evidence.is_empty() {
-                let _ = writeln!(out, "   {}", fault.evidence);
-                let _ = writeln!(out, "   left out: {}", fault.excluded);
-            }
-        }
-        for one in &self.not_confirmed {
-            let _ = writeln!(out, "\n{one} stands in the data, but the data held out does not confirm it.");
-        }
-        if !self.findings.is_empty() {
-            let _ = writeln!(
-                out,
-                "\nWith them {} µm are left (RMS), {} at most; efficiency {:.0} % → {:.0} %.",
-                number(self.after.rms_um),
-                number(self.after.max_um),
-                100.0 * self.before.efficiency,
-                100.0 * self.after.efficiency
-            );
-        }
-        if let (Some(before), Some(after)) = (self.before.holdout_rms_um, self.after.holdout_rms_um) {
-            let [low, high] = self.holdout_gain_95.unwrap_or_default();
-            let _ = writeln!(
-                out,
-                "Data held out: {} → {} µm, {:.0} % less ({:.0} … {:.0} %).",
-                number(before),
-                number(after),
-                100.0 * self.holdout_gain.unwrap_or_default(),
-                100.0 * low,
-                100.0 * high
-            );
-        }
-        if self.unexplained.structure {
-            let with: Vec<String> =
-                self.unexplained.with.iter().map(|one| format!("{} ({} µm)", one.driver, number(one.rms_um))).collect();
-            let _ = writeln!(
-                out,
-                "{} µm are more than noise and have no name yet{}{}.",
-                number(self.unexplained.rms_um),
-                if with.is_empty() { "" } else { "; they go with " },
-                with.join(", ")
-            );
-        } else {
-            let _ = writeln!(out, "Nothing with a shape is left beside the noise.");
-        }
-        if let Some(path) = &self.output {
-            let _ = writeln!(out, "\nWritten: {path}");
-            for one in self.findings.iter().filter(|one| !one.extends) {
-                let name = format!("{} {}", one.effect, one.parameter);
-                let why = one.extends_why.as_deref().unwrap_or("it has no entry");
-                let _ = writeln!(out, "It does not have {}: {why}.", name.trim_end());
-            }
-        }
-    }
-}
-
-fn cause(rank: usize, one: &Cause, out: &mut String) {
-    let number = significant;
-    let _ = writeln!(
-        out,
-        "\n{rank}. {}: {} ± {} {} (95 %)",
-        format!("{} {}", one.effect, one.parameter).trim_end(),
-        number(one.value),
-        number(one.u95),
-        one.unit
-    );
-    let chance = if one.p < LEAST_CHANCE { "next to none".to_owned() } else { format!("{:.0e}", one.p) };
-    let _ = writeln!(
-        out,
-        "   {} µm of the readings (RMS), {:.0} % of what the model leaves; {:.0} % less on unseen readings; chance {chance}",
-        number(one.rms_um),
-        100.0 * one.share,
-        100.0 * one.gain_holdout
-    );
-    let mut depends = one.drivers.join(", ");
-    if let Some(period) = one.period {
-        let _ = write!(depends, ", every {}", number(period));
-    }
-    if let Some(lag) = one.lag_s.filter(|lag| *lag > 0.0) {
-        let _ = write!(depends, ", {} s behind", number(lag));
-    }
-    let can = match one.correctable.as_str() {
-        "program" => "a corrected program takes it away",
-        "live" => "only live readings can take it away",
-        _ => "no program can take it away",
-    };
-    let goes = if depends.is_empty() { String::new() } else { format!("goes with {depends}; ") };
-    let _ = writeln!(out, "   {goes}usually {}; {can}", one.made_by);
-    if one.class.len() > 1 {
-        let more = one.class.len().saturating_sub(1 + RIVALS);
-        let rivals: Vec<&str> = one.class.iter().skip(1).take(RIVALS).map(String::as_str).collect();
-        let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
-        let _ = writeln!(out, "   may as well be {}{rest}", rivals.join(", "));
-    }
-    if let Some(how) = &one.separate_by {
-        let _ = writeln!(out, "   to tell them apart: {how}");
-    }
+    /// What shows it.
+    pub shown_by: String,
+    /// Of a finding without a name: what it depends on and where it acts, in a sentence.
+    pub what: Option<String>,
+    /// How large it is over its drivers; empty where the value says it all.
+    pub shape: Vec<Place>,
 }

@@ -17,6 +17,7 @@ helps on runs or set-ups that it was not found in. What data of --holdout does n
 Examples:
   ncfix diagnose circles.csv --machine mill.toml
   ncfix diagnose circles.csv --machine mill.toml --holdout circles_2.csv -o extended.toml
+  ncfix diagnose circles.csv --machine mill.toml --report circles.html
   ncfix diagnose warm.csv plate.csv --machine mill.toml --json";
 
 /// `ncfix diagnose`.
@@ -34,6 +35,9 @@ pub(in crate::cli) struct DiagnoseArguments {
     /// Write the machine file with what was found; - for standard output
     #[arg(short, long, value_name = "EXTENDED.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
+    /// Write a page (HTML) with pictures: readings before and after, each cause alone, evidence, what was rejected; also where the data is refused
+    #[arg(long, value_name = "REPORT.html")]
+    pub(in crate::cli) report: Option<PathBuf>,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(in crate::cli) json: bool,

@@ -202,6 +202,8 @@ pub struct Candidate {
     /// Where each column stands for, in the order of `drivers`: the amounts are the values of a shape at these points. Empty where columns have a meaning
     /// of their own.
     pub points: Vec<Vec<f64>>,
+    /// The drivers of such a shape by row of the scene, where they are searched for: a place in the workpiece is no position of an axis.
+    pub along: Vec<(String, Arc<Vec<f64>>)>,
     /// How it extends the model.
     pub term: Term,
 }
@@ -218,6 +220,7 @@ impl Candidate {
             sensor: None,
             columns: vec![vec![(through, weight)]],
             points: Vec::new(),
+            along: Vec::new(),
             term: Term::None,
         }
     }

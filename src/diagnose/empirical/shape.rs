@@ -50,7 +50,9 @@ impl Empirical {
         one.points = columns.into_iter().map(|(_, at)| at).collect();
         let mut used = used;
         used.sort_unstable();
-        one.drivers = used.into_iter().filter_map(|k| self.drivers.get(k)).map(|driver| driver.name.clone()).collect();
+        let own = used.into_iter().filter_map(|k| self.drivers.get(k));
+        one.along = own.map(|driver| (driver.name.clone(), Arc::clone(&driver.values))).collect();
+        one.drivers = one.along.iter().map(|(name, _)| name.clone()).collect();
         one.drivers.dedup();
         one.parameter = match place {
             Through::Tip(direction) => ["X", "Y", "Z"].get(direction).copied().unwrap_or("").to_owned(),

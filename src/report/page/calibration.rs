@@ -2,15 +2,12 @@
 
 mod pictures;
 
+use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures as side_by_side, strip, table};
 use crate::report::calibration::{Calibration, Data, Estimate};
-use crate::report::json::Finding;
 use crate::report::markup::Markup;
 use crate::report::number::{grouped, significant};
 use crate::report::plot::{Bar, Bars};
-
-/// Rows of a table at most: nobody reads more, and a page must not grow without bound.
-const MOST_ROWS: usize = 500;
 
 /// The page.
 #[must_use]
@@ -19,7 +16,7 @@ pub fn calibration(found: &Calibration) -> String {
     page(&format!("Calibration of {machine}"), |out| {
         let is_refused = found.diagnostics.iter().any(|finding| finding.severity == "error");
         summary(out, found, is_refused);
-        findings(out, &found.diagnostics);
+        diagnostics(out, &found.diagnostics);
         if !found.data.is_empty() {
             results(out, &found.data);
         }
@@ -30,7 +27,8 @@ pub fn calibration(found: &Calibration) -> String {
             pictures::draw(out, one);
         }
         weighted_down(out, found);
-        origin(out, found);
+        let by = format!("ncfix {}, model {}, machine {}", found.version, found.model, found.machine);
+        origin(out, &found.inputs, &by);
     })
 }
 
@@ -78,34 +76,6 @@ fn summary(out: &mut Markup, found: &Calibration, is_refused: bool) {
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
-}
-
-fn findings(out: &mut Markup, all: &[Finding]) {
-    if all.is_empty() {
-        return;
-    }
-    out.leaf("h2", &[], "Findings");
-    out.element("ul", &[("class", &"findings")], |out| {
-        for finding in all.iter().take(MOST_ROWS) {
-            out.element("li", &[("class", &finding.severity)], |out| {
-                out.element("p", &[], |out| {
-                    out.leaf("b", &[], format_args!("{} {}:", finding.severity, finding.code));
-                    out.text(&finding.message);
-                });
-                out.element("p", &[("class", &"soft")], |out| {
-                    if let (Some(file), Some(line)) = (&finding.file, finding.line) {
-                        let column = finding.column.map_or(String::new(), |column| format!(":{column}"));
-                        out.leaf("code", &[], format_args!("{file}:{line}{column}"));
-                        out.text(" – ");
-                    }
-                    out.text(&finding.help);
-                });
-            });
-        }
-    });
-    if all.len() > MOST_ROWS {
-        out.leaf("p", &[("class", &"soft")], format_args!("{} more findings are not shown.", all.len() - MOST_ROWS));
-    }
 }
 
 /// Measured, left, σ and efficiency as Spaan's Tables 3.2 – 3.4 have them.
@@ -238,22 +208,5 @@ fn weighted_down(out: &mut Markup, found: &Calibration) {
         &rows,
         "They are kept in the file, and counted so much.",
         MOST_ROWS,
-    );
-}
-
-fn origin(out: &mut Markup, found: &Calibration) {
-    const NOTE: &str = "Hash: first 12 digits of the SHA-256 of the length of the file (8 bytes, the lowest first) and its bytes, as in the head of a \
-                        machine file.";
-    out.leaf("h2", &[], "Where this comes from");
-    let rows: Vec<Row> = found
-        .inputs
-        .iter()
-        .map(|input| Row { class: "", cells: vec![input.file.clone(), input.role.into(), input.hash.clone()] })
-        .collect();
-    table(out, &columns(["file", "what", "hash"]), &rows, NOTE, MOST_ROWS);
-    out.leaf(
-        "p",
-        &[("class", &"soft")],
-        format_args!("ncfix {}, model {}, machine {}", found.version, found.model, found.machine),
     );
 }

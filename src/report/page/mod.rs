@@ -2,6 +2,8 @@
 //! prints. A page is XML at the same time ([`super::markup`]).
 
 pub mod calibration;
+pub mod diagnosis;
+mod parts;
 
 use std::fmt::Display;
 
@@ -22,11 +24,14 @@ min-width:8.5rem}.strip span{display:block;color:var(--soft);font-size:.83rem}.s
 .wide{overflow-x:auto;margin:.6rem 0}table{border-collapse:collapse;font-size:.93rem}\
 th,td{padding:.22rem .75rem;text-align:left;border-bottom:1px solid var(--grid);white-space:nowrap}\
 th{white-space:normal;color:var(--soft);font-weight:600;vertical-align:bottom}.n{text-align:right}tr.whole td{font-weight:600}tr.part td:first-child{padding-left:2rem}\
-tr.bad td{color:var(--bad)}.note{color:var(--soft);font-size:.87rem}\n\
+tr.bad td{color:var(--bad)}tr.wrap td{white-space:normal;vertical-align:top;max-width:34em}.note{color:var(--soft);font-size:.87rem}\n\
 @media (max-width:1000px){table{font-size:.85rem}th,td{padding:.2rem .3rem}}\n\
 .pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,480px),1fr));gap:1rem;align-items:start}\
 figure{margin:0;border:1px solid var(--grid);border-radius:6px;padding:.4rem}\
 figure svg{width:100%;height:auto;display:block}figcaption{color:var(--soft);font-size:.87rem;padding:.2rem .4rem}\n\
+.rank{margin-right:.5rem;color:var(--soft)}dl.evidence{display:grid;grid-template-columns:max-content 1fr;gap:.25rem 1.1rem;margin:.6rem 0;max-width:75em}\
+.evidence dt{color:var(--soft)}.evidence dd{margin:0}@media (max-width:700px){dl.evidence{grid-template-columns:1fr}.evidence dd{margin:0 0 .4rem}}\n\
+details{margin:.8rem 0}summary{cursor:pointer;color:var(--soft)}\n\
 .findings{padding-left:0;list-style:none}.findings li{margin:.5rem 0;padding-left:.8rem;border-left:3px solid var(--s4)}\
 .findings li.error{border-color:var(--bad)}.findings p{margin:0}\n\
 code{font-family:ui-monospace,Consolas,monospace;font-size:.92em}\n\
@@ -76,7 +81,7 @@ pub fn columns<const N: usize>(titles: [&'static str; N]) -> [Column; N] {
 /// A row of a table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Row {
-    /// `whole`, `part`, `bad` or nothing.
+    /// `whole`, `part`, `bad`, `wrap` for long texts, or nothing.
     pub class: &'static str,
     /// Its cells.
     pub cells: Vec<String>,

@@ -10,6 +10,8 @@ use crate::report::markup::Markup;
 
 /// Points that are drawn one by one, in a picture together.
 const MOST_POINTS: usize = 3000;
+/// The same where a page has many pictures.
+const SPARING: usize = 2000;
 /// Points beyond the quartiles by this many times their distance are far from the others.
 const FAR: f64 = 5.0;
 /// With less points none is far.
@@ -34,6 +36,8 @@ pub struct Chart {
     pub is_balanced: bool,
     /// Whether points that are far from the others are drawn at the edge, so that one wrong value does not hide what the others say.
     pub is_clipped: bool,
+    /// Whether it is one of many on its page: markers are dots, and columns take their place earlier.
+    pub is_sparing: bool,
 }
 
 /// Points that belong together.
@@ -47,6 +51,8 @@ pub struct Series {
     pub errors: Vec<f64>,
     /// How it is drawn.
     pub shape: Shape,
+    /// The number of the series whose color it has: a line through its points, which stands out from them.
+    pub like: Option<usize>,
 }
 
 /// How points are drawn.
@@ -95,9 +101,9 @@ impl Chart {
         (sorted.len() >= FEW && far > 0.0).then_some([first - far, third + far])
     }
 
-    /// The paths of a series: filled or stroked shapes, and thin lines.
-    fn paths(&self, number: usize, series: &Series, frame: &Frame, is_dense: bool) -> [String; 2] {
-        let [mut shapes, mut lines] = [String::new(), String::new()];
+    /// The paths of a series: filled or stroked shapes, thin lines, and dots.
+    fn paths(&self, number: usize, series: &Series, frame: &Frame, is_dense: bool) -> [String; 3] {
+        let [mut shapes, mut lines, mut dots] = [String::new(), String::new(), String::new()];
         let points = || series.points.iter().copied().filter(|point| point.0.is_finite() && point.1.is_finite());
         if is_dense {
             let placed = points().map(|point| (frame.across.share(point.0), point.1));
@@ -109,7 +115,7 @@ impl Chart {
                 let (low, high) = (frame.y(span.low) + 0.6, frame.y(span.high) - 0.6);
                 let _ = write!(lines, "M{x:.1} {high:.1}V{low:.1}");
             }
-            return [shapes, lines];
+            return [shapes, lines, dots];
         }
         match series.shape {
             Shape::Markers => points().for_each(|(x, y)| {
@@ -118,6 +124,9 @@ impl Chart {
                     // A triangle that points to where the value is.
                     beyond if beyond > 0.0 => shapes.push_str(&format!("M{at:.1} {:.1}l5 9h-10z", up - 6.0)),
                     beyond if beyond < 0.0 => shapes.push_str(&format!("M{at:.1} {:.1}l5-9h-10z", up + 6.0)),
+                    _ if self.is_sparing => {
+                        let _ = write!(dots, "M{at:.1} {up:.1}h0");
+                    }
                     _ => shapes.push_str(&marker(number, at, up)),
                 }
             }),
@@ -134,7 +143,7 @@ impl Chart {
                 let _ = write!(lines, "M{left:.1} {low:.1}h6M{left:.1} {high:.1}h6M{x:.1} {low:.1}V{high:.1}");
             }
         }
-        [shapes, lines]
+        [shapes, lines, dots]
     }
 }
 
@@ -167,17 +176,50 @@ impl Picture for Chart {
             frame.beside(out, level.value, &level.label);
         }
         let count: usize = self.series.iter().map(|series| series.points.len()).sum();
+        let most = if self.is_sparing { SPARING } else { MOST_POINTS };
         for (number, series) in self.series.iter().enumerate() {
-            let [shapes, lines] = self.paths(number, series, &frame, count > MOST_POINTS);
-            let (class, fallback) = color(number);
+            // A line of few points beside many others stays a line.
+            let is_line = series.shape == Shape::Line && series.points.len() <= MOST_POINTS;
+            let is_dense = count > most && !is_line;
+            let [shapes, lines, dots] = self.paths(number, series, &frame, is_dense);
+            let (class, fallback) = color(series.like.unwrap_or(number));
+            if series.like.is_some() && !lines.is_empty() {
+                let halo: &str = "halo";
+                let attributes: crate::report::markup::Attributes<'_> = &[
+                    ("class", &halo),
+                    ("stroke", &"#fff"),
+                    ("stroke-width", &"5.5"),
+                    ("stroke-linejoin", &"round"),
+                    ("fill", &"none"),
+                    ("d", &lines),
+                ];
+                out.empty("path", attributes);
+            }
             out.element("g", &[("class", &class), ("fill", &fallback), ("stroke", &fallback)], |out| {
                 if !shapes.is_empty() {
                     out.empty("path", &[("stroke", &"none"), ("fill-opacity", &"0.75"), ("d", &shapes)]);
                 }
+                if !dots.is_empty() {
+                    // A dot is a line without a length: its caps are what is seen.
+                    let cap = if number.is_multiple_of(2) { "round" } else { "square" };
+                    out.empty(
+                        "path",
+                        &[
+                            ("fill", &"none"),
+                            ("stroke-width", &"3.6"),
+                            ("stroke-opacity", &"0.7"),
+                            ("stroke-linecap", &cap),
+                            ("d", &dots),
+                        ],
+                    );
+                }
                 if !lines.is_empty() {
-                    let is_line = series.shape == Shape::Line && count <= MOST_POINTS;
-                    let dash = if is_line { dash(number) } else { "none" };
-                    let [width, opacity] = if count > MOST_POINTS { ["1.25", "0.6"] } else { ["1.4", "1"] };
+                    let dash = if is_line && series.like.is_none() { dash(number) } else { "none" };
+                    let [width, opacity] = match series.like {
+                        Some(_) => ["2.6", "1"],
+                        None if is_dense => ["1.25", "0.6"],
+                        None => ["1.4", "1"],
+                    };
                     out.empty(
                         "path",
                         &[

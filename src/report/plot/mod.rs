@@ -40,7 +40,7 @@ pub const STYLE: &str = "\
 @media print{:root{color-scheme:light;--paper:#fff;--ink:#000;--soft:#444;--grid:#ccc;--bad:#900;\
 --s0:#0072b2;--s1:#d55e00;--s2:#009e73;--s3:#b0508a;--s4:#a67c00;--s5:#4a5568}}\n\
 .plot{fill:var(--ink)}.plot .paper{fill:var(--paper)}.plot .soft{fill:var(--soft)}\
-.plot .grid{stroke:var(--grid)}.plot .axis{stroke:var(--soft)}\
+.plot .halo{stroke:var(--paper)}.plot .grid{stroke:var(--grid)}.plot .axis{stroke:var(--soft)}\
 .plot .s0{fill:var(--s0);stroke:var(--s0)}.plot .s1{fill:var(--s1);stroke:var(--s1)}.plot .s2{fill:var(--s2);stroke:var(--s2)}\
 .plot .s3{fill:var(--s3);stroke:var(--s3)}.plot .s4{fill:var(--s4);stroke:var(--s4)}.plot .s5{fill:var(--s5);stroke:var(--s5)}\n";
 

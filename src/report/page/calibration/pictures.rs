@@ -30,6 +30,7 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
             levels: levels.clone(),
             is_balanced: true,
             is_clipped: true,
+            is_sparing: false,
         };
         figure(out, &by_setup("Left over the rows, by set-up".into(), "row of the table".into(), &rows), "");
         let names: Vec<String> = data.parts.iter().map(|part| part.name.clone()).collect();
@@ -42,6 +43,7 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
                 levels: levels.clone(),
                 is_balanced: true,
                 is_clipped: true,
+                is_sparing: false,
             };
             figure(out, &chart, "");
         }

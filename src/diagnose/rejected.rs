@@ -1,0 +1,105 @@
+//! What was tried and is not named: candidates that the search took and a gate stopped, and what the best of every cause would explain of what
+//! is left.
+
+use super::cause::{CAUSES, Candidate, Cause};
+use super::search::{Field, Taken, Weights};
+
+/// Where a candidate failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gate {
+    /// Chance would make as much.
+    Chance,
+    /// It does too little where it acts.
+    Size,
+    /// It does not help on parts that were left out while it was looked for.
+    Unseen,
+    /// The data held out does not confirm it.
+    HeldOut,
+}
+
+impl Gate {
+    /// Its name for programs.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Gate::Chance => "significance",
+            Gate::Size => "too small",
+            Gate::Unseen => "gain on unseen parts",
+            Gate::HeldOut => "held-out data",
+        }
+    }
+}
+
+/// A candidate that a gate stopped.
+#[derive(Clone, Debug)]
+pub struct Rejected {
+    /// The candidate.
+    pub candidate: Candidate,
+    /// The gate.
+    pub gate: Gate,
+    /// Chance of its gain where there is nothing, over all candidates.
+    pub chance: f64,
+    /// Share of the root of the mean square of unseen readings that it takes away, where that was tried and could be told.
+    pub gain: Option<f64>,
+}
+
+/// What a cause was worth in the end.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// The cause.
+    pub cause: &'static Cause,
+    /// How many candidates of it there were.
+    pub candidates: usize,
+    /// Parameter of the best of them that was not taken, and the share of the squares of what is left that it would explain.
+    pub best: Option<(String, f64)>,
+}
+
+/// Notes what gates stop: the number of the candidate, gate, chance and gain.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rejections(Vec<(usize, Gate, f64, Option<f64>)>);
+
+impl Rejections {
+    pub(super) fn add(&mut self, term: &Taken, gate: Gate, gain: Option<f64>) {
+        self.0.push((term.candidate, gate, term.chance, gain));
+    }
+
+    /// All that were stopped and are not among those taken in the end; of a candidate that was stopped twice the last time.
+    pub(super) fn list(&self, field: &Field<'_, '_>, taken: &[usize]) -> Vec<Rejected> {
+        let mut out: Vec<Rejected> = Vec::new();
+        let is_same = |one: &Candidate, other: &Candidate| {
+            one.cause.name == other.cause.name && one.parameter == other.parameter && one.drivers == other.drivers
+        };
+        let found: Vec<&Candidate> = taken.iter().filter_map(|&number| field.candidates.get(number)).collect();
+        for &(number, gate, chance, gain) in self.0.iter().rev() {
+            let Some(candidate) = field.candidates.get(number) else { continue };
+            let known = out.iter().map(|one| &one.candidate).chain(found.iter().copied());
+            if known.into_iter().any(|other| is_same(candidate, other)) {
+                continue;
+            }
+            out.push(Rejected { candidate: candidate.clone(), gate, chance, gain });
+        }
+        out.reverse();
+        out
+    }
+}
+
+/// Every cause of the catalogue beside what was taken.
+pub(super) fn tried(field: &Field<'_, '_>, weights: &Weights, taken: &[usize], memory: f64) -> Vec<Tried> {
+    let series = field.series(weights, taken, memory);
+    let whole = series.squares();
+    let gains = field.gains(&series);
+    let of = |cause: &'static Cause| {
+        let own = || field.candidates.iter().enumerate().filter(|(_, one)| std::ptr::eq(one.cause, cause));
+        let open = own().filter(|(number, _)| !taken.contains(number));
+        let best = open
+            .filter_map(|(number, one)| Some((one, gains.get(number).filter(|gain| gain.rank > 0)?.squares)))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let share = |squares: f64| if whole > 0.0 { squares / whole } else { 0.0 };
+        Tried {
+            cause,
+            candidates: own().count(),
+            best: best.map(|(one, squares)| (one.parameter.clone(), share(squares))),
+        }
+    };
+    CAUSES.iter().copied().map(of).collect()
+}
