@@ -191,7 +191,8 @@ pub(crate) fn apply(
             };
             let other = (sensor + 1 + random.below(values.sensors.len() - 1)) % values.sensors.len();
             let noise = sheet.climate.as_ref().map_or(0.0, |climate| climate.noise);
-            let alike = (apart(other) < 3.0 * noise).then_some("two sensors that read the same, but for their noise, may as well be exchanged");
+            let alike = (apart(other) < 3.0 * noise)
+                .then_some("two sensors that read the same, but for their noise, may as well be exchanged");
             for k in part[0]..count {
                 let kept = values.sensors[sensor][k];
                 values.sensors[sensor][k] = values.sensors[other][k];
@@ -246,7 +247,10 @@ pub(crate) fn apply(
 
 /// A day at one place has no errors that are known and differ by axis.
 fn without_errors(sheet: &Sheet) -> Option<&'static str> {
-    sheet.climate.as_ref().map(|_| "what a machine file says of a day at one place is nothing, or the same with either sign")
+    sheet
+        .climate
+        .as_ref()
+        .map(|_| "what a machine file says of a day at one place is nothing, or the same with either sign")
 }
 
 /// Whether rows are so near to the ends of their set-up or line, s, that its free zero takes up what is shifted.
@@ -266,5 +270,7 @@ fn at_an_end(sheet: &Sheet, [first, last]: [usize; 2], margin_s: f64) -> Option<
         && last + ROWS <= end
         && rows[first].t - rows[begin].t >= margin_s
         && rows[end].t - rows[last].t >= margin_s;
-    (!is_far).then_some("the free zero of a set-up takes up what is shifted up to its end: a pulse is a step is nothing there")
+    (!is_far).then_some(
+        "the free zero of a set-up takes up what is shifted up to its end: a pulse is a step is nothing there",
+    )
 }

@@ -112,7 +112,8 @@ fn over_rows(sensors: &[Sensor], clock: &Clock) -> Option<Swap> {
                 let mean = |from: usize, to: usize| Some((sums.get(to)? - sums.get(from)?) / SIDE as f64);
                 Some([mean(row.checked_sub(SIDE)?, row)?, mean(row, row + SIDE)?])
             };
-            let rows: Vec<usize> = (SIDE..count.saturating_sub(SIDE)).filter(|&row| clock.goes_on(row - SIDE, row + SIDE)).collect();
+            let rows: Vec<usize> =
+                (SIDE..count.saturating_sub(SIDE)).filter(|&row| clock.goes_on(row - SIDE, row + SIDE)).collect();
             let jump = |sums: &[f64], row: usize| means(sums, row).map_or(f64::NAN, |[before, behind]| behind - before);
             let usual = |sums: &[f64]| spread(rows.iter().map(|&row| jump(sums, row))).max(1e-6);
             let (unit, unit_together) = (usual(&apart), usual(&together));
@@ -125,6 +126,7 @@ fn over_rows(sensors: &[Sensor], clock: &Clock) -> Option<Swap> {
                 && before * behind < 0.0
                 && (before + behind).abs() < 0.3 * own.abs()
                 && jump(&together, row).abs() < NONE * unit_together.max(unit / 2.0)
+                && jump(&together, row).abs() < 0.25 * own.abs()
                 && is_sudden(&apart, row, own);
             if is_exchanged && best.as_ref().is_none_or(|best| score > best.score) {
                 let left_k = jump(&together, row).abs() / 2.0;

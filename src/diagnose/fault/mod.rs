@@ -177,7 +177,8 @@ pub fn exclude(scene: &mut Scene<'_>, faults: &[Fault]) {
                 inside.for_each(|item| item.sigma = f64::INFINITY);
             }
             Then::WithoutReadings(readings) => {
-                let named = scene.items.iter_mut().filter(|item| readings.binary_search(&(at(item), item.value)).is_ok());
+                let named =
+                    scene.items.iter_mut().filter(|item| readings.binary_search(&(at(item), item.value)).is_ok());
                 named.for_each(|item| item.sigma = f64::INFINITY);
             }
             Then::MoreNoise(more) => {

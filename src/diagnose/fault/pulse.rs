@@ -147,7 +147,8 @@ fn windows(times: &[f64], length: f64) -> Vec<[usize; 2]> {
     begins
         .filter_map(|first| {
             last = last.max(first);
-            let is_in = |row: usize| times.get(row).is_some_and(|time| *time < times[first] + length && *time >= times[first]);
+            let is_in =
+                |row: usize| times.get(row).is_some_and(|time| *time < times[first] + length && *time >= times[first]);
             while is_in(last + 1) {
                 last += 1;
             }
@@ -230,7 +231,8 @@ fn refined(trail: &Trail, rows: [usize; 2]) -> [usize; 2] {
         for k in channel.range(from, until) {
             let left = channel.left[k] - middle;
             if left.is_finite() {
-                gains[channel.at[k].0 - from] += size * (left.clamp(-limit, limit) - size / 2.0) / channel.noise.powi(2);
+                gains[channel.at[k].0 - from] +=
+                    size * (left.clamp(-limit, limit) - size / 2.0) / channel.noise.powi(2);
             }
         }
     }
@@ -274,7 +276,8 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
             of_ends[0] += size * size;
         }
         if one.sides[1].is_some()
-            && let (Some(own), Some(out)) = (mean(range.end.saturating_sub(end), range.end), mean(range.end, range.end + end))
+            && let (Some(own), Some(out)) =
+                (mean(range.end.saturating_sub(end), range.end), mean(range.end, range.end + end))
         {
             ends[1] += unit(own - out);
             of_ends[1] += size * size;
@@ -295,7 +298,11 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
     let size = (whole / count.max(1.0)).sqrt();
     // Exactly one run, or a few rows where every visit comes from another side: that is how axes move.
     let is_run = trail.is_border(first, 1) && trail.is_border(last + 1, 1);
-    if is_run || !trail.has_sense && last - first < FEW {
+    // Nor rows of one run that begin or end with it.
+    let is_part = !trail.has_sense
+        && (trail.is_border(first, 2) || trail.is_border(last + 1, 2))
+        && !(first + 3..=last.saturating_sub(2)).any(|row| trail.is_border(row, 0));
+    if is_run || is_part || !trail.has_sense && last - first < FEW {
         return None;
     }
     let is_alone = is_flat && is_sharp && middles > MIDDLE * whole && back.abs() <= BACK * of_back && size > SIZE;

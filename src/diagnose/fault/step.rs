@@ -2,6 +2,7 @@
 //!
 //! What warms up, cools down or is switched on and off is none: it does not begin within a reading, does not stay, or comes with a driver.
 
+use super::cells::Clock;
 use super::trail::Trail;
 use super::{Check, Fault, Then, View, spread};
 use crate::measure::data::DataSet;
@@ -25,10 +26,10 @@ const SHARP: f64 = 0.5;
 /// Halves of a side differ by less than this of the step.
 const FLAT: f64 = 0.35;
 /// In units of the noise at least.
-const SIZE: f64 = 1.5;
+const SIZE: f64 = 1.8;
 
 /// Rows from a change within which a driver goes with it.
-const NEAR: usize = 6;
+const NEAR: usize = 2;
 
 /// By how much the squares fall at least, in squares of the noise.
 const LEAST: f64 = 60.0;
@@ -37,6 +38,8 @@ const TRIED: usize = 16;
 /// Rows from a change within which it may really be.
 const WITHIN: usize = 20;
 
+/// Within so many rows of a pause a machine may have become another one.
+const PAUSE: usize = 12;
 /// A driver that is switched changes by so much of its range.
 const SWITCH: f64 = 0.1;
 
@@ -143,10 +146,12 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
         .collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     all.truncate(TRIED);
+    let clock = Clock::new(data);
     let mut found: Option<Change> = None;
     for (_, block, gains) in all {
         let most = |from: usize, until: usize| {
-            (from.max(block[0] + 1)..=until.min(block[1])).max_by(|a, b| gains[a - block[0]].total_cmp(&gains[b - block[0]]))
+            (from.max(block[0] + 1)..=until.min(block[1]))
+                .max_by(|a, b| gains[a - block[0]].total_cmp(&gains[b - block[0]]))
         };
         let near = rows.iter().filter(|(own, _)| *own == block);
         let near = near.filter_map(|(_, row)| most(row.saturating_sub(WITHIN), row + WITHIN));
@@ -155,7 +160,10 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
         tried.dedup();
         for row in tried {
             let gain = gains[row - block[0]];
-            if gain < LEAST || found.as_ref().is_some_and(|best| best.gain >= gain) {
+            if gain < LEAST
+                || !clock.goes_on(row.saturating_sub(PAUSE), (row + PAUSE).min(block[1]))
+                || found.as_ref().is_some_and(|best| best.gain >= gain)
+            {
                 continue;
             }
             let around = trail.around([row, block[1]]);
@@ -230,7 +238,7 @@ fn is_driven(trail: &Trail, change: &Change, data: &DataSet) -> bool {
         if (behind - before).abs() < SWITCH * range {
             return false;
         }
-        let limit = (before + behind) / 2.0;
+        let is_like = |row: usize, of: f64| (value(row) - of).abs() < SWITCH * range;
         // Elsewhere, beyond the sides of the change, the same switch makes as much.
         let (mut own, mut other) = (0.0, 0.0);
         for channel in &trail.channels {
@@ -238,15 +246,12 @@ fn is_driven(trail: &Trail, change: &Change, data: &DataSet) -> bool {
             let near = at.saturating_sub(change.side)..at + change.side;
             // Before and behind each for itself: what is shifted behind it shall not count for the driver.
             let piece = channel.range(change.block[0], change.block[1]);
-            let mean = |side: std::ops::Range<usize>, above: bool| {
+            let mean = |side: std::ops::Range<usize>, of: f64| {
                 let far = side.filter(|k| !near.contains(k) && channel.left[*k].is_finite());
-                let all: Vec<f64> =
-                    far.filter(|&k| (value(channel.at[k].0) > limit) == above).map(|k| channel.left[k]).collect();
+                let all: Vec<f64> = far.filter(|&k| is_like(channel.at[k].0, of)).map(|k| channel.left[k]).collect();
                 (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
             };
-            let makes = |side: std::ops::Range<usize>| {
-                Some(mean(side.clone(), behind > limit)? - mean(side, before > limit)?)
-            };
+            let makes = |side: std::ops::Range<usize>| Some(mean(side.clone(), behind)? - mean(side, before)?);
             let sides: Vec<f64> = [piece.start..at, at..piece.end].into_iter().filter_map(makes).collect();
             let jump = channel.mean(at, at + change.side).map_or(0.0, |one| one.0)
                 - channel.mean(at.saturating_sub(change.side), at).map_or(0.0, |one| one.0);

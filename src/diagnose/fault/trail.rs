@@ -321,8 +321,7 @@ fn senses(scene: &Scene<'_>, items: &[(&Item, usize)], places: &[usize]) -> Vec<
         }
         columns.push(sense.clone());
         for along in axes() {
-            let at: Vec<f64> =
-                places.iter().map(|&place| row(place).map_or(0.0, |row| row.position[along])).collect();
+            let at: Vec<f64> = places.iter().map(|&place| row(place).map_or(0.0, |row| row.position[along])).collect();
             let middle = at.iter().sum::<f64>() / at.len().max(1) as f64;
             for power in [1, 2] {
                 columns.push(at.iter().zip(&sense).map(|(at, sense)| (at - middle).powi(power) * sense).collect());

@@ -32,7 +32,7 @@ const NOISE_ALONE: f64 = 0.2;
 /// The prediction, where it and the noise together are evidence.
 const SIZE_BOTH: f64 = 0.7;
 /// And the noise.
-const NOISE_BOTH: f64 = 0.6;
+const NOISE_BOTH: f64 = 1.2;
 /// No instrument is so much better or worse than is said of it.
 const INCREDIBLE: f64 = 4.6;
 

@@ -58,7 +58,8 @@ impl Trail {
                     sum += centred[k];
                 }
             }
-            let squares: f64 = of_group.iter().filter(|[all, _]| *all > 0.0).map(|[all, inside]| inside - inside * inside / all).sum();
+            let squares: f64 =
+                of_group.iter().filter(|[all, _]| *all > 0.0).map(|[all, inside]| inside - inside * inside / all).sum();
             if squares > 1.0 { sum * sum / squares / channel.noise.powi(2) } else { 0.0 }
         };
         self.channels.iter().map(of_channel).sum()
@@ -141,8 +142,7 @@ impl Channel {
                 let middle = median(group.iter().map(|&k| own(k)).collect());
                 group.iter().for_each(|&k| left[k] = own(k) - middle);
             }
-            let column: Vec<f64> =
-                known.iter().map(|&k| f64::from(u8::from(is_inside(k))) - share(k)).collect();
+            let column: Vec<f64> = known.iter().map(|&k| f64::from(u8::from(is_inside(k))) - share(k)).collect();
             if !self.senses.is_empty() {
                 self.take_senses_out(&known, &column, &mut left);
             }
