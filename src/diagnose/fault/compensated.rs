@@ -14,7 +14,7 @@ pub(super) const CHECK: Check = Check {
 /// The prediction is at least so large in units of the noise.
 const SIZE: f64 = 0.9;
 /// What is left in squares of the noise where readings fit.
-const FITS: f64 = 4.0;
+const FITS: f64 = 2.4;
 /// The known errors as they are leave so much of their own squares more.
 const WORSE: f64 = 0.5;
 /// Uncertainty of the gain at most.

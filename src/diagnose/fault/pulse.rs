@@ -35,7 +35,7 @@ const MIDDLE: f64 = 0.6;
 /// Rows that are few.
 const FEW: usize = 20;
 /// The longest, s.
-const LONGEST_S: f64 = 330.0;
+const LONGEST_S: f64 = 315.0;
 /// Windows that are looked at closely.
 const TRIED: usize = 24;
 /// Other visits of the same places have less of it.
@@ -300,9 +300,10 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
     let is_run = trail.is_border(first, 1) && trail.is_border(last + 1, 1);
     // Nor rows of one run that begin or end with it.
     let is_part = !trail.has_sense
-        && (trail.is_border(first, 2) || trail.is_border(last + 1, 2))
-        && !(first + 3..=last.saturating_sub(2)).any(|row| trail.is_border(row, 0));
-    if is_run || is_part || !trail.has_sense && last - first < FEW {
+        && (trail.is_border(first, 4) || trail.is_border(last + 1, 4))
+        && !(first + 5..=last.saturating_sub(4)).any(|row| trail.is_border(row, 0));
+    let is_little = count < 2.0 && last - first < FEW;
+    if is_run || is_part || is_little || !trail.has_sense && last - first < FEW {
         return None;
     }
     let is_alone = is_flat && is_sharp && middles > MIDDLE * whole && back.abs() <= BACK * of_back && size > SIZE;

@@ -33,6 +33,8 @@ const NEAR: usize = 2;
 
 /// By how much the squares fall at least, in squares of the noise.
 const LEAST: f64 = 60.0;
+/// Readings of all channels on each side at least.
+const READINGS: f64 = 25.0;
 /// Changes that are looked at closely.
 const TRIED: usize = 16;
 /// Rows from a change within which it may really be.
@@ -194,7 +196,7 @@ fn beside(trail: &Trail, block: [usize; 2], row: usize, gain: f64) -> Option<Cha
             size += ((behind - before) / channel.noise).powi(2);
             count += 1.0;
         }
-        if count > 0.0 {
+        if count > 0.0 && side as f64 * count >= READINGS {
             return Some(Change { row, block, gain, size: (size / count).sqrt(), side });
         }
     }
