@@ -108,8 +108,7 @@ fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>
     let name = if fault.name == set.name { String::new() } else { format!(" {}", fault.name) };
     let of = if is_held_out { "held out, " } else { "" };
     let rows = match &fault.then {
-        Then::Refuse | Then::MoreNoise(_) => String::new(),
-        Then::WithoutReadings(readings) => format!(" in {} readings", readings.len()),
+        Then::Refuse | Then::MoreNoise(_) | Then::WithoutReadings(_) => String::new(),
         _ => format!(" in rows {} to {}", fault.rows[0] + 1, fault.rows[1] + 1),
     };
     let message = format!("{of}{}{name}: {}{rows}: {}", set.name, fault.what, fault.evidence);
