@@ -34,6 +34,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0603", "cli_calibrate: a_gross_outlier_is_listed_and_does_no_harm"),
     ("W0605", "cli_calibrate: a_model_is_reduced_to_what_the_data_tell"),
     ("W0606", "src/cli/repeated.rs: uncertainties_that_repetitions_contradict_are_named"),
+    ("W0607", "diagnose_faults: the_command_reports_faults_and_refuses_what_is_no_data"),
     ("W0604", "cli_calibrate: a_poor_model_is_pointed_out"),
     ("W0601", "strain: places_that_the_signals_do_not_tell_are_assumed"),
     ("W0602", "strain: the_command_writes_a_state_file"),

@@ -15,15 +15,19 @@ const FIRST_FAULT: u8 = 60;
 
 /// Everything that was found in a case, with the file; as [`fault::find`] has it.
 fn found(case: &Case) -> Vec<(String, fault::Fault)> {
+    found_in(case, &case.files)
+}
+
+fn found_in(case: &Case, files: &[crate::plant::File]) -> Vec<(String, fault::Fault)> {
     let source = |id, name: &str, text: &str| Source::new(FileId(id), name, text.as_bytes().to_vec()).unwrap();
     let (machine, findings) = ncfix::model::file::load(&source(0, "machine.toml", &case.machine_toml));
     let (machine, errors) = machine.unwrap_or_else(|| panic!("{findings:?}"));
     let load = |file: &crate::plant::File| {
         let (table, description) = (source(1, "table.csv", &file.csv), source(2, "table.toml", &file.toml));
-        let (data, findings) = data::load(&file.stem, &table, &description, &machine);
+        let (data, findings) = data::load_with_dead(&file.stem, &table, &description, &machine);
         data.unwrap_or_else(|| panic!("{}: {findings:?}", case.name))
     };
-    let sets: Vec<data::DataSet> = case.files.iter().map(load).collect();
+    let sets: Vec<data::DataSet> = files.iter().map(load).collect();
     let scene = Scene::new(&machine, &errors, &sets).unwrap();
     fault::find(&scene).into_iter().map(|found| (sets[found.set].name.clone(), found)).collect()
 }
@@ -31,15 +35,12 @@ fn found(case: &Case) -> Vec<(String, fault::Fault)> {
 /// How many of the faults that were put into a case are among those found, of how many that can be seen: the same kind, file, names and words,
 /// and mostly the same rows.
 fn named(case: &Case, found: &[(String, fault::Fault)]) -> [usize; 2] {
-    /// Rows of a pulse that was not cut off by a pause, in files with a row every few seconds.
-    const PULSE: usize = 20;
     let names = |text: &str| {
         let mut names: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
         names.sort();
         names
     };
-    let is_cut = |rows: [usize; 2]| !case.name.starts_with("Drift") && rows[1] - rows[0] < PULSE;
-    let seen = case.truth.faults.iter().filter(|truth| truth.kind != "pulse" || !is_cut(truth.rows));
+    let seen = case.truth.faults.iter().filter(|truth| truth.unseen.is_none());
     let is_named = |truth: &&crate::plant::Fault| {
         found.iter().any(|(file, one)| {
             let common = (one.rows[1].min(truth.rows[1]) + 1).saturating_sub(one.rows[0].max(truth.rows[0]));
@@ -53,17 +54,6 @@ fn named(case: &Case, found: &[(String, fault::Fault)]) -> [usize; 2] {
         })
     };
     [seen.clone().filter(is_named).count(), seen.count()]
-}
-
-/// Whether data can show a fault at all.
-fn is_shown(kind: FaultKind, bench: Bench) -> bool {
-    match kind {
-        // −180 °C is refused where the table is read.
-        FaultKind::Dead => false,
-        // A day at one place has no errors that differ by direction and are known.
-        FaultKind::Swapped | FaultKind::Reversed => bench != Bench::Drift,
-        _ => is_possible(kind, bench),
-    }
 }
 
 fn recipe(bench: Bench, size_in_noise: f64, seed: u64) -> Recipe {
@@ -98,12 +88,9 @@ fn claims(found: &[(String, fault::Fault)]) -> Vec<String> {
 #[test]
 fn each_kind_of_fault_is_found() {
     for kind in FAULTS {
-        let Some(bench) = [Bench::Drift, Bench::Plate, Bench::Laser].into_iter().find(|&bench| is_shown(kind, bench))
-        else {
-            assert_eq!(kind, FaultKind::Dead);
-            continue;
-        };
-        let case = Recipe { faults: vec![kind], ..recipe(bench, 5.0, 2) }.cook().unwrap();
+        let made = [Bench::Drift, Bench::Plate, Bench::Laser].into_iter().filter(|&bench| is_possible(kind, bench));
+        let mut cases = made.filter_map(|bench| Recipe { faults: vec![kind], ..recipe(bench, 5.0, 2) }.cook());
+        let case = cases.find(|case| case.truth.faults.iter().any(|fault| fault.unseen.is_none())).unwrap();
         let found = found(&case);
         let [hits, all] = named(&case, &found);
         assert!(hits == all && all > 0, "{}{:?}", case.words(), claims(&found));
@@ -122,27 +109,13 @@ fn what_the_machine_does_is_no_fault() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// The share in percent that is found at 3 × noise.
-fn least(name: &str) -> usize {
-    match name {
-        // A plate has 1.5 × noise of known errors, and a pulse there may last as long as a run.
-        "Compensated Plate" | "Pulses Plate" => 60,
-        // Plugs of sensors that have nearly the same temperature.
-        "Exchanged Drift" => 75,
-        // A step between two lines moves their free zeros only.
-        "Step Laser" => 45,
-        "Pulses Laser" => 80,
-        _ => 95,
-    }
-}
-
 #[test]
 #[ignore = "minutes; shows the shares that the light ones sample"]
 fn faults_are_found_and_none_is_claimed_over_many_seeds() {
     let mut table: BTreeMap<String, [usize; 2]> = BTreeMap::new();
     for kind in FAULTS {
-        for bench in BENCHES.into_iter().filter(|&bench| is_shown(kind, bench)) {
-            for seed in 1..=20 {
+        for bench in BENCHES.into_iter().filter(|&bench| is_possible(kind, bench)) {
+            for seed in 51..=70 {
                 let Some(case) = (Recipe { faults: vec![kind], ..recipe(bench, 3.0, seed) }).cook() else { continue };
                 let cell = table.entry(format!("{kind:?} {bench:?}")).or_default();
                 let [hits, all] = named(&case, &found(&case));
@@ -151,17 +124,95 @@ fn faults_are_found_and_none_is_claimed_over_many_seeds() {
             }
         }
     }
-    let weak: Vec<_> = table.iter().filter(|(name, [hits, all])| hits * 100 < all * least(name)).collect();
+    let weak: Vec<_> = table.iter().filter(|(_, [hits, all])| hits * 100 < all * 90).collect();
     let (mut wrong, mut all) = (Vec::new(), 0);
-    for seed in 1..=6 {
+    for seed in 51..=56 {
         for case in BENCHES.into_iter().flat_map(|bench| clean(bench, 5.0, seed)) {
             all += 1;
             let claims = claims(&found(&case));
             wrong.extend((!claims.is_empty()).then(|| format!("{}: {claims:?}", case.name)));
         }
     }
-    assert!(all > 100 && wrong.len() * 50 <= all, "{wrong:#?}\n{table:#?}");
-    assert!(weak.is_empty(), "{weak:?}\n{table:#?}");
+    assert!(all > 300 && wrong.len() * 100 <= all, "{wrong:#?}\n{table:#?}");
+    let [hits, whole] = table.values().fold([0, 0], |[hits, whole], cell| [hits + cell[0], whole + cell[1]]);
+    assert!(weak.is_empty() && hits * 100 >= whole * 97, "{weak:?}\n{table:#?}");
+}
+
+/// The same case with the names of the sensors changed, or all times later.
+fn told_otherwise(case: &Case, name: impl Fn(&str) -> String, later_s: f64) -> Case {
+    let of = |file: &crate::plant::File| {
+        let mut lines = file.csv.lines();
+        let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let time = head.iter().position(|cell| *cell == "t_s").unwrap();
+        let mut csv = head.iter().map(|cell| name(cell)).collect::<Vec<String>>().join(",") + "\n";
+        for line in lines {
+            let cells = line.split(',').enumerate().map(|(column, cell)| match column == time {
+                true => format!("{:.4}", cell.parse::<f64>().unwrap() + later_s),
+                false => cell.to_owned(),
+            });
+            csv += &(cells.collect::<Vec<String>>().join(",") + "\n");
+        }
+        crate::plant::File { csv, ..file.clone() }
+    };
+    Case { files: case.files.iter().map(of).collect(), ..case.clone() }
+}
+
+#[test]
+fn other_names_of_sensors_and_other_times_change_no_fault() {
+    use FaultKind as F;
+    for kind in [F::Stuck, F::Dead, F::Exchanged, F::Offset, F::Fahrenheit, F::Pulses, F::FirstCycle, F::Step] {
+        let drift = recipe(Bench::Drift, 5.0, 2);
+        let case = Recipe { faults: vec![kind], fineness: 0.5, ..drift }.cook().unwrap();
+        let rename = |name: &str| if name.starts_with("T_") { name.replace("T_", "T_q") } else { name.to_owned() };
+        let told = |found: Vec<(String, fault::Fault)>, name: &dyn Fn(&str) -> String| -> Vec<_> {
+            let mut all: Vec<_> = found
+                .into_iter()
+                .map(|(file, one)| {
+                    let mut names: Vec<String> = one.name.split(' ').map(name).collect();
+                    names.sort();
+                    (file, one.kind, names, one.what, one.rows)
+                })
+                .collect();
+            all.sort();
+            all
+        };
+        let before = found(&case);
+        assert!(!before.is_empty(), "{kind:?}");
+        let same = |name: &str| name.to_owned();
+        let renamed = told(found(&told_otherwise(&case, rename, 0.0)), &same);
+        assert_eq!(told(before.clone(), &rename), renamed, "{kind:?}");
+        let later = told(found(&told_otherwise(&case, same, 86_400.0)), &same);
+        assert_eq!(told(before, &same), later, "{kind:?}");
+    }
+}
+
+/// A case whose only table is this one, of a length along X.
+fn of_table(csv: String) -> Case {
+    let case = recipe(Bench::Laser, 5.0, 2).cook().unwrap();
+    let toml = "[measurement]\nkind = \"displacement\"\nsigma_um = 0.5\nfree = []\n".to_owned();
+    let files = vec![crate::plant::File { csv, toml, ..case.files[0].clone() }];
+    Case { files, ..case }
+}
+
+#[test]
+fn tables_that_say_little_are_no_fault_and_long_ones_take_no_time() {
+    let head = "X,Y,Z,X_dir,Y_dir,Z_dir,run,t_s,T_a_C,T_b_C,dx_um\n";
+    let row = |k: usize, dx: f64| {
+        let x = 10 * (k % 40);
+        let (warm, cool) = (20.0 + (k as f64 * 0.7).sin(), 21.0 + (k as f64 * 0.9).cos());
+        format!("{x},100,100,1,0,0,{},{},{warm:.3},{cool:.3},{dx:.4}\n", k / 40, 2 * k)
+    };
+    assert!(found(&of_table(head.to_owned() + &row(0, 0.1))).is_empty(), "one row");
+    let constant: String = (0..50).map(|k| format!("10,100,100,1,0,0,1,{k},20,20,0\n")).collect();
+    assert!(claims(&found(&of_table(head.to_owned() + &constant))).is_empty(), "constant columns");
+    // Noise without random numbers: digits of a product.
+    let noise = |k: usize| (k as f64 * 0.618_033_988).fract() + (k as f64 * 0.414_213_562).fract() - 1.0;
+    let begin = std::time::Instant::now();
+    let long: String = (0..20_000).map(|k| row(k, noise(k))).collect();
+    let mut claims = claims(&found(&of_table(head.to_owned() + &long)));
+    // Noise alone has none of the errors that the machine file knows, which is rightly said.
+    claims.retain(|claim| !claim.contains("known errors already taken out"));
+    assert!(claims.is_empty() && begin.elapsed().as_secs() < 30, "{:?} {claims:?}", begin.elapsed());
 }
 
 /// Diagnoses a case; gives the exit status and the object.
@@ -193,4 +244,50 @@ fn the_command_reports_faults_and_refuses_what_is_no_data() {
     assert_eq!(fault["rows"], serde_json::json!([truth.rows[0] + 1, truth.rows[1] + 1]));
     let sensors: Vec<_> = object["findings"].as_array().unwrap().iter().map(|one| one["sensor"].clone()).collect();
     assert!(!sensors.contains(&truth.name.as_str().into()), "a sensor at fault is no cause");
+    let told = object["diagnostics"].as_array().unwrap().iter().find(|one| one["code"] == "W0607").unwrap();
+    assert!(told["message"].as_str().unwrap().contains("stuck"), "{told}");
+    assert_eq!(told["line"], truth.rows[0] + 2, "the header is a line as well");
+    assert!(told["column"].as_u64().unwrap() > 1, "{told}");
+}
+
+#[test]
+fn dead_sensors_and_faults_of_data_held_out_are_told_and_do_not_forbid_a_diagnosis() {
+    let of_a_day = Recipe { fineness: 0.4, ..recipe(Bench::Drift, 5.0, 3) };
+    let sound = of_a_day.cook().unwrap();
+    let dead = Recipe { faults: vec![FaultKind::Dead], ..of_a_day }.cook().unwrap();
+    let truth = &dead.truth.faults[0];
+    // What is at fault is held out.
+    let held = crate::plant::File { stem: "judge".to_owned(), ..dead.files[0].clone() };
+    let mut shop = Shop::new().file("machine.toml", &dead.machine_toml);
+    for file in [&sound.files[0], &held] {
+        shop = shop.file(&format!("{}.csv", file.stem), &file.csv).file(&format!("{}.toml", file.stem), &file.toml);
+    }
+    let table = format!("{}.csv", sound.files[0].stem);
+    let arguments = ["diagnose", &table, "--holdout", "judge.csv", "--machine", "machine.toml", "--json"];
+    let object = shop.run(arguments).exits(0).json();
+    let faults = object["data_faults"].as_array().unwrap();
+    let told = faults.iter().find(|one| one["what"] == "dead").unwrap_or_else(|| panic!("{faults:?}"));
+    assert_eq!([&told["kind"], &told["name"], &told["file"]], ["sensor", truth.name.as_str(), "judge"]);
+    let is_held = |one: &serde_json::Value| {
+        one["code"] == "W0607" && one["message"].as_str().unwrap().starts_with("held out, judge T_")
+    };
+    assert!(object["diagnostics"].as_array().unwrap().iter().any(is_held), "{}", object["diagnostics"]);
+    // Who calibrates has to take it out.
+    let source = |id, text: &str| Source::new(FileId(id), "judge", text.as_bytes().to_vec()).unwrap();
+    let (machine, _) = ncfix::model::file::load(&source(0, &dead.machine_toml)).0.unwrap();
+    let (read, refused) = data::load("judge", &source(1, &held.csv), &source(2, &held.toml), &machine);
+    assert!(read.is_none() && refused.iter().all(|one| one.code.as_str() == "E0603"), "{refused:?}");
+}
+
+#[test]
+fn a_cause_is_found_beside_a_fault() {
+    let hidden = Recipe { hide: vec![20], faults: vec![FaultKind::Pulses], ..recipe(Bench::Plate, 5.0, 11) };
+    let case = hidden.cook().unwrap();
+    let object = diagnosed(&case, 0);
+    let kinds: Vec<_> = object["data_faults"].as_array().unwrap().iter().map(|one| one["kind"].clone()).collect();
+    assert!(kinds.contains(&"pulse".into()), "{}{kinds:?}", case.words());
+    let truth = &case.truth.effects[0];
+    let is_named =
+        |one: &serde_json::Value| one["effect"] == truth.effect && one["parameter"] == truth.parameter.as_str();
+    assert!(object["findings"].as_array().unwrap().iter().any(is_named), "{}{}", case.words(), object["findings"]);
 }

@@ -8,7 +8,7 @@ use super::extended;
 use super::findings::Findings;
 use super::input::{self, is_standard_stream};
 use super::machine_choice::{self, Chosen};
-use super::measurement::{self, description_of};
+use super::measurement::{self, Measurement, description_of};
 use super::output::Target;
 use super::program::protect;
 use super::progress::Progress;
@@ -95,22 +95,21 @@ fn find(
     for path in &chosen.files {
         shown.inputs.push(calibrated_report::machine_input(&input::read(path, FileId(0))?));
     }
-    let mut sets: Vec<DataSet> = Vec::new();
+    let mut all: Vec<Measurement> = Vec::new();
     for (number, path) in arguments.data.iter().chain(&arguments.holdout).enumerate() {
-        let read = measurement::read(path, number, false, &chosen.machine, findings)?;
+        let read = measurement::read_with_dead(path, number, &chosen.machine, findings)?;
         if let Some(one) = &read {
             shown.inputs.extend(calibrated_report::inputs(one, number >= arguments.data.len()));
         }
-        sets.extend(read.map(|one| one.data));
+        all.extend(read);
     }
     if findings.has_errors() {
         return Ok(());
     }
     let used = arguments.data.len();
-    // Faults of held-out data are not looked for: what is held out shall be as it comes.
-    let in_use = sets.get_mut(..used).unwrap_or_default();
-    let faults = diagnose_faults::look(&chosen.machine, &chosen.errors, in_use, findings, &mut report.data_faults)
-        .unwrap_or_default();
+    let faults =
+        diagnose_faults::look(&chosen.machine, &chosen.errors, &mut all, used, findings, &mut report.data_faults);
+    let sets: Vec<DataSet> = all.into_iter().map(|one| one.data).collect();
     if findings.has_errors() {
         return Ok(());
     }

@@ -1,37 +1,78 @@
 //! Faults of the data, as `ncfix diagnose` looks for them first: reports them, refuses files that say something else than what was measured, and
 //! takes out what is at fault.
+//!
+//! In data held out rows stay in whatever is found: they are the judge, and nobody shall choose what it sees. What its sensors say at fault is no
+//! reading of them, though, and a file in another unit or with other axes judges nothing: it is refused as well.
 
 use super::findings::Findings;
+use super::measurement::Measurement;
+use crate::csv::Table;
 use crate::diagnose::Scene;
 use crate::diagnose::fault::{Fault, Then, find, take_sensors_out};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;
 use crate::report::diagnosis::DataFault;
+use crate::source::Source;
 
-/// Looks for faults and takes sensors out that have one; rows are excluded from a scene with [`crate::diagnose::fault::exclude`]. `None` where the
-/// readings cannot even tell the set-ups.
+/// Looks for faults in measurements of which the first `used` are used and the others held out, and takes sensors out that have one; rows of the
+/// former are excluded from a scene with [`crate::diagnose::fault::exclude`] by what comes back.
 pub(super) fn look(
     machine: &Machine,
     errors: &ErrorModel,
-    sets: &mut [DataSet],
+    all: &mut [Measurement],
+    used: usize,
     findings: &mut Findings,
     report: &mut Vec<DataFault>,
-) -> Option<Vec<Fault>> {
-    let faults = find(&Scene::new(machine, errors, sets).ok()?);
-    for fault in &faults {
-        let Some(set) = sets.get(fault.set) else { continue };
-        report.push(reported(fault, set));
-        if fault.then == Then::Refuse {
-            findings.add(refusal(fault, set), &[]);
-        }
-    }
-    take_sensors_out(sets, &faults);
-    Some(faults)
+) -> Vec<Fault> {
+    let (own, held_out) = all.split_at_mut(used.min(all.len()));
+    let faults = look_in(machine, errors, (own, false), findings, report);
+    look_in(machine, errors, (held_out, true), findings, report);
+    faults
 }
 
-fn reported(fault: &Fault, set: &DataSet) -> DataFault {
+fn look_in(
+    machine: &Machine,
+    errors: &ErrorModel,
+    (measurements, is_held_out): (&mut [Measurement], bool),
+    findings: &mut Findings,
+    report: &mut Vec<DataFault>,
+) -> Vec<Fault> {
+    let mut sets: Vec<DataSet> = measurements.iter().map(|one| one.data.clone()).collect();
+    // Where readings cannot even tell the set-ups, who goes on says so.
+    let faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find(&scene));
+    for fault in &faults {
+        let Some(one) = measurements.get(fault.set) else { continue };
+        report.push(reported(fault, &one.data, is_held_out));
+        let place = place(fault, &one.sources[0]);
+        findings.add(finding(fault, &one.data, is_held_out, place), &one.sources);
+    }
+    take_sensors_out(&mut sets, &faults);
+    measurements.iter_mut().zip(sets).for_each(|(one, set)| one.data = set);
+    faults
+}
+
+/// Whether nothing can be made of the measurement. An old model looks like a table that is active: in data held out both are for the reader.
+fn is_refused(fault: &Fault, is_held_out: bool) -> bool {
+    fault.then == Then::Refuse && !(is_held_out && fault.kind == "compensated")
+}
+
+/// What the search goes without.
+fn excluded(fault: &Fault, is_held_out: bool) -> String {
+    match &fault.then {
+        _ if is_refused(fault, is_held_out) => "the whole file".into(),
+        Then::WithoutSensors(names) => format!("what {} says, as a cause", names.join(" and ")),
+        _ if is_held_out => "nothing: the file is held out, and judges as it is".into(),
+        Then::Refuse => "the whole file".into(),
+        Then::WithoutRows => "these rows".into(),
+        Then::WithoutReadings(readings) => format!("{} single readings", readings.len()),
+        Then::OwnZero => "nothing; the rows behind the step have a zero of their own".into(),
+        Then::MoreNoise(_) => "nothing; the readings count with more noise".into(),
+    }
+}
+
+fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
     let rows = match &fault.then {
         // Single readings are no range.
         Then::WithoutReadings(readings) => {
@@ -41,14 +82,6 @@ fn reported(fault: &Fault, set: &DataSet) -> DataFault {
         }
         _ => fault.rows.map(|row| row + 1).to_vec(),
     };
-    let excluded = match &fault.then {
-        Then::Refuse => "the whole file".into(),
-        Then::WithoutRows => "these rows".into(),
-        Then::WithoutReadings(readings) => format!("{} single readings", readings.len()),
-        Then::WithoutSensors(names) => format!("what {} says, as a cause", names.join(" and ")),
-        Then::OwnZero => "nothing; the rows behind the step have a zero of their own".into(),
-        Then::MoreNoise(_) => "nothing; the readings count with more noise".into(),
-    };
     DataFault {
         kind: fault.kind.into(),
         name: fault.name.clone(),
@@ -56,21 +89,45 @@ fn reported(fault: &Fault, set: &DataSet) -> DataFault {
         rows,
         file: set.name.clone(),
         evidence: fault.evidence.clone(),
-        excluded,
+        excluded: excluded(fault, is_held_out),
     }
 }
 
-fn refusal(fault: &Fault, set: &DataSet) -> Diagnostic {
+/// The first row, in the column that is at fault where there is one.
+fn place(fault: &Fault, source: &Source) -> Option<Place> {
+    let table = Table::read(source).0?;
+    let column = fault.name.split(' ').next().and_then(|name| table.column(name));
+    let whole = [Then::Refuse].contains(&fault.then) || matches!(fault.then, Then::MoreNoise(_));
+    if whole {
+        return Some(table.header_place(column));
+    }
+    Some(table.rows().nth(fault.rows[0])?.place(column.unwrap_or(0)))
+}
+
+fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>) -> Diagnostic {
     let name = if fault.name == set.name { String::new() } else { format!(" {}", fault.name) };
-    let message = format!("{}{name}: {}: {}", set.name, fault.what, fault.evidence);
+    let of = if is_held_out { "held out, " } else { "" };
+    let rows = match &fault.then {
+        Then::Refuse | Then::MoreNoise(_) | Then::WithoutReadings(_) => String::new(),
+        _ => format!(" in rows {} to {}", fault.rows[0] + 1, fault.rows[1] + 1),
+    };
+    let message = format!("{of}{}{name}: {}{rows}: {}", set.name, fault.what, fault.evidence);
+    let is_refused = is_refused(fault, is_held_out);
     let help = match fault.kind {
         "unit" => {
-            "convert the column to the unit that its name says, and check sigma_um (or sigma_urad) in the description"
+            "convert the column to the unit that its name says, and check sigma_um (or sigma_urad) in the description".into()
         }
-        "axes" => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again",
-        _ => {
+        "axes" => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again".into(),
+        "compensated" if is_refused => {
             "measure with the table of the control switched off, or give with --machine what the control does not take out"
+                .into()
         }
+        "compensated" => "check whether a table of the control was active; if not, the model has expired".into(),
+        _ => format!("left out: {}", excluded(fault, is_held_out)),
     };
-    Diagnostic::nowhere(Code::DATA_FAULT, message, help)
+    let code = if is_refused { Code::DATA_FAULT } else { Code::FAULTY_DATA };
+    match place {
+        Some(place) => Diagnostic::at(code, place, message, help),
+        None => Diagnostic::nowhere(code, message, help),
+    }
 }

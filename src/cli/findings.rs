@@ -15,7 +15,8 @@ const MOST_KEPT: usize = 1000;
 const MOST_DRAWN: usize = 50;
 
 /// Findings about a file as a whole, of which there may be several in its first line.
-const ABOUT_FILES: &[Code] = &[Code::NOT_TOLD, Code::NOT_SETTLED, Code::REDUCED, Code::POOR_FIT];
+const ABOUT_FILES: &[Code] =
+    &[Code::NOT_TOLD, Code::NOT_SETTLED, Code::REDUCED, Code::POOR_FIT, Code::DATA_FAULT, Code::FAULTY_DATA];
 
 /// What makes two findings the same: one in a loop is met again with every pass. Without a place the message decides.
 type Identity = (Code, String, Option<Place>);

@@ -45,11 +45,36 @@ pub(super) fn read(
     machine: &Machine,
     findings: &mut Findings,
 ) -> Result<Option<Measurement>, Stop> {
+    read_by(if is_plan { data::load_plan } else { data::load }, table, number, machine, findings)
+}
+
+/// Reads a measurement in which sensors may be dead in some rows, which is no refusal.
+///
+/// # Errors
+/// Where a file cannot be read.
+pub(super) fn read_with_dead(
+    table: &Path,
+    number: usize,
+    machine: &Machine,
+    findings: &mut Findings,
+) -> Result<Option<Measurement>, Stop> {
+    read_by(data::load_with_dead, table, number, machine, findings)
+}
+
+/// Reads the text of a pair of files.
+type Load = fn(&str, &Source, &Source, &Machine) -> (Option<DataSet>, Vec<Diagnostic>);
+
+fn read_by(
+    load: Load,
+    table: &Path,
+    number: usize,
+    machine: &Machine,
+    findings: &mut Findings,
+) -> Result<Option<Measurement>, Stop> {
     let description = description_of(table)?;
     let id = |offset: usize| FileId(u16::try_from(2 * number + offset).unwrap_or(u16::MAX));
     let sources = [input::read(table, id(1))?, input::read(&description, id(2))?];
     let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let load = if is_plan { data::load_plan } else { data::load };
     let (data, found) = load(&name, &sources[0], &sources[1], machine);
     findings.extend(found, &sources);
     Ok(data.map(|mut data| {

@@ -111,14 +111,17 @@ fn read(
     let (tables, logs) = sources.split_at_checked(arguments.data.len() + arguments.verify.len())?;
     let mut temperatures: Option<Condition> = None;
     for source in logs {
-        let (condition, found) = log::load(source);
+        let (condition, found) = log::load_with_dead(source);
         findings.extend(found, sources);
         temperatures = Some(condition?);
     }
     let mut runs = Vec::new();
     for source in tables {
         match data::read(source, temperatures.as_ref(), &chosen.machine) {
-            Ok(run) => runs.push(run),
+            Ok(mut run) => {
+                findings.extend(std::mem::take(&mut run.warnings), sources);
+                runs.push(run);
+            }
             Err(found) => findings.extend(found, sources),
         }
     }

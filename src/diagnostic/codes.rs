@@ -433,4 +433,9 @@ where the terms that it found cannot be fitted again together: they are written 
 "With --monte-carlo, ncfix calibrate simulates the readings many times, with the noise that it found, and fits them again. The scatter of a parameter differs from
 its standard uncertainty by more than 25 %, beyond what the number of repetitions lets expect, or repetitions could not be fitted. Reasons are few
 readings, weights that follow the noise, or unknowns that move far.";
+    FAULTY_DATA = "W0607" "fault of the data"
+"Something went wrong between the machine and the file: a sensor of temperature that is dead, stuck, exchanged with another one, moved or in degrees Fahrenheit; a
+pulse of some minutes, a first cycle before the machine had settled, a step of all that follows, single readings far from all others, steps of a display. The
+message says in which rows and why this is thought, and the help what follows: what is at fault is left out of the search for causes, or counts with a zero
+or noise of its own. The file stays as it is. In data held out rows stay in, so that nobody chooses what the judge sees.";
 }

@@ -14,6 +14,7 @@ use std::sync::LazyLock;
 use crate::csv::{Row, Table};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{Axis, Vector};
+use crate::machine::condition::columns::OfDead;
 use crate::machine::{Condition, Machine};
 use crate::model::ErrorName;
 use crate::source::Source;
@@ -188,7 +189,19 @@ impl Observation {
 /// Reads a pair of files. All findings are reported in one run; there is data only where none of them is an error.
 #[must_use]
 pub fn load(name: &str, table: &Source, description: &Source, machine: &Machine) -> (Option<DataSet>, Vec<Diagnostic>) {
-    load_as(name, table, description, machine, false)
+    load_as(name, table, description, machine, As::Readings)
+}
+
+/// Reads a pair of files in which sensors of temperature may be dead in some rows: these say nothing of them, but [`DataSet::drivers`] have what
+/// the cells say.
+#[must_use]
+pub fn load_with_dead(
+    name: &str,
+    table: &Source,
+    description: &Source,
+    machine: &Machine,
+) -> (Option<DataSet>, Vec<Diagnostic>) {
+    load_as(name, table, description, machine, As::WithDead)
 }
 
 /// Reads the plan of a measurement: a pair of files whose columns of readings are empty or not there yet. Every reading counts as 0.
@@ -199,7 +212,15 @@ pub fn load_plan(
     description: &Source,
     machine: &Machine,
 ) -> (Option<DataSet>, Vec<Diagnostic>) {
-    load_as(name, table, description, machine, true)
+    load_as(name, table, description, machine, As::Plan)
+}
+
+/// How a pair of files is read.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum As {
+    Readings,
+    WithDead,
+    Plan,
 }
 
 fn load_as(
@@ -207,7 +228,7 @@ fn load_as(
     table: &Source,
     description: &Source,
     machine: &Machine,
-    is_plan: bool,
+    how: As,
 ) -> (Option<DataSet>, Vec<Diagnostic>) {
     let (description, mut findings) = description::read(name, description);
     let (rows, found) = Table::read(table);
@@ -218,12 +239,13 @@ fn load_as(
         let help = "check --machine, or take it out of the description";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, rows.header_place(None), message, help));
     }
-    data.is_plan = is_plan;
+    data.is_plan = how == As::Plan;
     match Readings::with(&rows, machine, &data.fixed) {
         Err(found) => findings.extend(found),
         Ok(readings) => {
             let sign = readings.sign();
-            rows::read(&rows, readings, &mut data, &mut findings);
+            let of_dead = if how == As::WithDead { OfDead::Empty } else { OfDead::Refused };
+            rows::read(&rows, readings, of_dead, &mut data, &mut findings);
             data.drivers = drivers::read(&rows, machine, sign, &data);
         }
     }

@@ -73,6 +73,8 @@ pub(crate) struct Fault {
     pub(crate) file: String,
     /// First and last row of the table, from 0, behind the header.
     pub(crate) rows: [usize; 2],
+    /// Why these data cannot show it, where they cannot.
+    pub(crate) unseen: Option<&'static str>,
 }
 
 /// What a pair of files will say: readings in µm (µrad; commands in mm of a probing), and temperatures by sensor.
@@ -133,7 +135,9 @@ pub(crate) fn apply(
         what,
         file: sheet.stem.clone(),
         rows,
+        unseen: None,
     };
+    let unseen = |unseen: Option<&'static str>, fault: Fault| Fault { unseen, ..fault };
     let all = [0, count - 1];
     let times = |values: &mut Values, factor: f64| values.readings.iter_mut().flatten().for_each(|v| *v *= factor);
     let shift = |value: &mut V3, by: f64| (0..3).filter(|&k| sheet.reads[k]).for_each(|k| value[k] += by);
@@ -156,7 +160,7 @@ pub(crate) fn apply(
         }
         F::Swapped => {
             values.readings.iter_mut().for_each(|value| value.swap(0, 1));
-            vec![fault(62, "axes", "dx_um dy_um", "swapped", all)]
+            vec![unseen(without_errors(sheet), fault(62, "axes", "dx_um dy_um", "swapped", all))]
         }
         F::Reversed => {
             let axis = random.below(2);
@@ -168,7 +172,7 @@ pub(crate) fn apply(
                 }
             }
             let name = if sheet.kind == Kind::Displacement { ["dx_um", "dy_um"] } else { ["EXX", "EYY"] }[axis];
-            vec![fault(62, "axes", name, "reversed", all)]
+            vec![unseen(without_errors(sheet), fault(62, "axes", name, "reversed", all))]
         }
         F::Stuck => {
             let stays = values.sensors[sensor][part[0]];
@@ -180,7 +184,15 @@ pub(crate) fn apply(
             vec![fault(60, "sensor", &column, "dead", part)]
         }
         F::Exchanged => {
+            let apart = |other: usize| {
+                let near = part[0]..(part[0] + 8).min(count);
+                let of = |k: usize| Some(values.sensors[sensor][k]? - values.sensors[other][k]?);
+                near.clone().filter_map(of).sum::<f64>().abs() / near.len() as f64
+            };
             let other = (sensor + 1 + random.below(values.sensors.len() - 1)) % values.sensors.len();
+            let noise = sheet.climate.as_ref().map_or(0.0, |climate| climate.noise);
+            let alike = (apart(other) < 3.0 * noise)
+                .then_some("two sensors that read the same, but for their noise, may as well be exchanged");
             for k in part[0]..count {
                 let kept = values.sensors[sensor][k];
                 values.sensors[sensor][k] = values.sensors[other][k];
@@ -188,7 +200,7 @@ pub(crate) fn apply(
             }
             let names =
                 sheet.climate.as_ref().map_or(String::new(), |climate| format!("{column} {}_C", climate.names[other]));
-            vec![fault(62, "sensor", &names, "exchanged", [part[0], count - 1])]
+            vec![unseen(alike, fault(62, "sensor", &names, "exchanged", [part[0], count - 1]))]
         }
         F::Offset => {
             let by = random.between(3.0, 6.0) * random.sign();
@@ -207,7 +219,8 @@ pub(crate) fn apply(
                 let until = |k: &usize| sheet.rows[*k].t <= begins + long;
                 let rows: Vec<usize> = (first..count).take_while(until).collect();
                 rows.iter().for_each(|&k| shift(&mut values.readings[k], size));
-                fault(63, "pulse", "", "pulse", [first, first + rows.len() - 1])
+                let rows = [first, first + rows.len() - 1];
+                unseen(at_an_end(sheet, rows, 10.0), fault(63, "pulse", "", "pulse", rows))
             })
             .collect(),
         F::FirstCycle => {
@@ -221,7 +234,7 @@ pub(crate) fn apply(
         }
         F::Step => {
             (part[0]..count).for_each(|k| shift(&mut values.readings[k], size));
-            vec![fault(65, "step", "", "step", [part[0], count - 1])]
+            vec![unseen(at_an_end(sheet, [part[0]; 2], 330.0), fault(65, "step", "", "step", [part[0], count - 1]))]
         }
         F::Compensated => vec![fault(66, "compensated", "", "known errors already taken out", all)],
         F::Quantised => {
@@ -230,4 +243,34 @@ pub(crate) fn apply(
             vec![fault(67, "quantised", "", "steps of the display", all)]
         }
     }
+}
+
+/// A day at one place has no errors that are known and differ by axis.
+fn without_errors(sheet: &Sheet) -> Option<&'static str> {
+    sheet
+        .climate
+        .as_ref()
+        .map(|_| "what a machine file says of a day at one place is nothing, or the same with either sign")
+}
+
+/// Whether rows are so near to the ends of their set-up or line, s, that its free zero takes up what is shifted.
+fn at_an_end(sheet: &Sheet, [first, last]: [usize; 2], margin_s: f64) -> Option<&'static str> {
+    /// Longer is a pause, behind which nothing is as it was.
+    const PAUSE_S: f64 = 300.0;
+    /// Rows of one piece on each side that show where a shift begins and ends.
+    const ROWS: usize = 12;
+    let rows = &sheet.rows;
+    let goes_on = |k: usize| {
+        let [one, next] = [&rows[k], &rows[k + 1]];
+        one.setup == next.setup && one.component[1] == next.component[1] && next.t - one.t < PAUSE_S
+    };
+    let begin = (0..first).rev().find(|&k| !goes_on(k)).map_or(0, |k| k + 1);
+    let end = (first..rows.len() - 1).find(|&k| !goes_on(k)).unwrap_or(rows.len() - 1);
+    let is_far = first >= begin + ROWS
+        && last + ROWS <= end
+        && rows[first].t - rows[begin].t >= margin_s
+        && rows[end].t - rows[last].t >= margin_s;
+    (!is_far).then_some(
+        "the free zero of a set-up takes up what is shifted up to its end: a pulse is a step is nothing there",
+    )
 }

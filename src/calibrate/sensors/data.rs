@@ -35,6 +35,8 @@ pub struct Run {
     pub condition: Condition,
     /// The header, for findings.
     pub place: Place,
+    /// What is wrong with it and does not forbid to use it.
+    pub warnings: Vec<Diagnostic>,
 }
 
 impl Run {
@@ -55,7 +57,7 @@ pub fn read(source: &Source, temperatures: Option<&Condition>, machine: &Machine
     let condition = match temperatures {
         Some(condition) => Some(condition.clone()),
         None => {
-            let (condition, found) = log::load(source);
+            let (condition, found) = log::load_with_dead(source);
             findings.extend(found);
             condition
         }
@@ -88,6 +90,7 @@ pub fn read(source: &Source, temperatures: Option<&Condition>, machine: &Machine
         drift_um: Vec::new(),
         positions: axes.iter().map(|&(axis, _)| (axis, Vec::new())).collect(),
         condition: condition.unwrap_or_default(),
+        warnings: Vec::new(),
         place,
     };
     for row in table.rows() {
@@ -104,7 +107,7 @@ pub fn read(source: &Source, temperatures: Option<&Condition>, machine: &Machine
         let time_s = number(time);
         let values = drift.map(|column| column.filter(|&column| !row.text(column).is_empty()).and_then(&mut number));
         let positions: Vec<Option<f64>> = axes.iter().map(|&(_, column)| number(column)).collect();
-        if findings.len() >= MOST_FINDINGS {
+        if findings.iter().filter(|finding| finding.is_error()).count() >= MOST_FINDINGS {
             break;
         }
         let (Some(time_s), false) = (time_s, positions.contains(&None)) else { continue };
@@ -122,7 +125,7 @@ pub fn read(source: &Source, temperatures: Option<&Condition>, machine: &Machine
             values.extend(position);
         }
     }
-    if !run.condition.has_temperatures() && findings.is_empty() {
+    if !run.condition.has_temperatures() && !findings.iter().any(Diagnostic::is_error) {
         let help = "name the columns of temperatures like their sensors with _C behind, T_head_C for T_head";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, place, "there is no column of a temperature", help));
     }
@@ -132,7 +135,11 @@ pub fn read(source: &Source, temperatures: Option<&Condition>, machine: &Machine
         let help = "take out columns of sensors that are far from sources of heat, or read the same as others";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, place, message, help));
     }
-    if findings.iter().any(Diagnostic::is_error) { Err(findings) } else { Ok(run) }
+    if findings.iter().any(Diagnostic::is_error) {
+        return Err(findings);
+    }
+    run.warnings = findings;
+    Ok(run)
 }
 
 /// The axis over which the drift was measured, with its positions in rising order; `None` where it was at one place.

@@ -72,6 +72,11 @@ impl Clock {
         (0.0..=self.pause).contains(&step).then_some(step)
     }
 
+    /// Whether no pause is between some rows.
+    pub(super) fn goes_on(&self, first: usize, last: usize) -> bool {
+        (first..last).all(|row| self.step(row, row + 1).is_some())
+    }
+
     /// By how much a sensor changes to a row beyond what it changes before and another one behind it, in as much time; `None` at a pause.
     pub(super) fn jump(&self, before: &[f64], behind: &[f64], row: usize) -> Option<f64> {
         let last = row.checked_sub(1)?;

@@ -12,15 +12,17 @@ pub(super) const CHECK: Check = Check {
 };
 
 /// The prediction is at least so large in units of the noise.
-const SIZE: f64 = 1.2;
+const SIZE: f64 = 0.9;
 /// What is left in squares of the noise where readings fit.
-const FITS: f64 = 4.0;
+const FITS: f64 = 2.4;
 /// The known errors as they are leave so much of their own squares more.
 const WORSE: f64 = 0.5;
 /// Uncertainty of the gain at most.
 const SURE: f64 = 0.06;
 /// Readings that slow noise makes one.
 const MEMORY: f64 = 10.0;
+/// Or this many times its uncertainty.
+const FAR: f64 = 3.0;
 /// A gain is within this.
 const NEAR: f64 = 0.1;
 
@@ -35,11 +37,11 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         for (gain, what) in
             [(0.0, "known errors already taken out"), (2.0, "known errors taken out with the wrong sign")]
         {
-            if (matched.gain - gain).abs() > NEAR {
-                continue;
-            }
             let [as_is, otherwise] = [1.0, gain].map(|times| readings.left_with(None, times));
             let sure = (noise * MEMORY / matched.count).sqrt() / matched.size;
+            if (matched.gain - gain).abs() > NEAR.max(FAR * sure) {
+                continue;
+            }
             if otherwise < FITS * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE {
                 out.push(Fault {
                     kind: "compensated",

@@ -1,6 +1,7 @@
 //! A sensor that is dead: −180 °C of an open circuit, exactly 0 of a logger without a signal, anything that no machine has.
 
 use super::{Check, Fault, Then, View};
+use crate::machine::condition::file::PLAUSIBLE_C;
 
 pub(super) const CHECK: Check = Check {
     name: "dead sensor",
@@ -11,7 +12,7 @@ pub(super) const CHECK: Check = Check {
 };
 
 /// What machines may have, °C.
-const POSSIBLE_C: std::ops::RangeInclusive<f64> = -40.0..=300.0;
+const POSSIBLE_C: std::ops::RangeInclusive<f64> = PLAUSIBLE_C[0]..=PLAUSIBLE_C[1];
 /// Others are warmer than this where 0 is no temperature, °C.
 const WARM_C: f64 = 5.0;
 /// So often exactly 0 is no chance.

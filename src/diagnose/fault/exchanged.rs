@@ -18,6 +18,11 @@ const JUMP: f64 = 4.5;
 /// None is left behind where they were exchanged.
 const NONE: f64 = 3.5;
 
+/// Rows on each side over which means are taken.
+const SIDE: usize = 8;
+/// A jump of the means of some rows is at least so many times what is usual.
+const OVER_ROWS: f64 = 6.0;
+
 /// A place where two sensors may have been exchanged.
 struct Swap {
     row: usize,
@@ -31,7 +36,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, sensors) in view.sensors.iter().enumerate() {
         let Some(data) = view.scene.sets.get(set) else { continue };
         let clock = Clock::new(data);
-        let Some(best) = best(sensors, &clock) else { continue };
+        let Some(best) = best(sensors, &clock).or_else(|| over_rows(sensors, &clock)) else { continue };
         let names = best.pair.map(|number| sensors[number].name.clone());
         out.push(Fault {
             kind: "sensor",
@@ -80,6 +85,64 @@ fn best(sensors: &[Sensor], clock: &Clock) -> Option<Swap> {
         }
     }
     best
+}
+
+/// Two sensors that are less apart than their noise shows in one row: by the means of some rows on both sides of their difference, which changes its
+/// sign, and of their sum, which does not jump.
+fn over_rows(sensors: &[Sensor], clock: &Clock) -> Option<Swap> {
+    let mut best: Option<Swap> = None;
+    for one in 0..sensors.len() {
+        for other in one + 1..sensors.len() {
+            let (a, b) = (&sensors[one].values, &sensors[other].values);
+            let count = a.len().min(b.len());
+            let sums = |sign: f64| {
+                let (mut sum, mut last) = (0.0, 0.0);
+                // A gap is as the row before it.
+                let all = (0..count).map(|k| {
+                    let value = a[k] + sign * b[k];
+                    last = if value.is_finite() { value } else { last };
+                    sum += last;
+                    sum
+                });
+                std::iter::once(0.0).chain(all).collect::<Vec<f64>>()
+            };
+            let (apart, together) = (sums(-1.0), sums(1.0));
+            // Means of the rows before and behind each row.
+            let means = |sums: &[f64], row: usize| {
+                let mean = |from: usize, to: usize| Some((sums.get(to)? - sums.get(from)?) / SIDE as f64);
+                Some([mean(row.checked_sub(SIDE)?, row)?, mean(row, row + SIDE)?])
+            };
+            let rows: Vec<usize> =
+                (SIDE..count.saturating_sub(SIDE)).filter(|&row| clock.goes_on(row - SIDE, row + SIDE)).collect();
+            let jump = |sums: &[f64], row: usize| means(sums, row).map_or(f64::NAN, |[before, behind]| behind - before);
+            let usual = |sums: &[f64]| spread(rows.iter().map(|&row| jump(sums, row))).max(1e-6);
+            let (unit, unit_together) = (usual(&apart), usual(&together));
+            let found = rows.iter().copied().max_by(|x, y| jump(&apart, *x).abs().total_cmp(&jump(&apart, *y).abs()));
+            let Some(row) = found else { continue };
+            let Some([before, behind]) = means(&apart, row) else { continue };
+            let own = jump(&apart, row);
+            let score = own.abs() / unit;
+            let is_exchanged = score > OVER_ROWS
+                && before * behind < 0.0
+                && (before + behind).abs() < 0.3 * own.abs()
+                && jump(&together, row).abs() < NONE * unit_together.max(unit / 2.0)
+                && jump(&together, row).abs() < 0.25 * own.abs()
+                && is_sudden(&apart, row, own);
+            if is_exchanged && best.as_ref().is_none_or(|best| score > best.score) {
+                let left_k = jump(&together, row).abs() / 2.0;
+                best = Some(Swap { row, pair: [one, other], score, apart_k: own.abs() / 2.0, left_k });
+            }
+        }
+    }
+    best
+}
+
+/// Whether means of rows that are further apart show no more of a jump than those nearby: what crosses slowly does.
+fn is_sudden(sums: &[f64], row: usize, jump: f64) -> bool {
+    const HALF: usize = SIDE / 2;
+    let mean = |from: usize, to: usize| Some((sums.get(to)? - sums.get(from)?) / HALF as f64);
+    let near = || Some(mean(row, row + HALF)? - mean(row.checked_sub(HALF)?, row)?);
+    near().is_some_and(|near| near * jump.signum() > 0.7 * jump.abs())
 }
 
 /// Noise of a sensor by its second differences.

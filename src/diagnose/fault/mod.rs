@@ -20,6 +20,7 @@ mod step;
 mod stuck;
 mod trail;
 mod unit;
+mod visits;
 
 use std::collections::BTreeSet;
 
@@ -66,7 +67,7 @@ pub enum Then {
     Refuse,
     /// The rows do not count.
     WithoutRows,
-    /// These single readings do not count: row and value.
+    /// These single readings do not count: row and value, in order.
     WithoutReadings(Vec<(usize, usize)>),
     /// Sensors of which nothing is made.
     WithoutSensors(Vec<String>),
@@ -176,7 +177,8 @@ pub fn exclude(scene: &mut Scene<'_>, faults: &[Fault]) {
                 inside.for_each(|item| item.sigma = f64::INFINITY);
             }
             Then::WithoutReadings(readings) => {
-                let named = scene.items.iter_mut().filter(|item| readings.contains(&(at(item), item.value)));
+                let named =
+                    scene.items.iter_mut().filter(|item| readings.binary_search(&(at(item), item.value)).is_ok());
                 named.for_each(|item| item.sigma = f64::INFINITY);
             }
             Then::MoreNoise(more) => {

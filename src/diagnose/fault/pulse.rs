@@ -1,8 +1,6 @@
 //! Isolated pulses of a few minutes: lubrication lifts a carriage, somebody leans on the table. All readings of some minutes are shifted, with
 //! sharp ends, and neither before nor behind nor at another visit of the same places.
 
-use std::collections::HashMap;
-
 use super::trail::{Channel, Trail};
 use super::{Check, Fault, Then, View, spread};
 
@@ -22,6 +20,8 @@ const MOST: usize = 8;
 const FRAME: [usize; 2] = [6, 60];
 /// An end is sharp where the first readings inside differ from the last outside by so much of the whole.
 const SHARP: f64 = 0.42;
+/// Channels in which an end is seen have so much of the whole at least.
+const PART: f64 = 0.3;
 /// Readings at an end.
 const END: usize = 4;
 /// Both sides of a window are the same within so much of the pulse.
@@ -34,8 +34,10 @@ const SHORTEST_S: f64 = 45.0;
 const MIDDLE: f64 = 0.6;
 /// Rows that are few.
 const FEW: usize = 20;
-/// Rows from the end of a piece within which a window is the rest of it.
-const REST: usize = 4;
+/// The longest, s.
+const LONGEST_S: f64 = 315.0;
+/// Windows that are looked at closely.
+const TRIED: usize = 24;
 /// Other visits of the same places have less of it.
 const AGAIN: f64 = 0.4;
 
@@ -46,21 +48,27 @@ struct Window {
     score: f64,
 }
 
-/// A mean inside, those on both sides, and numbers of readings of a channel.
+/// A mean inside, those on the sides that belong to the same piece, and numbers of readings of a channel.
 struct Contrast {
     inside: f64,
-    sides: [f64; 2],
+    sides: [Option<f64>; 2],
     counts: [usize; 3],
+    range: std::ops::Range<usize>,
 }
 
 impl Contrast {
+    fn middle(&self) -> f64 {
+        let known = || self.sides.iter().flatten();
+        known().sum::<f64>() / known().count().max(1) as f64
+    }
+
     fn size(&self) -> f64 {
-        self.inside - (self.sides[0] + self.sides[1]) / 2.0
+        self.inside - self.middle()
     }
 
     fn noise(&self) -> f64 {
-        let [inside, before, behind] = self.counts.map(|count| 1.0 / count.max(1) as f64);
-        (inside + (before + behind) / 4.0).sqrt()
+        let [inside, before, behind] = self.counts.map(|count| count as f64);
+        (1.0 / inside.max(1.0) + 1.0 / (before + behind).max(1.0)).sqrt()
     }
 }
 
@@ -70,12 +78,18 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         let times: Option<Vec<f64>> = data.observations.iter().map(|one| one.t_s).collect();
         let Some(times) = times else { continue };
         let mut trail = trail.clone();
+        let mut step = super::step::change(&trail, data);
         let mut found: Vec<(Window, String)> = Vec::new();
         for _ in 0..3 * MOST {
             if found.len() > MOST {
                 break;
             }
             let Some((window, evidence)) = best(&trail, &times) else { break };
+            // The first minutes behind a step are no pulse.
+            if let Some(change) = step.take().filter(|change| change.gain >= trail.window_gain(window.rows)) {
+                trail = trail.levelled([change.row, change.block[1]]);
+                continue;
+            }
             trail.forget(window.rows);
             // The rest of one that was found is none of its own.
             let is_rest = |(known, _): &&mut (Window, String)| {
@@ -105,82 +119,174 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     }
 }
 
-fn contrast(channel: &Channel, rows: [usize; 2]) -> Option<Contrast> {
-    let range = channel.range(rows[0], rows[1]);
+fn contrast(trail: &Trail, channel: &Channel, rows: [usize; 2]) -> Option<Contrast> {
+    let whole = channel.range(rows[0], rows[1]);
+    // The piece in which most of it is: another piece has another zero.
+    let middle = channel.at.get(usize::midpoint(whole.start, whole.end.checked_sub(1)?))?.0;
+    let block = trail.block_of(middle)?;
+    let piece = channel.range(block[0], block[1]);
+    let range = whole.start.max(piece.start)..whole.end.min(piece.end);
     let frame = range.len().clamp(FRAME[0], FRAME[1]);
     let (inside, count) = channel.mean(range.start, range.end)?;
-    let (before, of_before) = channel.mean(range.start.checked_sub(frame)?, range.start)?;
-    let (behind, of_behind) = channel.mean(range.end, (range.end + frame).min(channel.at.len()))?;
-    let enough = FRAME[0] / 2;
-    (count >= 2 && of_before >= enough && of_behind >= enough).then_some(Contrast {
+    let before = channel.mean(range.start.saturating_sub(frame).max(piece.start), range.start);
+    let behind = channel.mean(range.end, (range.end + frame).min(piece.end));
+    let sides = [before, behind].map(|side| side.filter(|(_, count)| *count >= FRAME[0] / 2));
+    let counts = sides.map(|side| side.map_or(0, |(_, count)| count));
+    (count >= 2 && sides.iter().any(Option::is_some)).then_some(Contrast {
         inside,
-        sides: [before, behind],
-        counts: [count, of_before, of_behind],
+        sides: sides.map(|side| side.map(|(mean, _)| mean)),
+        counts: [count, counts[0], counts[1]],
+        range,
     })
+}
+
+/// Rows of windows of some length, one from every moment on.
+fn windows(times: &[f64], length: f64) -> Vec<[usize; 2]> {
+    let mut last = 0;
+    let begins = (0..times.len()).filter(|&row| row == 0 || times[row] > times[row - 1]);
+    begins
+        .filter_map(|first| {
+            last = last.max(first);
+            let is_in =
+                |row: usize| times.get(row).is_some_and(|time| *time < times[first] + length && *time >= times[first]);
+            while is_in(last + 1) {
+                last += 1;
+            }
+            // Where time begins again a window ends.
+            (is_in(last) && times[last] - times[first] >= SHORTEST_S).then_some([first, last])
+        })
+        .collect()
 }
 
 /// The window that stands out most, if it is a pulse.
 fn best(trail: &Trail, times: &[f64]) -> Option<(Window, String)> {
-    let mut windows: Vec<Window> = Vec::new();
+    let mut all: Vec<Window> = Vec::new();
     for length in LENGTHS_S {
-        let begins = (0..times.len()).filter(|&row| row == 0 || times[row] > times[row - 1]);
-        let rows: Vec<[usize; 2]> = begins
-            .filter_map(|first| {
-                let until = times[first] + length;
-                let count = times[first..].iter().take_while(|time| **time < until && **time >= times[first]).count();
-                let last = first + count.max(1) - 1;
-                let is_rest = trail.blocks.iter().any(|block| block[1].abs_diff(last) <= REST);
-                (times[last] - times[first] >= SHORTEST_S && !is_rest).then_some([first, last])
-            })
-            .collect();
-        let mut scores: HashMap<usize, (f64, f64)> = HashMap::new();
+        let rows = windows(times, length);
+        let mut scores: Vec<(f64, f64)> = vec![(0.0, 0.0); rows.len()];
         for channel in &trail.channels {
-            let contrasts: Vec<(usize, Contrast)> =
-                rows.iter().enumerate().filter_map(|(k, rows)| Some((k, contrast(channel, *rows)?))).collect();
+            let contrasts: Vec<(usize, f64, f64)> = rows
+                .iter()
+                .enumerate()
+                .filter_map(|(k, rows)| contrast(trail, channel, *rows).map(|one| (k, one.size(), one.noise())))
+                .collect();
             // As such windows differ from their neighbours where nothing is.
-            let usual = spread(contrasts.iter().map(|(_, one)| one.size()));
-            for (k, one) in contrasts {
-                let unit = usual.max(0.8 * channel.noise * one.noise());
-                let score = scores.entry(k).or_insert((0.0, 0.0));
-                score.0 += (one.size() / unit).powi(2);
-                score.1 += 1.0;
+            let usual = spread(contrasts.iter().map(|(_, size, _)| *size));
+            for (k, size, noise) in contrasts {
+                let unit = usual.max(0.8 * channel.noise * noise);
+                scores[k].0 += (size / unit).powi(2);
+                scores[k].1 += 1.0;
             }
         }
-        windows.extend(scores.into_iter().filter_map(|(k, (squares, freedom))| {
+        all.extend(scores.into_iter().zip(&rows).filter_map(|((squares, freedom), rows)| {
             let score = squares - 4.0 * freedom;
             // A chance of 1e-7 or less.
-            (score > 24.0).then_some(Window { rows: rows[k], score })
+            (freedom > 0.0 && score > 24.0).then_some(Window { rows: *rows, score })
         }));
     }
-    windows.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.rows.cmp(&b.rows)));
-    windows.truncate(5000);
-    windows.into_iter().find_map(|window| is_pulse(trail, window, times).map(|evidence| (window, evidence)))
+    all.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.rows.cmp(&b.rows)));
+    let mut tried: Vec<[usize; 2]> = Vec::new();
+    let mut best: Option<(Window, String)> = None;
+    for window in all {
+        if tried.len() >= TRIED {
+            break;
+        }
+        if tried.iter().any(|known| is_alike(*known, window.rows)) {
+            continue;
+        }
+        tried.push(window.rows);
+        let around = trail.around(window.rows);
+        let rows = refined(&around, window.rows);
+        let lasts = times[rows[1]] - times[rows[0]];
+        if !(SHORTEST_S..=LONGEST_S).contains(&lasts) {
+            continue;
+        }
+        let around = if rows == window.rows { around } else { trail.around(rows) };
+        if let Some(evidence) = is_pulse(&around, rows, times) {
+            let score = trail.window_gain(rows);
+            if best.as_ref().is_none_or(|(best, _)| best.score < score) {
+                best = Some((Window { rows, score }, evidence));
+            }
+        }
+    }
+    best
+}
+
+/// Whether two windows have most of their rows in common.
+fn is_alike(one: [usize; 2], other: [usize; 2]) -> bool {
+    let common = (one[1].min(other[1]) + 1).saturating_sub(one[0].max(other[0]));
+    let both = one[1].max(other[1]) + 1 - one[0].min(other[0]);
+    10 * common > 7 * both
+}
+
+/// The rows near a window in which readings are rather shifted than not.
+fn refined(trail: &Trail, rows: [usize; 2]) -> [usize; 2] {
+    let long = rows[1] - rows[0] + 1;
+    let [from, until] = [rows[0].saturating_sub(long / 2), rows[1] + long / 2];
+    let mut gains = vec![0.0; until + 1 - from];
+    for channel in &trail.channels {
+        let Some(one) = contrast(trail, channel, rows) else { continue };
+        let (size, middle) = (one.size(), one.middle());
+        let limit = 5.0 * channel.noise;
+        for k in channel.range(from, until) {
+            let left = channel.left[k] - middle;
+            if left.is_finite() {
+                gains[channel.at[k].0 - from] +=
+                    size * (left.clamp(-limit, limit) - size / 2.0) / channel.noise.powi(2);
+            }
+        }
+    }
+    // The piece with the largest sum.
+    let (mut best, mut sum, mut begin, mut found) = (0.0, 0.0, 0, None);
+    for (k, gain) in gains.iter().enumerate() {
+        if sum <= 0.0 {
+            (sum, begin) = (0.0, k);
+        }
+        sum += gain;
+        if sum > best {
+            (best, found) = (sum, Some([from + begin, from + k]));
+        }
+    }
+    found.unwrap_or(rows)
 }
 
 /// Whether a window has sharp ends and the same on both sides.
-fn is_pulse(trail: &Trail, window: Window, times: &[f64]) -> Option<String> {
-    let [first, last] = window.rows;
+fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
+    let [first, last] = rows;
     // All channels together, each by how much it has of the pulse.
     let mut whole = 0.0;
-    let mut ends = [0.0; 2];
+    let (mut ends, mut of_ends) = ([0.0; 2], [0.0; 2]);
     let mut parts = [0.0; 2];
-    let mut back = 0.0;
+    let (mut back, mut of_back) = (0.0, 0.0);
     let (mut count, mut middles) = (0.0_f64, 0.0);
     for channel in &trail.channels {
-        let Some(one) = contrast(channel, window.rows) else { continue };
-        let range = channel.range(first, last);
+        let Some(one) = contrast(trail, channel, rows) else { continue };
+        let range = one.range.clone();
         let size = one.size() / channel.noise;
         let unit = |value: f64| size * value / channel.noise;
-        let half = (range.start + range.end) / 2;
+        let half = usize::midpoint(range.start, range.end);
         let end = END.min(range.len().div_ceil(2)).max(2);
         let mean = |from: usize, to: usize| channel.mean(from, to).map(|(mean, _)| mean);
-        let edge = |at: usize| Some([mean(at.saturating_sub(end), at)?, mean(at, at + end)?]);
-        let (Some(left), Some(right)) = (edge(range.start), edge(range.end)) else { continue };
         whole += size * size;
-        ends[0] += unit(left[1] - left[0]);
-        ends[1] += unit(right[0] - right[1]);
-        back += unit(one.sides[1] - one.sides[0]);
-        let middle = (one.sides[0] + one.sides[1]) / 2.0;
+        if one.sides[0].is_some()
+            && let (Some(out), Some(own)) =
+                (mean(range.start.saturating_sub(end), range.start), mean(range.start, range.start + end))
+        {
+            ends[0] += unit(own - out);
+            of_ends[0] += size * size;
+        }
+        if one.sides[1].is_some()
+            && let (Some(own), Some(out)) =
+                (mean(range.end.saturating_sub(end), range.end), mean(range.end, range.end + end))
+        {
+            ends[1] += unit(own - out);
+            of_ends[1] += size * size;
+        }
+        if let [Some(before), Some(behind)] = one.sides {
+            back += unit(behind - before);
+            of_back += size * size;
+        }
+        let middle = one.middle();
         parts[0] += unit(mean(range.start, half).unwrap_or(one.inside) - middle);
         parts[1] += unit(mean(half, range.end).unwrap_or(one.inside) - middle);
         let inside: Vec<f64> = channel.left[range].iter().copied().filter(|left| left.is_finite()).collect();
@@ -188,15 +294,20 @@ fn is_pulse(trail: &Trail, window: Window, times: &[f64]) -> Option<String> {
         count += 1.0;
     }
     let is_flat = parts.iter().all(|part| *part > BACK * whole);
-    let is_sharp = ends.iter().all(|end| *end > SHARP * whole);
+    let is_sharp = ends.iter().zip(&of_ends).all(|(end, of)| *of > PART * whole && *end > SHARP * of);
     let size = (whole / count.max(1.0)).sqrt();
     // Exactly one run, or a few rows where every visit comes from another side: that is how axes move.
     let is_run = trail.is_border(first, 1) && trail.is_border(last + 1, 1);
-    if is_run || !trail.has_sense && last - first < FEW {
+    // Nor rows of one run that begin or end with it.
+    let is_part = !trail.has_sense
+        && (trail.is_border(first, 4) || trail.is_border(last + 1, 4))
+        && !(first + 5..=last.saturating_sub(4)).any(|row| trail.is_border(row, 0));
+    let is_little = count < 2.0 && last - first < FEW;
+    if is_run || is_part || is_little || !trail.has_sense && last - first < FEW {
         return None;
     }
-    let is_alone = is_flat && is_sharp && middles > MIDDLE * whole && back.abs() < BACK * whole && size > SIZE;
-    (is_alone && again(trail, window) < AGAIN).then(|| {
+    let is_alone = is_flat && is_sharp && middles > MIDDLE * whole && back.abs() <= BACK * of_back && size > SIZE;
+    (is_alone && again(trail, rows) < AGAIN).then(|| {
         format!(
             "{} readings a row shift by {size:.1} times their noise for {:.0} s and back, within one reading at both ends, and not at other visits of the same places",
             count,
@@ -206,11 +317,11 @@ fn is_pulse(trail: &Trail, window: Window, times: &[f64]) -> Option<String> {
 }
 
 /// How much of a window the other visits of its points from the same sides have.
-fn again(trail: &Trail, window: Window) -> f64 {
-    let others = trail.other_visits(window.rows);
+fn again(trail: &Trail, rows: [usize; 2]) -> f64 {
+    let others = trail.other_visits(rows);
     let (mut own, mut other) = (0.0, 0.0);
     for channel in &trail.channels {
-        let Some(one) = contrast(channel, window.rows) else { continue };
+        let Some(one) = contrast(trail, channel, rows) else { continue };
         let left = others.iter().flat_map(|row| channel.range(*row, *row)).filter_map(|k| channel.left.get(k).copied());
         let left: Vec<f64> = left.filter(|left| left.is_finite()).collect();
         if left.is_empty() {

@@ -2,6 +2,7 @@
 //!
 //! What warms up, cools down or is switched on and off is none: it does not begin within a reading, does not stay, or comes with a driver.
 
+use super::cells::Clock;
 use super::trail::Trail;
 use super::{Check, Fault, Then, View, spread};
 use crate::measure::data::DataSet;
@@ -19,16 +20,30 @@ const SIDES: [usize; 4] = [60, 40, 25, 12];
 /// Readings of a channel on each side over which it is flat, at most.
 const LONG: usize = 180;
 /// Readings that show how sharp it is.
-const END: usize = 3;
+const END: usize = 4;
 /// The end is so much of the whole.
-const SHARP: f64 = 0.6;
+const SHARP: f64 = 0.5;
 /// Halves of a side differ by less than this of the step.
 const FLAT: f64 = 0.35;
 /// In units of the noise at least.
-const SIZE: f64 = 1.5;
+const SIZE: f64 = 1.8;
 
 /// Rows from a change within which a driver goes with it.
-const NEAR: usize = 6;
+const NEAR: usize = 2;
+
+/// By how much the squares fall at least, in squares of the noise.
+const LEAST: f64 = 60.0;
+/// Readings of all channels on each side at least.
+const READINGS: f64 = 25.0;
+/// Changes that are looked at closely.
+const TRIED: usize = 16;
+/// Rows from a change within which it may really be.
+const WITHIN: usize = 20;
+
+/// Within so many rows of a pause a machine may have become another one.
+const PAUSE: usize = 12;
+/// A driver that is switched changes by so much of its range.
+const SWITCH: f64 = 0.1;
 
 /// A change point.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +52,8 @@ pub(super) struct Change {
     pub(super) row: usize,
     /// Its block.
     pub(super) block: [usize; 2],
-    score: f64,
+    /// By how much the squares fall, in squares of the noise.
+    pub(super) gain: f64,
     /// In units of the noise.
     pub(super) size: f64,
     /// Readings of a channel on each side that show it.
@@ -77,7 +93,7 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
     if !trail.has_sense {
         return None;
     }
-    let mut changes: Vec<Change> = Vec::new();
+    let mut changes: Vec<(f64, usize, [usize; 2])> = Vec::new();
     for side in SIDES {
         // As neighbouring pieces differ where nothing is.
         let usual: Vec<f64> = trail
@@ -91,7 +107,7 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
             .collect();
         for block in &trail.blocks {
             for row in block[0] + 1..=block[1] {
-                let (mut score, mut size, mut count) = (0.0, 0.0, 0.0_f64);
+                let mut score = 0.0;
                 for (channel, usual) in trail.channels.iter().zip(&usual) {
                     let range = channel.range(block[0], block[1]);
                     let at = channel.range(row, row).start;
@@ -104,18 +120,87 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
                         continue;
                     };
                     score += ((behind - before) / usual).powi(2) - 4.0;
-                    size += ((behind - before) / channel.noise).powi(2);
-                    count += 1.0;
                 }
-                if count > 0.0 && score > 24.0 {
-                    changes.push(Change { row, block: *block, score, size: (size / count).sqrt(), side });
+                if score > 24.0 {
+                    changes.push((score, row, *block));
                 }
             }
         }
     }
-    changes.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.row.cmp(&b.row)));
-    changes.truncate(200);
-    changes.into_iter().find(|change| change.size > SIZE && is_step(trail, change) && !is_driven(trail, change, data))
+    changes.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut rows: Vec<([usize; 2], usize)> = Vec::new();
+    for &(_, changed, block) in &changes {
+        if rows.len() >= TRIED {
+            break;
+        }
+        if rows.iter().all(|(_, row)| row.abs_diff(changed) > WITHIN) {
+            rows.push((block, changed));
+        }
+    }
+    // Where the middles of visits are themselves shifted, nearby pieces may show nothing.
+    let mut all: Vec<(f64, [usize; 2], Vec<f64>)> = trail
+        .blocks
+        .iter()
+        .map(|block| {
+            let gains = trail.step_gains(*block);
+            (gains.iter().copied().fold(0.0, f64::max), *block, gains)
+        })
+        .collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    all.truncate(TRIED);
+    let clock = Clock::new(data);
+    let mut found: Option<Change> = None;
+    for (_, block, gains) in all {
+        let most = |from: usize, until: usize| {
+            (from.max(block[0] + 1)..=until.min(block[1]))
+                .max_by(|a, b| gains[a - block[0]].total_cmp(&gains[b - block[0]]))
+        };
+        let near = rows.iter().filter(|(own, _)| *own == block);
+        let near = near.filter_map(|(_, row)| most(row.saturating_sub(WITHIN), row + WITHIN));
+        let mut tried: Vec<usize> = near.chain(most(block[0], block[1])).collect();
+        tried.sort_unstable();
+        tried.dedup();
+        for row in tried {
+            let gain = gains[row - block[0]];
+            if gain < LEAST
+                || !clock.goes_on(row.saturating_sub(PAUSE), (row + PAUSE).min(block[1]))
+                || found.as_ref().is_some_and(|best| best.gain >= gain)
+            {
+                continue;
+            }
+            let around = trail.around([row, block[1]]);
+            let Some(change) = beside(&around, block, row, gain) else { continue };
+            if change.size > SIZE && is_step(&around, &change) && !is_driven(&around, &change, data) {
+                found = Some(change);
+            }
+        }
+    }
+    found
+}
+
+/// A change at a row, over the longest sides that its piece has.
+fn beside(trail: &Trail, block: [usize; 2], row: usize, gain: f64) -> Option<Change> {
+    for side in SIDES {
+        let (mut size, mut count) = (0.0, 0.0_f64);
+        for channel in &trail.channels {
+            let (range, at) = (channel.range(block[0], block[1]), channel.range(row, row).start);
+            // Some rows may have no visit to be held against.
+            let [from, until] = [channel.before(at, side, range.start), channel.beyond(at, side, range.end)];
+            let (Some((behind, many)), Some((before, of_before))) = (channel.mean(at, until), channel.mean(from, at))
+            else {
+                continue;
+            };
+            if many < side || of_before < side {
+                continue;
+            }
+            size += ((behind - before) / channel.noise).powi(2);
+            count += 1.0;
+        }
+        if count > 0.0 && side as f64 * count >= READINGS {
+            return Some(Change { row, block, gain, size: (size / count).sqrt(), side });
+        }
+    }
+    None
 }
 
 fn is_step(trail: &Trail, change: &Change) -> bool {
@@ -133,7 +218,7 @@ fn is_step(trail: &Trail, change: &Change) -> bool {
         let near = mean(at, at + change.side) - mean(at - change.side, at);
         let unit = |value: f64| near * value / (channel.noise * channel.noise);
         whole += unit(jump).min(unit(near));
-        end += unit(mean(at, at + END) - mean(at - END, at));
+        end += unit(mean(at, channel.beyond(at, END, range.end)) - mean(channel.before(at, END, range.start), at));
         let [half, rest] = [before / 2, behind / 2];
         slopes[0] += unit(mean(at - half, at) - mean(at - before, at - half));
         slopes[1] += unit(mean(at + rest, at + behind) - mean(at, at + rest));
@@ -149,23 +234,33 @@ fn is_driven(trail: &Trail, change: &Change, data: &DataSet) -> bool {
         if !(before != behind && before.is_finite() && behind.is_finite()) {
             return false;
         }
-        let limit = (before + behind) / 2.0;
+        // What hardly changes there makes no step there.
+        let said = || driver.values.iter().copied().filter(|value| value.is_finite());
+        let range = said().fold(f64::MIN, f64::max) - said().fold(f64::MAX, f64::min);
+        if (behind - before).abs() < SWITCH * range {
+            return false;
+        }
+        let is_like = |row: usize, of: f64| (value(row) - of).abs() < SWITCH * range;
         // Elsewhere, beyond the sides of the change, the same switch makes as much.
         let (mut own, mut other) = (0.0, 0.0);
         for channel in &trail.channels {
             let at = channel.range(change.row, change.row).start;
             let near = at.saturating_sub(change.side)..at + change.side;
-            let mean = |above: bool| {
-                let values = channel.at.iter().zip(&channel.left).enumerate();
-                let far = values
-                    .filter(|(k, (at, left))| !near.contains(k) && left.is_finite() && (value(at.0) > limit) == above);
-                let all: Vec<f64> = far.map(|(_, (_, left))| *left).collect();
-                all.iter().sum::<f64>() / all.len().max(1) as f64
+            // Before and behind each for itself: what is shifted behind it shall not count for the driver.
+            let piece = channel.range(change.block[0], change.block[1]);
+            let mean = |side: std::ops::Range<usize>, of: f64| {
+                let far = side.filter(|k| !near.contains(k) && channel.left[*k].is_finite());
+                let all: Vec<f64> = far.filter(|&k| is_like(channel.at[k].0, of)).map(|k| channel.left[k]).collect();
+                (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
             };
+            let makes = |side: std::ops::Range<usize>| Some(mean(side.clone(), behind)? - mean(side, before)?);
+            let sides: Vec<f64> = [piece.start..at, at..piece.end].into_iter().filter_map(makes).collect();
             let jump = channel.mean(at, at + change.side).map_or(0.0, |one| one.0)
                 - channel.mean(at.saturating_sub(change.side), at).map_or(0.0, |one| one.0);
             own += jump * jump;
-            other += jump * (mean(behind > limit) - mean(before > limit));
+            // Where it changes only here nothing tells them apart.
+            let usual = sides.iter().sum::<f64>() / sides.len().max(1) as f64;
+            other += jump * if sides.is_empty() { jump } else { usual };
         }
         other > 0.5 * own
     })

@@ -9,12 +9,9 @@ use super::{median, spread};
 use crate::diagnose::scene::{Item, NO_ROW, Scene};
 use crate::geometry::AXES;
 use crate::measure::data::DataSet;
-use crate::numeric::Series;
 
 /// Visits that make a middle.
 const VISITS: usize = 3;
-/// Readings are far out from so many spreads on.
-const FAR: f64 = 6.0;
 /// Columns that say how a visit was made.
 const MANNER: [&str; 5] = ["feed_mm_min", "load_N", "load_x_mm", "load_y_mm", "spindle_deg"];
 
@@ -23,6 +20,14 @@ const MANNER: [&str; 5] = ["feed_mm_min", "load_N", "load_x_mm", "load_y_mm", "s
 pub(super) struct Channel {
     /// Row and value of each.
     pub(super) at: Vec<(usize, usize)>,
+    /// What the model leaves, mm or rad; NaN for those that do not count.
+    pub(super) value: Vec<f64>,
+    /// Number of the place from its side at which each was taken; that of all of them where it has no repetitions.
+    pub(super) group: Vec<usize>,
+    /// Of how many places there are repetitions.
+    pub(super) groups: usize,
+    /// What may go with the senses of axes, where every visit comes from another side.
+    pub(super) senses: Vec<Vec<f64>>,
     /// What is left beside its repetitions, mm or rad; NaN for those that do not count.
     pub(super) left: Vec<f64>,
     /// Noise from one to the next, mm or rad.
@@ -101,17 +106,15 @@ impl Trail {
         if !is_repeated {
             (groups, is_repeated) = group(false);
         }
-        let mut left = vec![f64::NAN; items.len()];
-        let mut spans = Vec::new();
-        for places in groups.values().filter(|places| places.len() >= VISITS) {
-            let middle = median(places.iter().map(|&place| items[place].0.left).collect());
-            places.iter().for_each(|&place| left[place] = items[place].0.left - middle);
-            let rows = || places.iter().map(|&place| items[place].1);
-            spans.push([rows().min().unwrap_or(0), rows().max().unwrap_or(0)]);
-        }
-        if is_repeated && !has_sense {
-            take_senses_out(scene, &items, &channel, &mut left);
-        }
+        let mut groups: Vec<Vec<usize>> = groups.into_values().filter(|places| places.len() >= VISITS).collect();
+        groups.sort_unstable();
+        let spans = groups
+            .iter()
+            .map(|places| {
+                let rows = || places.iter().map(|&place| items[place].1);
+                [rows().min().unwrap_or(0), rows().max().unwrap_or(0)]
+            })
+            .collect();
         let count = channel.iter().max().map_or(0, |most| most + 1);
         let mut trail = Trail {
             channels: vec![Channel::default(); count],
@@ -123,17 +126,31 @@ impl Trail {
             alike: alike(data),
             noise_ratio: None,
         };
+        let mut of_item = vec![usize::MAX; items.len()];
+        for places in &groups {
+            let Some(own) = places.first().and_then(|&place| trail.channels.get_mut(channel[place])) else { continue };
+            places.iter().for_each(|&place| of_item[place] = own.groups);
+            own.groups += 1;
+        }
         let mut raw: Vec<Vec<f64>> = vec![Vec::new(); count];
+        let mut places: Vec<Vec<usize>> = vec![Vec::new(); count];
         for ((place, (item, row)), number) in items.iter().enumerate().zip(&channel) {
             let own = &mut trail.channels[*number];
             own.at.push((*row, item.value));
-            own.left.push(left[place]);
+            own.value.push(item.left);
+            own.group.push(of_item[place]);
             own.sigma = item.sigma;
             let read = data.observations.get(*row).and_then(|one| one.values.get(item.value).copied().flatten());
             raw[*number].push(read.unwrap_or(item.left));
+            places[*number].push(place);
         }
         let mut ratios = Vec::new();
-        for (own, raw) in trail.channels.iter_mut().zip(raw).filter(|(own, _)| !own.at.is_empty()) {
+        let all = trail.channels.iter_mut().zip(raw).zip(places).filter(|((own, _), _)| !own.at.is_empty());
+        for ((own, raw), places) in all {
+            if is_repeated && !has_sense {
+                own.senses = senses(scene, &items, &places);
+            }
+            own.left = own.beside_visits(None);
             let noise = if is_repeated { noise(&own.left, 1) } else { noise(&raw, 2) };
             if let Some(noise) = noise {
                 ratios.push(noise / own.sigma);
@@ -157,6 +174,11 @@ impl Trail {
         self.begins.get(row.saturating_sub(within)..end).is_some_and(|near| near.contains(&true))
     }
 
+    /// The piece in which a row is.
+    pub(super) fn block_of(&self, row: usize) -> Option<[usize; 2]> {
+        self.blocks.get(self.blocks.partition_point(|block| block[1] < row)).copied().filter(|block| block[0] <= row)
+    }
+
     /// Rows elsewhere at the same points from the same sides as some rows.
     pub(super) fn other_visits(&self, [first, last]: [usize; 2]) -> Vec<usize> {
         let own: std::collections::HashSet<usize> = self.alike.iter().take(last + 1).skip(first).copied().collect();
@@ -169,17 +191,18 @@ impl Trail {
     pub(super) fn forget(&mut self, [first, last]: [usize; 2]) {
         for channel in &mut self.channels {
             let range = channel.range(first, last);
-            channel.left.get_mut(range).into_iter().flatten().for_each(|left| *left = f64::NAN);
+            channel.left.get_mut(range.clone()).into_iter().flatten().for_each(|left| *left = f64::NAN);
+            channel.value.get_mut(range).into_iter().flatten().for_each(|value| *value = f64::NAN);
             channel.sum_up();
         }
     }
 
-    /// Single readings that do not count any more.
+    /// Single readings, in order, that do not count any more.
     pub(super) fn forget_readings(&mut self, readings: &[(usize, usize)]) {
         for channel in &mut self.channels {
-            for (at, left) in channel.at.iter().zip(&mut channel.left) {
-                if readings.contains(at) {
-                    *left = f64::NAN;
+            for (at, (left, value)) in channel.at.iter().zip(channel.left.iter_mut().zip(&mut channel.value)) {
+                if readings.binary_search(at).is_ok() {
+                    (*left, *value) = (f64::NAN, f64::NAN);
                 }
             }
             channel.sum_up();
@@ -188,7 +211,7 @@ impl Trail {
 }
 
 impl Channel {
-    fn sum_up(&mut self) {
+    pub(super) fn sum_up(&mut self) {
         let mut sum = (0.0, 0);
         self.sums = std::iter::once(sum)
             .chain(self.left.iter().map(|left| {
@@ -203,6 +226,18 @@ impl Channel {
     /// Places of some rows.
     pub(super) fn range(&self, first: usize, last: usize) -> std::ops::Range<usize> {
         self.at.partition_point(|at| at.0 < first)..self.at.partition_point(|at| at.0 <= last)
+    }
+
+    /// Where some readings from a place on end that count.
+    pub(super) fn beyond(&self, from: usize, count: usize, last: usize) -> usize {
+        let counting = (from..last).filter(|&k| self.left.get(k).is_some_and(|left| left.is_finite()));
+        counting.take(count).last().map_or(from, |k| k + 1)
+    }
+
+    /// Where some readings up to a place begin that count.
+    pub(super) fn before(&self, until: usize, count: usize, first: usize) -> usize {
+        let counting = (first..until).rev().filter(|&k| self.left.get(k).is_some_and(|left| left.is_finite()));
+        counting.take(count).last().unwrap_or(until)
     }
 
     /// Mean of some places and how many count; `None` where there are none.
@@ -273,44 +308,25 @@ fn blocks(mut spans: Vec<[usize; 2]>) -> Vec<[usize; 2]> {
     blocks
 }
 
-/// Takes out what goes with the senses of the axes, alone and along each axis: where every visit comes from another side.
-fn take_senses_out(scene: &Scene<'_>, items: &[(&Item, usize)], channel: &[usize], left: &mut [f64]) {
+/// What may go with the senses of the axes, alone and along each axis, by item: where every visit comes from another side.
+fn senses(scene: &Scene<'_>, items: &[(&Item, usize)], places: &[usize]) -> Vec<Vec<f64>> {
     let axes = || scene.machine.axes.iter().flatten().map(|data| data.axis);
-    let count = channel.iter().max().map_or(0, |most| most + 1);
-    for number in 0..count {
-        let places: Vec<usize> =
-            (0..items.len()).filter(|&place| channel[place] == number && left[place].is_finite()).collect();
-        let own: Vec<f64> = places.iter().map(|&place| left[place]).collect();
-        let row = |place: usize| scene.rows.get(items[place].0.row);
-        let mut columns: Vec<Vec<f64>> = Vec::new();
-        for axis in axes() {
-            let sense: Vec<f64> =
-                places.iter().map(|&place| row(place).map_or(0.0, |row| row.sense_of(axis))).collect();
-            let first = sense.first().copied().unwrap_or(0.0);
-            if sense.iter().all(|sense| *sense == first) {
-                continue;
-            }
-            columns.push(sense.clone());
-            for along in axes() {
-                let at: Vec<f64> =
-                    places.iter().map(|&place| row(place).map_or(0.0, |row| row.position[along])).collect();
-                let middle = at.iter().sum::<f64>() / at.len().max(1) as f64;
-                for power in [1, 2] {
-                    columns.push(at.iter().zip(&sense).map(|(at, sense)| (at - middle).powi(power) * sense).collect());
-                }
+    let row = |place: usize| scene.rows.get(items[place].0.row);
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for axis in axes() {
+        let sense: Vec<f64> = places.iter().map(|&place| row(place).map_or(0.0, |row| row.sense_of(axis))).collect();
+        let first = sense.first().copied().unwrap_or(0.0);
+        if sense.iter().all(|sense| *sense == first) {
+            continue;
+        }
+        columns.push(sense.clone());
+        for along in axes() {
+            let at: Vec<f64> = places.iter().map(|&place| row(place).map_or(0.0, |row| row.position[along])).collect();
+            let middle = at.iter().sum::<f64>() / at.len().max(1) as f64;
+            for power in [1, 2] {
+                columns.push(at.iter().zip(&sense).map(|(at, sense)| (at - middle).powi(power) * sense).collect());
             }
         }
-        let mut rest = own.clone();
-        for _ in 0..2 {
-            let limit = FAR * spread(rest.iter().copied());
-            let weights: Vec<f64> = rest.iter().map(|rest| if rest.abs() <= limit { 1.0 } else { 0.0 }).collect();
-            let mut series = Series::new(&vec![0; own.len()], &weights, 0.0);
-            series.set_values(&own);
-            let (amounts, _) = series.amounts(&columns);
-            rest = (0..own.len())
-                .map(|k| own[k] - columns.iter().zip(&amounts).map(|(column, amount)| column[k] * amount).sum::<f64>())
-                .collect();
-        }
-        places.iter().zip(rest).for_each(|(&place, rest)| left[place] = rest);
     }
+    columns
 }

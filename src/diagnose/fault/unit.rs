@@ -29,6 +29,10 @@ const NEAR: f64 = 0.3;
 const NOISE_NEAR: f64 = 2.3;
 /// And where there is none.
 const NOISE_ALONE: f64 = 0.2;
+/// The prediction, where it and the noise together are evidence.
+const SIZE_BOTH: f64 = 0.7;
+/// And the noise.
+const NOISE_BOTH: f64 = 1.2;
 /// No instrument is so much better or worse than is said of it.
 const INCREDIBLE: f64 = 4.6;
 
@@ -37,6 +41,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         let (Some(readings), Some(trail)) = (Readings::new(view.scene, set), view.trails.get(set)) else { continue };
         let matched = readings.matched(None);
         let noise = trail.noise_ratio();
+        // Where neighbours differ by more than their noise, what the model leaves of them by this factor.
+        let rest = readings.left_with(None, matched.gain).sqrt();
         let near = |value: f64, factor: f64| (value / factor).ln().abs();
         // Without a stated σ nothing says what the noise should be.
         let stated = noise.filter(|_| data.sigma.is_some() || data.sigma_rad.is_some());
@@ -45,18 +51,24 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 && matched.share > SHARE
                 && matched.gain > 0.0
                 && near(matched.gain, factor) < NEAR
-                && stated.is_none_or(|noise| near(noise, factor) < NOISE_NEAR);
+                && stated.is_none_or(|noise| near(noise, factor).min(near(rest, factor)) < NOISE_NEAR);
+            // Where the model says little, both together.
+            let by_both = matched.size > SIZE_BOTH
+                && matched.share > SHARE
+                && matched.gain > 0.0
+                && near(matched.gain, factor) < NEAR
+                && stated.is_some_and(|noise| near(noise, factor) < NOISE_BOTH);
             let is_incredible = factor.ln().abs() > INCREDIBLE;
             let within = if is_incredible { 1.0 } else { NOISE_ALONE };
             let by_noise =
                 (is_incredible || matched.size < SIZE) && stated.is_some_and(|noise| near(noise, factor) < within);
-            if !(by_model || by_noise) {
+            if !(by_model || by_noise || by_both) {
                 continue;
             }
             let of_noise = stated.map_or(String::new(), |noise| {
                 format!("their noise is {noise:.2e} times the uncertainty that the description states")
             });
-            let evidence = if by_model {
+            let evidence = if by_model || by_both {
                 format!(
                     "the readings are {:.3e} times what the model says and {:.0} % of their squares go with it; {of_noise}",
                     matched.gain,

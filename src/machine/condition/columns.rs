@@ -64,6 +64,15 @@ pub fn check_load(table: &Table, columns: &[Column], findings: &mut Vec<Diagnost
     }
 }
 
+/// What becomes of a temperature that no machine has, as a sensor that is dead gives it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OfDead {
+    /// It is refused.
+    Refused,
+    /// It says nothing, like an empty cell; who reads the table says that it is there.
+    Empty,
+}
+
 /// Reads a cell of a temperature or of a load; a load changes what `load` was. `None` where the column holds something else or the cell
 /// is empty.
 ///
@@ -75,6 +84,7 @@ pub fn read_cell(
     column: &Column,
     sign: DecimalSign,
     load: &mut Load,
+    of_dead: OfDead,
 ) -> Result<Option<f64>, Diagnostic> {
     if matches!(column, Column::Time | Column::Other) || row.text(index).is_empty() {
         return Ok(None);
@@ -83,6 +93,7 @@ pub fn read_cell(
     let fault = |message: String, help: &str| Err(Diagnostic::at(Code::DATA_CELL, row.place(index), message, help));
     let [low, high] = PLAUSIBLE_C;
     match column {
+        Column::Sensor(_) if !(low..=high).contains(&value) && of_dead == OfDead::Empty => return Ok(None),
         Column::Sensor(_) if !(low..=high).contains(&value) => {
             let help = "leave the cell empty where a sensor has no reading; temperatures are -30 to 150 °C";
             return fault(format!("{value} °C is no temperature of a machine"), help);

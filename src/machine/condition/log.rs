@@ -10,11 +10,13 @@
 //!
 //! Other columns are for others. An empty cell is no reading: temperatures are linear between the readings that there are, a load stays.
 
+use std::collections::BTreeMap;
+
 use crate::csv::{DecimalSign, Row, Table};
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::source::Source;
 
-use super::columns::{Column, NO_LOAD, check_load, read_cell};
+use super::columns::{Column, NO_LOAD, OfDead, check_load, read_cell};
 use super::{Condition, Load, Trace};
 
 /// More findings than this help nobody.
@@ -37,6 +39,16 @@ pub fn is_log(source: &Source) -> bool {
 /// is an error.
 #[must_use]
 pub fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
+    load_as(source, OfDead::Refused)
+}
+
+/// Reads a log in which sensors may be dead for some rows: these rows say nothing of them, and a warning says so.
+#[must_use]
+pub fn load_with_dead(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
+    load_as(source, OfDead::Empty)
+}
+
+fn load_as(source: &Source, of_dead: OfDead) -> (Option<Condition>, Vec<Diagnostic>) {
     let (table, mut findings) = Table::read(source);
     let Some(table) = table else { return (None, findings) };
     let columns = Column::all(&table);
@@ -50,13 +62,14 @@ pub fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
             return (None, findings);
         }
     };
-    let mut readings = Readings::new(columns, sign);
+    let mut readings = Readings::new(columns, sign, of_dead);
     for row in table.rows() {
         readings.read_row(&row, &mut findings);
         if findings.len() >= MOST_FINDINGS {
             break;
         }
     }
+    readings.tell_dead(&mut findings);
     if readings.time_s.is_none() && findings.is_empty() {
         let help = "add at least one row of readings";
         findings.push(Diagnostic::at(Code::DATA_NO_TABLE, table.header_place(None), "the log has no rows", help));
@@ -90,12 +103,26 @@ struct Readings {
     /// The last load.
     load: Load,
     loads: Vec<(f64, Load)>,
+    of_dead: OfDead,
+    /// By column: where a sensor was dead first, what it said, and in how many rows.
+    dead: BTreeMap<usize, (Place, String, usize)>,
 }
 
 impl Readings {
-    fn new(columns: Vec<Column>, sign: DecimalSign) -> Readings {
+    fn new(columns: Vec<Column>, sign: DecimalSign, of_dead: OfDead) -> Readings {
         let traces = vec![Trace::default(); columns.len()];
-        Readings { columns, sign, traces, time_s: None, load: NO_LOAD, loads: Vec::new() }
+        let dead = BTreeMap::new();
+        Readings { columns, sign, traces, time_s: None, load: NO_LOAD, loads: Vec::new(), of_dead, dead }
+    }
+
+    /// Which sensors were dead.
+    fn tell_dead(&self, findings: &mut Vec<Diagnostic>) {
+        for (column, (place, value, rows)) in &self.dead {
+            let Some(Column::Sensor(sensor)) = self.columns.get(*column) else { continue };
+            let message = format!("{sensor} is dead: {value} °C is no temperature of a machine; so in {rows} rows");
+            let help = "these rows say nothing of it; check its plug and cable";
+            findings.push(Diagnostic::at(Code::FAULTY_DATA, *place, message, help));
+        }
     }
 
     fn read_row(&mut self, row: &Row<'_>, findings: &mut Vec<Diagnostic>) {
@@ -105,8 +132,13 @@ impl Readings {
         };
         let last = self.load;
         for (index, (column, trace)) in self.columns.iter().zip(&mut self.traces).enumerate() {
-            match read_cell(row, index, column, self.sign, &mut self.load) {
+            match read_cell(row, index, column, self.sign, &mut self.load, self.of_dead) {
                 Ok(Some(value)) if matches!(column, Column::Sensor(_)) => trace.add(time_s, value),
+                Ok(None) if matches!(column, Column::Sensor(_)) && !row.text(index).is_empty() => {
+                    let value = String::from_utf8_lossy(row.text(index)).into_owned();
+                    let dead = self.dead.entry(index).or_insert((row.place(index), value, 0));
+                    dead.2 += 1;
+                }
                 Ok(_) => {}
                 Err(finding) => findings.push(finding),
             }

@@ -11,13 +11,14 @@ use std::collections::HashMap;
 use crate::csv::{DecimalSign, Row, Table};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::machine::condition::Trace;
-use crate::machine::condition::columns::{Column, NO_LOAD, check_load, read_cell};
+use crate::machine::condition::columns::{Column, NO_LOAD, OfDead, check_load, read_cell};
 use crate::machine::{Condition, Load};
 
 /// Reads the conditions of one table; rows come in their order.
 #[derive(Debug)]
 pub(super) struct Conditions {
     columns: Vec<Column>,
+    of_dead: OfDead,
     has_time: bool,
     has_temperatures: bool,
     load: Load,
@@ -50,7 +51,12 @@ struct Moment {
 }
 
 /// Whether a table says anything of its conditions, beside the column of the instrument's own temperature; findings where it does so by halves.
-pub(super) fn begin(table: &Table, own: Option<&str>, findings: &mut Vec<Diagnostic>) -> Option<Conditions> {
+pub(super) fn begin(
+    table: &Table,
+    own: Option<&str>,
+    of_dead: OfDead,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<Conditions> {
     let mut columns = Column::all(table);
     // The temperature of the instrument is none of the machine.
     if let Some(own) = own.and_then(|own| columns.get_mut(table.column(own)?)) {
@@ -72,6 +78,7 @@ pub(super) fn begin(table: &Table, own: Option<&str>, findings: &mut Vec<Diagnos
     Some(Conditions {
         has_time: columns.contains(&Column::Time),
         columns,
+        of_dead,
         has_temperatures,
         load: NO_LOAD,
         clocks: Vec::new(),
@@ -97,10 +104,10 @@ impl Conditions {
         let mut findings = Vec::new();
         let mut temperatures = vec![None; self.columns.len()];
         for (index, (column, found)) in self.columns.iter().zip(&mut temperatures).enumerate() {
-            match read_cell(row, index, column, sign, &mut self.load) {
+            match read_cell(row, index, column, sign, &mut self.load, self.of_dead) {
                 Ok(value) if matches!(column, Column::Sensor(_)) => {
                     *found = value;
-                    if value.is_none() && !self.has_time {
+                    if value.is_none() && !self.has_time && row.text(index).is_empty() {
                         let help = "write the temperature of this row, or add a column t_s: then it is taken from the rows around";
                         let message = "there is no temperature, and without t_s no row before or behind it counts";
                         findings.push(Diagnostic::at(Code::DATA_CELL, row.place(index), message, help));

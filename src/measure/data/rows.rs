@@ -5,14 +5,21 @@ use std::collections::HashMap;
 use crate::csv::Table;
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::AxisVector;
+use crate::machine::condition::columns::OfDead;
 
 use super::super::reading::Readings;
 use super::{DataSet, Observation, Setup, bodies, condition, text};
 
 /// Reads all rows into `data`.
-pub(super) fn read(rows: &Table, mut readings: Readings<'_>, data: &mut DataSet, findings: &mut Vec<Diagnostic>) {
+pub(super) fn read(
+    rows: &Table,
+    mut readings: Readings<'_>,
+    of_dead: OfDead,
+    data: &mut DataSet,
+    findings: &mut Vec<Diagnostic>,
+) {
     let [setup_column, run_column, time_column] = ["setup", "run", "t_s"].map(|name| rows.column(name));
-    let mut conditions = condition::begin(rows, data.kind.temperature, findings);
+    let mut conditions = condition::begin(rows, data.kind.temperature, of_dead, findings);
     let [temperature_column, feed_column] = [data.kind.temperature, Some("feed_mm_min")].map(|name| rows.column(name?));
     let mut seen: HashMap<(Vec<u64>, usize, usize), Place> = HashMap::new();
     // A column of another meaning may have as many labels as rows.
