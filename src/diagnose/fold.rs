@@ -14,7 +14,7 @@ const PARTS: usize = 6;
 /// Stretches of rows.
 const STRETCHES: usize = 5;
 /// Rounds in which they are dealt out where whole ones do not say.
-const ROUNDS: usize = 3;
+const ROUNDS: [usize; 2] = [3, 15];
 /// A part says something of a term that has this share of what shows it, and leaves that share to the others.
 const SHOWN: f64 = 0.02;
 const KEPT: f64 = 0.2;
@@ -93,7 +93,13 @@ pub(super) fn confirmed(
     note: &mut dyn FnMut(f64),
 ) -> Vec<(Taken, f64)> {
     let mut gains: Vec<Option<f64>> = vec![None; judged.len()];
-    let kinds = [repeats, |scene: &Scene<'_>| stretches(scene, 1), |scene: &Scene<'_>| stretches(scene, ROUNDS)];
+    type Parts = fn(&Scene<'_>) -> Vec<usize>;
+    let kinds: [Parts; 4] = [
+        repeats,
+        |scene| stretches(scene, 1),
+        |scene| stretches(scene, ROUNDS[0]),
+        |scene| stretches(scene, ROUNDS[1]),
+    ];
     for (kind, parts) in kinds.into_iter().enumerate() {
         let open: Vec<usize> = (0..judged.len()).filter(|&k| gains.get(k).is_some_and(Option::is_none)).collect();
         if open.is_empty() {

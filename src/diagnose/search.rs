@@ -49,6 +49,23 @@ pub(super) struct Taken {
     pub(super) chance: f64,
 }
 
+/// What a column must explain.
+#[derive(Clone, Copy, Debug)]
+struct Price {
+    /// Readings.
+    count: f64,
+    /// For each column.
+    each: f64,
+}
+
+impl Price {
+    /// −2 ln of the likelihood that is gained, less the price.
+    fn worth(self, squares: f64, gain: &crate::numeric::Gain) -> f64 {
+        let rest = (squares - gain.squares).max(squares * 1e-12);
+        self.count * (squares / rest).ln() - self.each * gain.rank as f64
+    }
+}
+
 /// How readings count.
 #[derive(Clone, Debug)]
 pub(super) struct Weights {
@@ -226,26 +243,26 @@ impl<'s, 'a> Field<'s, 'a> {
             self.seek(&series, weights);
             let gains = self.gains_of(&series, &mut scores);
             // Information criterion of Schwarz for the number of those that were tried as well: what a chance pick would gain is no gain.
-            let price = count.ln() + 2.0 * (self.tried as f64).ln();
-            let worth = |gain: &crate::numeric::Gain| {
-                let rest = (squares - gain.squares).max(squares * 1e-12);
-                count * (squares / rest).ln() - price * gain.rank as f64
-            };
+            let price = Price { count, each: count.ln() + 2.0 * (self.tried as f64).ln() };
             let open: Vec<(f64, usize)> = gains
                 .iter()
                 .enumerate()
                 .filter(|(number, gain)| gain.rank > 0 && !taken.contains(number) && !self.is_again(*number, &taken))
-                .map(|(number, gain)| (worth(gain) * self.belief(number), number))
+                .map(|(number, gain)| (price.worth(squares, gain) * self.belief(number), number))
                 .collect();
             let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);
             // The least far-fetched of those that explain as much.
-            let best = open.into_iter().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
+            let best = open.iter().copied().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
                 let far = |number: usize| self.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
                 far(a.1).cmp(&far(b.1)).then(b.0.total_cmp(&a.0)).then(a.1.cmp(&b.1))
             });
             let Some((_, number)) = best else {
                 self.candidates.truncate(known);
                 break;
+            };
+            let number = match best.filter(|(_, number)| self.is_unnamed(*number)) {
+                Some((worth, _)) => self.named_instead(&series, &open, price, worth).unwrap_or(number),
+                None => number,
             };
             // Of what was sought only one that was taken stays, and of others what is better than they are.
             let sought = (number >= known).then(|| self.candidates.swap_remove(number));
@@ -271,6 +288,25 @@ impl<'s, 'a> Field<'s, 'a> {
             taken.push(number);
         }
         taken
+    }
+
+    fn is_unnamed(&self, number: usize) -> bool {
+        self.candidates.get(number).is_none_or(|one| one.cause.effect == Effect::Unknown)
+    }
+
+    /// The first of two causes with names that together explain what one without explains.
+    fn named_instead(&self, series: &Series, open: &[(f64, usize)], price: Price, worth: f64) -> Option<usize> {
+        let named = open.iter().filter(|(_, number)| !self.is_unnamed(*number));
+        let &(own, first) = named.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut beside = series.clone();
+        self.candidates.get(first).map(|one| self.columns(one))?.iter().for_each(|column| {
+            beside.take(column);
+        });
+        let gains = self.gains(&beside);
+        let others = gains.iter().enumerate().filter(|(number, _)| *number != first && !self.is_unnamed(*number));
+        let others = others.filter(|(number, gain)| gain.rank > 0 && !self.is_again(*number, &[first]));
+        let next = others.map(|(_, gain)| price.worth(beside.squares(), gain)).fold(0.0, f64::max);
+        (own + next > worth).then_some(first)
     }
 
     /// What has no name must explain more than what has one.

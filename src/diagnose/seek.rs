@@ -204,8 +204,19 @@ impl Circles {
             .filter(|(count, _)| count / STRETCH % (scene.rows.len() / SOME).max(1) == 0)
             .map(|(_, place)| place)
             .collect();
+        // Lengths may be unknowns of set-ups: what all of a circle have says nothing.
+        let setup = |place: usize| scene.rows.get(place).map_or((0, 0), |row| (row.set, row.setup));
         let chords = CHORDS
-            .map(|count| places.iter().map(|(_, angle, radius)| radius * circle::chord(*angle, count)).collect())
+            .map(|count| {
+                let within = |(_, angle, radius): &(usize, f64, f64)| radius * circle::chord(*angle, count);
+                let mut means: HashMap<(usize, usize), (f64, f64)> = HashMap::new();
+                for one in &places {
+                    let mean = means.entry(setup(one.0)).or_default();
+                    *mean = (mean.0 + within(one), mean.1 + 1.0);
+                }
+                let mean = |place| means.get(&setup(place)).map_or(0.0, |(sum, count)| sum / count);
+                places.iter().map(|one| within(one) - mean(one.0)).collect()
+            })
             .collect();
         Some(Circles { rows: places.into_iter().map(|(place, ..)| place).collect(), chords })
     }

@@ -113,6 +113,13 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         Effect::Setup if candidate.parameter == "scale" => {
             plain(MILLION, if candidate.sensor.is_some() { "um/(m K)" } else { "um/m" })
         }
+        // The largest of all set-ups.
+        Effect::Setup if candidate.parameter == "rotation" => {
+            let size = |k: &usize| amounts.values.get(*k).copied().unwrap_or(0.0).abs();
+            let most = (0..amounts.values.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0);
+            let factors: Vec<f64> = (0..amounts.values.len()).map(|k| f64::from(u8::from(k == most))).collect();
+            of(&factors, MILLION, "urad")
+        }
         Effect::ReversalSpike => plain(micro, unit),
         Effect::Motion | Effect::Drift => of(&range(), micro, unit),
         _ => of(&peak(candidate, amounts, &mut rows()).unwrap_or(first.clone()), micro, unit),

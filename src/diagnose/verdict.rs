@@ -1,7 +1,7 @@
 //! The verdict: findings with their sizes, rivals and what they gain, and what is left.
 
 use super::account::{Account, swing};
-use super::cause::{CAUSES, Candidate, Cause, Effect};
+use super::cause::{CAUSES, Candidate, Cause, Effect, thermal};
 use super::fold::{Selections, WORTH, confirmed, counts, unseen};
 use super::held::{Compared, compare};
 use super::noise::{self, is_angle};
@@ -17,6 +17,8 @@ use super::size::{Amounts, Size, size};
 const LIMIT: f64 = 1e-3;
 /// Rounds of taking such readings out.
 const ROUNDS: usize = 3;
+/// A share of a time constant.
+const LONGER: f64 = 0.02;
 /// Rounds of searching again behind what was found.
 const AGAIN: usize = 2;
 /// A rival explains nearly as much: so much of χ² less at most.
@@ -228,7 +230,10 @@ fn verdict(
     let columns: Vec<Vec<Vec<f64>>> =
         taken.iter().filter_map(|&number| field.candidates.get(number)).map(|one| field.columns(one)).collect();
     let flat: Vec<Vec<f64>> = columns.iter().flatten().cloned().collect();
-    let (amounts, covariance) = field.series(weights, &[], memory).amounts(&flat);
+    let (amounts, _) = field.series(weights, &[], memory).amounts(&flat);
+    // Amounts are as unsure as the time constants leave them.
+    let with_slopes: Vec<Vec<f64>> = flat.iter().cloned().chain(slopes(field, &taken, &columns, &amounts)).collect();
+    let (_, covariance) = field.series(weights, &[], memory).amounts(&with_slopes);
     let whole = field.series(weights, &taken, memory);
     let freedom = (whole.count() - whole.rank().min(whole.count())).max(1) as f64;
     let noise = whole.squares() / freedom;
@@ -299,6 +304,27 @@ fn verdict(
         tried: field.tried,
         memory,
     }
+}
+
+/// What a small share more of each time constant would do, per share.
+fn slopes(field: &Field<'_, '_>, taken: &[usize], columns: &[Vec<Vec<f64>>], amounts: &[f64]) -> Vec<Vec<f64>> {
+    let mut out = Vec::new();
+    let mut place = 0;
+    for (&number, own) in taken.iter().zip(columns) {
+        let amounts = amounts.get(place..place + own.len()).unwrap_or_default();
+        place += own.len();
+        let Some(one) = field.candidates.get(number) else { continue };
+        let Some((lag, _)) = one.constant.filter(|_| one.sensor.is_some()) else { continue };
+        let Some(longer) = thermal::with_lag(field.scene, one, lag * (1.0 + LONGER)) else { continue };
+        let mut slope = vec![0.0; field.scene.items.len()];
+        for ((column, longer), amount) in own.iter().zip(field.columns(&longer)).zip(amounts) {
+            for ((sum, value), more) in slope.iter_mut().zip(column).zip(longer) {
+                *sum += amount * (more - value) / LONGER;
+            }
+        }
+        out.push(slope);
+    }
+    out
 }
 
 /// Whether a scene only has readings of angles: then sizes are rad.
