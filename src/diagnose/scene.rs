@@ -191,16 +191,19 @@ impl<'a> Scene<'a> {
 
     /// In a set-up that hardly shows a deviation it is not looked for: it would have to be a hundred times as large there, and would be found so.
     fn leave_faint(&self, factors: &mut [f64]) {
-        let setup = |item: &Item| self.rows.get(item.row).map(|row| (row.set, row.setup));
-        let mut strongest: HashMap<(usize, usize), f64> = HashMap::new();
+        // Lengths and angles apart: they have other units.
+        let setup = |item: &Item| self.rows.get(item.row).map(|row| (row.set, row.setup, item.is_angle));
+        let mut strongest: HashMap<(usize, usize, bool), f64> = HashMap::new();
+        let mut most = [0.0_f64; 2];
         for (item, factor) in self.items.iter().zip(factors.iter()) {
             if let Some(setup) = setup(item) {
-                let most = strongest.entry(setup).or_insert(0.0);
+                let own = strongest.entry(setup).or_insert(0.0);
+                *own = own.max(factor.abs());
+                let most = &mut most[usize::from(item.is_angle)];
                 *most = most.max(factor.abs());
             }
         }
-        let least = WEAK * strongest.values().copied().fold(0.0, f64::max);
-        strongest.retain(|_, most| *most < least);
+        strongest.retain(|(.., is_angle), own| *own < WEAK * most[usize::from(*is_angle)]);
         if strongest.is_empty() {
             return;
         }

@@ -24,6 +24,8 @@ const UNNAMED: f64 = 0.9;
 const UNNAMED_PAIR: f64 = 0.87;
 /// Candidates explain the same where −2 ln of the likelihood differs by less.
 const TIE: f64 = 8.0;
+/// Periods that differ by less, as a share, are one.
+const NEARLY: f64 = 0.01;
 /// Half of the width of the peak of a period, cycles over the travel, and steps towards its top.
 const PEAK: f64 = 0.4;
 const REFINED: usize = 14;
@@ -97,11 +99,22 @@ impl<'s, 'a> Field<'s, 'a> {
         self.candidates.extend(found);
     }
 
-    /// Whether a candidate is one that was taken, with another time constant: a lag between two that are tried is one effect, not two.
+    /// Whether a candidate is one that was taken, with a time constant or a period that is nearly the same: a lag between two that are tried is one
+    /// effect, not two, and two waves that beat are none.
     fn is_again(&self, number: usize, taken: &[usize]) -> bool {
-        let Some(one) = self.candidates.get(number).filter(|one| one.sensor.is_some()) else { return false };
+        let Some(one) = self.candidates.get(number) else { return false };
+        let is_near = |other: &Candidate| match (one.constant, other.constant) {
+            _ if one.sensor.is_some() => true,
+            (Some((own, unit)), Some((known, of))) if one.columns.len() > 1 => {
+                unit == of && (own / known - 1.0).abs() < NEARLY
+            }
+            _ => false,
+        };
         taken.iter().filter_map(|&other| self.candidates.get(other)).any(|other| {
-            other.cause.name == one.cause.name && other.parameter == one.parameter && other.sensor == one.sensor
+            other.cause.name == one.cause.name
+                && other.parameter == one.parameter
+                && other.sensor == one.sensor
+                && is_near(other)
         })
     }
 

@@ -81,10 +81,15 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
     };
     let range = || range(candidate, amounts, &mut rows());
     let single = amounts.values.len() == 1;
+    if let Some((count, unit @ "chords")) = candidate.constant {
+        return Size { value: count, u95: 0.5, unit };
+    }
     match candidate.cause.effect {
         Effect::Periodic => amplitude(amounts, micro, unit),
         Effect::Dynamic if candidate.constant.is_some() => amplitude(amounts, micro, unit),
-        Effect::Dynamic => plain(MILLION, "um/(m/s2)"),
+        Effect::Dynamic if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => {
+            plain(MILLION, "um/(m/s2)")
+        }
         Effect::Location => plain(micro, unit),
         Effect::Backlash | Effect::LateralPlay => {
             // The full reversal value, where it is largest.

@@ -25,6 +25,8 @@ const AGAIN: usize = 2;
 const RIVAL: f64 = 6.0;
 /// A finding does this share of the noise to the readings in which it acts at least: less is no cause but what others leave.
 const SMALL: f64 = 0.25;
+/// The same of what has no name or goes with time only: of such there are many.
+const SMALL_UNNAMED: f64 = 0.4;
 /// Readings in which it acts: beyond this share of the largest.
 const ACTS: f64 = 0.05;
 /// Data held out say something of a finding where it does this share of what it does in the data used.
@@ -165,7 +167,9 @@ fn large_enough(field: &Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) ->
         let does = doing(field, weights, weights, &taken, term.candidate);
         let most = places.iter().map(|&place| of(&does, place).abs()).fold(0.0, f64::max);
         let acts = places.iter().map(|&place| of(&does, place)).filter(|value| value.abs() > ACTS * most);
-        rms(acts) > SMALL * noise
+        let effect = field.candidates.get(term.candidate).map(|one| one.cause.effect);
+        let least = if matches!(effect, Some(Effect::Unknown | Effect::Drift)) { SMALL_UNNAMED } else { SMALL };
+        rms(acts) > least * noise
     };
     judged.into_iter().filter(is_large).collect()
 }
