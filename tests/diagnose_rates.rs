@@ -95,7 +95,12 @@ fn outcome(job: Job) -> Option<Outcome> {
     let inside = |hidden: &Hidden| {
         let own = (hidden.effect, hidden.parameter.as_str());
         let one = findings.iter().find(|one| same(own, (text(&one["effect"]), text(&one["parameter"]))))?;
-        Some(one["unit"] == hidden.unit && (number(&one["value"]) - hidden.size).abs() <= number(&one["u95"]))
+        // A difference of two sensors is that of the first less the second.
+        let is_turned = hidden.drivers.len() > 1 && one["drivers"][0] == hidden.drivers[1].as_str();
+        let size = if is_turned && hidden.sensor.is_some() { -hidden.size } else { hidden.size };
+        // Set-ups have no size in one number, and some sizes belong to the ends of the travel.
+        (hidden.effect != "setup" && one["unit"] == hidden.unit)
+            .then(|| (number(&one["value"]) - size).abs() <= number(&one["u95"]))
     };
     let is_inside = (job.kind == Kind::Row).then(|| case.truth.effects.first().and_then(inside)).flatten();
     let gain = (job.kind == Kind::Row && case.truth.gain > GAINS)

@@ -109,9 +109,8 @@ pub(super) fn confirmed(
         let mut selected = |field: &mut Field<'_, '_>, part: usize, train: &Weights| {
             known.entry((kind, part)).or_insert_with(|| field.forward(train, &[])).clone()
         };
-        let terms: Vec<usize> = open.iter().filter_map(|&k| judged.get(k)).map(|term| term.candidate).collect();
         let all: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
-        for (&k, found) in open.iter().zip(of_parts(field, weights, &parts, (&all, &terms), &mut selected, note)) {
+        for (&k, found) in open.iter().zip(of_parts(field, weights, &parts, (&all, &open), &mut selected, note)) {
             if let Some(gain) = gains.get_mut(k) {
                 *gain = found;
             }
@@ -135,14 +134,15 @@ fn of_parts(
     field: &mut Field<'_, '_>,
     weights: &Weights,
     parts: &[usize],
-    (judged, terms): (&[usize], &[usize]),
+    (judged, places): (&[usize], &[usize]),
     select: Select<'_>,
     note: &mut dyn FnMut(f64),
 ) -> Vec<Option<f64>> {
     let count = parts.iter().filter(|&&part| part != NO_PART).max().map_or(0, |most| most + 1);
     let mut everywhere = field.series(weights, &[], 0.0);
-    let does: Vec<Does> = terms.iter().map(|&term| Does::new(field, weights, judged, term, &mut everywhere)).collect();
-    let mut found: Vec<Vec<Part>> = terms.iter().map(|_| Vec::new()).collect();
+    let of_judged: Vec<Does> =
+        judged.iter().map(|&term| Does::new(field, weights, judged, term, &mut everywhere)).collect();
+    let mut found: Vec<Vec<Part>> = places.iter().map(|_| Vec::new()).collect();
     for part in (0..count).filter(|_| count > 1) {
         note(part as f64 / count as f64);
         let of = |inside: bool| Weights {
@@ -156,21 +156,31 @@ fn of_parts(
         };
         let (train, test) = (of(false), of(true));
         let [mut of_train, mut of_test] = [&train, &test].map(|part| field.series(part, &[], 0.0));
-        let says: Vec<bool> = does.iter().map(|does| does.is_said(&mut of_train, &mut of_test)).collect();
+        let says: Vec<bool> = places
+            .iter()
+            .map(|&place| of_judged.get(place).is_some_and(|does| does.is_said(&mut of_train, &mut of_test)))
+            .collect();
         if !says.contains(&true) {
             continue;
         }
         let selected = select(field, part, &train);
-        let with = unseen(field, &train, &test, &selected);
-        for (((&term, does), _), found) in
-            terms.iter().zip(&does).zip(&says).zip(&mut found).filter(|((_, says), _)| **says)
-        {
-            let out = stand_ins(field, &train, (term, &does.all), &selected);
-            if out.is_empty() {
+        // What else was selected there would not have stood: it is no part of what is judged.
+        let of_each: Vec<Vec<usize>> = judged
+            .iter()
+            .zip(&of_judged)
+            .map(|(&term, does)| stand_ins(field, &train, (term, &does.all), &selected))
+            .collect();
+        let mut all: Vec<usize> = of_each.iter().flatten().copied().collect();
+        all.sort_unstable();
+        all.dedup();
+        let with = unseen(field, &train, &test, &all);
+        for ((&place, _), found) in places.iter().zip(&says).zip(&mut found).filter(|((_, says), _)| **says) {
+            let own = of_each.get(place).map_or(&[][..], Vec::as_slice);
+            if own.is_empty() {
                 found.push(Part { without: with, with });
                 continue;
             }
-            let others: Vec<usize> = selected.iter().copied().filter(|other| !out.contains(other)).collect();
+            let others: Vec<usize> = all.iter().copied().filter(|other| !own.contains(other)).collect();
             found.push(Part { without: unseen(field, &train, &test, &others), with });
         }
     }

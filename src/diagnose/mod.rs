@@ -20,6 +20,7 @@ mod fold;
 mod freedom;
 mod held;
 mod noise;
+mod price;
 mod readings;
 mod rejected;
 pub mod row;

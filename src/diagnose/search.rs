@@ -12,6 +12,7 @@ use crate::numeric::fisher;
 
 use super::cause::{Candidate, Effect, periodic, thermal};
 use super::freedom::Order;
+use super::price::Price;
 use super::scene::{NO_ROW, Scene, Through};
 use super::score::{Layout, Scores, in_parts};
 use super::seek::Seek;
@@ -49,23 +50,6 @@ pub(super) struct Taken {
     pub(super) candidate: usize,
     /// Chance of a gain like this where there is nothing, times the number of candidates.
     pub(super) chance: f64,
-}
-
-/// What a column must explain.
-#[derive(Clone, Copy, Debug)]
-struct Price {
-    /// Readings.
-    count: f64,
-    /// For each column.
-    each: f64,
-}
-
-impl Price {
-    /// −2 ln of the likelihood that is gained, less the price.
-    fn worth(self, squares: f64, gain: &crate::numeric::Gain) -> f64 {
-        let rest = (squares - gain.squares).max(squares * 1e-12);
-        self.count * (squares / rest).ln() - self.each * gain.rank as f64
-    }
 }
 
 /// How readings count.
@@ -255,8 +239,7 @@ impl<'s, 'a> Field<'s, 'a> {
             let known = self.candidates.len();
             self.seek(&series, weights);
             let gains = self.gains_of(&series, &mut scores);
-            // Information criterion of Schwarz for the number of those that were tried as well: what a chance pick would gain is no gain.
-            let price = Price { count, each: count.ln() + 2.0 * (self.tried as f64).ln() };
+            let price = Price::new(count, self.tried);
             let open: Vec<(f64, usize)> = gains
                 .iter()
                 .enumerate()
