@@ -109,6 +109,9 @@ fn outcome(job: Job) -> Option<Outcome> {
     Some(Outcome { bench: job.bench, name: job.name, kind: job.kind, is_right, said, is_inside, gain })
 }
 
+/// Right ones, all, and what was said in place of the right one.
+type Counted<'a> = (usize, usize, BTreeMap<&'a str, usize>);
+
 fn percent((part, all): (usize, usize)) -> f64 {
     100.0 * part as f64 / all.max(1) as f64
 }
@@ -130,7 +133,7 @@ fn rates_of_right_answers() {
         }
     });
     let done = done.into_inner().unwrap();
-    let mut table: BTreeMap<(String, Kind, &str), (usize, usize, BTreeMap<&str, usize>)> = BTreeMap::new();
+    let mut table: BTreeMap<(String, Kind, &str), Counted<'_>> = BTreeMap::new();
     for one in &done {
         let entry = table.entry((format!("{:?}", one.bench), one.kind, &one.name)).or_default();
         entry.1 += 1;

@@ -201,7 +201,7 @@ impl Circles {
             .filter(|(_, angle, radius)| angle.is_finite() && radius.is_finite())
             .enumerate()
             // Neighbours stay together: every so many rows alone one number of chords looks like another.
-            .filter(|(count, _)| count / STRETCH % (scene.rows.len() / SOME).max(1) == 0)
+            .filter(|(count, _)| (count / STRETCH).is_multiple_of((scene.rows.len() / SOME).max(1)))
             .map(|(_, place)| place)
             .collect();
         // Lengths may be unknowns of set-ups: what all of a circle have says nothing.
