@@ -27,6 +27,8 @@ const UNNAMED_PAIR: f64 = 0.87;
 const TIE: f64 = 8.0;
 /// Periods that differ by less, as a share, are one.
 const NEARLY: f64 = 0.01;
+/// The same of waves without a name, which are long.
+const NEARLY_UNNAMED: f64 = 0.2;
 /// Half of the width of the peak of a period, cycles over the travel, and steps towards its top.
 const PEAK: f64 = 0.4;
 const REFINED: usize = 14;
@@ -90,7 +92,8 @@ impl<'s, 'a> Field<'s, 'a> {
         let is_near = |other: &Candidate| match (one.constant, other.constant) {
             _ if one.sensor.is_some() => true,
             (Some((own, unit)), Some((known, of))) if one.columns.len() > 1 => {
-                unit == of && (own / known - 1.0).abs() < NEARLY
+                let nearly = if one.cause.effect == Effect::Unknown { NEARLY_UNNAMED } else { NEARLY };
+                unit == of && (own / known - 1.0).abs() < nearly
             }
             _ => false,
         };

@@ -175,8 +175,10 @@ fn large_enough(field: &Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) ->
 }
 
 /// Causes that belong to one day or one set-up: other data cannot confirm them.
-fn is_only_here(effect: Effect) -> bool {
-    matches!(effect, Effect::Setup | Effect::Sensor | Effect::Outlier | Effect::Program | Effect::Drift)
+fn is_only_here(one: &Candidate) -> bool {
+    // What vibrates has another phase on another day.
+    matches!(one.cause.effect, Effect::Setup | Effect::Sensor | Effect::Outlier | Effect::Program | Effect::Drift)
+        || (one.cause.effect == Effect::Dynamic && one.drivers.iter().all(|driver| driver == "t_s"))
 }
 
 /// Takes out what the data held out does not confirm, and notes the gains there.
@@ -202,7 +204,7 @@ fn hold(
                 let does = doing(field, weights, on, &taken, number);
                 rms(counts(scene, on).into_iter().filter_map(|place| does.get(place).copied()))
             };
-            let is_local = field.candidates.get(number).is_some_and(|one| is_only_here(one.cause.effect));
+            let is_local = field.candidates.get(number).is_some_and(is_only_here);
             if is_local || size(held_out) < EXERCISED * size(weights) {
                 continue;
             }

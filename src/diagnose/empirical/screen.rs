@@ -2,6 +2,9 @@
 
 use super::{BINS, BUMPS, Empirical, Form, KNOTS, NONE, SOME};
 
+/// Steps, each half of the one before, in which the period of a wave is found more closely.
+const NEARER: usize = 5;
+
 impl Empirical {
     pub(super) fn forms(&self, a: usize, b: usize, sums: &[[f64; 2]], price: f64, out: &mut Vec<(f64, Form)>) {
         let [Some(one), Some(other)] = [self.drivers.get(a), self.drivers.get(b)] else { return };
@@ -193,14 +196,34 @@ impl Empirical {
                         .filter(|(_, value)| is_in(value))
                         .map(|(sum, _)| sum[1])
                         .sum();
-                    let period = sweep.best(&products);
-                    let (mut sines, mut cosines) = (0.0, 0.0);
-                    for (product, value) in products.iter().zip(driver.values.iter()) {
-                        let (sine, cosine) = (std::f64::consts::TAU * value / period).sin_cos();
-                        sines += product * sine;
-                        cosines += product * cosine;
+                    let worth = |period: f64| {
+                        let (mut sines, mut cosines) = (0.0, 0.0);
+                        for (product, value) in
+                            products.iter().zip(driver.values.iter()).filter(|(own, _)| **own != 0.0)
+                        {
+                            let (sine, cosine) = (std::f64::consts::TAU * value / period).sin_cos();
+                            sines += product * sine;
+                            cosines += product * cosine;
+                        }
+                        2.0 * (sines * sines + cosines * cosines) / information.max(1e-300)
+                    };
+                    let mut period = sweep.best(&products);
+                    let mut most = worth(period);
+                    if most <= 2.0 * price {
+                        continue;
                     }
-                    let worth = 2.0 * (sines * sines + cosines * cosines) / information.max(1e-300);
+                    // Nearer, by halves of what the transform tells apart.
+                    let mut reach = period * period / sweep.travel() / 8.0;
+                    for _ in 0..NEARER {
+                        for near in [period - reach, period + reach] {
+                            let own = worth(near);
+                            if own > most {
+                                (period, most) = (near, own);
+                            }
+                        }
+                        reach *= 0.5;
+                    }
+                    let worth = most;
                     out.push((worth - 2.0 * price, Form::Wave(a, b, edge, side, period)));
                 }
             }

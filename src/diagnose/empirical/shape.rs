@@ -47,6 +47,9 @@ impl Empirical {
         };
         let mut one = Candidate::one(&UNNAMED, "", place, Weight::new(|_| 0.0));
         one.columns = columns.iter().map(|(column, _)| vec![(place, self.weight(column.clone()))]).collect();
+        if let Form::Wave(.., period) = form {
+            one.constant = Some((period, "mm"));
+        }
         one.points = columns.into_iter().map(|(_, at)| at).collect();
         let mut used = used;
         used.sort_unstable();
