@@ -72,12 +72,12 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
     let first: Vec<f64> = (0..amounts.values.len()).map(|k| f64::from(u8::from(k == 0))).collect();
     let plain = |factor: f64, unit| {
         let (value, sigma) = amounts.form(&first);
-        Size { value: factor * value, u95: EXPANDED * factor * sigma, unit }
+        Size { value: factor * value, u95: EXPANDED * factor.abs() * sigma, unit }
     };
     let rows = || scene.rows.iter().filter(|row| row.set < used);
     let of = |factors: &[f64], factor: f64, unit| {
         let (value, sigma) = amounts.form(factors);
-        Size { value: factor * value, u95: EXPANDED * factor * sigma, unit }
+        Size { value: factor * value, u95: EXPANDED * factor.abs() * sigma, unit }
     };
     let range = || range(candidate, amounts, &mut rows());
     let single = amounts.values.len() == 1;
@@ -87,6 +87,11 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
     match candidate.cause.effect {
         Effect::Periodic => amplitude(amounts, micro, unit),
         Effect::Dynamic if candidate.constant.is_some() => amplitude(amounts, micro, unit),
+        // The step from one octant to the next.
+        Effect::Dynamic if candidate.parameter.is_empty() => {
+            let step = plain(micro, unit);
+            Size { value: step.value.abs(), ..step }
+        }
         Effect::Dynamic if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => {
             plain(MILLION, "um/(m/s2)")
         }
@@ -113,7 +118,8 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         Effect::ServoMismatch | Effect::Following | Effect::Delay => plain(THOUSAND, "ms"),
         Effect::Probe if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => plain(THOUSAND, "ms"),
         Effect::ThermalDrift => plain(micro, "um/K"),
-        Effect::ThermalExpansion => plain(MILLION, "um/(m K)"),
+        // What grows with the axis: errors are those of the moving body, which a table goes the other way round.
+        Effect::ThermalExpansion => plain(MILLION * sense_along(candidate, scene), "um/(m K)"),
         Effect::ThermalSquareness => plain(MILLION, "urad/K"),
         Effect::Setup if candidate.parameter == "scale" => {
             plain(MILLION, if candidate.sensor.is_some() { "um/(m K)" } else { "um/m" })
@@ -129,6 +135,13 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         Effect::Motion | Effect::Drift => of(&range(), micro, unit),
         _ => of(&peak(candidate, amounts, &mut rows()).unwrap_or(first.clone()), micro, unit),
     }
+}
+
+/// Whether the body that an axis moves goes with its coordinate (1) or against it (−1).
+fn sense_along(candidate: &Candidate, scene: &Scene<'_>) -> f64 {
+    let data = component_axis(candidate).and_then(|axis| scene.machine.axis(axis));
+    let along = data.and_then(|data| data.direction.get(data.axis.dimension()).copied()).unwrap_or(1.0);
+    if along < 0.0 { -1.0 } else { 1.0 }
 }
 
 fn amplitude(amounts: &Amounts, micro: f64, unit: &'static str) -> Size {
