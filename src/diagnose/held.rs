@@ -13,6 +13,8 @@ const STRETCHES: usize = 60;
 const LEAST: usize = 4;
 /// How often is drawn.
 const DRAWS: usize = 400;
+/// Sums of a stretch.
+const SUMS: usize = 10;
 /// Places of the ends of an interval of 95 % among the draws.
 const ENDS: [usize; 2] = [9, 389];
 
@@ -38,7 +40,8 @@ pub struct Compared {
     pub before: Sizes,
     /// With the findings.
     pub after: Sizes,
-    /// By how much the root of the mean square falls, as a share, and its interval of 95 %.
+    /// By how much the root of the mean square falls, as a share, and its interval of 95 %: of lengths and angles together, in units of their
+    /// noise.
     pub gain: (f64, [f64; 2]),
     /// Whether the model is worse than none, surely.
     pub is_expired: bool,
@@ -49,33 +52,34 @@ pub struct Compared {
 /// Compares; all three in the order of the readings, mm or rad.
 pub(super) fn compare(scene: &Scene<'_>, weights: &Weights, of: [&[f64]; 3]) -> Compared {
     let of_angles = is_angle(scene);
-    let places: Vec<usize> = counts(scene, weights)
-        .into_iter()
-        .filter(|&place| scene.items.get(place).is_some_and(|item| item.is_angle == of_angles))
-        .collect();
+    let places: Vec<usize> = counts(scene, weights);
+    let has_size = |place: usize| scene.items.get(place).is_some_and(|item| item.is_angle == of_angles);
     let stretch = (places.len() / STRETCHES).max(LEAST);
-    // Sums over stretches: squares and sizes of all three, and readings.
-    let mut sums: Vec<[f64; 7]> = Vec::new();
+    // Sums over stretches: squares and sizes of all three, readings; squares in units of the noise, which lengths and angles share.
+    let mut sums: Vec<[f64; SUMS]> = Vec::new();
     let mut last = (usize::MAX, 0);
     let mut most = [0.0_f64; 3];
     for &place in &places {
         let series = weights.series.get(place).copied().unwrap_or(0);
         if last.0 != series || last.1 >= stretch {
-            sums.push([0.0; 7]);
+            sums.push([0.0; SUMS]);
             last = (series, 0);
         }
         last.1 += 1;
         let Some(sum) = sums.last_mut() else { continue };
         for (k, values) in of.iter().enumerate() {
             let value = values.get(place).copied().unwrap_or(0.0);
-            sum[k] += value * value;
-            sum[3 + k] += value.abs();
-            most[k] = most[k].max(value.abs());
+            sum[7 + k] += (value * weights.items.get(place).copied().unwrap_or(0.0)).powi(2);
+            if has_size(place) {
+                sum[k] += value * value;
+                sum[3 + k] += value.abs();
+                most[k] = most[k].max(value.abs());
+            }
         }
-        sum[6] += 1.0;
+        sum[6] += f64::from(u8::from(has_size(place)));
     }
     let total = |draw: &mut dyn Iterator<Item = usize>| {
-        let mut all = [0.0; 7];
+        let mut all = [0.0; SUMS];
         for number in draw {
             if let Some(sum) = sums.get(number) {
                 all.iter_mut().zip(sum).for_each(|(all, own)| *all += own);
@@ -83,7 +87,7 @@ pub(super) fn compare(scene: &Scene<'_>, weights: &Weights, of: [&[f64]; 3]) -> 
         }
         all
     };
-    let rms = |all: &[f64; 7], k: usize| (all[k] / all[6].max(1.0)).sqrt();
+    let rms = |all: &[f64; SUMS], k: usize| (all[k] / all[6].max(1.0)).sqrt();
     let whole = total(&mut (0..sums.len()));
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut draw = |count: usize| {
@@ -93,10 +97,10 @@ pub(super) fn compare(scene: &Scene<'_>, weights: &Weights, of: [&[f64]; 3]) -> 
         state ^= state << 17;
         (state % count.max(1) as u64) as usize
     };
-    let draws: Vec<[f64; 7]> = (0..DRAWS)
+    let draws: Vec<[f64; SUMS]> = (0..DRAWS)
         .map(|_| total(&mut (0..sums.len()).map(|_| draw(sums.len())).collect::<Vec<_>>().into_iter()))
         .collect();
-    let interval = |value: &dyn Fn(&[f64; 7]) -> f64| {
+    let interval = |value: &dyn Fn(&[f64; SUMS]) -> f64| {
         let mut all: Vec<f64> = draws.iter().map(value).collect();
         all.sort_by(f64::total_cmp);
         ENDS.map(|end| all.get(end).copied().unwrap_or(0.0))
@@ -107,14 +111,14 @@ pub(super) fn compare(scene: &Scene<'_>, weights: &Weights, of: [&[f64]; 3]) -> 
         max: most[k],
         efficiency: if whole[3] > 0.0 { 1.0 - whole[3 + k] / whole[3] } else { 0.0 },
     };
-    let gain = |all: &[f64; 7]| if all[1] > 0.0 { 1.0 - (all[2] / all[1]).sqrt() } else { 0.0 };
-    let worse = interval(&|all| rms(all, 1) - rms(all, 0));
+    let gain = |all: &[f64; SUMS]| if all[8] > 0.0 { 1.0 - (all[9] / all[8]).sqrt() } else { 0.0 };
+    let worse = interval(&|all| all[8] - all[7]);
     Compared {
         measured: sizes(0),
         before: sizes(1),
         after: sizes(2),
         gain: (gain(&whole), interval(&gain)),
         is_expired: worse[0] > 0.0,
-        readings: places.len(),
+        readings: places.into_iter().filter(|&place| has_size(place)).count(),
     }
 }
