@@ -1,4 +1,4 @@
-//! What a diagnosis found: the object for programs; its text for people is in [`text`], its page in [`crate::report::page::diagnosis`].
+//! What a diagnosis found: the object for programs; its text for people is in `text`, its page in [`crate::report::page::diagnosis`].
 
 pub mod readings;
 mod text;
