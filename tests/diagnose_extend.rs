@@ -5,6 +5,7 @@ use ncfix::diagnose::extend::{Anchor, Change};
 use ncfix::machine::edit::Edit;
 use serde_json::Value;
 
+use crate::cli_calibrate::bare;
 use crate::diagnose::{case, diagnosed, findings, name, number, run, shop};
 use crate::plant::{Bench, Case, Recipe, Unknown};
 use crate::support::Shop;
@@ -259,4 +260,39 @@ fn growth_moves_the_place_where_a_scale_is_held() {
     assert!(made(text, &growth("other", 2.0, 1.0)).unwrap_err().contains("scale of X"));
     let (new, _) = made("", &growth("s", 2.0, 1.0)).unwrap();
     assert!(new.contains("fixed_mm = 500.0") && new.contains("scale = { sensors = [\"s\"], um_per_m_K = 2.0"), "{new}");
+}
+
+/// A wave of 10 mm between points 25 mm apart: what explains it at the points only are long terms that cancel each other, and no program may be moved
+/// by one of these.
+#[test]
+fn what_cancels_others_is_not_written() {
+    let mut rows = "run,component,X,Y,Z,X_dir,value_um\n".to_owned();
+    // Steps that differ by up to 30 %; noise of half a micrometre, from a congruence.
+    let mut state = 12_345_u64;
+    let mut draw = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1_u32 << 31) * 2.0 - 1.0
+    };
+    let points: Vec<f64> = (0..21).map(|k| 100.0 + 25.0 * f64::from(k) + 7.5 * draw()).collect();
+    for run in 1..=5 {
+        for (sense, order) in [(1, points.clone()), (-1, points.iter().rev().copied().collect())] {
+            for x in order {
+                let um = 15.0 * (std::f64::consts::TAU * x / 10.0).sin() + 0.8 * draw();
+                rows += &format!("{run}{sense:+},EXX,{x:.4},250,200,{sense},{um:.4}\n");
+            }
+        }
+    }
+    let shop = Shop::new()
+        .file("machine.toml", bare("demo"))
+        .file("line.csv", rows)
+        .file("line.toml", "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\nsigma_um = 0.6\n");
+    let run = run(&shop, &["line.csv".to_owned()], "machine.toml", &["-o", "extended.toml"]);
+    let found: Value = serde_json::from_str(&run.stdout).unwrap();
+    let left = number(&found["before"], "rms_um");
+    for one in findings(&found).iter().filter(|one| one["extends"] == true) {
+        assert!(number(one, "rms_um") < 1.5 * left, "{one:#}");
+        assert!(number(one, "u95") < number(one, "value").abs(), "{one:#}");
+    }
+    let is_cancelled = |one: &Value| one["extends_why"].as_str().is_some_and(|why| why.contains("others cancel it"));
+    assert!(findings(&found).iter().any(is_cancelled), "{found:#}");
 }

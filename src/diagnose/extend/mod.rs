@@ -27,10 +27,29 @@ const MICRO: f64 = 1e6;
 /// A constant that is told so many times worse than the size of the whole is one of the set-ups.
 const VAGUE: f64 = 30.0;
 
+/// A finding that does so many times what the model leaves is cancelled by others.
+const CANCELS: f64 = 1.5;
+
 /// The changes for every finding of a diagnosis, or why the machine file cannot hold it. The first measurements of the scene were `used`.
 #[must_use]
 pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Result<Vec<Change>, String>> {
-    found.findings.iter().map(|one| changes(one, scene, used)).collect()
+    let left = found.used.before.rms;
+    found.findings.iter().map(|one| is_sound(one, left).and_then(|()| changes(one, scene, used))).collect()
+}
+
+/// Refuses what a program must not be moved by: terms that nearly cancel each other are far larger than all that is left, and what is less sure than it is
+/// large may as well have the other sign.
+fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
+    if one.rms > CANCELS * left {
+        let times = one.rms / left;
+        return Err(format!(
+            "alone it would do {times:.1} times what the model leaves: others cancel it, and where was not measured they do not; measure at more places"
+        ));
+    }
+    if one.size.u95 >= one.size.value.abs() {
+        return Err("it is less sure than it is large; measure more often or at more places".into());
+    }
+    Ok(())
 }
 
 fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>, String> {
