@@ -25,10 +25,10 @@ const ALIKE: f64 = 0.9;
 /// Each of them this much at least.
 const PARTLY: f64 = 0.05;
 /// It is in none: known distances, readings that do not count.
-const NO_PART: usize = usize::MAX;
+pub(super) const NO_PART: usize = usize::MAX;
 
 /// Parts by runs or set-ups.
-fn repeats(scene: &Scene<'_>) -> Vec<usize> {
+pub(super) fn repeats(scene: &Scene<'_>) -> Vec<usize> {
     let observation = |place: usize| {
         let row = scene.rows.get(place)?;
         Some((row.set, scene.sets.get(row.set)?.observations.get(row.number)?))
@@ -50,7 +50,7 @@ fn repeats(scene: &Scene<'_>) -> Vec<usize> {
 }
 
 /// Parts by stretches of each sequence of rows, dealt out in so many rounds: a part of several shows more than what happens in one place.
-fn stretches(scene: &Scene<'_>, rounds: usize) -> Vec<usize> {
+pub(super) fn stretches(scene: &Scene<'_>, rounds: usize) -> Vec<usize> {
     let mut lengths: HashMap<usize, usize> = HashMap::new();
     scene.rows.iter().for_each(|row| *lengths.entry(row.sequence).or_insert(0) += 1);
     let mut seen: HashMap<usize, usize> = HashMap::new();

@@ -19,6 +19,7 @@ pub mod fault;
 mod fold;
 mod freedom;
 mod held;
+mod jackknife;
 mod noise;
 mod price;
 mod readings;

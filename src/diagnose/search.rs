@@ -21,6 +21,9 @@ use super::seek::Seek;
 const MOST: usize = 10;
 /// Worth of what has no name beside what has one.
 const UNNAMED: f64 = 0.9;
+/// The same of so few columns that they fit by no chance.
+const UNNAMED_SIMPLE: f64 = 0.95;
+const FEW: usize = 3;
 /// The same of what depends on two.
 const UNNAMED_PAIR: f64 = 0.87;
 /// Candidates explain the same where −2 ln of the likelihood differs by less.
@@ -311,6 +314,7 @@ impl<'s, 'a> Field<'s, 'a> {
     /// What has no name must explain more than what has one.
     fn belief(&self, number: usize) -> f64 {
         match self.candidates.get(number) {
+            Some(one) if one.cause.effect == Effect::Unknown && one.columns.len() <= FEW => UNNAMED_SIMPLE,
             Some(one) if one.cause.effect == Effect::Unknown && one.drivers.len() > 1 => UNNAMED_PAIR,
             Some(one) if one.cause.effect == Effect::Unknown => UNNAMED,
             _ => 1.0,

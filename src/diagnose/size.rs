@@ -131,7 +131,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
             let factors: Vec<f64> = (0..amounts.values.len()).map(|k| f64::from(u8::from(k == most))).collect();
             of(&factors, MILLION, "urad")
         }
-        Effect::ReversalSpike => plain(micro, unit),
+        Effect::ReversalSpike => plain(micro * sense_along(candidate, scene), unit),
         Effect::Motion | Effect::Drift => of(&range(), micro, unit),
         _ => of(&peak(candidate, amounts, &mut rows()).unwrap_or(first.clone()), micro, unit),
     }

@@ -4,6 +4,7 @@ use super::account::{Account, swing};
 use super::cause::{CAUSES, Candidate, Cause, Effect, thermal};
 use super::fold::{Selections, WORTH, confirmed, counts, unseen};
 use super::held::{Compared, compare};
+use super::jackknife::{u95, without_parts};
 use super::noise::{self, is_angle};
 use super::readings::{doing, drop_far, left_of, projected, rms, weights};
 use super::rejected::{Gate, Rejected, Rejections, Tried, tried};
@@ -240,6 +241,7 @@ fn verdict(
     // Amounts are as unsure as the time constants leave them.
     let with_slopes: Vec<Vec<f64>> = flat.iter().cloned().chain(slopes(field, &taken, &columns, &amounts)).collect();
     let (_, covariance) = field.series(weights, &[], memory).amounts(&with_slopes);
+    let without_parts = without_parts(field, weights, &flat, memory);
     let whole = field.series(weights, &taken, memory);
     let freedom = (whole.count() - whole.rank().min(whole.count())).max(1) as f64;
     let noise = whole.squares() / freedom;
@@ -259,11 +261,15 @@ fn verdict(
                 .map(|k| range.clone().map(|l| covariance[(k, l)] * noise * inflation).collect())
                 .collect(),
         };
+        let own_without: Vec<Vec<f64>> =
+            without_parts.iter().map(|all| all.get(range.clone()).unwrap_or_default().to_vec()).collect();
+        let mut size = size(candidate, &amounts, scene, used);
+        size.u95 = size.u95.max(u95(candidate, &amounts, &own_without, scene, used).unwrap_or(0.0));
         let does = doing(field, weights, weights, &taken, term.candidate);
         let class = class(field, weights, (term.candidate, &others), memory, noise * inflation);
         let rival = class.get(1).and_then(|&number| field.candidates.get(number));
         findings.push(Finding {
-            size: size(candidate, &amounts, scene, used),
+            size,
             rms: rms(counts(scene, weights).into_iter().filter_map(|place| does.get(place).copied())),
             alone: swing(scene, weights, &does),
             doing: does,

@@ -173,7 +173,9 @@ impl Empirical {
     pub(super) fn waves(&self, sums: &[[f64; 2]], price: f64, out: &mut Vec<(f64, Form)>) {
         let Some(a) = self.drivers.iter().position(|driver| driver.name == "feed_mm_min") else { return };
         let Some(feed) = self.drivers.get(a) else { return };
-        let mut feeds: Vec<f64> = feed.values.iter().copied().filter(|value| value.is_finite()).collect();
+        // Only what counts here says between which feeds it begins.
+        let in_use = feed.values.iter().zip(sums).filter(|(value, sum)| value.is_finite() && sum[1] > 0.0);
+        let mut feeds: Vec<f64> = in_use.map(|(value, _)| *value).collect();
         feeds.sort_by(f64::total_cmp);
         feeds.dedup();
         if feeds.len() > 6 {
