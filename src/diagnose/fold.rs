@@ -27,8 +27,8 @@ const PARTLY: f64 = 0.05;
 /// It is in none: known distances, readings that do not count.
 pub(super) const NO_PART: usize = usize::MAX;
 
-/// Parts by runs or set-ups.
-pub(super) fn repeats(scene: &Scene<'_>) -> Vec<usize> {
+/// Parts by runs or set-ups of the readings that count.
+pub(super) fn repeats(scene: &Scene<'_>, weights: &Weights) -> Vec<usize> {
     let observation = |place: usize| {
         let row = scene.rows.get(place)?;
         Some((row.set, scene.sets.get(row.set)?.observations.get(row.number)?))
@@ -42,7 +42,9 @@ pub(super) fn repeats(scene: &Scene<'_>) -> Vec<usize> {
         let count = numbers.len();
         Some(*numbers.entry(key).or_insert(count))
     };
-    let parts: Vec<Option<usize>> = scene.items.iter().map(|item| of(item.row, &mut numbers)).collect();
+    // What is held out has no part in it.
+    let counted = scene.items.iter().zip(&weights.items).map(|(item, weight)| (*weight > 0.0).then_some(item.row));
+    let parts: Vec<Option<usize>> = counted.map(|row| of(row?, &mut numbers)).collect();
     // Runs that follow each other go together: they share a set-up, which then has all that it needs.
     let count = numbers.len().max(1);
     let part = |number: usize| if count > PARTS { number * PARTS / count } else { number };
@@ -93,19 +95,19 @@ pub(super) fn confirmed(
     note: &mut dyn FnMut(f64),
 ) -> Vec<(Taken, f64)> {
     let mut gains: Vec<Option<f64>> = vec![None; judged.len()];
-    type Parts = fn(&Scene<'_>) -> Vec<usize>;
+    type Parts = fn(&Scene<'_>, &Weights) -> Vec<usize>;
     let kinds: [Parts; 4] = [
         repeats,
-        |scene| stretches(scene, 1),
-        |scene| stretches(scene, ROUNDS[0]),
-        |scene| stretches(scene, ROUNDS[1]),
+        |scene, _| stretches(scene, 1),
+        |scene, _| stretches(scene, ROUNDS[0]),
+        |scene, _| stretches(scene, ROUNDS[1]),
     ];
     for (kind, parts) in kinds.into_iter().enumerate() {
         let open: Vec<usize> = (0..judged.len()).filter(|&k| gains.get(k).is_some_and(Option::is_none)).collect();
         if open.is_empty() {
             break;
         }
-        let parts = parts(field.scene);
+        let parts = parts(field.scene, weights);
         let mut selected = |field: &mut Field<'_, '_>, part: usize, train: &Weights| {
             known.entry((kind, part)).or_insert_with(|| field.forward(train, &[])).clone()
         };

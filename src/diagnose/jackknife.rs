@@ -27,7 +27,7 @@ pub(super) fn without_parts(
         all.dedup();
         all
     };
-    let mut parts = repeats(field.scene);
+    let mut parts = repeats(field.scene, weights);
     let mut numbers = counted(&parts);
     if numbers.len() < FEWEST {
         parts = stretches(field.scene, 1);

@@ -226,14 +226,23 @@ impl<'l> Scores<'l> {
     }
 }
 
+fn gain(own: &Own, left: Vec<f64>) -> Gain {
+    without_those_before(own.products.clone(), &own.squares, left)
+}
+
+/// What columns gain whose products with each other (row by row) and with what is left are these.
+pub(super) fn gained(products: Vec<f64>, left: Vec<f64>) -> Gain {
+    let squares: Vec<f64> = (0..left.len()).map(|k| products[k * left.len() + k]).collect();
+    without_those_before(products, &squares, left)
+}
+
 /// By Cholesky's decomposition, leaving out columns that depend on those before them.
-fn gain(own: &Own, mut left: Vec<f64>) -> Gain {
+fn without_those_before(mut products: Vec<f64>, squares: &[f64], mut left: Vec<f64>) -> Gain {
     let count = left.len();
-    let mut products = own.products.clone();
     let mut total = Gain { squares: 0.0, rank: 0 };
     for k in 0..count {
         let pivot = products[k * count + k];
-        if !(pivot > DEPENDENT * own.squares[k] && own.squares[k] > 0.0) {
+        if !(pivot > DEPENDENT * squares[k] && squares[k] > 0.0) {
             continue;
         }
         total.squares += left[k] * left[k] / pivot;

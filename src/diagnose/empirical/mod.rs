@@ -36,6 +36,8 @@ struct Driver {
     values: Arc<Vec<f64>>,
     /// By row.
     bins: Vec<u8>,
+    /// Rows in the order of the values, those where it is known.
+    order: Arc<Vec<u32>>,
     low: f64,
     high: f64,
     is_sense: bool,
@@ -160,6 +162,12 @@ impl Empirical {
         price: f64,
     ) -> Vec<Candidate> {
         let mut found: Vec<(f64, Through, Form)> = Vec::new();
+        let mut in_use = vec![false; self.row_count];
+        for (&row, weight) in self.rows.iter().zip(weights) {
+            if let Some(is) = in_use.get_mut(row).filter(|_| *weight > 0.0) {
+                *is = true;
+            }
+        }
         for (&place, factors) in self.places.iter().zip(factors) {
             let mut sums = vec![[0.0; 2]; self.row_count];
             for (((&row, factor), left), weight) in self.rows.iter().zip(factors.iter()).zip(left).zip(weights) {
@@ -191,7 +199,7 @@ impl Empirical {
             .into_iter()
             .take(BEST)
             .filter(|(worth, ..)| *worth > 0.0)
-            .map(|(_, place, form)| self.candidate(place, form))
+            .map(|(_, place, form)| self.candidate(place, form, &in_use))
             .collect()
     }
 }
@@ -212,14 +220,25 @@ fn driver(name: String, values: Vec<f64>, is_sense: bool) -> Option<Driver> {
         }
     };
     let bins = values.iter().map(bin).collect();
-    let values = Arc::new(values);
-    Some(Driver { name, bins, values, low, high, is_sense, is_length: false, sweep: None, axis: None })
+    let at = |row: &u32| values.get(*row as usize).copied().unwrap_or(f64::NAN);
+    let mut order: Vec<u32> = (0..u32::try_from(values.len()).unwrap_or(0)).filter(|row| at(row).is_finite()).collect();
+    order.sort_by(|one, other| at(one).total_cmp(&at(other)));
+    let (values, order) = (Arc::new(values), Arc::new(order));
+    Some(Driver { name, bins, values, order, low, high, is_sense, is_length: false, sweep: None, axis: None })
 }
 
 impl Driver {
     fn length(self) -> Driver {
         let sweep = Sweep::new(&self.values);
         Driver { is_length: true, sweep, ..self }
+    }
+
+    /// The values of some rows in order, each once.
+    fn levels(&self, in_use: &[bool]) -> Vec<f64> {
+        let used = self.order.iter().filter(|row| in_use.get(**row as usize).copied().unwrap_or(false));
+        let mut levels: Vec<f64> = used.filter_map(|row| self.values.get(*row as usize).copied()).collect();
+        levels.dedup();
+        levels
     }
 
     fn edge(&self, edge: usize) -> f64 {

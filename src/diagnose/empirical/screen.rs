@@ -1,6 +1,7 @@
 //! Which shapes over two drivers are promising: by the means over bins, and for bumps and waves by a grid.
 
-use super::{BINS, BUMPS, Empirical, Form, KNOTS, NONE, SOME};
+use super::{BINS, BUMPS, Driver, Empirical, Form, KNOTS, NONE, SOME};
+use crate::diagnose::score::gained;
 
 /// Steps, each half of the one before, in which the period of a wave is found more closely.
 const NEARER: usize = 5;
@@ -32,10 +33,7 @@ impl Empirical {
                 let merged = merge(&all, knots);
                 out.push((worth(&merged), Form::Smooth(a, knots)));
             }
-            for edge in 1..BINS {
-                let above = all.iter().skip(edge).copied().fold([0.0; 2], add);
-                out.push((worth(&[above]), Form::Step(a, one.edge(edge))));
-            }
+            out.extend(one.step(sums).map(|(gain, edge)| (gain - price, Form::Step(a, edge))));
             return;
         }
         for (first, second, turned) in [(a, b, false), (b, a, true)] {
@@ -75,14 +73,19 @@ impl Empirical {
             return;
         }
         let share = |k: usize| (k as f64 + 0.5) / BINS as f64 - 0.5;
-        let mut product = [0.0; 2];
+        // From where a product counts is anybody's choice: each alone comes with it.
+        let (mut products, mut left) = (vec![0.0; 9], vec![0.0; 3]);
         for x in 0..BINS {
             for y in 0..BINS {
-                let (at, shape) = (cell(x, y), share(x) * share(y));
-                product = add(product, [at[0] * shape, at[1] * shape * shape]);
+                let (at, shapes) = (cell(x, y), [share(x) * share(y), share(x), share(y)]);
+                for (k, shape) in shapes.iter().enumerate() {
+                    left[k] += at[0] * shape;
+                    shapes.iter().enumerate().for_each(|(l, other)| products[3 * k + l] += at[1] * shape * other);
+                }
             }
         }
-        out.push((worth(&[product, [0.0, 1.0], [0.0, 1.0]]), Form::Product(a, b)));
+        let gain = gained(products, left);
+        out.push((gain.squares - gain.rank as f64 * price, Form::Product(a, b)));
         for knots in [3, 4, 6] {
             let rows: Vec<Vec<[f64; 2]>> =
                 (0..BINS).map(|x| merge(&(0..BINS).map(|y| cell(x, y)).collect::<Vec<_>>(), knots)).collect();
@@ -230,6 +233,34 @@ impl Empirical {
                 }
             }
         }
+    }
+}
+
+impl Driver {
+    /// The step that gains most beside a mean, and between which two values it is.
+    fn step(&self, sums: &[[f64; 2]]) -> Option<(f64, f64)> {
+        let in_use = |row: &u32| {
+            let (value, sum) = (self.values.get(*row as usize)?, sums.get(*row as usize)?);
+            (sum[1] > 0.0).then_some((*value, *sum))
+        };
+        let add = |[s, i]: [f64; 2], [t, j]: [f64; 2]| [s + t, i + j];
+        let whole = self.order.iter().filter_map(in_use).map(|(_, sum)| sum).fold([0.0; 2], add);
+        let mut below = [0.0; 2];
+        let mut last = f64::NAN;
+        let mut best: Option<(f64, f64)> = None;
+        for (value, sum) in self.order.iter().filter_map(in_use) {
+            let above = whole[1] - below[1];
+            if value > last && below[1] > 0.0 && above > 0.0 {
+                let own = below[0] - whole[0] * below[1] / whole[1];
+                let gain = own * own * whole[1] / (below[1] * above);
+                if best.is_none_or(|(most, _)| gain > most) {
+                    best = Some((gain, f64::midpoint(last, value)));
+                }
+            }
+            below = add(below, sum);
+            last = value;
+        }
+        best
     }
 }
 

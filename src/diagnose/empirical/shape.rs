@@ -9,16 +9,19 @@ use crate::diagnose::scene::Through;
 use crate::geometry::Axis;
 
 impl Empirical {
-    pub(super) fn candidate(&self, place: Through, form: Form) -> Candidate {
+    /// A form as a candidate; its knots and edges are where some rows have values, so that each of them is told.
+    pub(super) fn candidate(&self, place: Through, form: Form, in_use: &[bool]) -> Candidate {
+        let levels: Levels<'_> = &|driver| self.drivers.get(driver).map(|one| one.levels(in_use)).unwrap_or_default();
         let (columns, used): (Vec<(Column, Vec<f64>)>, Vec<usize>) = match form {
-            Form::Smooth(a, knots) => (self.hats(a, knots), vec![a]),
+            Form::Smooth(a, knots) => (self.hats(a, knots, levels), vec![a]),
             Form::Step(a, edge) => (vec![(self.beyond(a, edge, 1.0), vec![edge])], vec![a]),
             Form::Sense(a, b, knots) => {
                 let sense: Column = self.value(a);
-                (times(&[(sense, Vec::new())], &self.hats(b, knots)), vec![b, a])
+                (times(&[(sense, Vec::new())], &self.hats(b, knots, levels)), vec![b, a])
             }
             Form::Beyond(a, b, knots, edge, side) => {
-                (times(&[(self.beyond(a, edge, side), vec![edge])], &self.hats(b, knots)), vec![a, b])
+                let edge = between(&levels(a), edge);
+                (times(&[(self.beyond(a, edge, side), vec![edge])], &self.hats(b, knots, levels)), vec![a, b])
             }
             Form::Product(a, b) => {
                 let [one, other] = [a, b].map(|k| vec![(self.centred(k), Vec::new())]);
@@ -43,7 +46,9 @@ impl Empirical {
                 let waves = [(wave(f64::sin), Vec::new()), (wave(f64::cos), Vec::new())];
                 (times(&[(self.beyond(a, edge, side), vec![edge])], &waves), vec![a, b])
             }
-            Form::Surface(a, b, knots) => (times(&self.hats(a, knots), &self.hats(b, knots)), vec![a, b]),
+            Form::Surface(a, b, knots) => {
+                (times(&self.hats(a, knots, levels), &self.hats(b, knots, levels)), vec![a, b])
+            }
         };
         let mut one = Candidate::one(&UNNAMED, "", place, Weight::new(|_| 0.0));
         one.columns = columns.iter().map(|(column, _)| vec![(place, self.weight(column.clone()))]).collect();
@@ -97,21 +102,56 @@ impl Empirical {
         })
     }
 
-    /// Straight between knots, 1 at one of them and 0 at all others.
-    fn hats(&self, a: usize, knots: usize) -> Vec<(Column, Vec<f64>)> {
-        let Some(driver) = self.drivers.get(a) else { return Vec::new() };
-        let (low, step) = (driver.low, (driver.high - driver.low) / (knots.max(2) - 1) as f64);
-        (0..knots)
-            .map(|knot| {
-                let at = low + step * knot as f64;
-                let value = self.value(a);
-                let hat: Column = Arc::new(move |of| {
-                    let value = value(of);
-                    if value.is_nan() { value } else { (1.0 - ((value - at) / step).abs()).max(0.0) }
-                });
-                (hat, vec![at])
-            })
-            .collect()
+    /// Straight between knots, 1 at one of them and 0 at all others; outside of them as at the last.
+    fn hats(&self, a: usize, knots: usize, levels: Levels<'_>) -> Vec<(Column, Vec<f64>)> {
+        let knots = spread(&levels(a), knots);
+        let [Some(&low), Some(&high)] = [knots.first(), knots.last()] else { return Vec::new() };
+        let hat = |knot: usize| {
+            let at = knots.get(knot).copied()?;
+            let before = knot.checked_sub(1).and_then(|k| knots.get(k)).copied();
+            let behind = knots.get(knot + 1).copied();
+            let value = self.value(a);
+            let hat: Column = Arc::new(move |of| {
+                let value = value(of).clamp(low, high);
+                match if value < at { before } else { behind } {
+                    // What is not known stays so.
+                    _ if value.is_nan() => value,
+                    Some(next) => (1.0 - (value - at) / (next - at)).max(0.0),
+                    None => 1.0,
+                }
+            });
+            Some((hat, vec![at]))
+        };
+        (0..knots.len()).filter_map(hat).collect()
+    }
+}
+
+/// The values of a driver in order, each once.
+type Levels<'l> = &'l dyn Fn(usize) -> Vec<f64>;
+
+/// About so many of the values, as evenly over their range as they allow.
+fn spread(levels: &[f64], count: usize) -> Vec<f64> {
+    let [Some(&low), Some(&high)] = [levels.first(), levels.last()] else { return Vec::new() };
+    if levels.len() <= count {
+        return levels.to_vec();
+    }
+    let nearest = |place: usize| {
+        let wanted = low + (high - low) * place as f64 / (count.max(2) - 1) as f64;
+        let above = levels.partition_point(|level| *level < wanted);
+        let near = [above.checked_sub(1), Some(above)].into_iter().flatten().filter_map(|k| levels.get(k)).copied();
+        near.min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
+    };
+    let mut knots: Vec<f64> = (0..count).filter_map(nearest).collect();
+    knots.dedup();
+    knots
+}
+
+/// The middle of the two values between which an edge is.
+fn between(levels: &[f64], edge: f64) -> f64 {
+    let above = levels.partition_point(|level| *level <= edge);
+    match [above.checked_sub(1).and_then(|k| levels.get(k)), levels.get(above)] {
+        [Some(below), Some(above)] => f64::midpoint(*below, *above),
+        _ => edge,
     }
 }
 
