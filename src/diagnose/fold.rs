@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 
+use super::cause::Effect;
 use super::scene::{NO_ROW, Scene};
 use super::search::{Field, Taken, Weights};
 use crate::numeric::Series;
@@ -19,7 +20,9 @@ const ROUNDS: [usize; 2] = [3, 15];
 const SHOWN: f64 = 0.02;
 const KEPT: f64 = 0.2;
 /// A term that takes less than this share off what is left of unseen readings (root of the mean square) is not worth a name.
-pub(super) const WORTH: f64 = 0.01;
+const WORTH: f64 = 0.01;
+/// The same of what has no name: of such there are many.
+const WORTH_UNNAMED: f64 = 0.03;
 /// Other candidates that explain this share of what one does stand for it.
 const ALIKE: f64 = 0.9;
 /// Each of them this much at least.
@@ -121,11 +124,17 @@ pub(super) fn confirmed(
     let mut kept = Vec::new();
     for (term, gain) in judged.into_iter().zip(gains) {
         match gain {
-            Some(gain) if gain > WORTH => kept.push((term, gain)),
+            Some(gain) if gain > worth(field, term.candidate) => kept.push((term, gain)),
             _ => out(&term, gain),
         }
     }
     kept
+}
+
+/// How much a term must take off what is left of unseen readings.
+pub(super) fn worth(field: &Field<'_, '_>, number: usize) -> f64 {
+    let is_unnamed = field.candidates.get(number).is_some_and(|one| one.cause.effect == Effect::Unknown);
+    if is_unnamed { WORTH_UNNAMED } else { WORTH }
 }
 
 /// What is selected without a part.

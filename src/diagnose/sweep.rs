@@ -18,6 +18,8 @@ const LENGTH: usize = 8 * BINS;
 const FEWEST: f64 = 3.0;
 /// At most: a tenth of a radian for a bin.
 const MOST: f64 = 130.0;
+/// A period explains nearly as much as another by this share of it.
+const NEARLY: f64 = 0.95;
 /// Periods that are told apart for one cycle more over the travel.
 const STEPS: f64 = 3.0;
 
@@ -93,17 +95,33 @@ impl Sweep {
 
     /// The period that explains most of `products` = f r, mm.
     pub(super) fn best(&self, products: &[f64]) -> f64 {
+        let (step, powers, range) = self.powers(products);
+        self.travel / (step * top(&powers, range))
+    }
+
+    /// The longest period that explains nearly as much as the best: where some of the readings stand evenly, shorter ones are its images.
+    pub(super) fn longest(&self, products: &[f64]) -> f64 {
+        let (step, powers, range) = self.powers(products);
+        let at = |place: usize| powers.get(place).copied().unwrap_or(0.0);
+        let most = range.clone().map(at).fold(0.0, f64::max);
+        let is_top = |&place: &usize| {
+            at(place) >= NEARLY * most && at(place) >= at(place + 1) && at(place) >= at(place.saturating_sub(1))
+        };
+        let first = range.clone().find(is_top).unwrap_or(range.start);
+        self.travel / (step * top(&powers, first..first + 1))
+    }
+
+    /// Cycles over the travel of each frequency, squares of the amplitudes, and which of them count.
+    fn powers(&self, products: &[f64]) -> (f64, Vec<f64>, std::ops::Range<usize>) {
         let mut bins = vec![0.0; BINS];
         for (&bin, product) in self.bins.iter().zip(products) {
             if let Some(sum) = bins.get_mut(bin as usize) {
                 *sum += product;
             }
         }
-        // Cycles over the travel of each frequency.
         let step = (BINS - 1) as f64 / self.transform.length() as f64;
         let (from, until) = ((FEWEST / step).ceil() as usize, (self.most / step) as usize);
-        let powers = self.transform.powers(&bins, until + 2);
-        self.travel / (step * top(&powers, from..until + 1))
+        (step, self.transform.powers(&bins, until + 2), from..until + 1)
     }
 }
 

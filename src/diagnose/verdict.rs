@@ -2,7 +2,7 @@
 
 use super::account::{Account, swing};
 use super::cause::{CAUSES, Candidate, Cause, Effect, thermal};
-use super::fold::{Selections, WORTH, confirmed, counts, unseen};
+use super::fold::{Selections, confirmed, counts, unseen, worth};
 use super::held::{Compared, compare};
 use super::jackknife::{u95, without_parts};
 use super::noise::{self, is_angle};
@@ -213,7 +213,7 @@ fn hold(
             let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
             let without = unseen(field, weights, held_out, &others);
             *gain = if without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 };
-            if *gain < WORTH && worst.is_none_or(|(least, _)| *gain < least) {
+            if *gain < worth(field, number) && worst.is_none_or(|(least, _)| *gain < least) {
                 worst = Some((*gain, place));
             }
         }

@@ -190,6 +190,7 @@ impl Empirical {
                     screen::best_of_each(&mut own, from);
                 }
             }
+            self.products(&sums, price, &mut own);
             self.bumps(&sums, price, &mut own);
             self.waves(&sums, price, &mut own);
             found.extend(own.into_iter().map(|(worth, form)| (worth, place, form)));

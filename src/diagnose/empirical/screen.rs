@@ -5,6 +5,10 @@ use crate::diagnose::score::gained;
 
 /// Steps, each half of the one before, in which the period of a wave is found more closely.
 const NEARER: usize = 5;
+/// A step has this share of what shows it on each side: one reading that is off is no step.
+const LEAST_SIDE: f64 = 0.03;
+/// Products of two that are looked at closely.
+const PRODUCTS: usize = 24;
 
 impl Empirical {
     pub(super) fn forms(&self, a: usize, b: usize, sums: &[[f64; 2]], price: f64, out: &mut Vec<(f64, Form)>) {
@@ -94,6 +98,31 @@ impl Empirical {
                 merge(&column, knots)
             });
             out.push((worth(&columns.collect::<Vec<_>>()), Form::Surface(a, b, knots)));
+        }
+    }
+
+    /// The most promising products again, by the values themselves: temperatures that go together are not told apart by bins.
+    pub(super) fn products(&self, sums: &[[f64; 2]], price: f64, all: &mut [(f64, Form)]) {
+        let is_product = |(_, form): &&mut (f64, Form)| matches!(form, Form::Product(..));
+        let mut products: Vec<&mut (f64, Form)> = all.iter_mut().filter(is_product).collect();
+        products.sort_by(|one, other| other.0.total_cmp(&one.0));
+        let step = (sums.len() / SOME).max(1);
+        for (worth, form) in products.into_iter().take(PRODUCTS) {
+            let Form::Product(a, b) = *form else { continue };
+            let [Some(one), Some(other)] = [self.drivers.get(a), self.drivers.get(b)] else { continue };
+            let (mut squares, mut left) = (vec![0.0; 9], vec![0.0; 3]);
+            for ((x, y), sum) in one.values.iter().zip(other.values.iter()).zip(sums).step_by(step) {
+                let [x, y] = [one.share(*x), other.share(*y)];
+                let shapes = [x * y, x, y];
+                if sum[1] > 0.0 && x.is_finite() && y.is_finite() {
+                    for (k, shape) in shapes.iter().enumerate() {
+                        left[k] += sum[0] * shape;
+                        shapes.iter().enumerate().for_each(|(l, other)| squares[3 * k + l] += sum[1] * shape * other);
+                    }
+                }
+            }
+            let gain = gained(squares, left);
+            *worth = gain.squares * step as f64 - gain.rank as f64 * price;
         }
     }
 
@@ -212,7 +241,7 @@ impl Empirical {
                         }
                         2.0 * (sines * sines + cosines * cosines) / information.max(1e-300)
                     };
-                    let mut period = sweep.best(&products);
+                    let mut period = sweep.longest(&products);
                     let mut most = worth(period);
                     if most <= 2.0 * price {
                         continue;
@@ -237,6 +266,11 @@ impl Empirical {
 }
 
 impl Driver {
+    /// Of its range, 0 in the middle.
+    fn share(&self, value: f64) -> f64 {
+        (value - f64::midpoint(self.low, self.high)) / (self.high - self.low)
+    }
+
     /// The step that gains most beside a mean, and between which two values it is.
     fn step(&self, sums: &[[f64; 2]]) -> Option<(f64, f64)> {
         let in_use = |row: &u32| {
@@ -250,7 +284,7 @@ impl Driver {
         let mut best: Option<(f64, f64)> = None;
         for (value, sum) in self.order.iter().filter_map(in_use) {
             let above = whole[1] - below[1];
-            if value > last && below[1] > 0.0 && above > 0.0 {
+            if value > last && below[1].min(above) > LEAST_SIDE * whole[1] {
                 let own = below[0] - whole[0] * below[1] / whole[1];
                 let gain = own * own * whole[1] / (below[1] * above);
                 if best.is_none_or(|(most, _)| gain > most) {
