@@ -6,6 +6,8 @@
 mod screen;
 mod shape;
 
+use std::collections::HashMap;
+use std::mem::{Discriminant, discriminant};
 use std::sync::Arc;
 
 use super::cause::{self, Candidate};
@@ -18,7 +20,9 @@ const BINS: usize = 12;
 /// Drivers at most.
 const MOST: usize = 22;
 /// Shapes that are tried in full in each step.
-const BEST: usize = 8;
+const BEST: usize = 10;
+/// Of one kind.
+const ALIKE: usize = 3;
 /// Rows of which a first look is had.
 const SOME: usize = 4000;
 /// Places of a bump along each driver.
@@ -78,6 +82,9 @@ pub(super) struct Empirical {
     pub(super) places: Vec<Through>,
     rows: Vec<usize>,
     row_count: usize,
+    /// The set-up of each row, over all measurements, and how many there are.
+    setups: Vec<usize>,
+    setup_count: usize,
     /// Number of the row of each row in its measurement: weights find their values by measurement and number.
     index: Arc<Vec<usize>>,
 }
@@ -139,11 +146,19 @@ impl Empirical {
             first.push(count);
             count += set.observations.len();
         }
+        let mut numbers: HashMap<(usize, usize), usize> = HashMap::new();
+        let mut number = |row: &super::row::Row| {
+            let next = numbers.len();
+            *numbers.entry((row.set, row.setup)).or_insert(next)
+        };
+        let setups = scene.rows.iter().map(&mut number).collect();
         Empirical {
             drivers,
             places,
             rows: scene.items.iter().map(|item| item.row).collect(),
             row_count: scene.rows.len(),
+            setup_count: numbers.len(),
+            setups,
             index: Arc::new(first),
         }
     }
@@ -196,6 +211,12 @@ impl Empirical {
             found.extend(own.into_iter().map(|(worth, form)| (worth, place, form)));
         }
         found.sort_by(|one, other| other.0.total_cmp(&one.0));
+        let mut kinds: HashMap<Discriminant<Form>, usize> = HashMap::new();
+        found.retain(|(_, _, form)| {
+            let count = kinds.entry(discriminant(form)).or_insert(0);
+            *count += 1;
+            *count <= ALIKE
+        });
         found
             .into_iter()
             .take(BEST)

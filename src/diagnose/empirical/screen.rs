@@ -110,15 +110,26 @@ impl Empirical {
         for (worth, form) in products.into_iter().take(PRODUCTS) {
             let Form::Product(a, b) = *form else { continue };
             let [Some(one), Some(other)] = [self.drivers.get(a), self.drivers.get(b)] else { continue };
-            let (mut squares, mut left) = (vec![0.0; 9], vec![0.0; 3]);
-            for ((x, y), sum) in one.values.iter().zip(other.values.iter()).zip(sums).step_by(step) {
+            let rows = one.values.iter().zip(other.values.iter()).zip(sums).zip(&self.setups).step_by(step);
+            let shapes = rows.filter_map(|(((x, y), sum), setup)| {
                 let [x, y] = [one.share(*x), other.share(*y)];
-                let shapes = [x * y, x, y];
-                if sum[1] > 0.0 && x.is_finite() && y.is_finite() {
-                    for (k, shape) in shapes.iter().enumerate() {
-                        left[k] += sum[0] * shape;
-                        shapes.iter().enumerate().for_each(|(l, other)| squares[3 * k + l] += sum[1] * shape * other);
-                    }
+                (sum[1] > 0.0 && x.is_finite() && y.is_finite()).then_some((*setup, *sum, [x * y, x, y]))
+            });
+            let shapes: Vec<(usize, [f64; 2], [f64; 3])> = shapes.collect();
+            // A set-up takes the mean.
+            let mut means = vec![[0.0; 4]; self.setup_count];
+            for (setup, sum, shapes) in &shapes {
+                if let Some(mean) = means.get_mut(*setup) {
+                    mean.iter_mut().zip(shapes.iter().chain(&[1.0])).for_each(|(mean, shape)| *mean += sum[1] * shape);
+                }
+            }
+            let (mut squares, mut left) = (vec![0.0; 9], vec![0.0; 3]);
+            for (setup, sum, shapes) in shapes {
+                let Some(mean) = means.get(setup) else { continue };
+                let own = [0, 1, 2].map(|k| shapes[k] - mean[k] / mean[3]);
+                for (k, shape) in own.iter().enumerate() {
+                    left[k] += sum[0] * shape;
+                    own.iter().enumerate().for_each(|(l, other)| squares[3 * k + l] += sum[1] * shape * other);
                 }
             }
             let gain = gained(squares, left);
