@@ -33,7 +33,7 @@ const NEARLY_UNNAMED: f64 = 0.2;
 pub(super) struct Field<'s, 'a> {
     pub(super) scene: &'s Scene<'a>,
     pub(super) candidates: Vec<Candidate>,
-    factors: HashMap<Through, Arc<Vec<f64>>>,
+    pub(super) factors: HashMap<Through, Arc<Vec<f64>>>,
     layout: Arc<Layout>,
     pub(super) seek: Seek,
     /// How many candidates there are to choose from, those of sweeps too.

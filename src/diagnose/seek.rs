@@ -31,6 +31,8 @@ const CYCLES: f64 = 8.0;
 const SLOWEST: f64 = 20.0;
 /// Chords of a circle that are tried.
 const CHORDS: std::ops::Range<u32> = 24..720;
+/// Angles show a number of cycles like none where so much of the mean of exp(i n φ) is left.
+const ALIKE: f64 = 0.95;
 /// All directions of the tool.
 const TIPS: [Through; 3] = [Through::Tip(0), Through::Tip(1), Through::Tip(2)];
 
@@ -51,6 +53,8 @@ pub(super) struct Seek {
 #[derive(Clone, Debug)]
 struct Circles {
     rows: Vec<usize>,
+    /// Numbers of chords that the angles tell from fewer.
+    counts: std::ops::Range<u32>,
     /// How far inside the chords of each number are there, mm.
     chords: Vec<Vec<f64>>,
 }
@@ -87,9 +91,9 @@ impl Seek {
         }
     }
 
-    /// The range of the positions of an axis whose periods are sought.
-    pub(super) fn travel(&self, axis: Axis) -> Option<f64> {
-        self.sweeps.iter().find(|(own, _)| *own == axis).map(|(_, sweep)| sweep.travel())
+    /// Positions of an axis whose periods are sought.
+    pub(super) fn sweep(&self, axis: Axis) -> Option<&Sweep> {
+        self.sweeps.iter().find(|(own, _)| *own == axis).map(|(_, sweep)| sweep)
     }
 
     /// Where all of this comes in.
@@ -106,7 +110,7 @@ impl Seek {
     pub(super) fn count(&self) -> usize {
         let sweeps: usize = self.sweeps.iter().map(|(_, sweep)| sweep.count() * DIRECTIONS.len()).sum();
         let time = self.time.as_ref().map_or(0, |clock| 3 * clock.count());
-        let chords = if self.circles.is_some() { CHORDS.len() } else { 0 };
+        let chords = self.circles.as_ref().map_or(0, |circles| circles.counts.len());
         let events = self.events.as_ref().map_or(0, |events| TIPS.len() * events.count());
         sweeps + time + chords + events + self.empirical.count()
     }
@@ -139,9 +143,11 @@ impl Seek {
                 left.iter().zip(factors.iter()).map(|(left, factor)| left * factor).collect()
             })
         };
+        let by_reading = |place: Through| -> Vec<f64> { information_of(factors, place, weights) };
         for (axis, sweep) in &self.sweeps {
             for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, *axis)) {
-                out.push(periodic::candidate(name, *axis, sweep.best(&products(Through::Component(name)))));
+                let place = Through::Component(name);
+                out.push(periodic::candidate(name, *axis, sweep.best(&products(place), &by_reading(place))));
             }
         }
         let by_row = |products: Vec<f64>| {
@@ -159,17 +165,7 @@ impl Seek {
                 out.extend(found.map(|frequency| vibration::candidate(direction, frequency)));
             }
         }
-        let information = |place: Through| {
-            let mut information = vec![0.0; scene.rows.len()];
-            if let Some(factors) = factors.get(&place) {
-                for ((item, factor), weight) in scene.items.iter().zip(factors.iter()).zip(weights) {
-                    if item.row != NO_ROW {
-                        information[item.row] += (factor * weight).powi(2);
-                    }
-                }
-            }
-            information
-        };
+        let information = |place: Through| by_row(by_reading(place));
         if let Some(events) = &self.events {
             for (direction, place) in TIPS.into_iter().enumerate() {
                 let found = events.best(&by_row(products(place)), &information(place));
@@ -185,6 +181,14 @@ impl Seek {
         }
         out
     }
+}
+
+/// What each reading says of a deviation at a place: squares of factors by 1/σ.
+pub(super) fn information_of(factors: &Factors, place: Through, weights: &[f64]) -> Vec<f64> {
+    let of = |factors: &Arc<Vec<f64>>| {
+        factors.iter().zip(weights).map(|(factor, weight)| (factor * weight).powi(2)).collect()
+    };
+    factors.get(&place).map_or_else(Vec::new, of)
 }
 
 impl Circles {
@@ -206,7 +210,9 @@ impl Circles {
             .collect();
         // Lengths may be unknowns of set-ups: what all of a circle have says nothing.
         let setup = |place: usize| scene.rows.get(place).map_or((0, 0), |row| (row.set, row.setup));
-        let chords = CHORDS
+        let counts = CHORDS.start..CHORDS.end.min(told(places.iter().map(|(_, angle, _)| *angle)));
+        let chords = counts
+            .clone()
             .map(|count| {
                 let within = |(_, angle, radius): &(usize, f64, f64)| radius * circle::chord(*angle, count);
                 let mut means: HashMap<(usize, usize), (f64, f64)> = HashMap::new();
@@ -218,7 +224,7 @@ impl Circles {
                 places.iter().map(|one| within(one) - mean(one.0)).collect()
             })
             .collect();
-        Some(Circles { rows: places.into_iter().map(|(place, ..)| place).collect(), chords })
+        Some(Circles { rows: places.into_iter().map(|(place, ..)| place).collect(), counts, chords })
     }
 
     /// How many chords explain most. They are as far within as they are: their amount is one.
@@ -231,9 +237,20 @@ impl Circles {
             let each = shape.iter().zip(sums.iter().zip(&information));
             each.map(|(shape, (sum, information))| shape * (2.0 * sum - information * shape)).sum()
         };
-        let gains = CHORDS.zip(&self.chords).map(|(count, shape)| (gain(shape), count));
+        let gains = self.counts.clone().zip(&self.chords).map(|(count, shape)| (gain(shape), count));
         gains.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(gain, _)| *gain > 0.0).map(|(_, count)| count)
     }
+}
+
+/// The number of cycles on a circle that some angles, rad, do not tell from fewer: half of those that they show like none.
+fn told(angles: impl Iterator<Item = f64> + Clone) -> u32 {
+    let count = angles.clone().count() as f64;
+    let is_like_none = |cycles: &u32| {
+        let each = angles.clone().map(|angle| (f64::from(*cycles) * angle).sin_cos());
+        let (real, imaginary) = each.fold((0.0, 0.0), |sum, (sine, cosine)| (sum.0 + cosine, sum.1 + sine));
+        real.hypot(imaginary) > ALIKE * count
+    };
+    (1..2 * CHORDS.end).find(is_like_none).map_or(CHORDS.end, |cycles| cycles / 2)
 }
 
 impl Clock {

@@ -7,10 +7,11 @@ use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
 use super::noise::{self, is_angle};
 use super::readings::{doing, drop_far, left_of, projected, rms, weights};
+use super::refine::RIVAL;
 use super::rejected::{Rejected, Rejections, Tried, tried};
 use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
-use super::separate::separating;
+use super::separate::{self, separating};
 use super::share::{Share, shares};
 use super::size::{Amounts, Size, size};
 
@@ -20,8 +21,6 @@ const ROUNDS: usize = 3;
 const LONGER: f64 = 0.02;
 /// Rounds of searching again behind what was found.
 const AGAIN: usize = 2;
-/// A rival explains nearly as much: so much of χ² less at most.
-const RIVAL: f64 = 6.0;
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -47,6 +46,8 @@ pub struct Finding {
     pub share: Share,
     /// Candidates that explain it nearly as well: cause and parameter, the best first, itself first.
     pub class: Vec<(&'static Cause, String)>,
+    /// Other periods, mm, that a wave may as well have: at the places that were measured they do the same.
+    pub aliases: Vec<f64>,
     /// The measurement that tells it from the first of them.
     pub separate_by: Option<String>,
 }
@@ -165,6 +166,19 @@ fn verdict(
         let does = doing(field, weights, weights, &taken, term.candidate);
         let class = class(field, weights, (term.candidate, &others), memory, noise * inflation);
         let rival = class.get(1).and_then(|&number| field.candidates.get(number));
+        let aliases = field.aliases(weights, term.candidate, &others, (memory, noise * inflation));
+        let separate_by = match aliases.last() {
+            Some(shortest) => Some(separate::steps(candidate, *shortest)),
+            None => rival.map(|rival| separating(candidate, rival)),
+        };
+        // Itself, with other periods, others.
+        let mut names: Vec<(&'static Cause, String)> = class
+            .iter()
+            .filter_map(|&number| field.candidates.get(number))
+            .map(|one| (one.cause, one.parameter.clone()))
+            .collect();
+        let of_alias = aliases.iter().map(|period| (candidate.cause, separate::every(&candidate.parameter, *period)));
+        names.splice(names.len().min(1)..names.len().min(1), of_alias);
         findings.push(Finding {
             size: size(candidate, &amounts, scene, used),
             rms: rms(counts(scene, weights).into_iter().filter_map(|place| does.get(place).copied())),
@@ -174,12 +188,9 @@ fn verdict(
             chance: term.chance,
             gain_unseen: *gain,
             share,
-            separate_by: rival.map(|rival| separating(candidate, rival)),
-            class: class
-                .iter()
-                .filter_map(|&number| field.candidates.get(number))
-                .map(|one| (one.cause, one.parameter.clone()))
-                .collect(),
+            separate_by,
+            class: names,
+            aliases,
             candidate: candidate.clone(),
         });
     }

@@ -190,12 +190,12 @@ impl Empirical {
                         .zip(feed.values.iter())
                         .map(|(sum, value)| if is_in(value) { sum[0] } else { 0.0 })
                         .collect();
-                    let information: f64 = sums
+                    let known: Vec<f64> = sums
                         .iter()
                         .zip(feed.values.iter())
-                        .filter(|(_, value)| is_in(value))
-                        .map(|(sum, _)| sum[1])
-                        .sum();
+                        .map(|(sum, value)| if is_in(value) { sum[1] } else { 0.0 })
+                        .collect();
+                    let information: f64 = known.iter().sum();
                     let worth = |period: f64| {
                         let (mut sines, mut cosines) = (0.0, 0.0);
                         for (product, value) in
@@ -207,7 +207,7 @@ impl Empirical {
                         }
                         2.0 * (sines * sines + cosines * cosines) / information.max(1e-300)
                     };
-                    let mut period = sweep.best(&products);
+                    let mut period = sweep.best(&products, &known);
                     let mut most = worth(period);
                     if most <= 2.0 * price {
                         continue;
