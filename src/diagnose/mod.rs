@@ -4,7 +4,7 @@
 //! Scene::new(machine, errors, sets)      what is left of every reading, and what a deviation anywhere would do to it
 //! fault::FAULTS                         what is wrong with the data themselves
 //! cause::CAUSES                          candidates: what readings would have in addition, one file per cause
-//! search, refine                         which of them explain what is left
+//! search, refine, group                  which of them explain what is left
 //! judge, freedom                         which of these stand beside each other and the memory of the noise
 //! gates, fold                            which of these also help where they were not found
 //! verdict                                sizes, rivals, shares, noise, what is left; before and after, also on data held out
@@ -20,6 +20,7 @@ pub mod fault;
 mod fold;
 mod freedom;
 mod gates;
+mod group;
 mod held;
 mod judge;
 mod noise;

@@ -17,12 +17,18 @@ use super::seek::Seek;
 
 /// Terms at most.
 const MOST: usize = 10;
+/// Behind many that are kept.
+const MORE: usize = 4;
+/// A term that does so many times what there is to explain is cancelled by others.
+const CANCELS: f64 = 3.0;
+/// How often the search goes on without such a term.
+const REPAIRS: usize = 3;
 /// Worth of what has no name beside what has one.
 const UNNAMED: f64 = 0.9;
 /// The same of what depends on two.
 const UNNAMED_PAIR: f64 = 0.87;
 /// Candidates explain the same where −2 ln of the likelihood differs by less.
-const TIE: f64 = 8.0;
+pub(super) const TIE: f64 = 8.0;
 /// Periods that differ by less, as a share, are one.
 const NEARLY: f64 = 0.01;
 /// The same of waves without a name, which are long.
@@ -175,14 +181,57 @@ impl<'s, 'a> Field<'s, 'a> {
         values
     }
 
-    /// Takes candidates one after the other behind those that are `kept`.
+    /// Takes candidates one after the other behind those that are `kept`; where many errors act at once, several of them together first.
     pub(super) fn forward(&mut self, weights: &Weights, kept: &[usize]) -> Vec<usize> {
+        let taken = self.sound_steps(weights, kept);
+        if kept.is_empty() { self.together(weights, taken) } else { taken }
+    }
+
+    /// The same one after the other, without those that nearly cancel others: far larger than all there is, they are where was not measured what nobody
+    /// knows.
+    pub(super) fn sound_steps(&mut self, weights: &Weights, kept: &[usize]) -> Vec<usize> {
+        let mut never = Vec::new();
+        let mut taken = self.steps(weights, kept, &never);
+        while let Some(out) = self.cancelled(weights, kept, &taken) {
+            taken.retain(|&number| number != out);
+            never.push(out);
+            if never.len() <= REPAIRS {
+                taken = self.steps(weights, &taken, &never);
+            }
+        }
+        taken
+    }
+
+    /// The last one that was taken and does much more to the readings than there is to explain.
+    fn cancelled(&self, weights: &Weights, kept: &[usize], taken: &[usize]) -> Option<usize> {
+        let mut series = self.series(weights, &[], 0.0);
+        let most = CANCELS * CANCELS * series.squares();
+        let columns: Vec<Vec<Vec<f64>>> =
+            taken.iter().filter_map(|&number| self.candidates.get(number)).map(|one| self.columns(one)).collect();
+        let flat: Vec<Vec<f64>> = columns.iter().flatten().cloned().collect();
+        let (amounts, _) = series.amounts(&flat);
+        let mut amounts = amounts.into_iter();
+        let mut last = None;
+        for (&number, own) in taken.iter().zip(&columns) {
+            let mut does = vec![0.0; self.scene.items.len()];
+            for (column, amount) in own.iter().zip(&mut amounts) {
+                does.iter_mut().zip(column).for_each(|(sum, value)| *sum += amount * value);
+            }
+            series.set_values(&does);
+            if series.squares() > most && !kept.contains(&number) {
+                last = Some(number);
+            }
+        }
+        last
+    }
+
+    fn steps(&mut self, weights: &Weights, kept: &[usize], never: &[usize]) -> Vec<usize> {
         let mut taken = kept.to_vec();
         let mut series = self.series(weights, kept, 0.0);
         let count = series.count() as f64;
         let layout = Arc::clone(&self.layout);
         let mut scores = Scores::new(&layout, self.scene, &self.factors, &series);
-        while taken.len() < MOST {
+        while taken.len() < MOST.max(kept.len() + MORE) {
             let freedom = count - series.rank() as f64;
             let squares = series.squares();
             if freedom < 2.0 || squares <= 0.0 {
@@ -195,7 +244,12 @@ impl<'s, 'a> Field<'s, 'a> {
             let open: Vec<(f64, usize)> = gains
                 .iter()
                 .enumerate()
-                .filter(|(number, gain)| gain.rank > 0 && !taken.contains(number) && !self.is_again(*number, &taken))
+                .filter(|(number, gain)| {
+                    gain.rank > 0
+                        && !taken.contains(number)
+                        && !never.contains(number)
+                        && !self.is_again(*number, &taken)
+                })
                 .map(|(number, gain)| (price.worth(squares, gain) * self.belief(number), number))
                 .collect();
             let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);

@@ -31,6 +31,8 @@ const CYCLES: f64 = 8.0;
 const SLOWEST: f64 = 20.0;
 /// Chords of a circle that are tried.
 const CHORDS: std::ops::Range<u32> = 24..720;
+/// Lobes of a circle that are tried: fewer are errors of the axes.
+const LOBES: std::ops::Range<u32> = 6..60;
 /// Angles show a number of cycles like none where so much of the mean of exp(i n φ) is left.
 const ALIKE: f64 = 0.95;
 /// All directions of the tool.
@@ -57,6 +59,11 @@ struct Circles {
     counts: std::ops::Range<u32>,
     /// How far inside the chords of each number are there, mm.
     chords: Vec<Vec<f64>>,
+    /// The plane, by the direction that stands still, and the angle of each, rad.
+    angles: Vec<(usize, f64)>,
+    /// Planes.
+    planes: Vec<usize>,
+    lobes: std::ops::Range<u32>,
 }
 
 /// Rows by runs with times.
@@ -110,7 +117,7 @@ impl Seek {
     pub(super) fn count(&self) -> usize {
         let sweeps: usize = self.sweeps.iter().map(|(_, sweep)| sweep.count() * DIRECTIONS.len()).sum();
         let time = self.time.as_ref().map_or(0, |clock| 3 * clock.count());
-        let chords = self.circles.as_ref().map_or(0, |circles| circles.counts.len());
+        let chords = self.circles.as_ref().map_or(0, Circles::count);
         let events = self.events.as_ref().map_or(0, |events| TIPS.len() * events.count());
         sweeps + time + chords + events + self.empirical.count()
     }
@@ -175,9 +182,10 @@ impl Seek {
         if let Some(circles) = &self.circles {
             let place = Through::Reading(false);
             let information = information(place);
-            out.extend(
-                circles.best(&by_row(products(place)), &information).and_then(|count| circle::chords(scene, count)),
-            );
+            let sums = by_row(products(place));
+            out.extend(circles.best(&sums, &information).and_then(|count| circle::chords(scene, count)));
+            let lobes = circles.best_lobes(&sums, &information).into_iter();
+            out.extend(lobes.filter_map(|(plane, count)| circle::lobes(scene, plane, count)));
         }
         out
     }
@@ -193,7 +201,7 @@ pub(super) fn information_of(factors: &Factors, place: Through, weights: &[f64])
 
 impl Circles {
     fn new(scene: &Scene<'_>) -> Option<Circles> {
-        let (angles, radii) = circle::angles(scene)?;
+        let circle::Places { angles, radii, planes } = circle::places(scene)?;
         let at = |values: &Values, row: &super::row::Row| {
             values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
         };
@@ -210,7 +218,8 @@ impl Circles {
             .collect();
         // Lengths may be unknowns of set-ups: what all of a circle have says nothing.
         let setup = |place: usize| scene.rows.get(place).map_or((0, 0), |row| (row.set, row.setup));
-        let counts = CHORDS.start..CHORDS.end.min(told(places.iter().map(|(_, angle, _)| *angle)));
+        let most = told(places.iter().map(|(_, angle, _)| *angle));
+        let counts = CHORDS.start..CHORDS.end.min(most);
         let chords = counts
             .clone()
             .map(|count| {
@@ -224,7 +233,48 @@ impl Circles {
                 places.iter().map(|one| within(one) - mean(one.0)).collect()
             })
             .collect();
-        Some(Circles { rows: places.into_iter().map(|(place, ..)| place).collect(), counts, chords })
+        let angles: Vec<(usize, f64)> = places
+            .iter()
+            .map(|&(place, angle, _)| (scene.rows.get(place).map_or(0, |row| at(&planes, row) as usize), angle))
+            .collect();
+        let mut planes: Vec<usize> = angles.iter().map(|(plane, _)| *plane).collect();
+        planes.sort_unstable();
+        planes.dedup();
+        let rows = places.into_iter().map(|(place, ..)| place).collect();
+        let lobes = LOBES.start..LOBES.end.min(most).max(LOBES.start);
+        Some(Circles { rows, counts, chords, angles, planes, lobes })
+    }
+
+    /// How many candidates that are.
+    fn count(&self) -> usize {
+        self.counts.len() + self.planes.len() * self.lobes.len()
+    }
+
+    /// How many lobes explain most in each plane.
+    fn best_lobes(&self, sums: &[f64], information: &[f64]) -> Vec<(usize, u32)> {
+        let of_plane = |&plane: &usize| {
+            let own = || self.rows.iter().zip(&self.angles).filter(|(_, (own, _))| *own == plane);
+            let gain = |count: u32| {
+                let (mut right, mut matrix) = ([0.0; 2], [0.0; 3]);
+                for (&row, (_, angle)) in own() {
+                    let (sine, cosine) = (f64::from(count) * angle).sin_cos();
+                    let [sum, known] = [sums, information].map(|all| all.get(row).copied().unwrap_or(0.0));
+                    right = [right[0] + sum * cosine, right[1] + sum * sine];
+                    let parts = [known * cosine * cosine, known * sine * sine, known * sine * cosine];
+                    matrix = [0, 1, 2].map(|k| matrix[k] + parts[k]);
+                }
+                let told = matrix[0] * matrix[1] - matrix[2] * matrix[2];
+                if told <= 0.0 {
+                    return 0.0;
+                }
+                (right[0] * right[0] * matrix[1] - 2.0 * right[0] * right[1] * matrix[2]
+                    + right[1] * right[1] * matrix[0])
+                    / told
+            };
+            let best = self.lobes.clone().map(|count| (gain(count), count)).max_by(|a, b| a.0.total_cmp(&b.0));
+            best.filter(|(gain, _)| *gain > 0.0).map(|(_, count)| (plane, count))
+        };
+        self.planes.iter().filter_map(of_plane).collect()
     }
 
     /// How many chords explain most. They are as far within as they are: their amount is one.

@@ -84,6 +84,9 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
     if let Some((count, unit @ "chords")) = candidate.constant {
         return Size { value: count, u95: 0.5, unit };
     }
+    if matches!(candidate.constant, Some((_, "lobes"))) {
+        return amplitude(amounts, micro, unit);
+    }
     match candidate.cause.effect {
         Effect::Periodic => amplitude(amounts, micro, unit),
         Effect::Dynamic if candidate.constant.is_some() => amplitude(amounts, micro, unit),

@@ -129,6 +129,7 @@ pub const CAUSES: &[&Cause] = &[
     &circle::CHORDS,
     &circle::OCTANTS,
     &circle::CUP,
+    &circle::LOBES,
     &load::GUIDE,
     &load::TABLE,
     &setup::PLACE,
