@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::cause::{Candidate, Effect, Term};
 use super::price::Price;
+use super::scene::Through;
 use super::search::{Field, TIE, Weights};
 use crate::model::ParameterName;
 use crate::model::name::ErrorName;
@@ -17,11 +18,22 @@ use crate::model::parameter::Term as Part;
 const MANY: usize = 3;
 /// Degrees of polynomials.
 const DEGREE: u8 = 3;
-/// A column of which less than this share of the square is left beside those before it is no column of its own; of less than the second nothing is left.
+/// A column of which less than this share of the square is left beside those before it is no column of its own; beside set-ups of less than the second
+/// nothing is left.
 const OWN: f64 = 1e-2;
 const NOTHING: f64 = 1e-9;
 /// Candidates at most.
 const MOST: usize = 16;
+
+/// A simple error.
+struct Simple {
+    name: ErrorName,
+    /// 0 for a location.
+    degree: u8,
+    candidate: usize,
+    /// The candidate that has no slope.
+    bow: Option<usize>,
+}
 
 /// A column: its name, the candidate that has it and those of lower degrees.
 struct Single {
@@ -65,17 +77,17 @@ impl Field<'_, '_> {
         let left = series.left().to_vec();
         let mut all: Vec<Single> = Vec::new();
         let mut own: Vec<Vec<f64>> = Vec::new();
-        let mut vague: Vec<ErrorName> = Vec::new();
-        for (name, degree, candidate) in self.simple() {
-            let column = self.candidates.get(candidate).map(|one| self.columns(one)).and_then(|mut all| all.pop());
-            let Some(column) = column.filter(|_| !vague.contains(&name)) else { continue };
-            let whole = dot(&series.whitened(&column), &series.whitened(&column));
+        // Components whose slope is that of a location.
+        let mut bent: Vec<ErrorName> = Vec::new();
+        for one in self.simple() {
+            // What bends is looked at without its slope: of a line far from zero a square is nearly all slope.
+            let columns = self.candidates.get(one.bow.unwrap_or(one.candidate)).map(|one| self.columns(one));
+            let Some(column) = columns.and_then(|mut all| all.pop()) else { continue };
+            let whitened = series.whitened(&column);
+            let whole = dot(&whitened, &whitened);
             series.set_values(&column);
             let mut does = series.left().to_vec();
             let beside = dot(&does, &does);
-            if !(beside > NOTHING * whole) {
-                continue;
-            }
             let length = beside.sqrt();
             does.iter_mut().for_each(|value| *value /= length);
             let mut direction = does.clone();
@@ -84,40 +96,53 @@ impl Field<'_, '_> {
                 direction.iter_mut().zip(other).for_each(|(value, part)| *value -= share * part);
             }
             let rest = dot(&direction, &direction);
-            if rest < OWN {
-                // What depends on others all the same may be there in a candidate of a higher degree, what nearly does not.
-                if rest > NOTHING {
-                    vague.push(name);
-                }
+            if !(beside > NOTHING * whole && rest > OWN) {
+                bent.push(one.name);
                 continue;
             }
             direction.iter_mut().for_each(|value| *value /= rest.sqrt());
             own.push(direction);
-            all.push(Single { name, degree, candidate, does });
+            let candidate = one.bow.filter(|_| bent.contains(&one.name)).unwrap_or(one.candidate);
+            all.push(Single { name: one.name, degree: one.degree, candidate, does });
         }
         series.set_values(&[]);
         let squares = dot(&left, &left);
         self.pruned(all, (&left, squares), series.count() as f64)
     }
 
-    /// Locations and motions by degree: name, degree, candidate, the least far-fetched first.
-    fn simple(&self) -> Vec<(ErrorName, u8, usize)> {
-        let mut out: Vec<(u8, u32, ErrorName, usize)> = Vec::new();
-        for (number, one) in self.candidates.iter().enumerate() {
+    /// Locations and motions by degree, the least far-fetched first.
+    fn simple(&self) -> Vec<Simple> {
+        let mut out: Vec<(u32, Simple)> = Vec::new();
+        let bow = |name: ErrorName, degree: u8| {
+            let is_it = |&number: &usize| {
+                self.candidates.get(number).is_some_and(|one| {
+                    one.columns.len() + 1 == usize::from(degree)
+                        && one
+                            .columns
+                            .first()
+                            .and_then(|parts| parts.first())
+                            .is_some_and(|part| part.0 == Through::Component(name))
+                })
+            };
+            self.bows.clone().find(is_it)
+        };
+        for (candidate, one) in self.candidates.iter().enumerate() {
             let Term::Parameters(parameters) = &one.term else { continue };
             let degrees: Option<Vec<u8>> = parameters.iter().map(degree).collect();
             let (Some(degrees), Some(first)) = (degrees, parameters.first()) else { continue };
-            let most = match one.cause.effect {
+            let degree = match one.cause.effect {
                 Effect::Location if parameters.len() == 1 => 0,
                 Effect::Motion if degrees.iter().copied().eq(1..=degrees.len() as u8) => degrees.len() as u8,
                 _ => continue,
             };
-            if most <= DEGREE {
-                out.push((most, one.far_fetched(), first.component, number));
+            let name = first.component;
+            let bow = bow(name, degree).filter(|_| degree > 1);
+            if degree <= 1 || (degree <= DEGREE && bow.is_some()) {
+                out.push((one.far_fetched(), Simple { name, degree, candidate, bow }));
             }
         }
-        out.sort_by_key(|&(degree, far, _, number)| (degree, far, number));
-        out.into_iter().map(|(degree, _, name, number)| (name, degree, number)).collect()
+        out.sort_by_key(|(far, one)| (one.degree, *far, one.candidate));
+        out.into_iter().map(|(_, one)| one).collect()
     }
 
     /// Takes out what is not worth its price, the most far-fetched first and no degree before higher ones.

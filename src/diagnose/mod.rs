@@ -4,7 +4,7 @@
 //! Scene::new(machine, errors, sets)      what is left of every reading, and what a deviation anywhere would do to it
 //! fault::FAULTS                         what is wrong with the data themselves
 //! cause::CAUSES                          candidates: what readings would have in addition, one file per cause
-//! search, refine, group                  which of them explain what is left
+//! search, refine, group, cancel          which of them explain what is left
 //! judge, freedom                         which of these stand beside each other and the memory of the noise
 //! gates, fold                            which of these also help where they were not found
 //! verdict                                sizes, rivals, shares, noise, what is left; before and after, also on data held out
@@ -12,7 +12,9 @@
 //! ```
 
 mod account;
+mod cancel;
 pub mod cause;
+mod circles;
 mod empirical;
 mod event;
 pub mod extend;

@@ -5,11 +5,13 @@
 //! were tried.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::numeric::Series;
 
-use super::cause::{Candidate, Effect};
+use super::cancel::Triangle;
+use super::cause::{Candidate, Effect, Term, motion};
 use super::price::Price;
 use super::scene::{NO_ROW, Scene, Through};
 use super::score::{Layout, Scores};
@@ -19,8 +21,6 @@ use super::seek::Seek;
 const MOST: usize = 10;
 /// Behind many that are kept.
 const MORE: usize = 4;
-/// A term that does so many times what there is to explain is cancelled by others.
-const CANCELS: f64 = 3.0;
 /// How often the search goes on without such a term.
 const REPAIRS: usize = 3;
 /// Worth of what has no name beside what has one.
@@ -39,6 +39,8 @@ const NEARLY_UNNAMED: f64 = 0.2;
 pub(super) struct Field<'s, 'a> {
     pub(super) scene: &'s Scene<'a>,
     pub(super) candidates: Vec<Candidate>,
+    /// Those that only groups have: bows beside a location that has their slope.
+    pub(super) bows: Range<usize>,
     pub(super) factors: HashMap<Through, Arc<Vec<f64>>>,
     layout: Arc<Layout>,
     pub(super) seek: Seek,
@@ -65,16 +67,19 @@ pub(super) struct Weights {
 }
 
 impl<'s, 'a> Field<'s, 'a> {
-    pub(super) fn new(scene: &'s Scene<'a>, candidates: Vec<Candidate>) -> Field<'s, 'a> {
+    pub(super) fn new(scene: &'s Scene<'a>, mut candidates: Vec<Candidate>) -> Field<'s, 'a> {
         let seek = Seek::new(scene);
+        let tried = candidates.len() + seek.count();
+        let named = candidates.len();
+        candidates.extend(if named > 0 { motion::bows(scene) } else { Vec::new() });
+        let bows = named..candidates.len();
         let of_candidates = candidates.iter().flat_map(|one| one.columns.iter().flatten()).map(|(through, _)| *through);
         let mut factors = HashMap::new();
         for through in of_candidates.chain(seek.places()) {
             factors.entry(through).or_insert_with(|| Arc::new(scene.factors(through)));
         }
-        let tried = candidates.len() + seek.count();
         let layout = Arc::new(Layout::new(scene, &candidates));
-        Field { scene, candidates, factors, layout, seek, tried }
+        Field { scene, candidates, bows, factors, layout, seek, tried }
     }
 
     /// Adds what is sought by what is left.
@@ -92,6 +97,8 @@ impl<'s, 'a> Field<'s, 'a> {
         let Some(one) = self.candidates.get(number) else { return false };
         let is_near = |other: &Candidate| match (one.constant, other.constant) {
             _ if one.sensor.is_some() => true,
+            // A bow has all of its component but the slope, which a location has.
+            _ if one.cause.effect == Effect::Motion && other.term == Term::None => true,
             (Some((own, unit)), Some((known, of))) if one.columns.len() > 1 => {
                 let nearly = if one.cause.effect == Effect::Unknown { NEARLY_UNNAMED } else { NEARLY };
                 unit == of && (own / known - 1.0).abs() < nearly
@@ -191,43 +198,26 @@ impl<'s, 'a> Field<'s, 'a> {
     /// knows.
     pub(super) fn sound_steps(&mut self, weights: &Weights, kept: &[usize]) -> Vec<usize> {
         let mut never = Vec::new();
-        let mut taken = self.steps(weights, kept, &never);
-        while let Some(out) = self.cancelled(weights, kept, &taken) {
+        let (mut taken, mut cancelled) = self.steps(weights, kept, &never);
+        while let Some(out) = cancelled.filter(|_| never.len() < REPAIRS) {
             taken.retain(|&number| number != out);
             never.push(out);
-            if never.len() <= REPAIRS {
-                taken = self.steps(weights, &taken, &never);
-            }
+            (taken, cancelled) = self.steps(weights, &taken, &never);
         }
+        // Which one goes at last does not matter: what it did is left.
+        taken.retain(|&number| cancelled != Some(number));
         taken
     }
 
-    /// The last one that was taken and does much more to the readings than there is to explain.
-    fn cancelled(&self, weights: &Weights, kept: &[usize], taken: &[usize]) -> Option<usize> {
-        let mut series = self.series(weights, &[], 0.0);
-        let most = CANCELS * CANCELS * series.squares();
-        let columns: Vec<Vec<Vec<f64>>> =
-            taken.iter().filter_map(|&number| self.candidates.get(number)).map(|one| self.columns(one)).collect();
-        let flat: Vec<Vec<f64>> = columns.iter().flatten().cloned().collect();
-        let (amounts, _) = series.amounts(&flat);
-        let mut amounts = amounts.into_iter();
-        let mut last = None;
-        for (&number, own) in taken.iter().zip(&columns) {
-            let mut does = vec![0.0; self.scene.items.len()];
-            for (column, amount) in own.iter().zip(&mut amounts) {
-                does.iter_mut().zip(column).for_each(|(sum, value)| *sum += amount * value);
-            }
-            series.set_values(&does);
-            if series.squares() > most && !kept.contains(&number) {
-                last = Some(number);
-            }
-        }
-        last
-    }
-
-    fn steps(&mut self, weights: &Weights, kept: &[usize], never: &[usize]) -> Vec<usize> {
+    /// Also one that others nearly cancel.
+    fn steps(&mut self, weights: &Weights, kept: &[usize], never: &[usize]) -> (Vec<usize>, Option<usize>) {
         let mut taken = kept.to_vec();
-        let mut series = self.series(weights, kept, 0.0);
+        let mut series = self.series(weights, &[], 0.0);
+        let mut triangle = Triangle::new(&series);
+        for &number in kept {
+            let columns = self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default();
+            triangle.take(&mut series, number, &columns);
+        }
         let count = series.count() as f64;
         let layout = Arc::clone(&self.layout);
         let mut scores = Scores::new(&layout, self.scene, &self.factors, &series);
@@ -246,6 +236,7 @@ impl<'s, 'a> Field<'s, 'a> {
                 .enumerate()
                 .filter(|(number, gain)| {
                     gain.rank > 0
+                        && !self.bows.contains(number)
                         && !taken.contains(number)
                         && !never.contains(number)
                         && !self.is_again(*number, &taken)
@@ -284,12 +275,11 @@ impl<'s, 'a> Field<'s, 'a> {
                 None => number,
             };
             let columns = self.columns(&self.candidates[number]);
-            columns.iter().for_each(|column| {
-                series.take(column);
-            });
+            triangle.take(&mut series, number, &columns);
             taken.push(number);
         }
-        taken
+        let cancelled = triangle.cancelled(kept);
+        (taken, cancelled)
     }
 
     fn is_unnamed(&self, number: usize) -> bool {
