@@ -84,9 +84,9 @@ fn uneven_targets_tell_a_pitch_below_two_steps() {
 
 #[test]
 fn even_targets_leave_a_class_of_periods_and_nothing_to_write() {
-    // Every 25 mm a pitch of 16 mm is the same as 25·16/(25 − 16) = 44.44 mm, and as 25·16/(2·16 − 25) = 57.14 mm.
+    // Every 25 mm a pitch of 16 mm is the same as 1/(1/16 − 1/25) = 44.44 mm and as 1/(2/25 − 1/16) = 57.14 mm, one of 20 mm as 100 mm and 33.33 mm.
     let places: Vec<f64> = (0..28).map(|k| 10.0 + 25.0 * f64::from(k)).collect();
-    for (period, aliases) in [(16.0, [44.44, 57.14]), (10.0, [16.67, 50.0])] {
+    for (period, aliases) in [(16.0, [44.44, 57.14]), (20.0, [33.33, 100.0])] {
         let table = laser(&places, 1, |x| 5.0 * (TAU * x / period + 0.7).sin());
         let (shop, report) = found(&table, LASER, &["-o", "out.toml"]);
         let all = findings(&report);

@@ -14,6 +14,8 @@ const PEAK: f64 = 0.4;
 const REFINED: usize = 14;
 /// Pitches of screws, mm (ISO 3408-2), from the coarsest.
 const PITCHES: [f64; 11] = [40.0, 32.0, 25.0, 20.0, 16.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0];
+/// The amplitude of another name of a wave is larger by this at most.
+const LARGER: f64 = 1.5;
 /// A rival explains nearly as much: so much of χ² less at most.
 pub(super) const RIVAL: f64 = 6.0;
 /// Peaks that explain this share of the best are looked at in full.
@@ -64,7 +66,13 @@ impl Field<'_, '_> {
         });
         let pitches = known.chain(PITCHES).filter(|pitch| !aliases.is_empty() && is_near(*pitch));
         let mut all = pitches.map(|pitch| periodic::candidate(name, axis, pitch));
-        all.find(|other| own - series.gain(&self.columns(other)).squares < RIVAL * noise)
+        // Where two steps are a period its sine and cosine are one column, and its amplitude is anything.
+        let amplitude = |one: &Candidate| {
+            let (amounts, _) = series.amounts(&self.columns(one));
+            amounts.iter().map(|amount| amount * amount).sum::<f64>().sqrt()
+        };
+        let most = LARGER * amplitude(one);
+        all.find(|other| own - series.gain(&self.columns(other)).squares < RIVAL * noise && amplitude(other) < most)
     }
 
     /// Other periods that a candidate beside some others may as well have: readings at these places do not tell.
