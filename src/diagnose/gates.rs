@@ -30,8 +30,32 @@ pub(super) fn confirm(
     let judged = large_enough(field, weights, judged);
     let is_in = |term: &Taken| judged.iter().any(|other| other.candidate == term.candidate);
     all.iter().filter(|term| !is_in(term)).for_each(|term| rejections.add(term, Gate::Size, None));
+    let count = judged.len();
     let mut out = |term: &Taken, gain| rejections.add(term, Gate::Unseen, gain);
-    confirmed(field, weights, judged, selections, &mut out, &mut |share| note("held-out parts", share))
+    let kept = confirmed(field, weights, judged, selections, &mut out, &mut |share| note("held-out parts", share));
+    if kept.len() == count { kept } else { waves_that_stand(field, weights, kept, rejections) }
+}
+
+/// Without waves that only stood beside what did not: where a few places have much of their own, some wave fits what others have left of it.
+fn waves_that_stand(
+    field: &Field<'_, '_>,
+    weights: &Weights,
+    mut kept: Vec<(Taken, f64)>,
+    rejections: &mut Rejections,
+) -> Vec<(Taken, f64)> {
+    let is_wave =
+        |term: &Taken| field.candidates.get(term.candidate).is_some_and(|one| one.cause.effect == Effect::Periodic);
+    if kept.iter().any(|(term, _)| is_wave(term)) {
+        let numbers = kept.iter().map(|(term, _)| term.candidate).collect();
+        let standing = field.backward(weights, numbers, LIMIT, &mut |out| {
+            if is_wave(out) {
+                rejections.add(out, Gate::Chance, None);
+            }
+        });
+        let stands = |term: &Taken| standing.iter().any(|other| other.candidate == term.candidate);
+        kept.retain(|(term, _)| !is_wave(term) || stands(term));
+    }
+    kept
 }
 
 /// Without those that do nearly nothing.
