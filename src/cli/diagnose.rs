@@ -242,6 +242,8 @@ fn cause(found: &Finding, scene: &Scene<'_>, used: usize, (micro, alone): (f64, 
         separate_by: found.separate_by.clone().filter(|_| class.len() > 1),
         class,
         correctable: match one.cause.correctable {
+            // Between the places that were measured nobody knows what it does.
+            _ if !found.aliases.is_empty() => "no".into(),
             Correctable::Program => "program".into(),
             Correctable::Live => "live".into(),
             Correctable::No => "no".into(),

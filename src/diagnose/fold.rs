@@ -5,9 +5,10 @@
 
 use std::collections::HashMap;
 
-use super::cause::Effect;
-use super::scene::{NO_ROW, Scene};
+use super::cause::{Candidate, Effect};
+use super::scene::{NO_ROW, Scene, Through};
 use super::search::{Field, Taken, Weights};
+use crate::geometry::Axis;
 use crate::numeric::Series;
 
 /// Parts at most.
@@ -27,6 +28,8 @@ const WORTH_UNNAMED: f64 = 0.03;
 const ALIKE: f64 = 0.9;
 /// Each of them this much at least.
 const PARTLY: f64 = 0.05;
+/// Places that differ by less than one part in so many, mm, are one.
+const FINE: f64 = 1e3;
 /// It is in none: known distances, readings that do not count.
 pub(super) const NO_PART: usize = usize::MAX;
 
@@ -71,6 +74,25 @@ pub(super) fn stretches(scene: &Scene<'_>, rounds: usize) -> Vec<usize> {
     scene.items.iter().map(|item| of_rows.get(item.row).copied().unwrap_or(NO_PART)).collect()
 }
 
+/// The linear axis along which a candidate is a wave.
+fn wave_axis(one: &Candidate) -> Option<Axis> {
+    let (Through::Component(name), _) = one.columns.first()?.first()? else { return None };
+    name.axis().filter(|axis| one.cause.effect == Effect::Periodic && !axis.is_rotary())
+}
+
+/// Parts by places along an axis, dealt out one after the other; none where places do not come again.
+fn places(scene: &Scene<'_>, axis: Axis) -> Vec<usize> {
+    let fine = |row: &super::row::Row| (row.position[axis] * FINE).round() as i64;
+    let mut all: Vec<i64> = scene.rows.iter().map(fine).collect();
+    all.sort_unstable();
+    all.dedup();
+    if 2 * all.len() > scene.rows.len() {
+        return Vec::new();
+    }
+    let part = |row: &super::row::Row| all.binary_search(&fine(row)).map_or(NO_PART, |place| place % STRETCHES);
+    scene.items.iter().map(|item| scene.rows.get(item.row).map_or(NO_PART, part)).collect()
+}
+
 /// Squares of what is left of some readings with candidates whose amounts others gave.
 pub(super) fn unseen(field: &Field<'_, '_>, train: &Weights, test: &Weights, taken: &[usize]) -> f64 {
     let mut series = field.series(test, &[], 0.0);
@@ -105,7 +127,7 @@ pub(super) fn confirmed(
         |scene, _| stretches(scene, ROUNDS[0]),
         |scene, _| stretches(scene, ROUNDS[1]),
     ];
-    for (kind, parts) in kinds.into_iter().enumerate() {
+    for (kind, parts) in kinds.iter().enumerate() {
         let open: Vec<usize> = (0..judged.len()).filter(|&k| gains.get(k).is_some_and(Option::is_none)).collect();
         if open.is_empty() {
             break;
@@ -119,6 +141,24 @@ pub(super) fn confirmed(
             if let Some(gain) = gains.get_mut(k) {
                 *gain = found;
             }
+        }
+    }
+    // Runs at the same places say again whatever wave goes through these: a wave must say places that were left out.
+    for k in 0..judged.len() {
+        let axis = judged.get(k).and_then(|term| field.candidates.get(term.candidate)).and_then(wave_axis);
+        let (Some(axis), Some(gain)) = (axis, gains.get(k).copied().flatten()) else { continue };
+        let parts = places(field.scene, axis);
+        if gain <= WORTH || parts.is_empty() {
+            continue;
+        }
+        let kind = kinds.len() + axis.slot();
+        let mut selected = |field: &mut Field<'_, '_>, part: usize, train: &Weights| {
+            known.entry((kind, part)).or_insert_with(|| field.forward(train, &[])).clone()
+        };
+        let all: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
+        let found = of_parts(field, weights, &parts, (&all, &[k]), &mut selected, note);
+        if let (Some(Some(at_places)), Some(own)) = (found.first(), gains.get_mut(k)) {
+            *own = Some(gain.min(*at_places));
         }
     }
     let mut kept = Vec::new();

@@ -4,25 +4,32 @@
 //! Scene::new(machine, errors, sets)      what is left of every reading, and what a deviation anywhere would do to it
 //! fault::FAULTS                         what is wrong with the data themselves
 //! cause::CAUSES                          candidates: what readings would have in addition, one file per cause
-//! search, freedom                        which of them explain what is left beside the memory of the noise
-//! fold                                   which of these also help where they were not found
+//! search, refine, group, cancel          which of them explain what is left
+//! judge, freedom                         which of these stand beside each other and the memory of the noise
+//! gates, fold                            which of these also help where they were not found
 //! verdict                                sizes, rivals, shares, noise, what is left; before and after, also on data held out
 //! extend                                 what goes into the machine file
 //! ```
 
 mod account;
+mod cancel;
 pub mod cause;
+mod circles;
 mod empirical;
 mod event;
 pub mod extend;
 pub mod fault;
 mod fold;
 mod freedom;
+mod gates;
+mod group;
 mod held;
 mod jackknife;
+mod judge;
 mod noise;
 mod price;
 mod readings;
+mod refine;
 mod rejected;
 pub mod row;
 pub mod scene;

@@ -5,20 +5,24 @@
 //! were tried.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::numeric::Series;
-use crate::numeric::fisher;
 
-use super::cause::{Candidate, Effect, periodic, thermal};
-use super::freedom::Order;
+use super::cancel::Triangle;
+use super::cause::{Candidate, Effect, Term, motion};
 use super::price::Price;
 use super::scene::{NO_ROW, Scene, Through};
-use super::score::{Layout, Scores, in_parts};
+use super::score::{Layout, Scores};
 use super::seek::Seek;
 
 /// Terms at most.
 const MOST: usize = 10;
+/// Behind many that are kept.
+const MORE: usize = 4;
+/// How often the search goes on without such a term.
+const REPAIRS: usize = 3;
 /// Worth of what has no name beside what has one.
 const UNNAMED: f64 = 0.9;
 /// The same of so few columns that they fit by no chance.
@@ -27,23 +31,22 @@ const FEW: usize = 3;
 /// The same of what depends on two.
 const UNNAMED_PAIR: f64 = 0.87;
 /// Candidates explain the same where −2 ln of the likelihood differs by less.
-const TIE: f64 = 8.0;
+pub(super) const TIE: f64 = 8.0;
 /// Periods that differ by less, as a share, are one.
 const NEARLY: f64 = 0.01;
 /// The same of waves without a name, which are long.
 const NEARLY_UNNAMED: f64 = 0.2;
-/// Half of the width of the peak of a period, cycles over the travel, and steps towards its top.
-const PEAK: f64 = 0.4;
-const REFINED: usize = 14;
 
 /// Candidates and what they would do to the readings of a scene.
 #[derive(Debug)]
 pub(super) struct Field<'s, 'a> {
     pub(super) scene: &'s Scene<'a>,
     pub(super) candidates: Vec<Candidate>,
-    factors: HashMap<Through, Arc<Vec<f64>>>,
+    /// Those that only groups have: bows beside a location that has their slope.
+    pub(super) bows: Range<usize>,
+    pub(super) factors: HashMap<Through, Arc<Vec<f64>>>,
     layout: Arc<Layout>,
-    seek: Seek,
+    pub(super) seek: Seek,
     /// How many candidates there are to choose from, those of sweeps too.
     pub(super) tried: usize,
 }
@@ -67,16 +70,19 @@ pub(super) struct Weights {
 }
 
 impl<'s, 'a> Field<'s, 'a> {
-    pub(super) fn new(scene: &'s Scene<'a>, candidates: Vec<Candidate>) -> Field<'s, 'a> {
+    pub(super) fn new(scene: &'s Scene<'a>, mut candidates: Vec<Candidate>) -> Field<'s, 'a> {
         let seek = Seek::new(scene);
+        let tried = candidates.len() + seek.count();
+        let named = candidates.len();
+        candidates.extend(if named > 0 { motion::bows(scene) } else { Vec::new() });
+        let bows = named..candidates.len();
         let of_candidates = candidates.iter().flat_map(|one| one.columns.iter().flatten()).map(|(through, _)| *through);
         let mut factors = HashMap::new();
         for through in of_candidates.chain(seek.places()) {
             factors.entry(through).or_insert_with(|| Arc::new(scene.factors(through)));
         }
-        let tried = candidates.len() + seek.count();
         let layout = Arc::new(Layout::new(scene, &candidates));
-        Field { scene, candidates, factors, layout, seek, tried }
+        Field { scene, candidates, bows, factors, layout, seek, tried }
     }
 
     /// Adds what is sought by what is left.
@@ -94,6 +100,8 @@ impl<'s, 'a> Field<'s, 'a> {
         let Some(one) = self.candidates.get(number) else { return false };
         let is_near = |other: &Candidate| match (one.constant, other.constant) {
             _ if one.sensor.is_some() => true,
+            // A bow has all of its component but the slope, which a location has.
+            _ if one.cause.effect == Effect::Motion && other.term == Term::None => true,
             (Some((own, unit)), Some((known, of))) if one.columns.len() > 1 => {
                 let nearly = if one.cause.effect == Effect::Unknown { NEARLY_UNNAMED } else { NEARLY };
                 unit == of && (own / known - 1.0).abs() < nearly
@@ -106,52 +114,6 @@ impl<'s, 'a> Field<'s, 'a> {
                 && other.sensor == one.sensor
                 && is_near(other)
         })
-    }
-
-    /// A candidate with its period or its time constant moved to where it explains most: one that is a little off leaves beats and tails. `None` where
-    /// there is none to move.
-    fn refined(&self, number: usize, series: &Series) -> Option<Candidate> {
-        let one = self.candidates.get(number)?;
-        let (first, _) = one.constant?;
-        let (through, _) = one.columns.first()?.first()?;
-        if one.cause.effect == Effect::Periodic {
-            let Through::Component(name) = *through else { return None };
-            let axis = name.axis()?;
-            let travel = self.seek.travel(axis)?;
-            let cycles = travel / first;
-            let with = |cycles: f64| Some(periodic::candidate(name, axis, travel / cycles));
-            return self.best_near(series, [cycles - PEAK, cycles, cycles + PEAK], &with);
-        }
-        let [shortest, longest] = thermal::around(first)?;
-        let with = |lag: f64| thermal::with_lag(self.scene, one, lag.exp());
-        self.best_near(series, [shortest.ln(), first.ln(), longest.ln()], &with)
-    }
-
-    /// The candidate of the number between two others that gains most, if it gains more than that of the middle one.
-    fn best_near(
-        &self,
-        series: &Series,
-        [low, middle, high]: [f64; 3],
-        with: &dyn Fn(f64) -> Option<Candidate>,
-    ) -> Option<Candidate> {
-        let gain = |at: f64| with(at).map_or(0.0, |one| series.gain(&self.columns(&one)).squares);
-        let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-        let [mut low, mut high] = [low, high];
-        let (mut left, mut right) = (high - golden * (high - low), low + golden * (high - low));
-        let (mut at_left, mut at_right) = (gain(left), gain(right));
-        for _ in 0..REFINED {
-            if at_left > at_right {
-                (high, right, at_right) = (right, left, at_left);
-                left = high - golden * (high - low);
-                at_left = gain(left);
-            } else {
-                (low, left, at_left) = (left, right, at_right);
-                right = low + golden * (high - low);
-                at_right = gain(right);
-            }
-        }
-        let best = f64::midpoint(low, high);
-        with(best).filter(|_| gain(best) > gain(middle))
     }
 
     /// The columns of a candidate.
@@ -229,14 +191,40 @@ impl<'s, 'a> Field<'s, 'a> {
         values
     }
 
-    /// Takes candidates one after the other behind those that are `kept`.
+    /// Takes candidates one after the other behind those that are `kept`; where many errors act at once, several of them together first.
     pub(super) fn forward(&mut self, weights: &Weights, kept: &[usize]) -> Vec<usize> {
+        let taken = self.sound_steps(weights, kept);
+        if kept.is_empty() { self.together(weights, taken) } else { taken }
+    }
+
+    /// The same one after the other, without those that nearly cancel others: far larger than all there is, they are where was not measured what nobody
+    /// knows.
+    pub(super) fn sound_steps(&mut self, weights: &Weights, kept: &[usize]) -> Vec<usize> {
+        let mut never = Vec::new();
+        let (mut taken, mut cancelled) = self.steps(weights, kept, &never);
+        while let Some(out) = cancelled.filter(|_| never.len() < REPAIRS) {
+            taken.retain(|&number| number != out);
+            never.push(out);
+            (taken, cancelled) = self.steps(weights, &taken, &never);
+        }
+        // Which one goes at last does not matter: what it did is left.
+        taken.retain(|&number| cancelled != Some(number));
+        taken
+    }
+
+    /// Also one that others nearly cancel.
+    fn steps(&mut self, weights: &Weights, kept: &[usize], never: &[usize]) -> (Vec<usize>, Option<usize>) {
         let mut taken = kept.to_vec();
-        let mut series = self.series(weights, kept, 0.0);
+        let mut series = self.series(weights, &[], 0.0);
+        let mut triangle = Triangle::new(&series);
+        for &number in kept {
+            let columns = self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default();
+            triangle.take(&mut series, number, &columns);
+        }
         let count = series.count() as f64;
         let layout = Arc::clone(&self.layout);
         let mut scores = Scores::new(&layout, self.scene, &self.factors, &series);
-        while taken.len() < MOST {
+        while taken.len() < MOST.max(kept.len() + MORE) {
             let freedom = count - series.rank() as f64;
             let squares = series.squares();
             if freedom < 2.0 || squares <= 0.0 {
@@ -249,7 +237,13 @@ impl<'s, 'a> Field<'s, 'a> {
             let open: Vec<(f64, usize)> = gains
                 .iter()
                 .enumerate()
-                .filter(|(number, gain)| gain.rank > 0 && !taken.contains(number) && !self.is_again(*number, &taken))
+                .filter(|(number, gain)| {
+                    gain.rank > 0
+                        && !self.bows.contains(number)
+                        && !taken.contains(number)
+                        && !never.contains(number)
+                        && !self.is_again(*number, &taken)
+                })
                 .map(|(number, gain)| (price.worth(squares, gain) * self.belief(number), number))
                 .collect();
             let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);
@@ -284,12 +278,11 @@ impl<'s, 'a> Field<'s, 'a> {
                 None => number,
             };
             let columns = self.columns(&self.candidates[number]);
-            columns.iter().for_each(|column| {
-                series.take(column);
-            });
+            triangle.take(&mut series, number, &columns);
             taken.push(number);
         }
-        taken
+        let cancelled = triangle.cancelled(kept);
+        (taken, cancelled)
     }
 
     fn is_unnamed(&self, number: usize) -> bool {
@@ -320,72 +313,4 @@ impl<'s, 'a> Field<'s, 'a> {
             _ => 1.0,
         }
     }
-
-    /// By how much the variances of the amounts of columns are larger than of independent readings, at most.
-    pub(super) fn inflation(&self, weights: &Weights, taken: &[usize], others: &[usize], number: usize) -> f64 {
-        let order = Order::new(weights);
-        let memory = self.memory(weights, taken);
-        let of_noise = order.correlations(self.series(weights, taken, memory).left());
-        let columns = self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default();
-        inflation(&order, &of_noise, &self.series(weights, others, memory), &columns)
-    }
-
-    /// The memory of what is left with some candidates.
-    pub(super) fn memory(&self, weights: &Weights, taken: &[usize]) -> f64 {
-        let plain = self.series(weights, taken, 0.0);
-        let left: Vec<f64> = plain
-            .left()
-            .iter()
-            .zip(&weights.items)
-            .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
-            .collect();
-        plain.memory_of(&left)
-    }
-
-    /// Takes out what does not stand beside the others, the weakest first; `note` gets it.
-    pub(super) fn backward(
-        &self,
-        weights: &Weights,
-        mut taken: Vec<usize>,
-        limit: f64,
-        note: &mut dyn FnMut(&Taken),
-    ) -> Vec<Taken> {
-        let order = Order::new(weights);
-        loop {
-            let memory = self.memory(weights, &taken);
-            let of_noise = order.correlations(self.series(weights, &taken, memory).left());
-            let judged = in_parts(&taken, &|&number: &usize| {
-                let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
-                let series = self.series(weights, &others, memory);
-                let columns = self.columns(&self.candidates[number]);
-                let gain = series.gain(&columns);
-                let inflation = inflation(&order, &of_noise, &series, &columns);
-                // Readings that wander together are as good as fewer that do not.
-                let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).max(1.0);
-                let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
-                let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
-                let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
-                Taken { candidate: number, chance: chance.min(1.0) }
-            });
-            let weakest = judged.iter().max_by(|a, b| a.chance.total_cmp(&b.chance));
-            match weakest {
-                Some(weakest) if weakest.chance > limit => {
-                    note(weakest);
-                    let out = weakest.candidate;
-                    taken.retain(|&number| number != out);
-                }
-                _ => return judged,
-            }
-        }
-    }
-}
-
-/// By how much the variances of the amounts of columns beside a basis are larger than of independent readings, at most.
-fn inflation(order: &Order, of_noise: &[f64], series: &Series, columns: &[Vec<f64>]) -> f64 {
-    let mut beside = series.clone();
-    let of_column = |column: &Vec<f64>| {
-        beside.set_values(column);
-        order.inflation(of_noise, beside.left())
-    };
-    columns.iter().map(of_column).fold(1.0, f64::max)
 }

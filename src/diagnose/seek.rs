@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::cause::{Candidate, Values, circle, drift, periodic, vibration};
+use super::cause::{Candidate, circle, drift, periodic, vibration};
+use super::circles::Circles;
 use super::empirical::Empirical;
 use super::event::Events;
 use super::scene::{NO_ROW, Scene, Through};
@@ -14,9 +15,7 @@ use crate::geometry::Axis;
 use crate::model::name::{DIRECTIONS, ErrorName};
 
 /// Rows of which a first look is had.
-const SOME: usize = 1500;
-/// Rows that stay together in it.
-const STRETCH: usize = 50;
+pub(super) const SOME: usize = 1500;
 /// Cycles within a run, at most.
 const MOST_CYCLES: f64 = 1000.0;
 /// Bins for a cycle of the highest frequency.
@@ -29,8 +28,6 @@ const PIECES: f64 = 32.0;
 const CYCLES: f64 = 8.0;
 /// Slower than this nothing vibrates, s.
 const SLOWEST: f64 = 20.0;
-/// Chords of a circle that are tried.
-const CHORDS: std::ops::Range<u32> = 24..720;
 /// All directions of the tool.
 const TIPS: [Through; 3] = [Through::Tip(0), Through::Tip(1), Through::Tip(2)];
 
@@ -45,14 +42,6 @@ pub(super) struct Seek {
     circles: Option<Circles>,
     events: Option<Events>,
     empirical: Empirical,
-}
-
-/// Some rows on circles.
-#[derive(Clone, Debug)]
-struct Circles {
-    rows: Vec<usize>,
-    /// How far inside the chords of each number are there, mm.
-    chords: Vec<Vec<f64>>,
 }
 
 /// Rows by runs with times.
@@ -87,9 +76,9 @@ impl Seek {
         }
     }
 
-    /// The range of the positions of an axis whose periods are sought.
-    pub(super) fn travel(&self, axis: Axis) -> Option<f64> {
-        self.sweeps.iter().find(|(own, _)| *own == axis).map(|(_, sweep)| sweep.travel())
+    /// Positions of an axis whose periods are sought.
+    pub(super) fn sweep(&self, axis: Axis) -> Option<&Sweep> {
+        self.sweeps.iter().find(|(own, _)| *own == axis).map(|(_, sweep)| sweep)
     }
 
     /// Where all of this comes in.
@@ -106,7 +95,7 @@ impl Seek {
     pub(super) fn count(&self) -> usize {
         let sweeps: usize = self.sweeps.iter().map(|(_, sweep)| sweep.count() * DIRECTIONS.len()).sum();
         let time = self.time.as_ref().map_or(0, |clock| 3 * clock.count());
-        let chords = if self.circles.is_some() { CHORDS.len() } else { 0 };
+        let chords = self.circles.as_ref().map_or(0, Circles::count);
         let events = self.events.as_ref().map_or(0, |events| TIPS.len() * events.count());
         sweeps + time + chords + events + self.empirical.count()
     }
@@ -139,9 +128,11 @@ impl Seek {
                 left.iter().zip(factors.iter()).map(|(left, factor)| left * factor).collect()
             })
         };
+        let by_reading = |place: Through| -> Vec<f64> { information_of(factors, place, weights) };
         for (axis, sweep) in &self.sweeps {
             for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, *axis)) {
-                out.push(periodic::candidate(name, *axis, sweep.best(&products(Through::Component(name)))));
+                let place = Through::Component(name);
+                out.push(periodic::candidate(name, *axis, sweep.best(&products(place), &by_reading(place))));
             }
         }
         let by_row = |products: Vec<f64>| {
@@ -159,17 +150,7 @@ impl Seek {
                 out.extend(found.map(|frequency| vibration::candidate(direction, frequency)));
             }
         }
-        let information = |place: Through| {
-            let mut information = vec![0.0; scene.rows.len()];
-            if let Some(factors) = factors.get(&place) {
-                for ((item, factor), weight) in scene.items.iter().zip(factors.iter()).zip(weights) {
-                    if item.row != NO_ROW {
-                        information[item.row] += (factor * weight).powi(2);
-                    }
-                }
-            }
-            information
-        };
+        let information = |place: Through| by_row(by_reading(place));
         if let Some(events) = &self.events {
             for (direction, place) in TIPS.into_iter().enumerate() {
                 let found = events.best(&by_row(products(place)), &information(place));
@@ -179,61 +160,21 @@ impl Seek {
         if let Some(circles) = &self.circles {
             let place = Through::Reading(false);
             let information = information(place);
-            out.extend(
-                circles.best(&by_row(products(place)), &information).and_then(|count| circle::chords(scene, count)),
-            );
+            let sums = by_row(products(place));
+            out.extend(circles.best(&sums, &information).and_then(|count| circle::chords(scene, count)));
+            let lobes = circles.best_lobes(&sums, &information).into_iter();
+            out.extend(lobes.filter_map(|(plane, count)| circle::lobes(scene, plane, count)));
         }
         out
     }
 }
 
-impl Circles {
-    fn new(scene: &Scene<'_>) -> Option<Circles> {
-        let (angles, radii) = circle::angles(scene)?;
-        let at = |values: &Values, row: &super::row::Row| {
-            values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
-        };
-        let places: Vec<(usize, f64, f64)> = scene
-            .rows
-            .iter()
-            .enumerate()
-            .map(|(place, row)| (place, at(&angles, row), at(&radii, row)))
-            .filter(|(_, angle, radius)| angle.is_finite() && radius.is_finite())
-            .enumerate()
-            // Neighbours stay together: every so many rows alone one number of chords looks like another.
-            .filter(|(count, _)| (count / STRETCH).is_multiple_of((scene.rows.len() / SOME).max(1)))
-            .map(|(_, place)| place)
-            .collect();
-        // Lengths may be unknowns of set-ups: what all of a circle have says nothing.
-        let setup = |place: usize| scene.rows.get(place).map_or((0, 0), |row| (row.set, row.setup));
-        let chords = CHORDS
-            .map(|count| {
-                let within = |(_, angle, radius): &(usize, f64, f64)| radius * circle::chord(*angle, count);
-                let mut means: HashMap<(usize, usize), (f64, f64)> = HashMap::new();
-                for one in &places {
-                    let mean = means.entry(setup(one.0)).or_default();
-                    *mean = (mean.0 + within(one), mean.1 + 1.0);
-                }
-                let mean = |place| means.get(&setup(place)).map_or(0.0, |(sum, count)| sum / count);
-                places.iter().map(|one| within(one) - mean(one.0)).collect()
-            })
-            .collect();
-        Some(Circles { rows: places.into_iter().map(|(place, ..)| place).collect(), chords })
-    }
-
-    /// How many chords explain most. They are as far within as they are: their amount is one.
-    fn best(&self, sums: &[f64], information: &[f64]) -> Option<u32> {
-        let of = |values: &[f64]| -> Vec<f64> {
-            self.rows.iter().map(|&row| values.get(row).copied().unwrap_or(0.0)).collect()
-        };
-        let (sums, information) = (of(sums), of(information));
-        let gain = |shape: &[f64]| -> f64 {
-            let each = shape.iter().zip(sums.iter().zip(&information));
-            each.map(|(shape, (sum, information))| shape * (2.0 * sum - information * shape)).sum()
-        };
-        let gains = CHORDS.zip(&self.chords).map(|(count, shape)| (gain(shape), count));
-        gains.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(gain, _)| *gain > 0.0).map(|(_, count)| count)
-    }
+/// What each reading says of a deviation at a place: squares of factors by 1/σ.
+pub(super) fn information_of(factors: &Factors, place: Through, weights: &[f64]) -> Vec<f64> {
+    let of = |factors: &Arc<Vec<f64>>| {
+        factors.iter().zip(weights).map(|(factor, weight)| (factor * weight).powi(2)).collect()
+    };
+    factors.get(&place).map_or_else(Vec::new, of)
 }
 
 impl Clock {

@@ -2,6 +2,11 @@
 
 use super::cause::{Candidate, Effect};
 
+/// Steps in the shortest period.
+const STEPS: f64 = 3.0;
+/// A step that shows all pitches of screws, mm.
+const MOST_STEP: f64 = 2.0;
+
 /// What tells a cause from its first rival.
 pub(super) fn separating(one: &Candidate, rival: &Candidate) -> String {
     // The order of the two does not matter.
@@ -42,4 +47,23 @@ pub(super) fn separating(one: &Candidate, rival: &Candidate) -> String {
         return one.cause.separate_by.to_owned();
     };
     known.to_owned()
+}
+
+/// A wave with another period, by the name of its component.
+pub(super) fn every(parameter: &str, period: f64) -> String {
+    format!("{parameter} every {} mm", hundredths(period))
+}
+
+/// What tells a wave from one of a shorter period that is the same at the places that were measured.
+pub(super) fn steps(one: &Candidate, shortest: f64) -> String {
+    let longest = one.constant.map_or(shortest, |(period, _)| period.max(shortest));
+    let step = hundredths((shortest / STEPS).min(MOST_STEP));
+    format!(
+        "the same line at points of uneven spacing, or every {step} mm over {} mm",
+        hundredths((3.0 * longest / step).ceil() * step)
+    )
+}
+
+fn hundredths(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
 }

@@ -187,6 +187,12 @@ pub fn sentence(one: &Finding, scene: &Scene<'_>, used: usize) -> Option<String>
     if one.candidate.cause.effect != Effect::Unknown {
         return None;
     }
+    if let Some((count, "lobes")) = one.candidate.constant {
+        let plane = &one.candidate.parameter;
+        return Some(format!(
+            "unknown: {count} lobes over the angle of circles in the plane {plane}, the same in all runs"
+        ));
+    }
     let all = drivers(one, scene);
     let deviations = deviations(one, scene);
     let rows = rows(scene, used, &all);

@@ -1,6 +1,6 @@
 //! The size of a finding as people name it: a reversal value, an amplitude, a slope or the range over the travel that was measured.
 
-use super::cause::{Candidate, Effect};
+use super::cause::{Candidate, Effect, Term};
 use super::row::Row;
 use super::scene::{Scene, Through};
 use crate::geometry::{AXES, Axis};
@@ -81,8 +81,12 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
     };
     let range = || range(candidate, amounts, &mut rows());
     let single = amounts.values.len() == 1;
+    let is_bow = candidate.term == Term::None;
     if let Some((count, unit @ "chords")) = candidate.constant {
         return Size { value: count, u95: 0.5, unit };
+    }
+    if matches!(candidate.constant, Some((_, "lobes"))) {
+        return amplitude(amounts, micro, unit);
     }
     match candidate.cause.effect {
         Effect::Periodic => amplitude(amounts, micro, unit),
@@ -101,7 +105,7 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
             let at = peak(candidate, amounts, &mut rows().filter(|row| sense_of(candidate, row) > 0.0));
             of(&at.unwrap_or(first.clone()), 2.0 * micro, unit)
         }
-        Effect::Motion if single && !is_rotary(candidate) && !is_angle => plain(MILLION, "um/m"),
+        Effect::Motion if single && !is_bow && !is_rotary(candidate) && !is_angle => plain(MILLION, "um/m"),
         Effect::Motion if single && is_rotary(candidate) => plain(micro, if is_angle { "urad/rad" } else { "um/rad" }),
         Effect::Cross => {
             let [low, high] = corners(candidate, scene, used);

@@ -1,9 +1,12 @@
 //! Periods in position: which one of many a residual has, without trying each in full.
 //!
-//! For readings r with factors f at positions x, |Σ f r exp(2πi x/p)|² against half of Σ f² is what a sine and a cosine of period p would explain
-//! were they at right angles to all else. Positions are put into bins that are fine beside the shortest period, and a Fourier transform gives
-//! all periods at once. What comes out is a proposal: how much it explains is found in full.
+//! For readings r with factors f at positions x, what a sine and a cosine of a frequency explain beside a constant follows from Σ f r exp(2πi x ν)
+//! and Σ f² exp(2πi x ν) at ν and 2ν. Positions are put into bins that are fine beside the shortest period, and one Fourier transform gives both sums
+//! for all periods at once. What comes out is a proposal: how much it explains is found in full.
+//!
+//! Places that are evenly spaced show a period and its aliases alike: periods below two steps are not looked for there. Where steps differ, they tell.
 
+use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
@@ -11,17 +14,26 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
 /// Bins over the travel.
-const BINS: usize = 4096;
+const BINS: usize = 8192;
 /// Bins of the transform: the travel and so many times nothing behind it, so that no peak falls between two frequencies.
-const LENGTH: usize = 8 * BINS;
+const LENGTH: usize = 4 * BINS;
 /// Cycles over the travel, at least: fewer are smooth.
 const FEWEST: f64 = 3.0;
-/// At most: a tenth of a radian for a bin.
-const MOST: f64 = 130.0;
-/// A period explains nearly as much as another by this share of it.
-const NEARLY: f64 = 0.95;
+/// At most: a tenth of a radian for half of a bin.
+const MOST: f64 = 250.0;
 /// Periods that are told apart for one cycle more over the travel.
 const STEPS: f64 = 3.0;
+/// Places show a wave of a frequency like a constant where this share of the square of the mean of exp(2πi x ν) is left.
+const ALIKE: f64 = 0.98;
+/// The same as far as bins tell.
+const NEARLY_ALIKE: f64 = 0.8;
+/// Places at least, and cycles for each of them at most: a few places show anything as some wave.
+const FEWEST_PLACES: usize = 8;
+const PER_PLACE: f64 = 6.0;
+/// Sine and cosine must say something of their own: the product of both shares of the squares.
+const TOLD: f64 = 0.02;
+/// Peaks at most.
+const PEAKS: usize = 12;
 
 /// A Fourier transform of real numbers with nothing behind them.
 #[derive(Clone)]
@@ -40,10 +52,14 @@ impl Transform {
 
     /// Squares of the amplitudes of the first frequencies, from 0 on.
     pub(super) fn powers(&self, values: &[f64], first: usize) -> Vec<f64> {
-        let mut all: Vec<Complex<f64>> = values.iter().map(|&value| Complex::new(value, 0.0)).collect();
+        let all = values.iter().map(|&value| Complex::new(value, 0.0)).collect();
+        self.of(all).iter().take(first).map(|one| one.norm_sqr()).collect()
+    }
+
+    fn of(&self, mut all: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
         all.resize(self.length(), Complex::default());
         self.0.process(&mut all);
-        all.iter().take(first).map(|one| one.norm_sqr()).collect()
+        all
     }
 }
 
@@ -58,9 +74,14 @@ impl fmt::Debug for Transform {
 pub(super) struct Sweep {
     travel: f64,
     most: f64,
+    /// Cycles over the travel that the places show like a constant, the fewest; infinite where steps differ.
+    replica: f64,
     bins: Vec<u32>,
     transform: Transform,
 }
+
+/// Cycles over the travel of a frequency of the transform.
+const STEP: f64 = (BINS - 1) as f64 / LENGTH as f64;
 
 impl Sweep {
     /// By positions, one for each reading; `None` where they are too few for any period.
@@ -70,17 +91,19 @@ impl Sweep {
         places.dedup_by(|a, b| (*a - *b).abs() < 1e-3);
         let (first, last) = (*places.first()?, *places.last()?);
         let travel = last - first;
-        // Places that are evenly spaced cannot tell a period below two steps from a longer one.
-        let mut steps: Vec<f64> = places.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        let step = *steps.get(steps.len() / 2)?;
-        let most = (travel / (2.5 * step)).min(MOST);
         let bin = |place: &f64| {
             let share = if place.is_finite() { (place - first) / travel } else { 0.0 };
             (share * (BINS - 1) as f64).round() as u32
         };
+        let transform = Transform::new(LENGTH);
+        let shares: Vec<f64> = places.iter().map(|place| (place - first) / travel).collect();
+        if shares.len() < FEWEST_PLACES {
+            return None;
+        }
+        let replica = replica(&transform, &shares);
+        let most = (replica / 2.0).min(MOST).min(PER_PLACE * shares.len() as f64);
         let bins = || positions.iter().map(bin).collect();
-        (most > FEWEST).then(|| Sweep { travel, most, bins: bins(), transform: Transform::new(LENGTH) })
+        (most > FEWEST && travel > 0.0).then(|| Sweep { travel, most, replica, bins: bins(), transform })
     }
 
     /// The range of the positions.
@@ -93,36 +116,104 @@ impl Sweep {
         ((self.most - FEWEST) * STEPS) as usize + 1
     }
 
-    /// The period that explains most of `products` = f r, mm.
-    pub(super) fn best(&self, products: &[f64]) -> f64 {
-        let (step, powers, range) = self.powers(products);
-        self.travel / (step * top(&powers, range))
+    /// Periods that evenly spaced places show like one of them, the longest first.
+    pub(super) fn aliases(&self, period: f64) -> Vec<f64> {
+        let cycles = self.travel / period;
+        if !self.replica.is_finite() {
+            return Vec::new();
+        }
+        let times = (MOST / self.replica) as u32 + 1;
+        let all = (1..=times).map(f64::from).flat_map(|k| [k * self.replica - cycles, k * self.replica + cycles]);
+        all.filter(|other| (FEWEST..MOST).contains(other)).map(|other| self.travel / other).collect()
     }
 
-    /// The longest period that explains nearly as much as the best: where some of the readings stand evenly, shorter ones are its images.
-    pub(super) fn longest(&self, products: &[f64]) -> f64 {
-        let (step, powers, range) = self.powers(products);
-        let at = |place: usize| powers.get(place).copied().unwrap_or(0.0);
-        let most = range.clone().map(at).fold(0.0, f64::max);
-        let is_top = |&place: &usize| {
-            at(place) >= NEARLY * most && at(place) >= at(place + 1) && at(place) >= at(place.saturating_sub(1))
-        };
-        let first = range.clone().find(is_top).unwrap_or(range.start);
-        self.travel / (step * top(&powers, first..first + 1))
+    /// The period that explains most: of f r and f² by reading, mm.
+    pub(super) fn best(&self, products: &[f64], information: &[f64]) -> f64 {
+        let gains = self.gains(products, information, self.most);
+        self.travel / (STEP * top(&gains, first()..gains.len().saturating_sub(1)))
     }
 
-    /// Cycles over the travel of each frequency, squares of the amplitudes, and which of them count.
-    fn powers(&self, products: &[f64]) -> (f64, Vec<f64>, std::ops::Range<usize>) {
-        let mut bins = vec![0.0; BINS];
-        for (&bin, product) in self.bins.iter().zip(products) {
+    /// Periods that explain at least a share of what the best does, also those that the steps do not tell from it, the best first.
+    pub(super) fn peaks(&self, products: &[f64], information: &[f64], share: f64) -> Vec<f64> {
+        let gains = self.gains(products, information, MOST);
+        let at = |place: usize| gains.get(place).copied().unwrap_or(0.0);
+        let best = gains.iter().skip(first()).copied().fold(0.0, f64::max);
+        let mut peaks: Vec<usize> = (first()..gains.len().saturating_sub(1))
+            .filter(|&k| at(k) >= share * best && at(k) > at(k - 1) && at(k) >= at(k + 1))
+            .collect();
+        peaks.sort_by(|&a, &b| at(b).total_cmp(&at(a)));
+        peaks.truncate(PEAKS);
+        peaks.into_iter().map(|k| self.travel / (STEP * top(&gains, k..k + 1))).collect()
+    }
+
+    /// What the waves of all frequencies up to some cycles explain beside a constant.
+    fn gains(&self, products: &[f64], information: &[f64], most: f64) -> Vec<f64> {
+        let mut bins = vec![Complex::new(0.0, 0.0); BINS];
+        for ((&bin, product), own) in self.bins.iter().zip(products).zip(information) {
             if let Some(sum) = bins.get_mut(bin as usize) {
-                *sum += product;
+                sum.re += product;
+                sum.im += own;
             }
         }
-        let step = (BINS - 1) as f64 / self.transform.length() as f64;
-        let (from, until) = ((FEWEST / step).ceil() as usize, (self.most / step) as usize);
-        (step, self.transform.powers(&bins, until + 2), from..until + 1)
+        // Both are real: the transform of each is one half of what it is at a frequency and at its negative.
+        let all = self.transform.of(bins);
+        let both = |k: usize| {
+            let one = all.get(k).copied().unwrap_or_default();
+            let other = if k == 0 { one } else { all.get(all.len() - k).copied().unwrap_or_default() }.conj();
+            (0.5 * (one + other), Complex::new(0.0, -0.5) * (one - other))
+        };
+        let whole = both(0).1.re;
+        let until = (most / STEP) as usize + 2;
+        let gain = |k: usize| {
+            let (sums, first) = both(k);
+            let second = both(2 * k).1;
+            if whole <= 0.0 {
+                return 0.0;
+            }
+            // Beside a constant, which set-ups take up.
+            let cosines = 0.5 * (whole + second.re) - first.re * first.re / whole;
+            let sines = 0.5 * (whole - second.re) - first.im * first.im / whole;
+            let mixed = 0.5 * second.im - first.re * first.im / whole;
+            let told = cosines * sines - mixed * mixed;
+            if told < TOLD * (0.5 * whole).powi(2) {
+                return 0.0;
+            }
+            let (u, v) = (sums.re, sums.im);
+            (u * u * sines - 2.0 * u * v * mixed + v * v * cosines) / told
+        };
+        (0..until).map(gain).collect()
     }
+}
+
+/// The first frequency that is a period.
+fn first() -> usize {
+    (FEWEST / STEP).ceil() as usize
+}
+
+/// The fewest cycles over a travel that places (shares of it) show like a constant, as evenly spaced ones do; infinite where there are none.
+fn replica(transform: &Transform, places: &[f64]) -> f64 {
+    let count = places.len() as f64;
+    let mut bins = vec![0.0; BINS];
+    for place in places {
+        if let Some(sum) = bins.get_mut((place * (BINS - 1) as f64).round() as usize) {
+            *sum += 1.0 / count;
+        }
+    }
+    let rough = transform.powers(&bins, (2.0 * MOST / STEP) as usize + 2);
+    let power = |cycles: f64| {
+        let each = places.iter().map(|place| (TAU * cycles * place).sin_cos());
+        let (real, imaginary) = each.fold((0.0, 0.0), |sum, (sine, cosine)| (sum.0 + cosine, sum.1 + sine));
+        (real * real + imaginary * imaginary) / (count * count)
+    };
+    let at = |k: usize| rough.get(k).copied().unwrap_or(0.0);
+    let peaks = (first()..rough.len()).filter(|&k| at(k) > NEARLY_ALIKE && at(k) >= at(k - 1) && at(k) > at(k + 1));
+    for peak in peaks {
+        let cycles = STEP * top(&rough, peak..peak + 1);
+        if power(cycles) > ALIKE {
+            return cycles;
+        }
+    }
+    f64::INFINITY
 }
 
 /// Where the largest of some values is, between them as a parabola has it.
@@ -138,8 +229,6 @@ pub(super) fn top(powers: &[f64], range: std::ops::Range<usize>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
     use super::*;
 
     #[test]
@@ -148,8 +237,34 @@ mod tests {
         let sweep = Sweep::new(&positions).unwrap();
         for period in [10.0, 7.3, 40.0, 2.1] {
             let products: Vec<f64> = positions.iter().map(|x| (TAU * x / period + 0.4).sin()).collect();
-            let found = sweep.best(&products);
+            let found = sweep.best(&products, &vec![1.0; positions.len()]);
             assert!((found / period - 1.0).abs() < 0.02, "{period}: {found}");
+        }
+    }
+
+    #[test]
+    fn uneven_steps_tell_a_period_below_two_of_them() {
+        // ISO 230-2 wants steps that differ: here by thirds of a step, forwards and backwards.
+        let positions: Vec<f64> =
+            (0..21).map(|k| 33.0 * f64::from(k) + [0.0, 9.0, -7.0, 4.0, -10.0][k as usize % 5]).collect();
+        let sweep = Sweep::new(&positions).unwrap();
+        let products: Vec<f64> = positions.iter().map(|x| (TAU * x / 10.0 + 1.0).sin()).collect();
+        let found = sweep.best(&products, &[1.0; 21]);
+        assert!((found - 10.0).abs() < 0.1, "{found}");
+        assert!(sweep.aliases(found).is_empty());
+    }
+
+    #[test]
+    fn even_steps_have_aliases() {
+        let positions: Vec<f64> = (0..41).map(|k| 25.0 * f64::from(k)).collect();
+        let sweep = Sweep::new(&positions).unwrap();
+        let products: Vec<f64> = positions.iter().map(|x| (TAU * x / 16.0 + 1.0).sin()).collect();
+        // 1/16 = 0.0625 is 1/25 + 0.0225 and 2/25 − 0.0175 and so on: the longest period has the frequency 0.0175.
+        let found = sweep.best(&products, &[1.0; 41]);
+        assert!((found * 0.0175 - 1.0).abs() < 0.02, "{found}");
+        let aliases = sweep.aliases(found);
+        for frequency in [0.0225, 0.0575, 0.0625, 0.0975] {
+            assert!(aliases.iter().any(|other| (other * frequency - 1.0).abs() < 0.02), "{frequency}: {aliases:?}");
         }
     }
 }

@@ -2,36 +2,26 @@
 
 use super::account::{Account, swing};
 use super::cause::{CAUSES, Candidate, Cause, Effect, thermal};
-use super::fold::{Selections, confirmed, counts, unseen, worth};
+use super::fold::{Selections, counts};
+use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
 use super::jackknife::{u95, without_parts};
 use super::noise::{self, is_angle};
 use super::readings::{doing, drop_far, left_of, projected, rms, weights};
-use super::rejected::{Gate, Rejected, Rejections, Tried, tried};
+use super::refine::RIVAL;
+use super::rejected::{Rejected, Rejections, Tried, tried};
 use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
-use super::separate::separating;
+use super::separate::{self, separating};
 use super::share::{Share, shares};
 use super::size::{Amounts, Size, size};
 
-/// Chance at which a finding is claimed where there is nothing, over all candidates.
-const LIMIT: f64 = 1e-3;
 /// Rounds of taking such readings out.
 const ROUNDS: usize = 3;
 /// A share of a time constant.
 const LONGER: f64 = 0.02;
 /// Rounds of searching again behind what was found.
 const AGAIN: usize = 2;
-/// A rival explains nearly as much: so much of χ² less at most.
-const RIVAL: f64 = 6.0;
-/// A finding does this share of the noise to the readings in which it acts at least: less is no cause but what others leave.
-const SMALL: f64 = 0.25;
-/// The same of what has no name or goes with time only: of such there are many.
-const SMALL_UNNAMED: f64 = 0.4;
-/// Readings in which it acts: beyond this share of the largest.
-const ACTS: f64 = 0.05;
-/// Data held out say something of a finding where it does this share of what it does in the data used.
-const EXERCISED: f64 = 0.1;
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -57,6 +47,8 @@ pub struct Finding {
     pub share: Share,
     /// Candidates that explain it nearly as well: cause and parameter, the best first, itself first.
     pub class: Vec<(&'static Cause, String)>,
+    /// Other periods, mm, that a wave may as well have: at the places that were measured they do the same.
+    pub aliases: Vec<f64>,
     /// The measurement that tells it from the first of them.
     pub separate_by: Option<String>,
 }
@@ -130,98 +122,10 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
     verdict(&field, bare, [&weights, &held_out], &kept, (used, not_confirmed, &rejections))
 }
 
-/// Both gates.
-fn confirm(
-    field: &mut Field<'_, '_>,
-    weights: &Weights,
-    taken: Vec<usize>,
-    (selections, rejections): (&mut Selections, &mut Rejections),
-    note: &mut dyn FnMut(&str, f64),
-) -> Vec<(Taken, f64)> {
-    let judged = field.backward(weights, taken, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
-    let all = judged.clone();
-    let judged = large_enough(field, weights, judged);
-    let is_in = |term: &Taken| judged.iter().any(|other| other.candidate == term.candidate);
-    all.iter().filter(|term| !is_in(term)).for_each(|term| rejections.add(term, Gate::Size, None));
-    let mut out = |term: &Taken, gain| rejections.add(term, Gate::Unseen, gain);
-    confirmed(field, weights, judged, selections, &mut out, &mut |share| note("held-out parts", share))
-}
-
 fn propose(scene: &Scene<'_>) -> Vec<Candidate> {
     let mut candidates = Vec::new();
     CAUSES.iter().for_each(|cause| (cause.propose)(scene, &mut candidates));
     candidates
-}
-
-/// Without those that do nearly nothing.
-fn large_enough(field: &Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) -> Vec<Taken> {
-    let scene = field.scene;
-    let taken: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
-    let left = left_of(field, weights, &taken);
-    let places = counts(scene, weights);
-    let of = |values: &[f64], place: usize| match (values.get(place), weights.items.get(place)) {
-        (Some(value), Some(weight)) => value * weight,
-        _ => 0.0,
-    };
-    let noise = rms(places.iter().map(|&place| of(&left, place)));
-    let is_large = |term: &Taken| {
-        let does = doing(field, weights, weights, &taken, term.candidate);
-        let most = places.iter().map(|&place| of(&does, place).abs()).fold(0.0, f64::max);
-        let acts = places.iter().map(|&place| of(&does, place)).filter(|value| value.abs() > ACTS * most);
-        let effect = field.candidates.get(term.candidate).map(|one| one.cause.effect);
-        let least = if matches!(effect, Some(Effect::Unknown | Effect::Drift)) { SMALL_UNNAMED } else { SMALL };
-        rms(acts) > least * noise
-    };
-    judged.into_iter().filter(is_large).collect()
-}
-
-/// Causes that belong to one day or one set-up: other data cannot confirm them.
-fn is_only_here(one: &Candidate) -> bool {
-    // What vibrates has another phase on another day.
-    matches!(one.cause.effect, Effect::Setup | Effect::Sensor | Effect::Outlier | Effect::Program | Effect::Drift)
-        || (one.cause.effect == Effect::Dynamic && one.drivers.iter().all(|driver| driver == "t_s"))
-}
-
-/// Takes out what the data held out does not confirm, and notes the gains there.
-fn hold(
-    field: &Field<'_, '_>,
-    weights: &Weights,
-    held_out: &Weights,
-    kept: &mut Vec<(Taken, f64)>,
-    rejections: &mut Rejections,
-) -> Vec<Candidate> {
-    let scene = field.scene;
-    let mut out = Vec::new();
-    if counts(scene, held_out).is_empty() {
-        return out;
-    }
-    loop {
-        let taken: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
-        let with = unseen(field, weights, held_out, &taken);
-        let mut worst: Option<(f64, usize)> = None;
-        for (place, (term, gain)) in kept.iter_mut().enumerate() {
-            let number = term.candidate;
-            let size = |on: &Weights| {
-                let does = doing(field, weights, on, &taken, number);
-                rms(counts(scene, on).into_iter().filter_map(|place| does.get(place).copied()))
-            };
-            let is_local = field.candidates.get(number).is_some_and(is_only_here);
-            if is_local || size(held_out) < EXERCISED * size(weights) {
-                continue;
-            }
-            // Others take over what they can, so that only what is its own counts.
-            let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
-            let without = unseen(field, weights, held_out, &others);
-            *gain = if without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 };
-            if *gain < worth(field, number) && worst.is_none_or(|(least, _)| *gain < least) {
-                worst = Some((*gain, place));
-            }
-        }
-        let Some((_, place)) = worst else { return out };
-        let (term, gain) = kept.remove(place);
-        rejections.add(&term, Gate::HeldOut, Some(gain));
-        out.extend(field.candidates.get(term.candidate).cloned());
-    }
 }
 
 fn verdict(
@@ -268,6 +172,19 @@ fn verdict(
         let does = doing(field, weights, weights, &taken, term.candidate);
         let class = class(field, weights, (term.candidate, &others), memory, noise * inflation);
         let rival = class.get(1).and_then(|&number| field.candidates.get(number));
+        let aliases = field.aliases(weights, term.candidate, &others, (memory, noise * inflation));
+        let separate_by = match aliases.last() {
+            Some(shortest) => Some(separate::steps(candidate, *shortest)),
+            None => rival.map(|rival| separating(candidate, rival)),
+        };
+        // Itself, with other periods, others.
+        let mut names: Vec<(&'static Cause, String)> = class
+            .iter()
+            .filter_map(|&number| field.candidates.get(number))
+            .map(|one| (one.cause, one.parameter.clone()))
+            .collect();
+        let of_alias = aliases.iter().map(|period| (candidate.cause, separate::every(&candidate.parameter, *period)));
+        names.splice(names.len().min(1)..names.len().min(1), of_alias);
         findings.push(Finding {
             size,
             rms: rms(counts(scene, weights).into_iter().filter_map(|place| does.get(place).copied())),
@@ -277,12 +194,9 @@ fn verdict(
             chance: term.chance,
             gain_unseen: *gain,
             share,
-            separate_by: rival.map(|rival| separating(candidate, rival)),
-            class: class
-                .iter()
-                .filter_map(|&number| field.candidates.get(number))
-                .map(|one| (one.cause, one.parameter.clone()))
-                .collect(),
+            separate_by,
+            class: names,
+            aliases,
             candidate: candidate.clone(),
         });
     }

@@ -84,16 +84,25 @@ impl Series {
     /// What is regressed on the columns; those of the basis are taken out of it.
     pub fn set_values(&mut self, values: &[f64]) {
         self.left = self.whitened(values);
-        self.basis.iter().for_each(|direction| take_out(&mut self.left, direction));
+        for direction in &self.basis {
+            take_out(&mut self.left, direction);
+        }
     }
 
     /// Takes a column into the basis. Returns whether it says something of its own.
     pub fn take(&mut self, column: &[f64]) -> bool {
-        let Some(direction) = self.direction(column, &[]) else { return false };
-        take_out(&mut self.left, &direction);
+        self.take_with_shares(column).is_some()
+    }
+
+    /// Takes a column into the basis. Returns what it is of each column of the basis, at last of its own, and what is explained by this one.
+    pub fn take_with_shares(&mut self, column: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let mut shares = vec![0.0; self.basis.len()];
+        let (direction, own) = self.direction(column, &[], &mut shares)?;
+        shares.push(own);
+        let explained = take_out(&mut self.left, &direction);
         self.spans.push(span(&direction));
         self.basis.push(direction);
-        true
+        Some((shares, explained))
     }
 
     /// The columns of the basis: at right angles to each other, of unit length, whitened.
@@ -159,7 +168,7 @@ impl Series {
         let mut own: Vec<Vec<f64>> = Vec::new();
         let mut squares = 0.0;
         for column in columns {
-            if let Some(direction) = self.direction(column, &own) {
+            if let Some((direction, _)) = self.direction(column, &own, &mut []) {
                 squares += dot(&direction, &self.left).powi(2);
                 own.push(direction);
             }
@@ -176,7 +185,7 @@ impl Series {
         let mut places = Vec::new();
         let mut triangle: Vec<Vec<f64>> = Vec::new();
         for (place, column) in columns.iter().enumerate() {
-            let Some(direction) = self.direction(column, &own) else { continue };
+            let Some((direction, _)) = self.direction(column, &own, &mut []) else { continue };
             own.push(direction);
             let whitened = self.whitened(column);
             triangle.push(own.iter().map(|direction| dot(direction, &whitened)).collect());
@@ -203,8 +212,9 @@ impl Series {
         (amounts, covariance)
     }
 
-    /// The part of a column at right angles to the basis and to others, of unit length.
-    fn direction(&self, column: &[f64], others: &[Vec<f64>]) -> Option<Vec<f64>> {
+    /// The part of a column at right angles to the basis and to others, of unit length, and its length; `shares` gets what the column is of those of
+    /// the basis.
+    fn direction(&self, column: &[f64], others: &[Vec<f64>], shares: &mut [f64]) -> Option<(Vec<f64>, f64)> {
         let mut direction = self.whitened(column);
         let length = dot(&direction, &direction).sqrt();
         if !(length.is_finite() && length > 0.0) {
@@ -213,8 +223,15 @@ impl Series {
         let mut own = length;
         // Twice where little is left: what rounding leaves of the first time.
         for _ in 0..2 {
-            self.basis.iter().zip(&self.spans).for_each(|(other, span)| take_out_of(&mut direction, other, span));
-            others.iter().for_each(|other| take_out(&mut direction, other));
+            for (place, (other, span)) in self.basis.iter().zip(&self.spans).enumerate() {
+                let amount = take_out_of(&mut direction, other, span);
+                if let Some(share) = shares.get_mut(place) {
+                    *share += amount;
+                }
+            }
+            for other in others {
+                take_out(&mut direction, other);
+            }
             own = dot(&direction, &direction).sqrt();
             if own > CLEAR * length {
                 break;
@@ -224,7 +241,7 @@ impl Series {
             return None;
         }
         direction.iter_mut().for_each(|value| *value /= own);
-        Some(direction)
+        Some((direction, own))
     }
 
     /// Memory of residuals that are not whitened: the correlation of neighbours in the series.
@@ -253,13 +270,16 @@ fn span(column: &[f64]) -> Range<usize> {
     first..last
 }
 
-fn take_out_of(from: &mut [f64], direction: &[f64], span: &Range<usize>) {
-    if let (Some(from), Some(direction)) = (from.get_mut(span.clone()), direction.get(span.clone())) {
-        take_out(from, direction);
+fn take_out_of(from: &mut [f64], direction: &[f64], span: &Range<usize>) -> f64 {
+    match (from.get_mut(span.clone()), direction.get(span.clone())) {
+        (Some(from), Some(direction)) => take_out(from, direction),
+        _ => 0.0,
     }
 }
 
-fn take_out(from: &mut [f64], direction: &[f64]) {
+/// Returns how much it was.
+fn take_out(from: &mut [f64], direction: &[f64]) -> f64 {
     let amount = dot(from, direction);
     from.iter_mut().zip(direction).for_each(|(value, part)| *value -= amount * part);
+    amount
 }

@@ -28,4 +28,5 @@ pub(crate) use case::{Case, File, Recipe, case};
 pub(crate) use catalogue::{NOT_SHOWN, rows_shown};
 pub(crate) use effect::Hidden;
 pub(crate) use fault::{FAULTS, Fault, FaultKind, is_possible};
+pub(crate) use random::Random;
 pub(crate) use unknown::{UNKNOWNS, Unknown};

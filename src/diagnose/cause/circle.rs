@@ -37,18 +37,40 @@ pub(super) const CUP: Cause = Cause {
     propose: cup,
 };
 
+pub(super) const LOBES: Cause = Cause {
+    name: "lobes over the angle of a circle",
+    effect: Effect::Unknown,
+    made_by: "a ball or a cup out of round, or nothing that is known",
+    shown_by: "ball-bar: as many lobes in both senses and at all feeds",
+    separate_by: "turn the bar end for end and the ball in its cup: lobes of the instrument turn with it",
+    correctable: Correctable::No,
+    propose: |_, _| {},
+};
+
 /// Runs of which each may have lobes of its own.
 const MOST_RUNS: usize = 60;
 
 /// From the centre, mm, and the number of the row.
 type Placed = ([f64; 3], usize);
 
-/// The angle of every row on its circle and the radius; none where it is on no circle.
-pub(in crate::diagnose) fn angles(scene: &Scene<'_>) -> Option<(Values, Values)> {
+/// Where rows are on their circles; NaN where they are on none.
+#[derive(Clone, Debug)]
+pub(in crate::diagnose) struct Places {
+    /// Angle, rad.
+    pub(in crate::diagnose) angles: Values,
+    /// Radius, mm.
+    pub(in crate::diagnose) radii: Values,
+    /// The direction that stands still: 0, 1, 2.
+    pub(in crate::diagnose) planes: Values,
+}
+
+/// The place of every row on its circle; `None` where there are no circles.
+pub(in crate::diagnose) fn places(scene: &Scene<'_>) -> Option<Places> {
     let mut angles: Vec<Vec<f64>> = scene.sets.iter().map(|set| vec![f64::NAN; set.observations.len()]).collect();
-    let mut radii = angles.clone();
+    let (mut radii, mut planes) = (angles.clone(), angles.clone());
     let mut any = false;
-    let mut by_setup: HashMap<(usize, usize), Vec<Placed>> = HashMap::new();
+    // Circles of several planes may have one set-up.
+    let mut by_run: HashMap<(usize, usize), Vec<Placed>> = HashMap::new();
     for row in &scene.rows {
         let Some(set) = scene.sets.get(row.set).filter(|set| set.kind.name == "ballbar") else { continue };
         let Some(setup) = set.setups.get(row.setup) else { continue };
@@ -56,23 +78,22 @@ pub(in crate::diagnose) fn angles(scene: &Scene<'_>) -> Option<(Values, Values)>
             let axis = super::linear(scene).find(|axis| axis.dimension() == k);
             axis.map_or(0.0, |axis| row.position[axis]) + row.tool_mm[k] - setup.centre_mm[k]
         });
-        by_setup.entry((row.set, row.setup)).or_default().push((at, row.number));
+        by_run.entry((row.set, row.sequence)).or_default().push((at, row.number));
     }
-    for ((set, _), rows) in by_setup {
+    for ((set, _), rows) in by_run {
         let extent = |k: usize| rows.iter().map(|(at, _)| at[k].abs()).fold(0.0, f64::max);
         let still = (0..3).min_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(2);
         let [one, other] = [(still + 1) % 3, (still + 2) % 3];
         for (at, number) in rows {
-            if let (Some(angle), Some(radius)) = (
-                angles.get_mut(set).and_then(|own| own.get_mut(number)),
-                radii.get_mut(set).and_then(|own| own.get_mut(number)),
-            ) {
-                (*angle, *radius) = (at[other].atan2(at[one]), at[one].hypot(at[other]));
+            let own =
+                [&mut angles, &mut radii, &mut planes].map(|all| all.get_mut(set).and_then(|own| own.get_mut(number)));
+            if let [Some(angle), Some(radius), Some(plane)] = own {
+                (*angle, *radius, *plane) = (at[other].atan2(at[one]), at[one].hypot(at[other]), still as f64);
                 any = true;
             }
         }
     }
-    any.then(|| (Arc::new(angles), Arc::new(radii)))
+    any.then(|| Places { angles: Arc::new(angles), radii: Arc::new(radii), planes: Arc::new(planes) })
 }
 
 /// What a row has of a function of its angle.
@@ -82,14 +103,14 @@ fn of_angle(angles: &Values, of: impl Fn(f64) -> f64 + Send + Sync + 'static) ->
 }
 
 fn octants(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let Some((angles, _)) = angles(scene) else { return };
+    let Some(Places { angles, .. }) = places(scene) else { return };
     let step = of_angle(&angles, |angle| if angle.cos().abs() > FRAC_PI_4.cos() { 0.5 } else { -0.5 });
     let one = Candidate::one(&OCTANTS, "", Through::Reading(false), step);
     out.push(one.driven_by(&[&"X", &"Y", &"Z"]));
 }
 
 fn cup(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    let Some((angles, _)) = angles(scene) else { return };
+    let Some(Places { angles, .. }) = places(scene) else { return };
     let mut runs: Vec<(usize, usize)> = scene.rows.iter().map(|row| (row.set, row.run)).collect();
     runs.sort_unstable();
     runs.dedup();
@@ -119,7 +140,7 @@ fn cup(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
 
 /// A circle of so many chords with a corner at zero.
 pub(in crate::diagnose) fn chords(scene: &Scene<'_>, count: u32) -> Option<Candidate> {
-    let (angles, radii) = angles(scene)?;
+    let Places { angles, radii, .. } = places(scene)?;
     let shape = Weight::new(move |row| {
         let at = |values: &Values| values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);
         chord(at(&angles), count) * at(&radii)
@@ -134,4 +155,25 @@ pub(in crate::diagnose) fn chord(angle: f64, count: u32) -> f64 {
     let half = std::f64::consts::PI / f64::from(count);
     let within = angle.rem_euclid(2.0 * half) - half;
     half.cos() / within.cos() - 1.0
+}
+
+/// So many lobes over the angle of circles whose plane is at right angles to a direction (0, 1, 2).
+pub(in crate::diagnose) fn lobes(scene: &Scene<'_>, still: usize, count: u32) -> Option<Candidate> {
+    let Places { angles, planes, .. } = places(scene)?;
+    let wave = |of: fn(f64) -> f64| {
+        let (angles, planes) = (Arc::clone(&angles), Arc::clone(&planes));
+        Weight::new(move |row| {
+            let at = |values: &Values| values.get(row.set).and_then(|own| own.get(row.number)).copied();
+            let is_in = at(&planes).is_some_and(|plane| plane == still as f64);
+            at(&angles).filter(|_| is_in).map_or(0.0, |angle| of(f64::from(count) * angle))
+        })
+    };
+    let names = ["X", "Y", "Z"];
+    let [one, other] = *[[1, 2], [0, 2], [0, 1]].get(still)?;
+    let (one, other) = (names[one], names[other]);
+    let through = Through::Reading(false);
+    let mut found = Candidate::one(&LOBES, format!("{one}{other}"), through, wave(f64::cos)).driven_by(&[&one, &other]);
+    found.columns.push(vec![(through, wave(f64::sin))]);
+    found.constant = Some((f64::from(count), "lobes"));
+    Some(found)
 }

@@ -11,7 +11,7 @@ mod cross;
 pub(in crate::diagnose) mod drift;
 mod load;
 mod location;
-mod motion;
+pub(in crate::diagnose) mod motion;
 pub(in crate::diagnose) mod periodic;
 mod servo;
 mod setup;
@@ -129,6 +129,7 @@ pub const CAUSES: &[&Cause] = &[
     &circle::CHORDS,
     &circle::OCTANTS,
     &circle::CUP,
+    &circle::LOBES,
     &load::GUIDE,
     &load::TABLE,
     &setup::PLACE,

@@ -60,3 +60,23 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         }
     }
 }
+
+/// Motions of linear axes without their slope, of the second degree and with the third: Legendre's polynomials over the range that was measured. Beside
+/// a squareness, which has the slope, they are all of a straightness.
+pub(in crate::diagnose) fn bows(scene: &Scene<'_>) -> Vec<Candidate> {
+    let mut out = Vec::new();
+    for axis in super::linear(scene) {
+        let Some([low, high]) = super::range(scene, axis) else { continue };
+        let (middle, half) = (f64::midpoint(low, high), 0.5 * (high - low));
+        let of = |shape: fn(f64) -> f64| Weight::new(move |row| shape((row.position[axis] - middle) / half));
+        let [second, third] = [of(|u| u * u), of(|u| u * (u * u - 0.6))];
+        for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
+            let through = Through::Component(component);
+            let one = Candidate::one(&CAUSE, component, through, second.clone()).driven_by(&[&axis]);
+            let mut both = one.clone();
+            both.columns.push(vec![(through, third.clone())]);
+            out.extend([one, both]);
+        }
+    }
+    out
+}

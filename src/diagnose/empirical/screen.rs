@@ -7,6 +7,8 @@ use crate::diagnose::score::gained;
 const NEARER: usize = 5;
 /// A step has this share of what shows it on each side: one reading that is off is no step.
 const LEAST_SIDE: f64 = 0.03;
+/// A period explains nearly as much as another by this share of it.
+const NEARLY: f64 = 0.95;
 /// Products of two that are looked at closely.
 const PRODUCTS: usize = 24;
 
@@ -235,12 +237,12 @@ impl Empirical {
                         .zip(feed.values.iter())
                         .map(|(sum, value)| if is_in(value) { sum[0] } else { 0.0 })
                         .collect();
-                    let information: f64 = sums
+                    let known: Vec<f64> = sums
                         .iter()
                         .zip(feed.values.iter())
-                        .filter(|(_, value)| is_in(value))
-                        .map(|(sum, _)| sum[1])
-                        .sum();
+                        .map(|(sum, value)| if is_in(value) { sum[1] } else { 0.0 })
+                        .collect();
+                    let information: f64 = known.iter().sum();
                     let worth = |period: f64| {
                         let (mut sines, mut cosines) = (0.0, 0.0);
                         for (product, value) in
@@ -252,7 +254,9 @@ impl Empirical {
                         }
                         2.0 * (sines * sines + cosines * cosines) / information.max(1e-300)
                     };
-                    let mut period = sweep.longest(&products);
+                    // Where readings stand evenly a shorter wave is the image of a longer one.
+                    let peaks = sweep.peaks(&products, &known, NEARLY);
+                    let Some(mut period) = peaks.into_iter().max_by(f64::total_cmp) else { continue };
                     let mut most = worth(period);
                     if most <= 2.0 * price {
                         continue;

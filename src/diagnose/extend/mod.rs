@@ -37,7 +37,7 @@ pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Resul
     found.findings.iter().map(|one| is_sound(one, left).and_then(|()| changes(one, scene, used))).collect()
 }
 
-/// Refuses what a program must not be moved by: terms that nearly cancel each other are far larger than all that is left, and what is less sure than it is
+/// Refuses what a program must not be moved by: a wave whose period is not told; terms that nearly cancel each other are far larger than all that is left, and what is less sure than it is
 /// large may as well have the other sign.
 fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
     if one.rms > CANCELS * left {
@@ -45,6 +45,13 @@ fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
         return Err(format!(
             "alone it would do {times:.1} times what the model leaves: others cancel it, and where was not measured they do not; measure at more places"
         ));
+    }
+    if !one.aliases.is_empty() {
+        return Err(
+            "it may as well have other periods: between the places that were measured nobody knows what it does; measure \
+             at points of uneven spacing or in small steps"
+                .into(),
+        );
     }
     if one.size.u95 >= one.size.value.abs() {
         return Err("it is less sure than it is large; measure more often or at more places".into());

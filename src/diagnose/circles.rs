@@ -1,0 +1,136 @@
+//! Chords and lobes of circles: how many explain most of what is left. What angles that are evenly spaced do not tell from fewer is not looked for.
+
+use std::collections::HashMap;
+
+use super::cause::{Values, circle};
+use super::row::Row;
+use super::scene::Scene;
+use super::seek::SOME;
+
+/// Rows that stay together in it.
+const STRETCH: usize = 50;
+/// Chords of a circle that are tried.
+const CHORDS: std::ops::Range<u32> = 24..720;
+/// Lobes of a circle that are tried: fewer are errors of the axes.
+const LOBES: std::ops::Range<u32> = 6..60;
+/// Angles show a number of cycles like none where so much of the mean of exp(i n φ) is left.
+const ALIKE: f64 = 0.95;
+
+/// Some rows on circles.
+#[derive(Clone, Debug)]
+pub(super) struct Circles {
+    rows: Vec<usize>,
+    /// Numbers of chords that the angles tell from fewer.
+    counts: std::ops::Range<u32>,
+    /// How far inside the chords of each number are there, mm.
+    chords: Vec<Vec<f64>>,
+    /// The plane, by the direction that stands still, and the angle of each, rad.
+    angles: Vec<(usize, f64)>,
+    /// Planes.
+    planes: Vec<usize>,
+    lobes: std::ops::Range<u32>,
+}
+
+impl Circles {
+    pub(super) fn new(scene: &Scene<'_>) -> Option<Circles> {
+        let circle::Places { angles, radii, planes } = circle::places(scene)?;
+        let at = |values: &Values, row: &Row| {
+            values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
+        };
+        let places: Vec<(usize, f64, f64)> = scene
+            .rows
+            .iter()
+            .enumerate()
+            .map(|(place, row)| (place, at(&angles, row), at(&radii, row)))
+            .filter(|(_, angle, radius)| angle.is_finite() && radius.is_finite())
+            .enumerate()
+            // Neighbours stay together: every so many rows alone one number of chords looks like another.
+            .filter(|(count, _)| (count / STRETCH).is_multiple_of((scene.rows.len() / SOME).max(1)))
+            .map(|(_, place)| place)
+            .collect();
+        // Lengths may be unknowns of set-ups: what all of a circle have says nothing.
+        let setup = |place: usize| scene.rows.get(place).map_or((0, 0), |row| (row.set, row.setup));
+        let most = told(places.iter().map(|(_, angle, _)| *angle));
+        let counts = CHORDS.start..CHORDS.end.min(most);
+        let chords = counts
+            .clone()
+            .map(|count| {
+                let within = |(_, angle, radius): &(usize, f64, f64)| radius * circle::chord(*angle, count);
+                let mut means: HashMap<(usize, usize), (f64, f64)> = HashMap::new();
+                for one in &places {
+                    let mean = means.entry(setup(one.0)).or_default();
+                    *mean = (mean.0 + within(one), mean.1 + 1.0);
+                }
+                let mean = |place| means.get(&setup(place)).map_or(0.0, |(sum, count)| sum / count);
+                places.iter().map(|one| within(one) - mean(one.0)).collect()
+            })
+            .collect();
+        let angles: Vec<(usize, f64)> = places
+            .iter()
+            .map(|&(place, angle, _)| (scene.rows.get(place).map_or(0, |row| at(&planes, row) as usize), angle))
+            .collect();
+        let mut planes: Vec<usize> = angles.iter().map(|(plane, _)| *plane).collect();
+        planes.sort_unstable();
+        planes.dedup();
+        let rows = places.into_iter().map(|(place, ..)| place).collect();
+        let lobes = LOBES.start..LOBES.end.min(most).max(LOBES.start);
+        Some(Circles { rows, counts, chords, angles, planes, lobes })
+    }
+
+    /// How many candidates that are.
+    pub(super) fn count(&self) -> usize {
+        self.counts.len() + self.planes.len() * self.lobes.len()
+    }
+
+    /// How many lobes explain most in each plane.
+    pub(super) fn best_lobes(&self, sums: &[f64], information: &[f64]) -> Vec<(usize, u32)> {
+        let of_plane = |&plane: &usize| {
+            let own = || self.rows.iter().zip(&self.angles).filter(|(_, (own, _))| *own == plane);
+            let gain = |count: u32| {
+                let (mut right, mut matrix) = ([0.0; 2], [0.0; 3]);
+                for (&row, (_, angle)) in own() {
+                    let (sine, cosine) = (f64::from(count) * angle).sin_cos();
+                    let [sum, known] = [sums, information].map(|all| all.get(row).copied().unwrap_or(0.0));
+                    right = [right[0] + sum * cosine, right[1] + sum * sine];
+                    let parts = [known * cosine * cosine, known * sine * sine, known * sine * cosine];
+                    matrix = [0, 1, 2].map(|k| matrix[k] + parts[k]);
+                }
+                let told = matrix[0] * matrix[1] - matrix[2] * matrix[2];
+                if told <= 0.0 {
+                    return 0.0;
+                }
+                (right[0] * right[0] * matrix[1] - 2.0 * right[0] * right[1] * matrix[2]
+                    + right[1] * right[1] * matrix[0])
+                    / told
+            };
+            let best = self.lobes.clone().map(|count| (gain(count), count)).max_by(|a, b| a.0.total_cmp(&b.0));
+            best.filter(|(gain, _)| *gain > 0.0).map(|(_, count)| (plane, count))
+        };
+        self.planes.iter().filter_map(of_plane).collect()
+    }
+
+    /// How many chords explain most. They are as far within as they are: their amount is one.
+    pub(super) fn best(&self, sums: &[f64], information: &[f64]) -> Option<u32> {
+        let of = |values: &[f64]| -> Vec<f64> {
+            self.rows.iter().map(|&row| values.get(row).copied().unwrap_or(0.0)).collect()
+        };
+        let (sums, information) = (of(sums), of(information));
+        let gain = |shape: &[f64]| -> f64 {
+            let each = shape.iter().zip(sums.iter().zip(&information));
+            each.map(|(shape, (sum, information))| shape * (2.0 * sum - information * shape)).sum()
+        };
+        let gains = self.counts.clone().zip(&self.chords).map(|(count, shape)| (gain(shape), count));
+        gains.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(gain, _)| *gain > 0.0).map(|(_, count)| count)
+    }
+}
+
+/// The number of cycles on a circle that some angles, rad, do not tell from fewer: half of those that they show like none.
+fn told(angles: impl Iterator<Item = f64> + Clone) -> u32 {
+    let count = angles.clone().count() as f64;
+    let is_like_none = |cycles: &u32| {
+        let each = angles.clone().map(|angle| (f64::from(*cycles) * angle).sin_cos());
+        let (real, imaginary) = each.fold((0.0, 0.0), |sum, (sine, cosine)| (sum.0 + cosine, sum.1 + sine));
+        real.hypot(imaginary) > ALIKE * count
+    };
+    (1..2 * CHORDS.end).find(is_like_none).map_or(CHORDS.end, |cycles| cycles / 2)
+}

@@ -1,0 +1,130 @@
+//! The gates: chance, size, gain on unseen parts, data held out.
+
+use super::cause::{Candidate, Effect};
+use super::fold::{Selections, confirmed, counts, unseen, worth};
+use super::readings::{doing, left_of, rms};
+use super::rejected::{Gate, Rejections};
+use super::search::{Field, Taken, Weights};
+
+/// Chance at which a finding is claimed where there is nothing, over all candidates.
+const LIMIT: f64 = 1e-3;
+/// A finding does this share of the noise to the readings in which it acts at least: less is no cause but what others leave.
+const SMALL: f64 = 0.25;
+/// The same of what has no name or goes with time only: of such there are many.
+const SMALL_UNNAMED: f64 = 0.4;
+/// Readings in which it acts: beyond this share of the largest.
+const ACTS: f64 = 0.05;
+/// Data held out say something of a finding where it does this share of what it does in the data used.
+const EXERCISED: f64 = 0.1;
+
+/// Both gates.
+pub(super) fn confirm(
+    field: &mut Field<'_, '_>,
+    weights: &Weights,
+    taken: Vec<usize>,
+    (selections, rejections): (&mut Selections, &mut Rejections),
+    note: &mut dyn FnMut(&str, f64),
+) -> Vec<(Taken, f64)> {
+    let judged = field.backward(weights, taken, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
+    let all = judged.clone();
+    let judged = large_enough(field, weights, judged);
+    let is_in = |term: &Taken| judged.iter().any(|other| other.candidate == term.candidate);
+    all.iter().filter(|term| !is_in(term)).for_each(|term| rejections.add(term, Gate::Size, None));
+    let count = judged.len();
+    let mut out = |term: &Taken, gain| rejections.add(term, Gate::Unseen, gain);
+    let kept = confirmed(field, weights, judged, selections, &mut out, &mut |share| note("held-out parts", share));
+    if kept.len() == count { kept } else { waves_that_stand(field, weights, kept, rejections) }
+}
+
+/// Without waves that only stood beside what did not: where a few places have much of their own, some wave fits what others have left of it.
+fn waves_that_stand(
+    field: &Field<'_, '_>,
+    weights: &Weights,
+    mut kept: Vec<(Taken, f64)>,
+    rejections: &mut Rejections,
+) -> Vec<(Taken, f64)> {
+    let is_wave =
+        |term: &Taken| field.candidates.get(term.candidate).is_some_and(|one| one.cause.effect == Effect::Periodic);
+    if kept.iter().any(|(term, _)| is_wave(term)) {
+        let numbers = kept.iter().map(|(term, _)| term.candidate).collect();
+        let standing = field.backward(weights, numbers, LIMIT, &mut |out| {
+            if is_wave(out) {
+                rejections.add(out, Gate::Chance, None);
+            }
+        });
+        let stands = |term: &Taken| standing.iter().any(|other| other.candidate == term.candidate);
+        kept.retain(|(term, _)| !is_wave(term) || stands(term));
+    }
+    kept
+}
+
+/// Without those that do nearly nothing.
+fn large_enough(field: &Field<'_, '_>, weights: &Weights, judged: Vec<Taken>) -> Vec<Taken> {
+    let scene = field.scene;
+    let taken: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
+    let left = left_of(field, weights, &taken);
+    let places = counts(scene, weights);
+    let of = |values: &[f64], place: usize| match (values.get(place), weights.items.get(place)) {
+        (Some(value), Some(weight)) => value * weight,
+        _ => 0.0,
+    };
+    let noise = rms(places.iter().map(|&place| of(&left, place)));
+    let is_large = |term: &Taken| {
+        let does = doing(field, weights, weights, &taken, term.candidate);
+        let most = places.iter().map(|&place| of(&does, place).abs()).fold(0.0, f64::max);
+        let acts = places.iter().map(|&place| of(&does, place)).filter(|value| value.abs() > ACTS * most);
+        let effect = field.candidates.get(term.candidate).map(|one| one.cause.effect);
+        let least = if matches!(effect, Some(Effect::Unknown | Effect::Drift)) { SMALL_UNNAMED } else { SMALL };
+        rms(acts) > least * noise
+    };
+    judged.into_iter().filter(is_large).collect()
+}
+
+/// Causes that belong to one day or one set-up: other data cannot confirm them.
+fn is_only_here(one: &Candidate) -> bool {
+    // What vibrates has another phase on another day.
+    matches!(one.cause.effect, Effect::Setup | Effect::Sensor | Effect::Outlier | Effect::Program | Effect::Drift)
+        || (one.cause.effect == Effect::Dynamic && one.drivers.iter().all(|driver| driver == "t_s"))
+}
+
+/// Takes out what the data held out does not confirm, and notes the gains there.
+pub(super) fn hold(
+    field: &Field<'_, '_>,
+    weights: &Weights,
+    held_out: &Weights,
+    kept: &mut Vec<(Taken, f64)>,
+    rejections: &mut Rejections,
+) -> Vec<Candidate> {
+    let scene = field.scene;
+    let mut out = Vec::new();
+    if counts(scene, held_out).is_empty() {
+        return out;
+    }
+    loop {
+        let taken: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+        let with = unseen(field, weights, held_out, &taken);
+        let mut worst: Option<(f64, usize)> = None;
+        for (place, (term, gain)) in kept.iter_mut().enumerate() {
+            let number = term.candidate;
+            let size = |on: &Weights| {
+                let does = doing(field, weights, on, &taken, number);
+                rms(counts(scene, on).into_iter().filter_map(|place| does.get(place).copied()))
+            };
+            let is_local = field.candidates.get(number).is_some_and(is_only_here);
+            if is_local || size(held_out) < EXERCISED * size(weights) {
+                continue;
+            }
+            // Others take over what they can, so that only what is its own counts.
+            let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
+            let without = unseen(field, weights, held_out, &others);
+            *gain = if without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 };
+            if *gain < worth(field, number) && worst.is_none_or(|(least, _)| *gain < least) {
+                worst = Some((*gain, place));
+            }
+        }
+        let Some((_, place)) = worst else { return out };
+        let (term, gain) = kept.remove(place);
+        rejections.add(&term, Gate::HeldOut, Some(gain));
+        out.extend(field.candidates.get(term.candidate).cloned());
+    }
+}

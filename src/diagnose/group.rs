@@ -1,0 +1,195 @@
+//! Many errors of a machine at once: one after the other the first that is taken explains a bit of each, and what is taken then mends it.
+//!
+//! All simple errors – locations, polynomials of the motion of axes – are taken at once, the least far-fetched first, those that depend on others not
+//! at all, and those that are not worth their number taken out again, the most far-fetched first. Where that is as good as what was found one after the other
+//! it is what is named.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::cause::{Candidate, Effect, Term};
+use super::price::Price;
+use super::scene::Through;
+use super::search::{Field, TIE, Weights};
+use crate::model::ParameterName;
+use crate::model::name::ErrorName;
+use crate::model::parameter::Term as Part;
+
+/// So many terms one after the other make it worth trying.
+const MANY: usize = 3;
+/// Degrees of polynomials.
+const DEGREE: u8 = 3;
+/// A column of which less than this share of the square is left beside those before it is no column of its own; beside set-ups of less than the second
+/// nothing is left.
+const OWN: f64 = 1e-2;
+const NOTHING: f64 = 1e-9;
+/// Candidates at most.
+const MOST: usize = 16;
+
+/// A simple error.
+struct Simple {
+    name: ErrorName,
+    /// 0 for a location.
+    degree: u8,
+    candidate: usize,
+    /// The candidate that has no slope.
+    bow: Option<usize>,
+}
+
+/// A column: its name, the candidate that has it and those of lower degrees.
+struct Single {
+    name: ErrorName,
+    /// 0 for a location.
+    degree: u8,
+    candidate: usize,
+    /// What it does beside the set-ups, of unit length, whitened.
+    does: Vec<f64>,
+}
+
+impl Field<'_, '_> {
+    /// What explains the readings better: what was taken one after the other, or a group of simple errors and what is left beside it.
+    pub(super) fn together(&mut self, weights: &Weights, taken: Vec<usize>) -> Vec<usize> {
+        let is_far = |one: &Candidate| matches!(one.cause.effect, Effect::Cross | Effect::Unknown | Effect::Setup);
+        let is_any_far = taken.iter().filter_map(|&number| self.candidates.get(number)).any(is_far);
+        if taken.len() < MANY && !(is_any_far && taken.len() > 1) {
+            return taken;
+        }
+        let group = self.group(weights);
+        if group.len() < 2 {
+            return taken;
+        }
+        let group = self.sound_steps(weights, &group);
+        let far = taken.iter().filter_map(|&number| self.candidates.get(number)).filter(|one| is_far(one)).count();
+        let [one, other] = [&taken, &group].map(|all| self.criterion(weights, all));
+        if other < one + TIE * far as f64 { group } else { taken }
+    }
+
+    /// −2 ln of the likelihood and the price of all columns.
+    fn criterion(&self, weights: &Weights, taken: &[usize]) -> f64 {
+        let [without, with] = [self.series(weights, &[], 0.0), self.series(weights, taken, 0.0)];
+        let rank = with.rank().saturating_sub(without.rank());
+        let gain = crate::numeric::Gain { squares: without.squares() - with.squares(), rank };
+        -Price::new(with.count() as f64, self.tried).worth(without.squares(), &gain)
+    }
+
+    /// Simple errors that are worth their number beside each other, in the order in which they are named.
+    fn group(&self, weights: &Weights) -> Vec<usize> {
+        let mut series = self.series(weights, &[], 0.0);
+        let left = series.left().to_vec();
+        let mut all: Vec<Single> = Vec::new();
+        let mut own: Vec<Vec<f64>> = Vec::new();
+        // Components whose slope is that of a location.
+        let mut bent: Vec<ErrorName> = Vec::new();
+        for one in self.simple() {
+            // What bends is looked at without its slope: of a line far from zero a square is nearly all slope.
+            let columns = self.candidates.get(one.bow.unwrap_or(one.candidate)).map(|one| self.columns(one));
+            let Some(column) = columns.and_then(|mut all| all.pop()) else { continue };
+            let whitened = series.whitened(&column);
+            let whole = dot(&whitened, &whitened);
+            series.set_values(&column);
+            let mut does = series.left().to_vec();
+            let beside = dot(&does, &does);
+            let length = beside.sqrt();
+            does.iter_mut().for_each(|value| *value /= length);
+            let mut direction = does.clone();
+            for other in &own {
+                let share = dot(&direction, other);
+                direction.iter_mut().zip(other).for_each(|(value, part)| *value -= share * part);
+            }
+            let rest = dot(&direction, &direction);
+            if !(beside > NOTHING * whole && rest > OWN) {
+                bent.push(one.name);
+                continue;
+            }
+            direction.iter_mut().for_each(|value| *value /= rest.sqrt());
+            own.push(direction);
+            let candidate = one.bow.filter(|_| bent.contains(&one.name)).unwrap_or(one.candidate);
+            all.push(Single { name: one.name, degree: one.degree, candidate, does });
+        }
+        series.set_values(&[]);
+        let squares = dot(&left, &left);
+        self.pruned(all, (&left, squares), series.count() as f64)
+    }
+
+    /// Locations and motions by degree, the least far-fetched first.
+    fn simple(&self) -> Vec<Simple> {
+        let mut out: Vec<(u32, Simple)> = Vec::new();
+        let bow = |name: ErrorName, degree: u8| {
+            let is_it = |&number: &usize| {
+                self.candidates.get(number).is_some_and(|one| {
+                    one.columns.len() + 1 == usize::from(degree)
+                        && one
+                            .columns
+                            .first()
+                            .and_then(|parts| parts.first())
+                            .is_some_and(|part| part.0 == Through::Component(name))
+                })
+            };
+            self.bows.clone().find(is_it)
+        };
+        for (candidate, one) in self.candidates.iter().enumerate() {
+            let Term::Parameters(parameters) = &one.term else { continue };
+            let degrees: Option<Vec<u8>> = parameters.iter().map(degree).collect();
+            let (Some(degrees), Some(first)) = (degrees, parameters.first()) else { continue };
+            let degree = match one.cause.effect {
+                Effect::Location if parameters.len() == 1 => 0,
+                Effect::Motion if degrees.iter().copied().eq(1..=degrees.len() as u8) => degrees.len() as u8,
+                _ => continue,
+            };
+            let name = first.component;
+            let bow = bow(name, degree).filter(|_| degree > 1);
+            if degree <= 1 || (degree <= DEGREE && bow.is_some()) {
+                out.push((one.far_fetched(), Simple { name, degree, candidate, bow }));
+            }
+        }
+        out.sort_by_key(|(far, one)| (one.degree, *far, one.candidate));
+        out.into_iter().map(|(_, one)| one).collect()
+    }
+
+    /// Takes out what is not worth its price, the most far-fetched first and no degree before higher ones.
+    fn pruned(&self, all: Vec<Single>, (left, squares): (&[f64], f64), count: f64) -> Vec<usize> {
+        let products = DMatrix::from_fn(all.len(), all.len(), |k, l| dot(&all[k].does, &all[l].does));
+        let right = DVector::from_fn(all.len(), |k, _| dot(&all[k].does, left));
+        let price = Price::new(count, self.tried);
+        let mut open: Vec<usize> = (0..all.len()).collect();
+        while !open.is_empty() {
+            let part = DMatrix::from_fn(open.len(), open.len(), |k, l| products[(open[k], open[l])]);
+            let own = DVector::from_fn(open.len(), |k, _| right[open[k]]);
+            let Some(inverse) = part.cholesky().map(|one| one.inverse()) else { return Vec::new() };
+            let amounts = &inverse * &own;
+            let rest = (squares - own.dot(&amounts)).max(squares * 1e-12);
+            let is_top = |k: usize| {
+                let one = &all[open[k]];
+                !open.iter().any(|&other| all[other].name == one.name && all[other].degree > one.degree)
+            };
+            let loss = |k: usize| amounts[k] * amounts[k] / inverse[(k, k)];
+            let worth = |k: usize| price.worth(rest + loss(k), &crate::numeric::Gain { squares: loss(k), rank: 1 });
+            let tops: Vec<usize> = (0..open.len()).filter(|&k| is_top(k)).collect();
+            // The most far-fetched of those that are not worth it; only where there are too many the one that is worth least.
+            let out = tops.iter().copied().rfind(|&k| worth(k) <= 0.0);
+            let least = || tops.iter().copied().min_by(|&k, &l| loss(k).total_cmp(&loss(l)));
+            let Some(k) = out.or_else(|| least().filter(|_| tops.len() > MOST)) else { break };
+            open.remove(k);
+        }
+        let mut out: Vec<usize> = Vec::new();
+        for &k in &open {
+            let one = &all[k];
+            if !open.iter().any(|&other| all[other].name == one.name && all[other].degree > one.degree) {
+                out.push(one.candidate);
+            }
+        }
+        out
+    }
+}
+
+/// The degree of a coefficient of a polynomial.
+fn degree(parameter: &ParameterName) -> Option<u8> {
+    match parameter.term {
+        Part::Coefficient(degree) => Some(degree),
+        Part::Whole => Some(0),
+        _ => None,
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,145 @@
+//! Whether candidates stand beside each other: chance, by the memory of what is left.
+
+use std::collections::HashMap;
+
+use super::cause::Effect;
+use super::freedom::Order;
+use super::score::in_parts;
+use super::search::{Field, Taken, Weights};
+use crate::geometry::AXIS_COUNT;
+use crate::model::ErrorName;
+use crate::numeric::{Series, fisher};
+
+/// Positions that differ by less than one part in so many, mm or rad, are one.
+const FINE: f64 = 1e3;
+
+impl Field<'_, '_> {
+    /// By how much the variances of the amounts of columns are larger than of independent readings, at most.
+    pub(super) fn inflation(&self, weights: &Weights, taken: &[usize], others: &[usize], number: usize) -> f64 {
+        let order = Order::new(weights);
+        let memory = self.memory(weights, taken);
+        let of_noise = order.correlations(self.series(weights, taken, memory).left());
+        let columns = self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default();
+        let series = self.series(weights, others, memory);
+        inflation(&order, &of_noise, &series, &columns)
+    }
+
+    /// The pose of every reading by which a wave is judged: a number for each that was read more than once.
+    fn poses(&self, weights: &Weights) -> Poses {
+        let mut numbers: HashMap<Pose, usize> = HashMap::new();
+        let mut members: Vec<Vec<usize>> = Vec::new();
+        for (place, (item, weight)) in self.scene.items.iter().zip(&weights.items).enumerate() {
+            let Some(row) = self.scene.rows.get(item.row).filter(|_| *weight > 0.0) else { continue };
+            let fine = |value: f64| (value * FINE).round() as i64;
+            let at = row.position.0.map(fine);
+            let pose = (at, row.tool_mm.map(fine), item.value, row.component);
+            let number = *numbers.entry(pose).or_insert(members.len());
+            if number == members.len() {
+                members.push(Vec::new());
+            }
+            if let Some(own) = members.get_mut(number) {
+                own.push(place);
+            }
+        }
+        Poses(members)
+    }
+
+    /// The memory of what is left with some candidates.
+    pub(super) fn memory(&self, weights: &Weights, taken: &[usize]) -> f64 {
+        let plain = self.series(weights, taken, 0.0);
+        let left: Vec<f64> = plain
+            .left()
+            .iter()
+            .zip(&weights.items)
+            .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
+            .collect();
+        plain.memory_of(&left)
+    }
+
+    /// Takes out what does not stand beside the others, the weakest first; `note` gets it.
+    pub(super) fn backward(
+        &self,
+        weights: &Weights,
+        mut taken: Vec<usize>,
+        limit: f64,
+        note: &mut dyn FnMut(&Taken),
+    ) -> Vec<Taken> {
+        let order = Order::new(weights);
+        let is_wave =
+            |number: &usize| self.candidates.get(*number).is_some_and(|one| one.cause.effect == Effect::Periodic);
+        let poses = taken.iter().any(is_wave).then(|| self.poses(weights));
+        loop {
+            let memory = self.memory(weights, &taken);
+            let whole = self.series(weights, &taken, memory);
+            let of_noise = order.correlations(whole.left());
+            let judged = in_parts(&taken, &|&number: &usize| {
+                let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
+                let series = self.series(weights, &others, memory);
+                let columns = self.columns(&self.candidates[number]);
+                let gain = series.gain(&columns);
+                let mut inflation = inflation(&order, &of_noise, &series, &columns);
+                if let Some(poses) = poses.as_ref().filter(|_| is_wave(&number)) {
+                    inflation = inflation.max(poses.inflation(whole.left(), &columns));
+                }
+                // Readings that wander together are as good as fewer that do not.
+                let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).max(1.0);
+                let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
+                let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
+                let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
+                Taken { candidate: number, chance: chance.min(1.0) }
+            });
+            let weakest = judged.iter().max_by(|a, b| a.chance.total_cmp(&b.chance));
+            match weakest {
+                Some(weakest) if weakest.chance > limit => {
+                    note(weakest);
+                    let out = weakest.candidate;
+                    taken.retain(|&number| number != out);
+                }
+                _ => return judged,
+            }
+        }
+    }
+}
+
+/// Axes in thousandths of a mm or a rad, the tool, which value, which component.
+type Pose = ([i64; AXIS_COUNT], [i64; 3], usize, Option<ErrorName>);
+
+/// Readings of the same pose.
+struct Poses(Vec<Vec<usize>>);
+
+impl Poses {
+    /// By how much variances grow because what is left is the same whenever a pose is read: then readings of one pose are one, however many there are.
+    /// Among a hundred waves there is one that fits what a few poses have of their own.
+    fn inflation(&self, left: &[f64], columns: &[Vec<f64>]) -> f64 {
+        // Σ of products of different readings of a pose, and of squares.
+        let sums = |values: &[f64]| {
+            self.0.iter().fold((0.0, 0.0), |sums, places| {
+                let own = || places.iter().filter_map(|&place| values.get(place));
+                let (sum, squares) = (own().sum::<f64>(), own().map(|value| value * value).sum::<f64>());
+                (sums.0 + sum * sum - squares, sums.1 + squares)
+            })
+        };
+        let pairs: f64 = self.0.iter().map(|own| own.len() as f64 * (own.len() as f64 - 1.0)).sum();
+        let count: f64 = self.0.iter().map(|own| own.len() as f64).sum();
+        let (products, squares) = sums(left);
+        if pairs <= 0.0 || squares <= 0.0 {
+            return 1.0;
+        }
+        let alike = (products / pairs / (squares / count)).clamp(0.0, 1.0);
+        let of_column = |column: &Vec<f64>| {
+            let (products, squares) = sums(column);
+            if squares > 0.0 { 1.0 + alike * products / squares } else { 1.0 }
+        };
+        columns.iter().map(of_column).fold(1.0, f64::max)
+    }
+}
+
+/// By how much the variances of the amounts of columns beside a basis are larger than of independent readings, at most.
+fn inflation(order: &Order, of_noise: &[f64], series: &Series, columns: &[Vec<f64>]) -> f64 {
+    let mut beside = series.clone();
+    let of_column = |column: &Vec<f64>| {
+        beside.set_values(column);
+        order.inflation(of_noise, beside.left())
+    };
+    columns.iter().map(of_column).fold(1.0, f64::max)
+}
