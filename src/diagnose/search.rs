@@ -98,7 +98,8 @@ impl<'s, 'a> Field<'s, 'a> {
             _ => false,
         };
         taken.iter().filter_map(|&other| self.candidates.get(other)).any(|other| {
-            other.cause.name == one.cause.name
+            let is_one_effect = one.sensor.is_some() && other.cause.effect == one.cause.effect;
+            (is_one_effect || other.cause.name == one.cause.name)
                 && other.parameter == one.parameter
                 && other.sensor == one.sensor
                 && is_near(other)
