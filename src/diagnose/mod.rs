@@ -5,6 +5,7 @@
 //! fault::FAULTS                         what is wrong with the data themselves
 //! cause::CAUSES                          candidates: what readings would have in addition, one file per cause
 //! search, freedom                        which of them explain what is left beside the memory of the noise
+//! slow                                   which of these stand beside noise that wanders
 //! fold                                   which of these also help where they were not found
 //! verdict                                sizes, rivals, shares, noise, what is left; before and after, also on data held out
 //! extend                                 what goes into the machine file
@@ -32,6 +33,7 @@ mod separate;
 pub mod shape;
 mod share;
 mod size;
+mod slow;
 mod sweep;
 mod verdict;
 

@@ -189,7 +189,7 @@ impl<'s, 'a> Field<'s, 'a> {
         series
     }
 
-    fn unknowns(&self) -> Vec<Vec<f64>> {
+    pub(super) fn unknowns(&self) -> Vec<Vec<f64>> {
         let mut columns = vec![vec![0.0; self.scene.items.len()]; self.scene.unknowns];
         for (place, item) in self.scene.items.iter().enumerate() {
             for &(unknown, factor) in &item.by_unknown {

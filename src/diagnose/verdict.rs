@@ -12,6 +12,7 @@ use super::search::{Field, Taken, Weights};
 use super::separate::separating;
 use super::share::{Share, shares};
 use super::size::{Amounts, Size, size};
+use super::slow;
 
 /// Chance at which a finding is claimed where there is nothing, over all candidates.
 const LIMIT: f64 = 1e-3;
@@ -138,6 +139,7 @@ fn confirm(
     note: &mut dyn FnMut(&str, f64),
 ) -> Vec<(Taken, f64)> {
     let judged = field.backward(weights, taken, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
+    let judged = slow::stand(field, weights, judged, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
     let all = judged.clone();
     let judged = large_enough(field, weights, judged);
     let is_in = |term: &Taken| judged.iter().any(|other| other.candidate == term.candidate);
@@ -353,7 +355,7 @@ fn class(
     let mut rivals: Vec<(f64, usize)> = gains
         .iter()
         .enumerate()
-        .filter(|(place, gain)| *place != number && (own - gain.squares) / noise < RIVAL)
+        .filter(|(place, gain)| *place != number && (own - gain.squares) / noise < RIVAL && gain.squares > 0.5 * own)
         .map(|(place, gain)| (gain.squares, place))
         .collect();
     rivals.sort_by(|a, b| b.0.total_cmp(&a.0));
