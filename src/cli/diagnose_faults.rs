@@ -43,7 +43,9 @@ fn look_in(
     // Where readings cannot even tell the set-ups, who goes on says so.
     let mut faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find(&scene));
     // Rows that judge stay in: then the sensor says nothing.
-    for fault in faults.iter_mut().filter(|fault| is_held_out && fault.kind == "sensor" && fault.then == Then::WithoutRows) {
+    for fault in
+        faults.iter_mut().filter(|fault| is_held_out && fault.kind == "sensor" && fault.then == Then::WithoutRows)
+    {
         fault.then = Then::WithoutSensors(vec![fault.name.clone()]);
     }
     for fault in &faults {

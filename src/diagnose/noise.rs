@@ -13,7 +13,7 @@ use super::search::{Field, Weights};
 /// Repeated readings beyond the first of each pose that tell the noise.
 const REPEATS: usize = 12;
 /// Repeats that are so many times further apart than those that follow each other wander together: that is no noise of a reading.
-const WANDER: f64 = 1.5;
+const WANDER: f64 = 1.3;
 /// And surely: the ratio of both variances has a standard deviation of one over the root of the number of pairs (von Neumann 1941).
 const SURELY: f64 = 3.0;
 /// Median of the absolute values of normal noise, in standard deviations.
@@ -24,6 +24,8 @@ const DISTANCES: usize = 20;
 const LIMIT: f64 = 1e-3;
 /// Structure below this share of the noise is none that matters.
 const MATTERS: f64 = 0.5;
+/// What rounding leaves, mm or rad.
+const NOTHING: f64 = 1e-9;
 /// Parts of the range of a driver.
 const PARTS: usize = 10;
 /// Where structure lies is said for so many drivers.
@@ -96,7 +98,7 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
         source,
         unexplained,
         chance,
-        has_structure: chance < LIMIT && unexplained > MATTERS * noise,
+        has_structure: chance < LIMIT && unexplained > (MATTERS * noise).max(NOTHING),
         places: drivers(scene, &places, &at, noise),
     }
 }

@@ -7,8 +7,8 @@
 use crate::numeric::fisher;
 
 use super::fold::counts;
-use super::search::{Field, Taken, Weights};
 use super::score::in_parts;
+use super::search::{Field, Taken, Weights};
 
 /// Memories from row to row that are tried, and variances of what is new in a row beside white noise.
 const MEMORIES: [f64; 4] = [0.8, 0.95, 0.99, 0.999];
@@ -121,7 +121,8 @@ impl Products {
             take_out(&mut matrix, side, k, whole[k]);
         });
         let count = columns.len();
-        let rest = (0..count * count).map(|at| matrix[(unknowns.len() + at / count) * side + unknowns.len() + at % count]);
+        let rest =
+            (0..count * count).map(|at| matrix[(unknowns.len() + at / count) * side + unknowns.len() + at % count]);
         Products {
             matrix: rest.collect(),
             side: count,
@@ -132,7 +133,8 @@ impl Products {
     /// −2 ln of the likelihood with some columns, but for a constant, and how many of them say something of their own.
     fn left(&self, columns: &[usize], count: f64) -> (f64, usize) {
         let mut matrix = self.matrix.clone();
-        let rank = columns.iter().filter(|&&k| take_out(&mut matrix, self.side, k, self.matrix[k * self.side + k])).count();
+        let rank =
+            columns.iter().filter(|&&k| take_out(&mut matrix, self.side, k, self.matrix[k * self.side + k])).count();
         let squares = matrix.last().copied().unwrap_or(0.0);
         let whole = self.matrix.last().copied().unwrap_or(0.0);
         (count * squares.max(1e-12 * whole).ln() + self.variances, rank)

@@ -72,9 +72,7 @@ struct Sensor {
 
 fn weight(values: &Values, of: impl Fn(&Row) -> f64 + Send + Sync + 'static) -> Weight {
     let values = Arc::clone(values);
-    Weight::new(move |row| {
-        values.get(row.set).and_then(|own| own.get(row.number)).map_or(0.0, |value| value * of(row))
-    })
+    Weight::new(move |row| values.get(row.set).and_then(|own| own.get(row.number)).map_or(0.0, |value| value * of(row)))
 }
 
 impl Sensor {
@@ -223,9 +221,8 @@ fn squareness(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     for (place, one) in plain.iter().enumerate() {
         for other in plain.iter().skip(place + 1) {
             let values = Arc::clone(&other.rise);
-            let at = move |row: &Row| {
-                values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
-            };
+            let at =
+                move |row: &Row| values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);
             let values = Arc::clone(&one.rise);
             let weight = Weight::new(move |row| {
                 let own = values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);

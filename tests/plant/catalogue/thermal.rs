@@ -18,9 +18,11 @@ pub(crate) fn follower(stage: &Stage<'_>, sensor: &str, lag_s: f64) -> Option<im
             Some(climate.lagged(climate.sensor(sensor)?, lag_s))
         })
         .collect();
-    days.map(|days| move |row: &Row| {
-        let at = |t| interpolated(&days[row.day], t);
-        at(row.t) - row.zeroed.map_or(20.0, at)
+    days.map(|days| {
+        move |row: &Row| {
+            let at = |t| interpolated(&days[row.day], t);
+            at(row.t) - row.zeroed.map_or(20.0, at)
+        }
     })
 }
 
