@@ -29,6 +29,7 @@ pub mod scene;
 mod score;
 mod search;
 mod seek;
+mod sensors;
 mod separate;
 pub mod shape;
 mod share;

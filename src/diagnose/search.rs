@@ -108,7 +108,7 @@ impl<'s, 'a> Field<'s, 'a> {
 
     /// A candidate with its period or its time constant moved to where it explains most: one that is a little off leaves beats and tails. `None` where
     /// there is none to move.
-    fn refined(&self, number: usize, series: &Series) -> Option<Candidate> {
+    pub(super) fn refined(&self, number: usize, series: &Series) -> Option<Candidate> {
         let one = self.candidates.get(number)?;
         let (first, _) = one.constant?;
         let (through, _) = one.columns.first()?.first()?;
@@ -273,7 +273,7 @@ impl<'s, 'a> Field<'s, 'a> {
             } else {
                 number
             };
-            let number = match self.refined(number, &series) {
+            let number = match self.best_sensor(number, &open, &series).or_else(|| self.refined(number, &series)) {
                 Some(refined) => {
                     self.candidates.truncate(known);
                     self.candidates.push(refined);
@@ -287,6 +287,7 @@ impl<'s, 'a> Field<'s, 'a> {
             });
             taken.push(number);
         }
+        self.polish(weights, &mut taken, kept.len());
         taken
     }
 

@@ -131,8 +131,11 @@ fn has_runs(scene: &Scene<'_>) -> bool {
     scene.rows.iter().any(|row| *runs.entry((row.set, row.setup)).or_insert(row.run) != row.run)
 }
 
-/// Between which time constants the one lies that was tried: its neighbours.
+/// Between which time constants the one lies that was tried, its neighbours, or that was found before.
 pub(in crate::diagnose) fn around(lag_s: f64) -> Option<[f64; 2]> {
+    if lag_s > 0.0 && !LAGS_S.contains(&lag_s) {
+        return Some([lag_s / 2.0, 2.0 * lag_s]);
+    }
     let place = LAGS_S.iter().position(|own| *own == lag_s).filter(|place| *place > 0)?;
     let below = LAGS_S.get(place - 1).copied().filter(|lag| *lag > 0.0).unwrap_or(lag_s / 3.0);
     Some([below, LAGS_S.get(place + 1).copied().unwrap_or(2.0 * lag_s)])
