@@ -8,7 +8,7 @@ use super::findings::Findings;
 use super::measurement::Measurement;
 use crate::csv::Table;
 use crate::diagnose::Scene;
-use crate::diagnose::fault::{Fault, Then, find, take_sensors_out};
+use crate::diagnose::fault::{Fault, Then, find, mend_sensors};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
@@ -41,14 +41,20 @@ fn look_in(
 ) -> Vec<Fault> {
     let mut sets: Vec<DataSet> = measurements.iter().map(|one| one.data.clone()).collect();
     // Where readings cannot even tell the set-ups, who goes on says so.
-    let faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find(&scene));
+    let mut faults = Scene::new(machine, errors, &sets).map_or_else(|_| Vec::new(), |scene| find(&scene));
+    // Rows that judge stay in: then the sensor says nothing.
+    for fault in
+        faults.iter_mut().filter(|fault| is_held_out && fault.kind == "sensor" && fault.then == Then::WithoutRows)
+    {
+        fault.then = Then::WithoutSensors(vec![fault.name.clone()]);
+    }
     for fault in &faults {
         let Some(one) = measurements.get(fault.set) else { continue };
         report.push(reported(fault, &one.data, is_held_out));
         let place = place(fault, &one.sources[0]);
         findings.add(finding(fault, &one.data, is_held_out, place), &one.sources);
     }
-    take_sensors_out(&mut sets, &faults);
+    mend_sensors(&mut sets, &faults);
     measurements.iter_mut().zip(sets).for_each(|(one, set)| one.data = set);
     faults
 }
@@ -63,6 +69,7 @@ fn excluded(fault: &Fault, is_held_out: bool) -> String {
     match &fault.then {
         _ if is_refused(fault, is_held_out) => "the whole file".into(),
         Then::WithoutSensors(names) => format!("what {} says, as a cause", names.join(" and ")),
+        Then::InFahrenheit(name) => format!("nothing; {name} counts in °C"),
         _ if is_held_out => "nothing: the file is held out, and judges as it is".into(),
         Then::Refuse => "the whole file".into(),
         Then::WithoutRows => "these rows".into(),
@@ -121,6 +128,9 @@ fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>
         "compensated" if is_refused => {
             "measure with the table of the control switched off, or give with --machine what the control does not take out"
                 .into()
+        }
+        "sensor" if matches!(fault.then, Then::InFahrenheit(_)) => {
+            "converted for this diagnosis; convert the column, (°F − 32) / 1.8, for all that reads it".into()
         }
         "compensated" => "check whether a table of the control was active; if not, the model has expired".into(),
         _ => format!("left out: {}", excluded(fault, is_held_out)),

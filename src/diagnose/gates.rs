@@ -5,6 +5,7 @@ use super::fold::{Selections, confirmed, counts, unseen, worth};
 use super::readings::{doing, left_of, rms};
 use super::rejected::{Gate, Rejections};
 use super::search::{Field, Taken, Weights};
+use super::slow;
 
 /// Chance at which a finding is claimed where there is nothing, over all candidates.
 const LIMIT: f64 = 1e-3;
@@ -26,6 +27,7 @@ pub(super) fn confirm(
     note: &mut dyn FnMut(&str, f64),
 ) -> Vec<(Taken, f64)> {
     let judged = field.backward(weights, taken, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
+    let judged = slow::stand(field, weights, judged, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
     let all = judged.clone();
     let judged = large_enough(field, weights, judged);
     let is_in = |term: &Taken| judged.iter().any(|other| other.candidate == term.candidate);

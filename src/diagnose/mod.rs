@@ -6,6 +6,7 @@
 //! cause::CAUSES                          candidates: what readings would have in addition, one file per cause
 //! search, refine, group, cancel          which of them explain what is left
 //! judge, freedom                         which of these stand beside each other and the memory of the noise
+//! slow                                   which of these stand beside noise that wanders
 //! gates, fold                            which of these also help where they were not found
 //! verdict                                sizes, rivals, shares, noise, what is left; before and after, also on data held out
 //! extend                                 what goes into the machine file
@@ -36,10 +37,12 @@ pub mod scene;
 mod score;
 mod search;
 mod seek;
+mod sensors;
 mod separate;
 pub mod shape;
 mod share;
 mod size;
+mod slow;
 mod sweep;
 mod verdict;
 

@@ -12,6 +12,10 @@ use super::search::{Field, Weights};
 
 /// Repeated readings beyond the first of each pose that tell the noise.
 const REPEATS: usize = 12;
+/// Repeats that are so many times further apart than those that follow each other wander together: that is no noise of a reading.
+const WANDER: f64 = 1.3;
+/// And surely: the ratio of both variances has a standard deviation of one over the root of the number of pairs (von Neumann 1941).
+const SURELY: f64 = 3.0;
 /// Median of the absolute values of normal noise, in standard deviations.
 pub(super) const MEDIAN: f64 = 0.674_489_750_196_081_7;
 /// Distances in the test of Ljung and Box.
@@ -20,6 +24,8 @@ const DISTANCES: usize = 20;
 const LIMIT: f64 = 1e-3;
 /// Structure below this share of the noise is none that matters.
 const MATTERS: f64 = 0.5;
+/// What rounding leaves, mm or rad.
+const NOTHING: f64 = 1e-9;
 /// Parts of the range of a driver.
 const PARTS: usize = 10;
 /// Where structure lies is said for so many drivers.
@@ -74,7 +80,12 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
     let order = Order::new(weights);
     let known = described(scene, &places);
     let (noise, source) = match (repeats(scene, &places, &at), known) {
-        (Some(noise), _) => (noise, Source::Repeats),
+        (Some(Repeats { noise, follows: None }), _) => (noise, Source::Repeats),
+        // What lies between them is at work there: its size is not that of the noise.
+        (Some(Repeats { follows: Some(near), .. }), known) => match known.filter(|known| *known >= near) {
+            Some(noise) => (noise, Source::Instrument),
+            None => (near, Source::Differences),
+        },
         (None, Some(noise)) => (noise, Source::Instrument),
         (None, None) => (differences(weights, &places, &at), Source::Differences),
     };
@@ -87,7 +98,7 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
         source,
         unexplained,
         chance,
-        has_structure: chance < LIMIT && unexplained > MATTERS * noise,
+        has_structure: chance < LIMIT && unexplained > (MATTERS * noise).max(NOTHING),
         places: drivers(scene, &places, &at, noise),
     }
 }
@@ -120,38 +131,65 @@ fn key(scene: &Scene<'_>, item: &Item) -> Option<Vec<i64>> {
     Some(key)
 }
 
-fn repeats(scene: &Scene<'_>, places: &[usize], at: &dyn Fn(usize) -> f64) -> Option<f64> {
+/// What repeats say, mm or rad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Repeats {
+    /// Their standard deviation about their means.
+    noise: f64,
+    /// That by those that follow each other, where this is surely less.
+    follows: Option<f64>,
+}
+
+fn repeats(scene: &Scene<'_>, places: &[usize], at: &dyn Fn(usize) -> f64) -> Option<Repeats> {
     let mut groups: HashMap<Vec<i64>, Vec<f64>> = HashMap::new();
     for &place in places {
         if let Some(key) = scene.items.get(place).and_then(|item| key(scene, item)) {
             groups.entry(key).or_default().push(at(place));
         }
     }
-    let (mut squares, mut freedom) = (0.0, 0);
-    for group in groups.values().filter(|group| group.len() > 1) {
+    of_groups(groups.values().map(Vec::as_slice))
+}
+
+/// The noise of groups of repeats, each in the order in which they were read.
+fn of_groups<'g>(groups: impl Iterator<Item = &'g [f64]>) -> Option<Repeats> {
+    let (mut squares, mut freedom, mut steps) = (0.0, 0, 0.0);
+    let mut bends: Vec<f64> = Vec::new();
+    for group in groups.filter(|group| group.len() > 1) {
         let mean = group.iter().sum::<f64>() / group.len() as f64;
         squares += group.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
         freedom += group.len() - 1;
+        steps += group.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / 2.0;
+        bends.extend(group.windows(3).map(bend));
     }
-    (freedom >= REPEATS).then(|| (squares / freedom as f64).sqrt())
+    if freedom < REPEATS {
+        return None;
+    }
+    let ratio = if squares > 0.0 { steps / squares } else { 1.0 };
+    let wanders = ratio < (1.0 / (WANDER * WANDER)).min(1.0 - SURELY / (freedom as f64).sqrt());
+    let follows = wanders.then(|| of_bends(bends).unwrap_or((steps / freedom as f64).sqrt()));
+    Some(Repeats { noise: (squares / freedom as f64).sqrt(), follows })
 }
 
-/// Second differences of neighbours, which smooth functions hardly have: their variance is six times that of a reading.
+fn bend(row: &[f64]) -> f64 {
+    match row {
+        [a, b, c] => (a - 2.0 * b + c).abs(),
+        _ => 0.0,
+    }
+}
+
+/// Noise of a reading by second differences: their variance is six times as large.
+fn of_bends(mut sizes: Vec<f64>) -> Option<f64> {
+    let middle = sizes.len() / 2;
+    (!sizes.is_empty()).then(|| *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / (MEDIAN * 6.0_f64.sqrt()))
+}
+
+/// Second differences of neighbours, which smooth functions hardly have.
 fn differences(weights: &Weights, places: &[usize], at: &dyn Fn(usize) -> f64) -> f64 {
     let mut series: HashMap<usize, Vec<f64>> = HashMap::new();
     for &place in places {
         series.entry(weights.series.get(place).copied().unwrap_or(0)).or_default().push(at(place));
     }
-    let second = |row: &[f64]| match row {
-        [a, b, c] => (a - 2.0 * b + c).abs(),
-        _ => 0.0,
-    };
-    let mut sizes: Vec<f64> = series.values().flat_map(|row| row.windows(3).map(second).collect::<Vec<_>>()).collect();
-    if sizes.is_empty() {
-        return 0.0;
-    }
-    let middle = sizes.len() / 2;
-    *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / (MEDIAN * 6.0_f64.sqrt())
+    of_bends(series.values().flat_map(|row| row.windows(3).map(bend).collect::<Vec<_>>()).collect()).unwrap_or(0.0)
 }
 
 /// Ljung & Box 1978: n (n + 2) Σ ρₖ²/(n − k) is χ² where there is nothing but noise.
@@ -238,4 +276,43 @@ fn along(values: &[f64], left: &[f64]) -> f64 {
         return 0.0;
     }
     ((between - above * within) / count as f64).max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values from −1 to 1 with a variance of 1/3, xorshift.
+    fn white(count: usize) -> Vec<f64> {
+        let mut state = 0x2545_f491_4f6c_dd1d_u64;
+        let mut next = || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        (0..count).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn repeats_that_wander_together_are_none() {
+        let noise = white(600);
+        let sigma = 1.0 / 3.0_f64.sqrt();
+        let plain = of_groups(noise.chunks(6)).unwrap();
+        assert!(plain.follows.is_none() && (plain.noise / sigma - 1.0).abs() < 0.1, "{plain:?}");
+        // One place for hours, and a wave of 200 readings with an amplitude of 8.
+        let wave = |k: usize| 8.0 * (std::f64::consts::TAU * k as f64 / 200.0).sin();
+        let waved: Vec<f64> = noise.iter().enumerate().map(|(k, noise)| noise + wave(k)).collect();
+        let found = of_groups(std::iter::once(waved.as_slice())).unwrap();
+        // The bends of the wave are 8 (2π/200)² = 0.008.
+        assert!((found.follows.unwrap() / sigma - 1.0).abs() < 0.15, "{found:?}");
+        // Runs that each have a zero of their own are no wandering within the groups that they make.
+        let of_runs: Vec<f64> = noise.iter().enumerate().map(|(k, noise)| noise + 3.0 * noise_of_run(k)).collect();
+        let found = of_groups(of_runs.chunks(5)).unwrap();
+        assert!(found.follows.is_none(), "{found:?}");
+    }
+
+    fn noise_of_run(place: usize) -> f64 {
+        [0.7, -0.4, 0.1, -0.9, 0.5][place % 5]
+    }
 }

@@ -109,7 +109,8 @@ impl<'s, 'a> Field<'s, 'a> {
             _ => false,
         };
         taken.iter().filter_map(|&other| self.candidates.get(other)).any(|other| {
-            other.cause.name == one.cause.name
+            let is_one_effect = one.sensor.is_some() && other.cause.effect == one.cause.effect;
+            (is_one_effect || other.cause.name == one.cause.name)
                 && other.parameter == one.parameter
                 && other.sensor == one.sensor
                 && is_near(other)
@@ -153,7 +154,7 @@ impl<'s, 'a> Field<'s, 'a> {
         series
     }
 
-    fn unknowns(&self) -> Vec<Vec<f64>> {
+    pub(super) fn unknowns(&self) -> Vec<Vec<f64>> {
         let mut columns = vec![vec![0.0; self.scene.items.len()]; self.scene.unknowns];
         for (place, item) in self.scene.items.iter().enumerate() {
             for &(unknown, factor) in &item.by_unknown {
@@ -194,7 +195,9 @@ impl<'s, 'a> Field<'s, 'a> {
     /// Takes candidates one after the other behind those that are `kept`; where many errors act at once, several of them together first.
     pub(super) fn forward(&mut self, weights: &Weights, kept: &[usize]) -> Vec<usize> {
         let taken = self.sound_steps(weights, kept);
-        if kept.is_empty() { self.together(weights, taken) } else { taken }
+        let mut taken = if kept.is_empty() { self.together(weights, taken) } else { taken };
+        self.polish(weights, &mut taken, kept.len());
+        taken
     }
 
     /// The same one after the other, without those that nearly cancel others: far larger than all there is, they are where was not measured what nobody
@@ -269,7 +272,7 @@ impl<'s, 'a> Field<'s, 'a> {
             } else {
                 number
             };
-            let number = match self.refined(number, &series) {
+            let number = match self.best_sensor(number, &open, &series).or_else(|| self.refined(number, &series)) {
                 Some(refined) => {
                     self.candidates.truncate(known);
                     self.candidates.push(refined);

@@ -273,7 +273,7 @@ fn class(
     let mut rivals: Vec<(f64, usize)> = gains
         .iter()
         .enumerate()
-        .filter(|(place, gain)| *place != number && (own - gain.squares) / noise < RIVAL)
+        .filter(|(place, gain)| *place != number && (own - gain.squares) / noise < RIVAL && gain.squares > 0.5 * own)
         .map(|(place, gain)| (gain.squares, place))
         .collect();
     rivals.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -16,6 +16,8 @@ pub(crate) struct Climate {
     pub(crate) truth: Vec<Vec<f64>>,
     /// Noise of a sensor, K.
     pub(crate) noise: f64,
+    /// Steps at which all is at rest: other days begin there.
+    pub(crate) starts: Vec<usize>,
     /// Speed of the spindle by step.
     pub(crate) rpm: Vec<f64>,
 }
@@ -72,7 +74,7 @@ impl Climate {
             names.push(place.name);
             truth.push(values);
         }
-        Climate { names, truth, noise: 0.04, rpm }
+        Climate { names, truth, noise: 0.04, starts: Vec::new(), rpm }
     }
 
     /// A day at a level of temperature with sensors that each have their own difference from it and change a little or much.
@@ -88,7 +90,7 @@ impl Climate {
             .iter()
             .map(|level| wave(steps, random, swing, 6000.0).into_iter().map(|k| level + k).collect())
             .collect();
-        Climate { names: names.to_vec(), truth, noise: 0.03, rpm: vec![0.0; steps] }
+        Climate { names: names.to_vec(), truth, noise: 0.03, starts: Vec::new(), rpm: vec![0.0; steps] }
     }
 
     /// The temperature of a sensor at a time.
@@ -96,15 +98,27 @@ impl Climate {
         interpolated(&self.truth[sensor], t)
     }
 
+    /// Another day behind this one, at rest when it begins. Returns when that is, s.
+    pub(crate) fn append(&mut self, day: Climate) -> f64 {
+        self.starts.push(self.rpm.len());
+        let from = self.rpm.len() as f64 * STEP_S;
+        self.rpm.extend(day.rpm);
+        self.truth.iter_mut().zip(day.truth).for_each(|(all, new)| all.extend(new));
+        from
+    }
+
     /// What follows a sensor with a time constant, at all steps; it was at rest before.
     pub(crate) fn lagged(&self, sensor: usize, lag_s: f64) -> Vec<f64> {
         let mut at = self.truth[sensor][0];
         let gain = if lag_s > 0.0 { 1.0 - (-STEP_S / lag_s).exp() } else { 1.0 };
-        let follow = |value: &f64| {
+        let follow = |(step, value): (usize, &f64)| {
+            if self.starts.contains(&step) {
+                at = *value;
+            }
             at += (value - at) * gain;
             at
         };
-        self.truth[sensor].iter().map(follow).collect()
+        self.truth[sensor].iter().enumerate().map(follow).collect()
     }
 
     /// Number of a sensor.

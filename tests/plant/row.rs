@@ -27,6 +27,10 @@ pub(crate) struct Row {
     /// From the gauge point of the spindle to the tip.
     pub(crate) tool: V3,
     pub(crate) t: f64,
+    /// When the clock of the file was 0.
+    pub(crate) began: f64,
+    /// When the instrument was set to zero after it was mounted.
+    pub(crate) zeroed: Option<f64>,
     pub(crate) run: String,
     pub(crate) setup: usize,
     /// Which sheet of its kind: another day has other drifts.

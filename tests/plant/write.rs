@@ -59,7 +59,7 @@ pub(crate) fn csv(machine: &Machine, sheet: &Sheet, values: &Values) -> String {
         cells.extend(row.tool.iter().map(|&value| number(value, 4)));
         cells.extend([sheet.setups[row.setup].label.clone(), row.run.clone()]);
         if has(Column::Time) {
-            cells.push(number(row.t, 4));
+            cells.push(number(row.t - row.began, 4));
         }
         if has(Column::Feed) {
             cells.push(number(row.feed, 3));

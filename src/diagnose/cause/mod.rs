@@ -139,6 +139,7 @@ pub const CAUSES: &[&Cause] = &[
     &drift::CAUSE,
     &drift::EVENT,
     &thermal::DRIFT,
+    &thermal::ON,
     &thermal::EXPANSION,
     &thermal::SQUARENESS,
     &unnamed::CAUSE,
@@ -345,13 +346,8 @@ fn tip(direction: usize) -> &'static str {
 /// Values by measurement and row.
 pub(in crate::diagnose) type Values = Arc<Vec<Vec<f64>>>;
 
-/// The values of a column of numbers; `None` where no measurement has it.
+/// The values of a column of numbers at the rows of a scene, as [`Row`]s number them; `None` where no measurement has it.
 fn column(sets: &[DataSet], name: &str) -> Option<Values> {
-    sensor_values(sets, name)
-}
-
-/// The values of a sensor at the rows of a scene, as [`Row`]s number them; `None` where no measurement has it.
-fn sensor_values(sets: &[DataSet], name: &str) -> Option<Arc<Vec<Vec<f64>>>> {
     let values: Vec<Vec<f64>> = sets
         .iter()
         .map(|set| set.drivers.iter().find(|driver| driver.name == name).map_or(Vec::new(), |one| one.values.clone()))

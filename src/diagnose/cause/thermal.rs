@@ -1,11 +1,18 @@
 //! Temperatures: displacement of the tool from the workpiece, growth of scales, angles between axes that change.
 //!
 //! A body follows a sensor with a time constant; those that are tried grow by a factor of two from the interval of the readings.
+//!
+//! Temperatures are those of the conditions of the rows, as the model has them: a body is in equilibrium where a clock begins, and a drift counts from
+//! where the instrument was set to zero, with the first row of a set-up in a run. What is found predicts the same when it stands in the machine file.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Candidate, Cause, Correctable, Effect, Weight, own, sensor_values, tip};
+use super::{Candidate, Cause, Correctable, Effect, Values, Weight, own, tip};
+use crate::diagnose::row::Row;
 use crate::diagnose::scene::{Scene, Through};
+use crate::machine::Condition;
+use crate::measure::data::DataSet;
 use crate::model::name::{DIRECTIONS, ErrorName};
 
 pub(super) const DRIFT: Cause = Cause {
@@ -16,6 +23,16 @@ pub(super) const DRIFT: Cause = Cause {
     separate_by: "a cooling run with the spindle off, or a random spectrum of speeds",
     correctable: Correctable::Live,
     propose: drift,
+};
+
+pub(in crate::diagnose) const ON: Cause = Cause {
+    name: "drift with a temperature that goes on from run to run",
+    effect: Effect::ThermalDrift,
+    made_by: "spindle, head and column that grow, with an instrument that was not set to zero for each run",
+    shown_by: "readings of one pose in several runs that begin at other temperatures",
+    separate_by: "the instrument set to zero at the beginning of each run",
+    correctable: Correctable::Live,
+    propose: |_, _| {},
 };
 
 pub(super) const EXPANSION: Cause = Cause {
@@ -44,19 +61,23 @@ const LAGS_S: [f64; 8] = [0.0, 60.0, 180.0, 420.0, 900.0, 1800.0, 3600.0, 7200.0
 /// Sensors of which pairs are tried.
 const GRADIENTS: usize = 10;
 
-/// A sensor with a lag: its values, as a body follows them.
+/// A sensor with a lag: how far a body that follows it is above its reference, by measurement and row, and above what it was when the instrument
+/// was set to zero.
 struct Sensor {
     name: String,
     lag_s: f64,
-    values: Arc<Vec<Vec<f64>>>,
+    rise: Values,
+    since_zero: Values,
+}
+
+fn weight(values: &Values, of: impl Fn(&Row) -> f64 + Send + Sync + 'static) -> Weight {
+    let values = Arc::clone(values);
+    Weight::new(move |row| values.get(row.set).and_then(|own| own.get(row.number)).map_or(0.0, |value| value * of(row)))
 }
 
 impl Sensor {
-    fn weight(&self, of: impl Fn(&crate::diagnose::row::Row) -> f64 + Send + Sync + 'static) -> Weight {
-        let values = Arc::clone(&self.values);
-        Weight::new(move |row| {
-            values.get(row.set).and_then(|own| own.get(row.number)).map_or(0.0, |value| value * of(row))
-        })
+    fn weight(&self, of: impl Fn(&Row) -> f64 + Send + Sync + 'static) -> Weight {
+        weight(&self.rise, of)
     }
 }
 
@@ -74,19 +95,47 @@ fn sensors(scene: &Scene<'_>) -> Vec<Sensor> {
     names.into_iter().flat_map(|name| LAGS_S.into_iter().filter_map(|lag_s| sensor(scene, name, lag_s))).collect()
 }
 
-fn sensor(scene: &Scene<'_>, name: &str, lag_s: f64) -> Option<Sensor> {
-    let values = sensor_values(scene.sets, name)?;
-    let reference = scene.machine.reference_temperature_c;
-    let of_set = |(set, values): (&crate::measure::data::DataSet, &Vec<f64>)| -> Option<Vec<f64>> {
-        let times: Vec<Option<f64>> = set.observations.iter().map(|one| one.t_s).collect();
-        lagged(&times, values, lag_s).map(|all| all.iter().map(|value| value - reference).collect())
+/// `None` for a lag without times.
+fn sensor(scene: &Scene<'_>, column: &str, lag_s: f64) -> Option<Sensor> {
+    let name = column.strip_suffix("_C")?;
+    let rise_k = |condition: &Condition| scene.machine.rise_k(condition, name, lag_s).unwrap_or(f64::NAN);
+    let of_set = |set: &DataSet| -> Option<[Vec<f64>; 2]> {
+        if !set.drivers.iter().any(|driver| driver.name == column) {
+            return Some(Default::default());
+        }
+        if lag_s > 0.0 && set.observations.iter().any(|one| one.t_s.is_none()) {
+            return None;
+        }
+        let own: Vec<[f64; 2]> = set
+            .conditions
+            .iter()
+            .map(|condition| {
+                let rise = rise_k(condition);
+                [rise, rise - condition.zero().map_or(0.0, rise_k)]
+            })
+            .collect();
+        let at = |k: usize| {
+            let of = |one: &crate::measure::data::Observation| own.get(one.condition).map_or(f64::NAN, |both| both[k]);
+            set.observations.iter().map(of).collect()
+        };
+        Some([at(0), at(1)])
     };
-    let lagged: Option<Vec<Vec<f64>>> = scene.sets.iter().zip(values.iter()).map(of_set).collect();
-    lagged.map(|lagged| Sensor { name: name.to_owned(), lag_s, values: Arc::new(lagged) })
+    let all: Option<Vec<[Vec<f64>; 2]>> = scene.sets.iter().map(of_set).collect();
+    let (rise, since_zero) = all?.into_iter().map(|[rise, since_zero]| (rise, since_zero)).unzip();
+    Some(Sensor { name: column.to_owned(), lag_s, rise: Arc::new(rise), since_zero: Arc::new(since_zero) })
 }
 
-/// Between which time constants the one lies that was tried: its neighbours.
+/// Whether a set-up has several runs: then it may be that the instrument was set to zero for each of them, or not.
+fn has_runs(scene: &Scene<'_>) -> bool {
+    let mut runs: HashMap<(usize, usize), usize> = HashMap::new();
+    scene.rows.iter().any(|row| *runs.entry((row.set, row.setup)).or_insert(row.run) != row.run)
+}
+
+/// Between which time constants the one lies that was tried, its neighbours, or that was found before.
 pub(in crate::diagnose) fn around(lag_s: f64) -> Option<[f64; 2]> {
+    if lag_s > 0.0 && !LAGS_S.contains(&lag_s) {
+        return Some([lag_s / 2.0, 2.0 * lag_s]);
+    }
     let place = LAGS_S.iter().position(|own| *own == lag_s).filter(|place| *place > 0)?;
     let below = LAGS_S.get(place - 1).copied().filter(|lag| *lag > 0.0).unwrap_or(lag_s / 3.0);
     Some([below, LAGS_S.get(place + 1).copied().unwrap_or(2.0 * lag_s)])
@@ -98,7 +147,8 @@ pub(in crate::diagnose) fn with_lag(scene: &Scene<'_>, one: &Candidate, lag_s: f
     let (through, _) = one.columns.first()?.first()?;
     let even = || sensor.weight(|_| 1.0);
     let weights = match (one.cause.effect, through) {
-        (Effect::ThermalDrift, _) => vec![even()],
+        (Effect::ThermalDrift, _) if one.cause.name == ON.name => vec![even()],
+        (Effect::ThermalDrift, _) => vec![weight(&sensor.since_zero, |_| 1.0)],
         (Effect::ThermalSquareness, _) if one.drivers.len() == 1 => vec![even()],
         (Effect::ThermalExpansion, Through::Component(name)) => {
             let axis = name.axis()?;
@@ -110,36 +160,6 @@ pub(in crate::diagnose) fn with_lag(scene: &Scene<'_>, one: &Candidate, lag_s: f
     Some(Candidate { columns, constant: Some((lag_s, "s")), ..one.clone() })
 }
 
-/// As a body follows with dT/dt = (sensor − T)/τ, beginning with the first reading; `None` for a lag without times in order.
-fn lagged(times: &[Option<f64>], values: &[f64], lag_s: f64) -> Option<Vec<f64>> {
-    if lag_s == 0.0 || values.is_empty() {
-        return Some(values.to_vec());
-    }
-    let mut out = Vec::with_capacity(values.len());
-    let mut state: Option<(f64, f64, f64)> = None;
-    for (&time, &value) in times.iter().zip(values) {
-        let time = time?;
-        let body = match state {
-            None => value,
-            Some((before, _, body)) if time < before => return Some(Vec::new()).filter(|_| body.is_nan()),
-            Some((before, last, body)) => {
-                // Straight between two readings: the exact solution.
-                let step = time - before;
-                if step <= 0.0 {
-                    body
-                } else {
-                    let slope = (value - last) / step;
-                    let decay = (-step / lag_s).exp();
-                    value - slope * lag_s + (body - last + slope * lag_s) * decay
-                }
-            }
-        };
-        out.push(body);
-        state = Some((time, value, body));
-    }
-    Some(out)
-}
-
 fn named(mut one: Candidate, sensor: &Sensor, drivers: &[String]) -> Candidate {
     one.drivers = std::iter::once(sensor.name.clone()).chain(drivers.iter().cloned()).collect();
     one.constant = (sensor.lag_s > 0.0).then_some((sensor.lag_s, "s"));
@@ -148,17 +168,24 @@ fn named(mut one: Candidate, sensor: &Sensor, drivers: &[String]) -> Candidate {
 }
 
 fn drift(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    let has_runs = has_runs(scene);
     for sensor in sensors(scene) {
-        let weight = sensor.weight(|_| 1.0);
-        for direction in 0..3 {
-            let one = Candidate::one(&DRIFT, tip(direction), Through::Tip(direction), weight.clone());
-            out.push(named(one, &sensor, &[]));
+        let of_cause = [(&DRIFT, &sensor.since_zero), (&ON, &sensor.rise)];
+        for (cause, values) in of_cause.into_iter().take(if has_runs { 2 } else { 1 }) {
+            let weight = weight(values, |_| 1.0);
+            for direction in 0..3 {
+                let one = Candidate::one(cause, tip(direction), Through::Tip(direction), weight.clone());
+                out.push(named(one, &sensor, &[]));
+            }
         }
     }
 }
 
 fn expansion(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let axes: Vec<_> = super::linear(scene).filter(|&axis| super::range(scene, axis).is_some()).collect();
+    if axes.is_empty() {
+        return;
+    }
     for sensor in sensors(scene) {
         for &axis in &axes {
             let through = Through::Component(own(axis));
@@ -196,11 +223,10 @@ fn squareness(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
     let plain: Vec<&Sensor> = sensors.iter().filter(|sensor| sensor.lag_s == 0.0).take(GRADIENTS).collect();
     for (place, one) in plain.iter().enumerate() {
         for other in plain.iter().skip(place + 1) {
-            let values = Arc::clone(&other.values);
-            let at = move |row: &crate::diagnose::row::Row| {
-                values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
-            };
-            let values = Arc::clone(&one.values);
+            let values = Arc::clone(&other.rise);
+            let at =
+                move |row: &Row| values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);
+            let values = Arc::clone(&one.rise);
             let weight = Weight::new(move |row| {
                 let own = values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);
                 own - at(row)

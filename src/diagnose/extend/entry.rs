@@ -3,7 +3,7 @@
 use crate::model::name::ErrorKind;
 use crate::units::um_from_mm;
 
-use super::super::cause::Candidate;
+use super::super::cause::{Candidate, thermal};
 use super::super::scene::{Scene, Through};
 use super::super::verdict::Finding;
 use super::change::{Change, rounded};
@@ -69,6 +69,11 @@ pub(super) fn expansion(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>,
 
 pub(super) fn drift(one: &Finding) -> Result<Vec<Change>, String> {
     let candidate = &one.candidate;
+    if candidate.cause.name == thermal::ON.name {
+        return Err("a drift counts from the first row of each set-up in each run, and this one goes on from run to run: give the runs between which the \
+             instrument was not set to zero one label"
+            .into());
+    }
     let (Some(sensor), [amount]) = (sensor_of(candidate), one.amounts.values.as_slice()) else {
         return Err("[[drift]] is proportional to the temperatures of sensors, and this is not".into());
     };

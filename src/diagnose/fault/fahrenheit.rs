@@ -11,6 +11,11 @@ pub(super) const CHECK: Check = Check {
     look,
 };
 
+/// °C of °F.
+pub(super) fn celsius(fahrenheit: f64) -> f64 {
+    (fahrenheit - 32.0) / 1.8
+}
+
 /// It is so much above every other sensor in the middle and at its coldest, K.
 const ABOVE_K: f64 = 25.0;
 /// And is so near to the others when it is converted, K.
@@ -28,7 +33,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 .map(|[low, _]| low)
                 .collect();
             let rest = super::median(lows);
-            let [from, to] = [low, high].map(|value| (value - 32.0) / 1.8);
+            let [from, to] = [low, high].map(celsius);
             out.push(Fault {
                 kind: "sensor",
                 set,
@@ -38,7 +43,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 evidence: format!(
                     "{low:.1} to {high:.1} are no °C where the coldest of the others is {rest:.1} °C; as °F they are {from:.1} to {to:.1} °C"
                 ),
-                then: Then::WithoutSensors(vec![sensor.name.clone()]),
+                then: Then::InFahrenheit(sensor.name.clone()),
             });
         }
     }
@@ -50,5 +55,5 @@ fn is_above(sensor: &Sensor, sensors: &[Sensor]) -> bool {
     // Where most are in °F, the few that are not are no fault.
     let lows: Vec<f64> = others.filter_map(Sensor::range).map(|[low, _]| low).collect();
     let rest = super::median(lows.clone());
-    !lows.is_empty() && low - rest > ABOVE_K && ((low - 32.0) / 1.8 - rest).abs() < NEAR_K
+    !lows.is_empty() && low - rest > ABOVE_K && (celsius(low) - rest).abs() < NEAR_K
 }

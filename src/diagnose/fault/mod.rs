@@ -25,6 +25,7 @@ mod visits;
 use std::collections::BTreeSet;
 
 use super::scene::Scene;
+use crate::machine::condition::change_readings;
 use crate::measure::data::DataSet;
 use cells::Sensor;
 use trail::Trail;
@@ -71,6 +72,8 @@ pub enum Then {
     WithoutReadings(Vec<(usize, usize)>),
     /// Sensors of which nothing is made.
     WithoutSensors(Vec<String>),
+    /// What a sensor says is converted to °C.
+    InFahrenheit(String),
     /// Readings from the first row on have a zero of their own.
     OwnZero,
     /// Readings have this much more uncertainty, mm or rad.
@@ -137,7 +140,14 @@ pub fn find(scene: &Scene<'_>) -> Vec<Fault> {
                     let own = view.sensors.get_mut(fault.set).into_iter().flatten();
                     own.filter(|sensor| names.contains(&sensor.name)).for_each(|sensor| sensor.forget(fault.rows));
                 }
+                Then::InFahrenheit(name) => {
+                    let own = view.sensors.get_mut(fault.set).into_iter().flatten();
+                    let values = own.filter(|sensor| sensor.name == *name).flat_map(|sensor| &mut sensor.values);
+                    values.for_each(|value| *value = fahrenheit::celsius(*value));
+                }
                 Then::WithoutRows => {
+                    let own = view.sensors.get_mut(fault.set).into_iter().flatten();
+                    own.filter(|sensor| sensor.name == fault.name).for_each(|sensor| sensor.forget(fault.rows));
                     view.trails.get_mut(fault.set).into_iter().for_each(|trail| trail.forget(fault.rows));
                 }
                 Then::WithoutReadings(readings) => {
@@ -151,16 +161,22 @@ pub fn find(scene: &Scene<'_>) -> Vec<Fault> {
     all
 }
 
-/// Takes the sensors out of measurements in which they are at fault. Returns whether there are any.
-pub fn take_sensors_out(sets: &mut [DataSet], faults: &[Fault]) -> bool {
-    let mut any = false;
+/// Takes the sensors out of measurements in which they are at fault, and converts those in °F.
+pub fn mend_sensors(sets: &mut [DataSet], faults: &[Fault]) {
     for fault in faults {
-        if let (Then::WithoutSensors(names), Some(set)) = (&fault.then, sets.get_mut(fault.set)) {
-            set.drivers.retain(|driver| !names.contains(&driver.name));
-            any = true;
+        let Some(set) = sets.get_mut(fault.set) else { continue };
+        match &fault.then {
+            Then::WithoutSensors(names) => set.drivers.retain(|driver| !names.contains(&driver.name)),
+            Then::InFahrenheit(name) => {
+                let own = set.drivers.iter_mut().filter(|driver| driver.name == *name);
+                let values = own.flat_map(|driver| &mut driver.values);
+                values.for_each(|value| *value = fahrenheit::celsius(*value));
+                let sensor = name.strip_suffix("_C").unwrap_or(name);
+                change_readings(&mut set.conditions, sensor, &fahrenheit::celsius);
+            }
+            _ => {}
         }
     }
-    any
 }
 
 /// Makes a scene do without the rows that are at fault.
@@ -194,7 +210,7 @@ pub fn exclude(scene: &mut Scene<'_>, faults: &[Fault]) {
                 }
                 scene.unknowns += 3 * count;
             }
-            Then::Refuse | Then::WithoutSensors(_) => {}
+            Then::Refuse | Then::WithoutSensors(_) | Then::InFahrenheit(_) => {}
         }
     }
 }

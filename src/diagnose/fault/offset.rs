@@ -2,6 +2,7 @@
 
 use super::cells::Clock;
 use super::{Check, Fault, Then, View, spread};
+use crate::measure::data::DataSet;
 
 pub(super) const CHECK: Check = Check {
     name: "offset of a sensor",
@@ -31,6 +32,11 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             .collect();
         for (number, (sensor, own)) in sensors.iter().zip(&jumps).enumerate() {
             let Some((row, jump)) = largest(own) else { continue };
+            // Where a run begins the machine may have become another one, if no other sensor says that it has not.
+            let is_begin = row > 0 && run_of(data, row) != run_of(data, row - 1);
+            if is_begin && sensors.len() == 1 {
+                continue;
+            }
             let usual = spread(own.iter().copied());
             let next = own
                 .iter()
@@ -57,6 +63,10 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             });
         }
     }
+}
+
+fn run_of(data: &DataSet, row: usize) -> Option<usize> {
+    data.observations.get(row).map(|one| one.run)
 }
 
 fn largest(jumps: &[f64]) -> Option<(usize, f64)> {

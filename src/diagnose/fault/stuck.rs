@@ -15,6 +15,8 @@ pub(super) const CHECK: Check = Check {
 const ROWS: usize = 8;
 /// Times as long as any other piece of equal numbers.
 const TIMES: usize = 5;
+/// Rows are spared where they are less than this part of all: else the sensor is.
+const SPARED: usize = 3;
 /// Others go this far, K, while a sensor says one number throughout.
 const FAR_K: f64 = 1.0;
 
@@ -50,17 +52,29 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                     length(longest),
                 )
             };
+            let of_run = if is_whole { None } else { rest_of_run(view, set, longest) };
+            let spared: usize = out.iter().filter(|one| one.set == set).map(|one| one.rows[1] - one.rows[0] + 1).sum();
+            let rows = of_run.filter(|&rows| SPARED * (spared + length(rows)) < sensor.values.len());
             out.push(Fault {
                 kind: "sensor",
                 set,
                 name: sensor.name.clone(),
                 what: "stuck".into(),
-                rows: longest,
+                rows: rows.unwrap_or(longest),
                 evidence,
-                then: Then::WithoutSensors(vec![sensor.name.clone()]),
+                then: rows.map_or(Then::WithoutSensors(vec![sensor.name.clone()]), |_| Then::WithoutRows),
             });
         }
     }
+}
+
+/// From where a sensor is stuck to the end of the run: what follows it slowly is not known there either. `None` where that is not within one run, or
+/// there is no other run.
+fn rest_of_run(view: &View<'_, '_>, set: usize, [first, last]: [usize; 2]) -> Option<[usize; 2]> {
+    let rows = &view.scene.sets.get(set)?.observations;
+    let run = rows.get(first)?.run;
+    let own = rows.get(first..)?.iter().take_while(|one| one.run == run).count();
+    (last < first + own && rows.iter().any(|one| one.run != run)).then(|| [first, first + own - 1])
 }
 
 /// Pieces of equal numbers: first and last row.

@@ -53,6 +53,31 @@ impl Load {
     }
 }
 
+/// Changes what a sensor reads in all of some conditions; those that share their readings share them afterwards as well.
+pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f64) -> f64) {
+    // Kept, so that no other readings come to lie at the same place meanwhile.
+    let mut done: Vec<[Arc<BTreeMap<String, Trace>>; 2]> = Vec::new();
+    let mut change = |condition: &mut Condition| {
+        let known = done.iter().rev().find(|[old, _]| Arc::ptr_eq(old, &condition.sensors));
+        let new = known.map(|[_, new]| Arc::clone(new)).unwrap_or_else(|| {
+            let mut sensors = BTreeMap::clone(&condition.sensors);
+            if let Some(own) = sensors.get_mut(sensor) {
+                let mut trace = Trace::default();
+                own.points().iter().for_each(|&(time_s, value)| trace.add(time_s, of(value)));
+                *own = trace;
+            }
+            let new = Arc::new(sensors);
+            done.push([Arc::clone(&condition.sensors), Arc::clone(&new)]);
+            new
+        });
+        condition.sensors = new;
+    };
+    for condition in conditions {
+        change(condition);
+        condition.zero.as_deref_mut().into_iter().for_each(&mut change);
+    }
+}
+
 /// Where the machine stood when the zero point of the workpiece was set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZeroPose {

@@ -38,8 +38,9 @@ impl Followers {
         made
     }
 
+    /// Copies of readings may go different ways: what follows one of them does not follow the other.
     fn forget(&mut self) {
-        if self.0.lock().is_ok_and(|kept| !kept.is_empty()) {
+        if Arc::strong_count(&self.0) > 1 || self.0.lock().is_ok_and(|kept| !kept.is_empty()) {
             *self = Followers::default();
         }
     }
@@ -209,5 +210,19 @@ mod tests {
     #[test]
     fn older_readings_are_left_out() {
         assert_eq!(trace(&[(0.0, 1.0), (5.0, 2.0), (3.0, 9.0), (5.0, 4.0)]).points(), [(0.0, 1.0), (5.0, 4.0)]);
+    }
+
+    #[test]
+    fn copies_that_go_different_ways_have_followers_of_their_own() {
+        // Long enough for what follows to be kept, and none asked for before the readings come.
+        let mut both = vec![Trace::default(); 2];
+        for k in 0..20 {
+            both[0].add(f64::from(k), 20.0);
+            both[1].add(f64::from(k), 20.0 + f64::from(k));
+        }
+        assert!((both[0].lagged(19.0, 5.0).unwrap() - 20.0).abs() < 1e-12);
+        // A ramp of 1 K/s from equilibrium: 20 + t − τ + τ exp(−t/τ).
+        let expected = 20.0 + 19.0 - 5.0 + 5.0 * (-19.0_f64 / 5.0).exp();
+        assert!((both[1].lagged(19.0, 5.0).unwrap() - expected).abs() < 1e-9);
     }
 }

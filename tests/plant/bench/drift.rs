@@ -30,6 +30,50 @@ pub(super) fn sheet(random: &mut Random, stem: &str, places: usize, sensors: usi
     sheet
 }
 
+/// Some runs of 2.5 to 4 hours at one place, every minute, in one set-up. `kind` 0: on days that begin at rest, each with a clock of its own; 1 and 2:
+/// in the course of one day, with pauses in which the spindle goes on, and a clock that begins again (1) or not (2).
+pub(super) fn runs(
+    random: &mut Random,
+    stem: &str,
+    (count, kind): (usize, u64),
+    sensors: usize,
+    fineness: f64,
+) -> Sheet {
+    let columns = [Column::Time, Column::Speed];
+    let mut sheet = Sheet::new(stem, Kind::Displacement, 0.3e-3, &["offset"], &columns);
+    sheet.wander = [0.7, 20.0];
+    let setup = add_setup(&mut sheet, "A");
+    let every = 60.0 / fineness;
+    let parts: Vec<[f64; 2]> =
+        (0..count).map(|_| [random.between(2.5, 4.0), random.between(0.4, 1.2)].map(|hours| hours * 3600.0)).collect();
+    let whole: f64 = parts.iter().map(|[long, pause]| (long + pause) / 3600.0).sum();
+    let mut climate: Option<Climate> = (kind > 0).then(|| Climate::spindle_day(whole, sensors, random));
+    let mut clock = 0.0;
+    for (run, [long, pause]) in parts.into_iter().enumerate() {
+        let from = match (&mut climate, kind) {
+            (Some(all), 0) => all.append(Climate::spindle_day(long / 3600.0, sensors, random)),
+            (Some(_), _) => clock,
+            (none, _) => {
+                *none = Some(Climate::spindle_day(long / 3600.0, sensors, random));
+                0.0
+            }
+        };
+        for k in 0..(long / every) as usize {
+            let t = from + k as f64 * every;
+            let began = if kind < 2 { from } else { 0.0 };
+            let run = format!("{}", run + 1);
+            let mut row = Row { setup, t, began, zeroed: Some(from), tool: [0.0, 0.0, -150.0], run, ..Row::default() };
+            to_point(&mut row, [350.0, 250.0, 120.0]);
+            row.dir[2] = -1.0;
+            row.rpm = climate.as_ref().map_or(0.0, |all| all.rpm[(t / STEP_S) as usize]);
+            sheet.rows.push(row);
+        }
+        clock = from + long + pause;
+    }
+    sheet.climate = climate;
+    sheet
+}
+
 /// Sensors of a machine that is measured hot and cold; the last warms up as its axis runs.
 const SENSORS: [&str; 8] = ["T_X", "T_Y", "T_Z", "T_front", "T_back", "T_plate", "T_air", "T_screw_X"];
 /// Hours at each level.

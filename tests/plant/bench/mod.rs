@@ -24,6 +24,9 @@ pub(crate) enum Bench {
     Plate,
     /// A day of spindle speeds at one or three places.
     Drift,
+    /// Several runs in one set-up, the instrument set to zero for each: by the seed on days that begin at rest, or in the course of one day with a
+    /// clock that begins again or goes on.
+    DriftRuns,
     /// Level and straightedge with loads.
     Load,
     /// Chase the ball with five axes.
@@ -32,7 +35,7 @@ pub(crate) enum Bench {
     HotCold,
 }
 
-/// All benches.
+/// The benches of the table of rates.
 pub(crate) const BENCHES: [Bench; 8] = [
     Bench::Laser,
     Bench::OnTheFly,
@@ -80,6 +83,12 @@ pub(crate) fn plan(bench: Bench, fineness: f64, seed: u64) -> Plan {
             let sensors = 6 + (seed % 7) as usize;
             let [used, held] =
                 ["drift", "held_drift"].map(|stem| drift::sheet(random, stem, places, sensors, fineness));
+            (mill, vec![used], vec![held])
+        }
+        Bench::DriftRuns => {
+            let sensors = 4 + (seed % 4) as usize;
+            let [used, held] = [("runs", 4), ("held_runs", 2)]
+                .map(|(stem, count)| drift::runs(random, stem, (count, seed % 3), sensors, fineness));
             (mill, vec![used], vec![held])
         }
         Bench::Load => (Machine::mill(0), load::sheets(random, "", false), load::sheets(random, "held_", true)),

@@ -1,13 +1,14 @@
 //! What temperatures do: drift behind sensors, expansion of scales and screws, squareness by gradients, and a door that was opened.
 
 use super::square;
+use crate::plant::bench::Bench;
 use crate::plant::climate::interpolated;
 use crate::plant::effect::{Effect, Law, Place, Stage, location, motion};
 use crate::plant::machine::LETTERS;
 use crate::plant::random::Random;
 use crate::plant::row::Row;
 
-/// What follows a sensor slowly, less 20 °C, on the day of a row.
+/// What follows a sensor slowly, less 20 °C or what it was when the instrument was set to zero, on the day of a row.
 pub(crate) fn follower(stage: &Stage<'_>, sensor: &str, lag_s: f64) -> Option<impl Fn(&Row) -> f64 + 'static> {
     let days: Option<Vec<Vec<f64>>> = stage
         .sheets
@@ -17,7 +18,12 @@ pub(crate) fn follower(stage: &Stage<'_>, sensor: &str, lag_s: f64) -> Option<im
             Some(climate.lagged(climate.sensor(sensor)?, lag_s))
         })
         .collect();
-    days.map(|days| move |row: &Row| interpolated(&days[row.day], row.t) - 20.0)
+    days.map(|days| {
+        move |row: &Row| {
+            let at = |t| interpolated(&days[row.day], t);
+            at(row.t) - row.zeroed.map_or(20.0, at)
+        }
+    })
 }
 
 /// The column of a sensor.
@@ -32,6 +38,8 @@ pub(super) fn effect(row: u8, stage: &Stage<'_>, random: &mut Random) -> Option<
     Some(match row {
         38 => {
             let (sensor, lag) = (random.pick(&["T_spindle", "T_head", "T_motor"]), random.between(300.0, 1800.0));
+            // Some sensors are where it grows.
+            let lag = if stage.bench == Bench::DriftRuns && random.unit() < 0.35 { 0.0 } else { lag };
             Effect::new(row, "thermal-drift", name, &[&column(sensor)], Law::Linear(1e3), "um/K")
                 .acts(Place::Tip(direction), follower(stage, sensor, lag)?)
                 .follows(sensor, lag)

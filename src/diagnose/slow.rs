@@ -1,0 +1,234 @@
+//! Whether what was found stands beside noise that wanders slowly: by the likelihood, with the noise found anew beside every choice.
+//!
+//! What many terms leave of a slow wander looks white, so that each of them looks sure beside the others. Here terms come in one by one, the surest first,
+//! and what they do not explain may be white noise and a slow process together (autoregressive of first order; near to 1 it is a random walk).
+//! A term that explains all of a wander makes the process vanish and gains much; one that only follows a part of it gains what a chance match does.
+
+use crate::numeric::fisher;
+
+use super::fold::counts;
+use super::score::in_parts;
+use super::search::{Field, Taken, Weights};
+
+/// Memories from row to row that are tried, and variances of what is new in a row beside white noise.
+const MEMORIES: [f64; 4] = [0.8, 0.95, 0.99, 0.999];
+const FRESH: [f64; 7] = [1e-3, 4e-3, 0.016, 0.06, 0.25, 1.0, 4.0];
+/// The same where there are many readings.
+const MEMORIES_OF_MANY: [f64; 3] = [0.9, 0.98, 0.999];
+const FRESH_OF_MANY: [f64; 4] = [2e-3, 0.016, 0.12, 1.0];
+/// So many are many.
+const MANY: usize = 8000;
+/// A column of which less than this share of its square is left says nothing of its own.
+const DEPENDENT: f64 = 1e-9;
+
+/// The readings that count, series behind series.
+struct Rows {
+    places: Vec<usize>,
+    /// Place in its series.
+    within: Vec<usize>,
+    longest: usize,
+}
+
+impl Rows {
+    fn new(field: &Field<'_, '_>, weights: &Weights) -> Rows {
+        let mut places = counts(field.scene, weights);
+        places.sort_by_key(|&place| weights.series.get(place).copied());
+        let mut within = Vec::with_capacity(places.len());
+        let (mut last, mut count) = (None, 0);
+        for place in &places {
+            let own = weights.series.get(*place).copied();
+            count = if own == last { count + 1 } else { 0 };
+            last = own;
+            within.push(count);
+        }
+        let longest = within.iter().max().map_or(0, |most| most + 1);
+        Rows { places, within, longest }
+    }
+
+    /// A column in units of the noise, of unit length.
+    fn column(&self, weights: &Weights, values: &[f64]) -> Vec<f64> {
+        let of = |place: &usize| Some(values.get(*place)? * weights.items.get(*place)?);
+        let mut out: Vec<f64> = self.places.iter().map(|place| of(place).unwrap_or(0.0)).collect();
+        let length = out.iter().map(|value| value * value).sum::<f64>().sqrt();
+        if length > 0.0 {
+            out.iter_mut().for_each(|value| *value /= length);
+        }
+        out
+    }
+}
+
+/// A kind of noise: white, and a slow process of this memory and this variance of what is new in a row.
+#[derive(Clone, Copy)]
+struct Kind {
+    memory: f64,
+    fresh: f64,
+}
+
+/// Products of columns beside the unknowns of set-ups, the last one that of the readings, with one kind of noise.
+struct Products {
+    matrix: Vec<f64>,
+    side: usize,
+    /// Σ ln of the variances of the innovations.
+    variances: f64,
+}
+
+impl Products {
+    /// Innovations by Kalman's filter: what each reading has beyond what those before it foretell.
+    fn new(kind: Kind, rows: &Rows, (unknowns, columns): (&[Vec<f64>], &[Vec<f64>])) -> Products {
+        let mut variance = kind.fresh / (1.0 - kind.memory * kind.memory);
+        let mut steps = Vec::with_capacity(rows.longest);
+        for _ in 0..rows.longest {
+            let whole = variance + 1.0;
+            steps.push((variance / whole, whole.sqrt()));
+            variance = kind.memory * kind.memory * variance / whole + kind.fresh;
+        }
+        let whitened = |column: &Vec<f64>| {
+            let mut slow = 0.0;
+            let of = |(value, within): (&f64, &usize)| {
+                if *within == 0 {
+                    slow = 0.0;
+                }
+                let (gain, sigma) = steps.get(*within).copied().unwrap_or((0.0, 1.0));
+                let new = value - slow;
+                slow = kind.memory * (slow + gain * new);
+                new / sigma
+            };
+            column.iter().zip(&rows.within).map(of).collect::<Vec<f64>>()
+        };
+        let all: Vec<(Vec<f64>, [usize; 2])> = unknowns
+            .iter()
+            .chain(columns)
+            .map(|column| {
+                let whitened = whitened(column);
+                let first = whitened.iter().position(|value| *value != 0.0).unwrap_or(0);
+                let end = whitened.iter().rposition(|value| *value != 0.0).map_or(first, |last| last + 1);
+                (whitened, [first, end])
+            })
+            .collect();
+        let side = all.len();
+        let mut matrix = vec![0.0; side * side];
+        for (k, (one, own)) in all.iter().enumerate() {
+            for (l, (other, of)) in all.iter().enumerate().take(k + 1) {
+                let span = own[0].max(of[0])..own[1].min(of[1]);
+                let pair = one.get(span.clone()).zip(other.get(span));
+                let product = pair.map_or(0.0, |(one, other)| one.iter().zip(other).map(|(a, b)| a * b).sum());
+                matrix[k * side + l] = product;
+                matrix[l * side + k] = product;
+            }
+        }
+        let whole: Vec<f64> = (0..side).map(|k| matrix[k * side + k]).collect();
+        (0..unknowns.len()).for_each(|k| {
+            take_out(&mut matrix, side, k, whole[k]);
+        });
+        let count = columns.len();
+        let rest =
+            (0..count * count).map(|at| matrix[(unknowns.len() + at / count) * side + unknowns.len() + at % count]);
+        Products {
+            matrix: rest.collect(),
+            side: count,
+            variances: rows.within.iter().map(|within| steps.get(*within).map_or(0.0, |step| 2.0 * step.1.ln())).sum(),
+        }
+    }
+
+    /// −2 ln of the likelihood with some columns, but for a constant, and how many of them say something of their own.
+    fn left(&self, columns: &[usize], count: f64) -> (f64, usize) {
+        let mut matrix = self.matrix.clone();
+        let rank =
+            columns.iter().filter(|&&k| take_out(&mut matrix, self.side, k, self.matrix[k * self.side + k])).count();
+        let squares = matrix.last().copied().unwrap_or(0.0);
+        let whole = self.matrix.last().copied().unwrap_or(0.0);
+        (count * squares.max(1e-12 * whole).ln() + self.variances, rank)
+    }
+}
+
+/// Takes a column out of all products. Returns whether it says something of its own.
+fn take_out(matrix: &mut [f64], side: usize, k: usize, whole: f64) -> bool {
+    let pivot = matrix[k * side + k];
+    if !(pivot > DEPENDENT * whole && whole > 0.0) {
+        return false;
+    }
+    let row: Vec<f64> = matrix[k * side..(k + 1) * side].to_vec();
+    for l in (0..side).filter(|&l| row[l] != 0.0) {
+        let factor = row[l] / pivot;
+        matrix[l * side..(l + 1) * side].iter_mut().zip(&row).for_each(|(value, own)| *value -= factor * own);
+    }
+    true
+}
+
+/// Those that stand, with the chance of each where that is larger than it was; `note` gets the others.
+pub(super) fn stand(
+    field: &Field<'_, '_>,
+    weights: &Weights,
+    judged: Vec<Taken>,
+    limit: f64,
+    note: &mut dyn FnMut(&Taken),
+) -> Vec<Taken> {
+    if judged.is_empty() {
+        return judged;
+    }
+    let rows = Rows::new(field, weights);
+    let count = rows.places.len() as f64;
+    let unknowns: Vec<Vec<f64>> = field.unknowns().iter().map(|values| rows.column(weights, values)).collect();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    let mut own: Vec<Vec<usize>> = Vec::new();
+    for term in &judged {
+        let all = field.candidates.get(term.candidate).map(|one| field.columns(one)).unwrap_or_default();
+        own.push((columns.len()..columns.len() + all.len()).collect());
+        columns.extend(all.iter().map(|values| rows.column(weights, values)));
+    }
+    let values: Vec<f64> = field.scene.items.iter().map(|item| item.left).collect();
+    columns.push(rows.column(weights, &values));
+    let (memories, fresh) = if rows.places.len() > MANY {
+        (&MEMORIES_OF_MANY[..], &FRESH_OF_MANY[..])
+    } else {
+        (&MEMORIES[..], &FRESH[..])
+    };
+    let mut kinds = vec![Kind { memory: 0.0, fresh: 0.0 }];
+    kinds.extend(memories.iter().flat_map(|&memory| fresh.iter().map(move |&fresh| Kind { memory, fresh })));
+    let all = in_parts(&kinds, &|kind: &Kind| Products::new(*kind, &rows, (&unknowns, &columns)));
+    let best = |taken: &[usize]| {
+        let columns: Vec<usize> = taken.iter().filter_map(|&k| own.get(k)).flatten().copied().collect();
+        let each = all.iter().map(|products| products.left(&columns, count));
+        each.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
+    };
+    let mut taken: Vec<usize> = Vec::new();
+    let mut chances = vec![1.0; judged.len()];
+    loop {
+        let (before, rank_before) = best(&taken);
+        let chance = |more: &[usize]| {
+            let with: Vec<usize> = taken.iter().chain(more).copied().collect();
+            let (left, rank) = best(&with);
+            let rank = rank.saturating_sub(rank_before) as f64;
+            // Others may only help together with one that stands: their number counts as well.
+            let tried = (field.tried as f64).powi(i32::try_from(more.len()).unwrap_or(1));
+            (fisher::exceeded((before - left) / rank.max(1.0), rank, 1e9) * tried).min(1.0)
+        };
+        let open: Vec<usize> = (0..judged.len()).filter(|k| !taken.contains(k)).collect();
+        let singles = open.iter().map(|&k| vec![k]);
+        let surest = |of: &mut dyn Iterator<Item = Vec<usize>>| {
+            let all = of.map(|more| (chance(&more), more));
+            all.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(chance, _)| *chance < limit)
+        };
+        let found = surest(&mut singles.into_iter()).or_else(|| {
+            let pairs = open.iter().enumerate().flat_map(|(at, &k)| open.iter().skip(at + 1).map(move |&l| vec![k, l]));
+            surest(&mut pairs.into_iter())
+        });
+        let Some((chance, more)) = found else { break };
+        for k in more {
+            if let Some(own) = chances.get_mut(k) {
+                *own = chance;
+            }
+            taken.push(k);
+        }
+    }
+    let mut out = Vec::new();
+    for (k, (mut term, chance)) in judged.into_iter().zip(chances).enumerate() {
+        term.chance = term.chance.max(chance);
+        if taken.contains(&k) {
+            out.push(term);
+        } else {
+            note(&term);
+        }
+    }
+    out
+}
