@@ -118,6 +118,9 @@ fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>
         "unit" => {
             "convert the column to the unit that its name says, and check sigma_um (or sigma_urad) in the description".into()
         }
+        "axes" if fault.what.starts_with("not ") => {
+            "check the unit of the readings, the columns of positions, and centre_mm and length_mm in the description".into()
+        }
         "axes" => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again".into(),
         "compensated" if is_refused => {
             "measure with the table of the control switched off, or give with --machine what the control does not take out"

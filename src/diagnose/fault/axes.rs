@@ -9,7 +9,6 @@ use super::exchanged_positions::{self, Turned};
 use super::readings::{Beside, Readings};
 use super::{Check, Fault, Then, View};
 use crate::measure::data::DataSet;
-use crate::report::number::micrometers;
 use crate::units::um_from_mm;
 
 pub(super) const CHECK: Check = Check {
@@ -28,6 +27,8 @@ const CLEAN: f64 = 1.7;
 const WORSE: f64 = 2.5;
 /// Explanations within this factor are as good as each other.
 const TIE: f64 = 1.15;
+/// Columns that are exchanged or reversed, where causes go with the readings, at most: two.
+const SIMPLE: usize = 2;
 /// Runs in which it is so at least, where a cause beside it hides how well it fits.
 const RUNS: usize = 3;
 /// And in this share of all that differs.
@@ -131,8 +132,8 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         let away = readings.beside(view.scene, view.tips(), beside).map_or(0.0, |readings| readings.middle());
         if away > PLAUSIBLE_MM {
             let evidence = format!(
-                "half of the readings are {} or more from what they should be there; no machine errs so much",
-                micrometers(um_from_mm(away))
+                "half of the readings are {:.0} µm or more from what they should be there; no machine errs so much",
+                um_from_mm(away)
             );
             add(data.name.clone(), "not of these positions".into(), evidence);
         }
@@ -149,7 +150,14 @@ impl Told {
             Beside::Bent => " beside all that grows with an axis, turns over with its sense or bends over it",
         };
         let what = &self.what;
-        format!("as they are the readings leave {as_is:.1} times their noise{beside}, {what} {otherwise:.1} times")
+        let open = if self.left[1] > CLEAN * noise {
+            "; what else is wrong beside it leaves open which columns they are"
+        } else {
+            ""
+        };
+        format!(
+            "as they are the readings leave {as_is:.1} times their noise{beside}, {what} {otherwise:.1} times{open}"
+        )
     }
 }
 
@@ -186,7 +194,8 @@ fn columns(view: &View<'_, '_>, data: &DataSet, readings: &Readings, noise: f64)
         let Some(own) = readings.beside(view.scene, view.tips(), beside) else { break };
         let left: Vec<f64> = ways.iter().map(|way| own.left_if(None, &|value, all| way.of(value, all), 1.0)).collect();
         let left = Left { ways: &ways, left, columns, beside };
-        if left.fits_as_is(noise) {
+        // Where much goes with it, the readings as they are fit better than they did.
+        if left.fits_as_is(noise) && (beside == Beside::Nothing || left.told(noise, CLEAN).is_none()) {
             break;
         }
         let as_is = left.as_is();
@@ -233,6 +242,10 @@ impl Left<'_> {
         }
         let good = || self.ways.iter().zip(&self.left).filter(|(_, left)| **left < TIE * best);
         let simplest = good().map(|(way, _)| way.moved()).min()?;
+        // With much that goes with them, one of many ways fits by chance.
+        if self.beside != Beside::Nothing && simplest > SIMPLE {
+            return None;
+        }
         let mut simple = good().filter(|(way, _)| way.moved() == simplest);
         let (way, left) = simple.next()?;
         let (name, what) = way.words(self.columns);

@@ -15,6 +15,8 @@ pub(super) const CHECK: Check = Check {
 const SIZE: f64 = 0.9;
 /// What is left in squares of the noise where readings fit.
 const FITS: f64 = 2.4;
+/// The same where causes stand beside it.
+const FITS_BESIDE: f64 = 4.0;
 /// The known errors as they are leave so much of their own squares more.
 const WORSE: f64 = 0.5;
 /// Uncertainty of the gain at most.
@@ -33,7 +35,9 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         // Errors that are new to the model may stand beside those that it knows.
         for beside in Beside::ALL {
             let Some(own) = readings.beside(view.scene, view.tips(), beside) else { break };
-            if let Some((what, evidence)) = told(&own, noise) {
+            if let Some((what, evidence)) =
+                told(&own, noise, if beside == Beside::Nothing { FITS } else { FITS_BESIDE })
+            {
                 out.push(Fault {
                     kind: "compensated",
                     set,
@@ -52,7 +56,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     }
 }
 
-fn told(readings: &Readings, noise: f64) -> Option<(&'static str, String)> {
+fn told(readings: &Readings, noise: f64, fits: f64) -> Option<(&'static str, String)> {
     let matched = readings.matched(None);
     if matched.size < SIZE * noise.sqrt() {
         return None;
@@ -64,7 +68,7 @@ fn told(readings: &Readings, noise: f64) -> Option<(&'static str, String)> {
         if (matched.gain - gain).abs() > NEAR.max(FAR * sure) {
             return None;
         }
-        let is_so = otherwise < FITS * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE;
+        let is_so = otherwise < fits * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE;
         is_so.then(|| {
             let evidence = format!(
                 "{} readings are {:.2} times what the model says: with it they leave {:.1} times their noise, with {gain:.0} times it {:.1}",

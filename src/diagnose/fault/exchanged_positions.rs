@@ -10,6 +10,8 @@ use crate::model::ErrorModel;
 
 /// Rows that tell it.
 const ROWS: usize = 400;
+/// Places at which an axis stands, at least.
+const PLACES: usize = 3;
 /// Positions this far beyond a limit are within it, mm.
 const BEYOND_MM: f64 = 1.0;
 
@@ -22,8 +24,15 @@ pub(super) struct Turned {
 /// All ways in which every axis stays within its travel.
 pub(super) fn turned(scene: &Scene<'_>, data: &DataSet) -> Turned {
     let linear: Vec<Axis> = AXES.into_iter().filter(|axis| !axis.is_rotary()).collect();
-    let there: Vec<usize> = (0..linear.len().min(3)).filter(|&k| scene.machine.axis(linear[k]).is_some()).collect();
     let few = thinned(data);
+    // Nobody takes a column that stands still for one that moves.
+    let moves = |axis: Axis| {
+        let mut at: Vec<u64> = few.observations.iter().map(|row| row.reading.position[axis].to_bits()).collect();
+        at.sort_unstable();
+        at.dedup();
+        at.len() >= PLACES
+    };
+    let there: Vec<usize> = (0..linear.len().min(3)).filter(|&k| moves(linear[k])).collect();
     let mut out = Turned { ways: Way::all().take(1).collect(), left: Vec::new() };
     for way in Way::all().skip(1).filter(|way| way.is_of(&there)) {
         let mut best: Option<[f64; 4]> = None;

@@ -17,6 +17,8 @@ pub(super) struct Readings {
     /// Their numbers among the items of the scene.
     items: Vec<usize>,
     sigma: Vec<f64>,
+    /// All values of its row.
+    of_row: Vec<[f64; 3]>,
     /// The run of each.
     run: Vec<usize>,
     series: Series,
@@ -58,6 +60,7 @@ impl Readings {
         let data = scene.sets.get(set)?;
         let (mut at, mut read, mut predicted, mut weights) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (mut items, mut numbers, mut sigma, mut run) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut of_row = Vec::new();
         for (number, item) in scene.items.iter().enumerate().filter(|(_, item)| item.row != NO_ROW) {
             let Some(row) = scene.rows.get(item.row).filter(|row| row.set == set) else { continue };
             let one = data.observations.get(row.number)?;
@@ -68,6 +71,7 @@ impl Readings {
             predicted.push(value - item.left);
             weights.push(1.0 / item.sigma);
             sigma.push(item.sigma);
+            of_row.push(one.values.map(|value| value.unwrap_or(f64::NAN)));
             run.push(row.sequence);
             numbers.push(number);
             items.push(item);
@@ -88,7 +92,7 @@ impl Readings {
         columns.iter().for_each(|column| {
             series.take(column);
         });
-        (!at.is_empty()).then_some(Readings { at, read, predicted, items: numbers, sigma, run, series })
+        (!at.is_empty()).then_some(Readings { at, read, predicted, items: numbers, sigma, of_row, run, series })
     }
 
     /// The same where something may go with the readings beside the set-ups; `None` where too few are left to say anything.
@@ -101,6 +105,7 @@ impl Readings {
             predicted: self.predicted.clone(),
             items: self.items.clone(),
             sigma: self.sigma.clone(),
+            of_row: self.of_row.clone(),
             run: self.run.clone(),
             series: self.series.clone(),
         };
@@ -137,6 +142,15 @@ impl Readings {
         super::median(left.iter().zip(&self.sigma).map(|(left, sigma)| (left * sigma).abs()).collect())
     }
 
+    /// Whether all lengths that were read are less than any machine errs.
+    pub(super) fn are_tiny(&self) -> bool {
+        /// mm.
+        const TINY: f64 = 5e-5;
+        let left = self.without_setups(&self.read);
+        let sizes = || left.iter().zip(&self.sigma).map(|(left, sigma)| (left * sigma).abs());
+        sizes().all(|size| size < TINY) && sizes().any(|size| size > 0.0)
+    }
+
     /// By how much less squares are because unknowns take them up.
     fn freedom(&self) -> f64 {
         let count = self.at.len() as f64;
@@ -164,17 +178,11 @@ impl Readings {
 
     /// What is left in squares of σ where the readings are taken otherwise: `of` gives each from all values of its row.
     fn squares_if(&self, of: &dyn Fn(usize, [f64; 3]) -> f64, times: f64) -> Vec<f64> {
-        let mut rows = std::collections::HashMap::new();
-        for ([row, value, _], read) in self.at.iter().zip(&self.read) {
-            rows.entry(*row).or_insert([f64::NAN; 3])[(*value).min(2)] = *read;
-        }
         let all: Vec<f64> = self
             .at
             .iter()
-            .zip(&self.predicted)
-            .map(|([row, value, _], predicted)| {
-                of(*value, rows.get(row).copied().unwrap_or([0.0; 3])) - times * predicted
-            })
+            .zip(self.of_row.iter().zip(&self.predicted))
+            .map(|([_, value, _], (all, predicted))| of(*value, *all) - times * predicted)
             .collect();
         self.without_setups(&all).into_iter().map(|left| (left * left).min(MOST)).collect()
     }
