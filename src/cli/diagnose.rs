@@ -116,7 +116,8 @@ fn find(
     let scene = |errors: &ErrorModel| Scene::new(&chosen.machine, errors, &sets);
     let (Ok(mut of_model), Ok(mut bare)) = (scene(&chosen.errors), scene(&ErrorModel::default())) else {
         let message = "the readings cannot even tell the set-ups";
-        let help = "describe what is known of the set-ups, or measure more";
+        let help =
+            "check the columns of positions and their units, describe what is known of the set-ups, or measure more";
         findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
         return Ok(());
     };

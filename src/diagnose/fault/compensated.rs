@@ -1,6 +1,6 @@
 //! Readings of a machine whose control already takes out what the model has: an active table. What is left is the known map with the other sign.
 
-use super::readings::{Beside, Readings};
+use super::readings::Readings;
 use super::{Check, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
@@ -15,8 +15,6 @@ pub(super) const CHECK: Check = Check {
 const SIZE: f64 = 0.9;
 /// What is left in squares of the noise where readings fit.
 const FITS: f64 = 2.4;
-/// The same where causes stand beside it.
-const FITS_BESIDE: f64 = 4.0;
 /// The known errors as they are leave so much of their own squares more.
 const WORSE: f64 = 0.5;
 /// Uncertainty of the gain at most.
@@ -32,52 +30,35 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, data) in view.sets() {
         let (Some(readings), Some(trail)) = (Readings::new(view.scene, set), view.trails.get(set)) else { continue };
         let noise = trail.noise_ratio().unwrap_or(1.0).powi(2).max(1e-6);
-        // Errors that are new to the model may stand beside those that it knows.
-        for beside in Beside::ALL {
-            let Some(own) = readings.beside(view.scene, view.tips(), beside) else { break };
-            if let Some((what, evidence)) =
-                told(&own, noise, if beside == Beside::Nothing { FITS } else { FITS_BESIDE })
-            {
+        let matched = readings.matched(None);
+        if matched.size < SIZE * noise.sqrt() {
+            continue;
+        }
+        for (gain, what) in
+            [(0.0, "known errors already taken out"), (2.0, "known errors taken out with the wrong sign")]
+        {
+            let [as_is, otherwise] = [1.0, gain].map(|times| readings.left_with(None, times));
+            let sure = (noise * MEMORY / matched.count).sqrt() / matched.size;
+            if (matched.gain - gain).abs() > NEAR.max(FAR * sure) {
+                continue;
+            }
+            if otherwise < FITS * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE {
                 out.push(Fault {
                     kind: "compensated",
                     set,
                     name: data.name.clone(),
                     what: what.into(),
                     rows: [0, data.observations.len().saturating_sub(1)],
-                    evidence,
+                    evidence: format!(
+                        "{} readings are {:.2} times what the model says: with it they leave {:.1} times their noise, with {gain:.0} times it {:.1}",
+                        matched.count,
+                        matched.gain,
+                        (as_is / noise).sqrt(),
+                        (otherwise / noise).sqrt()
+                    ),
                     then: Then::Refuse,
                 });
-                break;
-            }
-            if own.left_with(None, 1.0) < FITS * noise {
-                break;
             }
         }
     }
-}
-
-fn told(readings: &Readings, noise: f64, fits: f64) -> Option<(&'static str, String)> {
-    let matched = readings.matched(None);
-    if matched.size < SIZE * noise.sqrt() {
-        return None;
-    }
-    let ways = [(0.0, "known errors already taken out"), (2.0, "known errors taken out with the wrong sign")];
-    ways.into_iter().find_map(|(gain, what)| {
-        let [as_is, otherwise] = [1.0, gain].map(|times| readings.left_with(None, times));
-        let sure = (noise * MEMORY / matched.count).sqrt() / matched.size;
-        if (matched.gain - gain).abs() > NEAR.max(FAR * sure) {
-            return None;
-        }
-        let is_so = otherwise < fits * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE;
-        is_so.then(|| {
-            let evidence = format!(
-                "{} readings are {:.2} times what the model says: with it they leave {:.1} times their noise, with {gain:.0} times it {:.1}",
-                matched.count,
-                matched.gain,
-                (as_is / noise).sqrt(),
-                (otherwise / noise).sqrt()
-            );
-            (what, evidence)
-        })
-    })
 }
