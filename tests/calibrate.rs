@@ -49,6 +49,7 @@ pub(crate) fn measurement(kind: &str, free: &[Free]) -> DataSet {
         is_plan: false,
         fixed: Vec::new(),
         conditions: Vec::new(),
+        has_senses: true,
         name: kind.to_owned(),
         kind: KINDS.iter().find(|known| known.name == kind).unwrap(),
         sigma: None,

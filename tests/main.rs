@@ -40,6 +40,7 @@ mod cycles;
 mod definitions;
 mod diagnose;
 mod diagnose_causes;
+mod diagnose_data;
 mod diagnose_extend;
 mod diagnose_faults;
 mod diagnose_rates;

@@ -124,6 +124,7 @@ mod tests {
             balls: Vec::new(),
             is_plan: false,
             conditions: Vec::new(),
+            has_senses: true,
             fixed: Vec::new(),
             drivers: Vec::new(),
             observations,

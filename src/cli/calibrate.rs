@@ -8,11 +8,10 @@ use super::calibrated_report::{self, Held};
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::identifiable;
-use super::input::{self, is_standard_stream};
+use super::input::{self, is_standard_stream, one_stream};
 use super::machine_choice::{self, Chosen, short_hash};
-use super::measurement::{self, Measurement, description_of};
+use super::measurement::{self, Measurement};
 use super::output::{Spool, Target};
-use super::program::protect;
 use super::stop::Stop;
 use super::{conditions, figures, parameters, print, repeated, select, state, tell};
 use crate::calibrate::{Compared, Fit, Options, Parameter, Refusal, fit, quality, reversals};
@@ -37,11 +36,7 @@ const MACHINE: FileId = FileId(0);
 /// Calibrates.
 pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
     let goes_out = is_standard_stream(&arguments.output);
-    if arguments.json && goes_out {
-        return Err(Stop::Usage(
-            "--json and the machine file cannot both go to standard output; give -o a file".into(),
-        ));
-    }
+    one_stream(arguments.json, goes_out)?;
     let mut findings = Findings::default();
     let version = env!("CARGO_PKG_VERSION");
     let mut report = calibration::Calibration { model: arguments.model.clone(), version, ..Default::default() };
@@ -76,17 +71,11 @@ fn calibrate(
     let target = Target::new(&arguments.output)?;
     let start = input::read(&arguments.machine, MACHINE)?;
     let chosen = machine_choice::read(&start, &[], findings)?;
-    let mut inputs = vec![arguments.machine.clone()];
-    for path in arguments.data.iter().chain(&arguments.hold_out) {
-        inputs.extend([path.clone(), description_of(path)?]);
-    }
-    inputs.extend(arguments.state.state.iter().cloned());
-    protect(&target, &inputs, findings);
-    if let Some(page) = page {
-        protect(page, &inputs, findings);
-        if findings.has_errors() {
-            return Ok(());
-        }
+    let files = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
+    let tables = arguments.data.iter().chain(&arguments.hold_out);
+    measurement::protect_inputs(std::iter::once(&target).chain(page), files, tables, findings)?;
+    if page.is_some() && findings.has_errors() {
+        return Ok(());
     }
     report.inputs.push(calibrated_report::machine_input(&start));
     for path in &arguments.state.state {

@@ -6,18 +6,18 @@ use super::arguments::DiagnoseArguments;
 use super::exit_code::ExitCode;
 use super::extended;
 use super::findings::Findings;
-use super::input::{self, is_standard_stream};
+use super::input::{self, is_standard_stream, one_stream};
 use super::machine_choice::{self, Chosen};
-use super::measurement::{self, Measurement, description_of};
+use super::measurement::{self, Measurement};
 use super::output::Target;
-use super::program::protect;
 use super::progress::Progress;
 use super::stop::Stop;
 use super::{calibrated_report, diagnose_faults, diagnosed_report, print, tell};
 use crate::diagnose::cause::Correctable;
-use crate::diagnose::extend::extension;
+use crate::diagnose::extend::{Change, extension, is_sound};
 use crate::diagnose::{
-    Compared, Diagnosis, Finding, Rejected, Scene, Sizes, Source, diagnose, fault, reads_angles, shape,
+    Compared, Diagnosis, FAR_OUT, Finding, Rejected, Scene, Sizes, Source, diagnose, fault, freedom_of, reads_angles,
+    shape,
 };
 use crate::diagnostic::{Code, Diagnostic};
 use crate::measure::data::DataSet;
@@ -28,14 +28,13 @@ use crate::report::{json, page};
 use crate::source::FileId;
 use crate::units::{um_from_mm, urad_from_rad};
 
+/// Readings beyond the unknowns of set-ups that say anything.
+const LEAST: usize = 3;
+
 /// Diagnoses.
 pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
     let goes_out = arguments.output.as_deref().is_some_and(is_standard_stream);
-    if arguments.json && goes_out {
-        return Err(Stop::Usage(
-            "--json and the machine file cannot both go to standard output; give -o a file".into(),
-        ));
-    }
+    one_stream(arguments.json, goes_out)?;
     let mut findings = Findings::default();
     let mut report = diagnosis::Diagnosis { schema: SCHEMA, unit: "um", ..Default::default() };
     let mut shown = Shown { version: env!("CARGO_PKG_VERSION"), ..Shown::default() };
@@ -50,6 +49,9 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
     }
     if result.is_ok() && arguments.json {
         report.diagnostics = findings.json();
+        if report.readings == 0 {
+            report.forget_sizes();
+        }
         print(&json::line(&report).map_err(Stop::Usage)?)?;
         return Ok(findings.exit_code());
     }
@@ -84,11 +86,8 @@ fn find(
     if target.is_some() && chosen.is_demo {
         return Err(Stop::Usage("-o extends a machine file; give it with --machine".into()));
     }
-    let mut inputs = chosen.files.clone();
-    for path in arguments.data.iter().chain(&arguments.holdout) {
-        inputs.extend([path.clone(), description_of(path)?]);
-    }
-    target.iter().chain(page).for_each(|target| protect(target, &inputs, findings));
+    let tables = arguments.data.iter().chain(&arguments.holdout);
+    measurement::protect_inputs(target.iter().chain(page), chosen.files.clone(), tables, findings)?;
     if findings.has_errors() {
         return Ok(());
     }
@@ -103,6 +102,7 @@ fn find(
         }
         all.extend(read);
     }
+    measurement::check_copies(&all, findings);
     if findings.has_errors() {
         return Ok(());
     }
@@ -116,34 +116,55 @@ fn find(
     let scene = |errors: &ErrorModel| Scene::new(&chosen.machine, errors, &sets);
     let (Ok(mut of_model), Ok(mut bare)) = (scene(&chosen.errors), scene(&ErrorModel::default())) else {
         let message = "the readings cannot even tell the set-ups";
-        let help = "describe what is known of the set-ups, or measure more";
+        let help =
+            "check the columns of positions and their units, describe what is known of the set-ups, or measure more";
         findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
         return Ok(());
     };
     fault::exclude(&mut of_model, &faults);
     fault::exclude(&mut bare, &faults);
+    let [readings, unknowns] = freedom_of(&of_model, used);
+    if readings < unknowns + LEAST {
+        let message = format!(
+            "{readings} readings that count and {unknowns} unknowns of the set-ups: nothing is left to be told"
+        );
+        let help = "measure more, or describe what is known of the set-ups (take it out of free)";
+        findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
+        return Ok(());
+    }
     let mut progress = Progress::new();
     let found = diagnose(&of_model, &bare, used, &mut |what, share| progress.share(what, share));
     progress.clear();
     tell_all(&found, &of_model, (&sets, used), report);
+    let extension = extension(&found, &of_model, used);
+    can_be_done(&found, &extension, report);
     if page.is_some() {
         diagnosed_report::fill(&found, &of_model, used, shown);
     }
     if let Some(target) = target {
-        let extension = extension(&found, &of_model, used);
         let job = extended::Job { chosen: &chosen, scene: &of_model, used, found: &found, extension };
         let outcome = job.write(target, findings)?;
         for (one, why_not) in report.findings.iter_mut().zip(outcome.why_not) {
             one.extends = why_not.is_none();
             one.extends_why = why_not;
-            if one.extends && one.correctable == "no" {
-                // What the file has as a table needs no name.
-                one.correctable = "program".into();
-            }
         }
         report.output = arguments.output.as_ref().filter(|_| outcome.is_written).map(|path| path.display().to_string());
     }
     Ok(())
+}
+
+/// What can be done about findings, whether or not a file is written: what the file has as a table needs no name, and what no program must be moved by
+/// is not to be corrected.
+fn can_be_done(found: &Diagnosis, extension: &[Result<Vec<Change>, String>], report: &mut diagnosis::Diagnosis) {
+    let left = found.used.before.rms;
+    for ((told, one), changes) in report.findings.iter_mut().zip(&found.findings).zip(extension) {
+        if let Err(why) = is_sound(one, left) {
+            told.correctable = "no".into();
+            told.extends_why = Some(why);
+        } else if told.correctable == "no" && changes.as_ref().is_ok_and(|changes| !changes.is_empty()) {
+            told.correctable = "program".into();
+        }
+    }
 }
 
 /// Everything that was found, in the units of reports.
@@ -205,9 +226,19 @@ fn tell_all(
         let rows: Vec<usize> =
             found.outliers.iter().filter(|(set, _)| *set == number).map(|(_, row)| row + 1).collect();
         if !rows.is_empty() {
-            let what = "far from all others".to_owned();
-            let name = set.name.clone();
-            report.data_faults.push(DataFault { kind: "outlier".into(), name, what, rows, ..Default::default() });
+            let times = FAR_OUT;
+            report.data_faults.push(DataFault {
+                kind: "outlier".into(),
+                name: set.name.clone(),
+                what: "far from all others".to_owned(),
+                evidence: format!(
+                    "readings of {} rows are more than {times} times the spread of what is left of this file away from all causes",
+                    rows.len()
+                ),
+                excluded: "these readings".into(),
+                file: set.name.clone(),
+                rows,
+            });
         }
     }
 }

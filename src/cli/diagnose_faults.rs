@@ -75,6 +75,7 @@ fn excluded(fault: &Fault, is_held_out: bool) -> String {
         Then::WithoutRows => "these rows".into(),
         Then::WithoutReadings(readings) => format!("{} single readings", readings.len()),
         Then::OwnZero => "nothing; the rows behind the step have a zero of their own".into(),
+        Then::Nothing => "nothing".into(),
         Then::MoreNoise(_) => "nothing; the readings count with more noise".into(),
     }
 }
@@ -104,7 +105,7 @@ fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
 fn place(fault: &Fault, source: &Source) -> Option<Place> {
     let table = Table::read(source).0?;
     let column = fault.name.split(' ').next().and_then(|name| table.column(name));
-    let whole = [Then::Refuse].contains(&fault.then) || matches!(fault.then, Then::MoreNoise(_));
+    let whole = [Then::Refuse].contains(&fault.then) || matches!(fault.then, Then::MoreNoise(_) | Then::Nothing);
     if whole {
         return Some(table.header_place(column));
     }
@@ -115,7 +116,7 @@ fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>
     let name = if fault.name == set.name { String::new() } else { format!(" {}", fault.name) };
     let of = if is_held_out { "held out, " } else { "" };
     let rows = match &fault.then {
-        Then::Refuse | Then::MoreNoise(_) | Then::WithoutReadings(_) => String::new(),
+        Then::Refuse | Then::Nothing | Then::MoreNoise(_) | Then::WithoutReadings(_) => String::new(),
         _ => format!(" in rows {} to {}", fault.rows[0] + 1, fault.rows[1] + 1),
     };
     let message = format!("{of}{}{name}: {}{rows}: {}", set.name, fault.what, fault.evidence);
@@ -123,6 +124,9 @@ fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>
     let help = match fault.kind {
         "unit" => {
             "convert the column to the unit that its name says, and check sigma_um (or sigma_urad) in the description".into()
+        }
+        "axes" if fault.what.starts_with("not ") => {
+            "check the unit of the readings, the columns of positions, and centre_mm and length_mm in the description".into()
         }
         "axes" => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again".into(),
         "compensated" if is_refused => {
@@ -133,6 +137,7 @@ fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>
             "converted for this diagnosis; convert the column, (°F − 32) / 1.8, for all that reads it".into()
         }
         "compensated" => "check whether a table of the control was active; if not, the model has expired".into(),
+        "order" => "give the rows in the order in which they were taken, or the senses of motion in columns X_dir …".into(),
         _ => format!("left out: {}", excluded(fault, is_held_out)),
     };
     let code = if is_refused { Code::DATA_FAULT } else { Code::FAULTY_DATA };

@@ -15,6 +15,19 @@ pub(super) fn is_standard_stream(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
+/// Standard output takes one of both.
+///
+/// # Errors
+/// Where it would be both.
+pub(super) fn one_stream(is_json: bool, machine_goes_out: bool) -> Result<(), Stop> {
+    if is_json && machine_goes_out {
+        return Err(Stop::Usage(
+            "--json and the machine file cannot both go to standard output; give -o a file".into(),
+        ));
+    }
+    Ok(())
+}
+
 /// The bytes of a file with the name to show for it.
 ///
 /// # Errors

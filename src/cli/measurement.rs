@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::findings::Findings;
 use super::input::{self, is_standard_stream};
+use super::output::Target;
+use super::program::protect;
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
@@ -32,6 +34,23 @@ pub(super) fn description_of(table: &Path) -> Result<PathBuf, Stop> {
         )));
     }
     Ok(table.with_extension("toml"))
+}
+
+/// Says where something that is written would overwrite what is read: `files`, and the pairs of these tables.
+///
+/// # Errors
+/// Where a table can have no description.
+pub(super) fn protect_inputs<'a>(
+    targets: impl IntoIterator<Item = &'a Target>,
+    mut files: Vec<PathBuf>,
+    tables: impl Iterator<Item = &'a PathBuf>,
+    findings: &mut Findings,
+) -> Result<(), Stop> {
+    for path in tables {
+        files.extend([path.clone(), description_of(path)?]);
+    }
+    targets.into_iter().for_each(|target| protect(target, &files, findings));
+    Ok(())
 }
 
 /// Reads a measurement, or the plan of one; `None` where findings forbid to use it. `number` tells measurements apart.

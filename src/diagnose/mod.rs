@@ -49,7 +49,7 @@ mod verdict;
 pub use account::Account;
 pub use held::{Compared, Sizes};
 pub use noise::{Left, Source};
-pub use readings::levels;
+pub use readings::{FAR as FAR_OUT, freedom_of, levels};
 pub use rejected::{Gate, Rejected, Tried};
 pub use scene::Scene;
 pub use share::Share;

@@ -8,7 +8,11 @@ use super::scene::{NO_ROW, Scene};
 use super::search::{Field, Weights};
 
 /// A reading further out than this many spreads does not count.
-const FAR: f64 = 6.0;
+pub const FAR: f64 = 6.0;
+/// Readings of a file that tell its noise.
+const FEW: usize = 20;
+/// Files with noise that differs by more than this count each with its own.
+const UNLIKE: f64 = 2.5;
 
 /// Weights of the measurements that are used, and of those held out.
 pub(super) fn weights(scene: &Scene<'_>, used: usize) -> (Weights, Weights) {
@@ -71,26 +75,65 @@ pub(super) fn left_of(field: &Field<'_, '_>, weights: &Weights, taken: &[usize])
         .collect()
 }
 
-/// Takes readings out that are far from the others. Returns whether there were any.
+/// Takes readings out that are far from the others of their file. Returns whether there were any.
 pub(super) fn drop_far(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) -> bool {
     let places = counts(scene, weights);
     let size = |place: &usize| match (left.get(*place), weights.items.get(*place)) {
         (Some(left), Some(weight)) => (left * weight).abs(),
         _ => 0.0,
     };
-    let mut sizes: Vec<f64> = places.iter().map(size).collect();
-    if sizes.is_empty() {
-        return false;
+    let middle = |mut sizes: Vec<f64>| {
+        let middle = sizes.len() / 2;
+        if sizes.is_empty() { 0.0 } else { *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN }
+    };
+    let whole = middle(places.iter().map(size).collect());
+    let set = |place: usize| Some(scene.rows.get(scene.items.get(place)?.row)?.set);
+    let mut far = Vec::new();
+    for number in 0..scene.sets.len() {
+        let own: Vec<usize> = places.iter().copied().filter(|&place| set(place) == Some(number)).collect();
+        // A few readings say nothing of their noise; two that differ by less are alike.
+        let spread = if own.len() < FEW { whole } else { middle(own.iter().map(size).collect()) };
+        far.extend(own.into_iter().filter(|place| size(place) > FAR * spread));
     }
-    let middle = sizes.len() / 2;
-    let spread = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / MEDIAN;
-    let far: Vec<usize> = places.into_iter().filter(|place| size(place) > FAR * spread).collect();
     far.iter().for_each(|&place| {
         if let Some(weight) = weights.items.get_mut(place) {
             *weight = 0.0;
         }
     });
     !far.is_empty()
+}
+
+/// Lets readings of files count by their noise, from one reading to the next, where files differ in it by more than what is said of them.
+pub(super) fn even_out(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) {
+    let mut series: HashMap<(usize, usize), Vec<f64>> = HashMap::new();
+    for place in counts(scene, weights) {
+        let own = scene.items.get(place).and_then(|item| scene.rows.get(item.row)).map(|row| row.set);
+        if let (Some(set), Some(left), Some(weight)) = (own, left.get(place), weights.items.get(place)) {
+            series.entry((set, weights.series.get(place).copied().unwrap_or(0))).or_default().push(left * weight);
+        }
+    }
+    let mut noise: Vec<Option<f64>> = Vec::new();
+    for set in 0..scene.sets.len() {
+        let own = series.iter().filter(|((of, _), _)| *of == set);
+        let mut steps: Vec<f64> = own
+            .flat_map(|(_, left)| left.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect::<Vec<_>>())
+            .collect();
+        let middle = steps.len() / 2;
+        noise.push((steps.len() >= FEW).then(|| *steps.select_nth_unstable_by(middle, f64::total_cmp).1));
+    }
+    let mut known: Vec<f64> = noise.iter().copied().flatten().filter(|noise| *noise > 0.0).collect();
+    known.sort_by(f64::total_cmp);
+    let (Some(least), Some(most)) = (known.first(), known.last()) else { return };
+    if *most < UNLIKE * least {
+        return;
+    }
+    let usual = known[known.len() / 2];
+    for (item, weight) in scene.items.iter().zip(&mut weights.items) {
+        let own = scene.rows.get(item.row).and_then(|row| noise.get(row.set).copied().flatten());
+        if let Some(own) = own.filter(|own| *own > 0.0) {
+            *weight *= usual / own;
+        }
+    }
 }
 
 /// What a candidate does to the readings that count beyond what set-ups take, with the amounts found beside the others.
@@ -123,6 +166,15 @@ pub(super) fn doing(
 pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0_f64), |(sum, count), value| (sum + value * value, count + 1.0));
     (sum / count.max(1.0)).sqrt()
+}
+
+/// How many readings of the measurements that are used count, and how many unknowns of set-ups they tell.
+#[must_use]
+pub fn freedom_of(scene: &Scene<'_>, used: usize) -> [usize; 2] {
+    let (weights, _) = weights(scene, used);
+    let field = Field::new(scene, Vec::new());
+    let of_rows = counts(scene, &weights).len();
+    [of_rows, field.series(&weights, &[], 0.0).rank()]
 }
 
 /// What a model leaves of the measurements that are used and of those held out beside the set-ups, root of the mean square in units of the

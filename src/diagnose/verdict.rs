@@ -7,7 +7,7 @@ use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
 use super::jackknife::{u95, without_parts};
 use super::noise::{self, is_angle};
-use super::readings::{doing, drop_far, left_of, projected, rms, weights};
+use super::readings::{doing, drop_far, even_out, left_of, projected, rms, weights};
 use super::refine::RIVAL;
 use super::rejected::{Rejected, Rejections, Tried, tried};
 use super::scene::Scene;
@@ -93,6 +93,9 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
         note("search", round as f64 / ROUNDS as f64);
         taken = field.forward(&weights, &[]);
         let left = left_of(&field, &weights, &taken);
+        if round == 0 {
+            even_out(scene, &mut weights, &left);
+        }
         if !drop_far(scene, &mut weights, &left) {
             break;
         }
@@ -116,6 +119,7 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
     let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     let far = field.left_with(&weights, &numbers);
     let far = projected(&field, &held_out, &far);
+    even_out(scene, &mut held_out, &far);
     drop_far(scene, &mut held_out, &far);
     let not_confirmed = hold(&field, &weights, &held_out, &mut kept, &mut rejections);
     note("verdict", 1.0);

@@ -302,7 +302,7 @@ In a log temperatures and loads may be empty; temperatures are -30 to 150 °C, a
 
     DATA_REPEATED = "E0605" "reading given twice"
 "Two rows of a measurement are the same to the last digit. A repetition differs by the noise of the instrument; a copied row would count twice and make
-the result look more certain than it is.";
+the result look more certain than it is. The first of them is told, and how many there are. The same is said of a table that is given twice, or held out as well.";
     LOAD_NOT_TOLD = "E0604" "strain readings that tell no load"
 "ncfix load weighs a workpiece by the change of a strain along an axis. The readings must lie where [strain] of the machine file knows the
 gauge, at enough positions to tell the weight from the offset (and the drift, where there is a column t_s) of each run, and there must be more
@@ -313,7 +313,8 @@ readings.";
 "ncfix calibrate finds errors of the machine and what is unknown of each set-up from readings. Here some of these move what was read in just the same
 way, or not at all, so that nobody could say how much each of them is: a least-squares solution would be one of infinitely many. The message
 names them. Measure in poses in which they differ (other angles of the rotary axes, another tool length, a second set-up, a known length), describe
-what is known of the set-up (take it out of free), or choose a model with fewer parameters (ncfix machine presets).";
+what is known of the set-up (take it out of free), or choose a model with fewer parameters (ncfix machine presets). ncfix diagnose says so where fewer than
+three readings are left beside the unknowns of the set-ups, and where the file of -o was not written; its findings stand all the same.";
     NOT_SETTLED = "E0607" "calibration that does not settle"
 "The parameters still change after the last round: the model and the readings contradict each other, for instance in a sign, a set-up or an axis, or
 single parameters hardly move what was read. Check the description of the measurement, --machine, and rows with large deviations.";

@@ -58,6 +58,8 @@ pub struct DataSet {
     pub fixed: Vec<(Axis, f64)>,
     /// The conditions of the machine in which readings were taken; none where the table does not say: the reference state.
     pub conditions: Vec<Condition>,
+    /// Whether the senses of motion stand in the table, rather than following from the order of its rows.
+    pub has_senses: bool,
     /// Readings in the order of the file.
     pub observations: Vec<Observation>,
     /// Other columns of numbers.

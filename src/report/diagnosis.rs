@@ -61,6 +61,21 @@ pub struct Diagnosis {
     pub diagnostics: Vec<json::Finding>,
 }
 
+impl Diagnosis {
+    /// Where nothing was diagnosed no size is known: `null` for programs, no zero.
+    pub fn forget_sizes(&mut self) {
+        let none = Sizes {
+            rms_um: f64::NAN,
+            rms_95_um: [f64::NAN; 2],
+            max_um: f64::NAN,
+            efficiency: f64::NAN,
+            ..Sizes::default()
+        };
+        [self.without_model, self.before, self.after] = [none; 3];
+        [self.noise_um, self.gain, self.unexplained.rms_um, self.unexplained.p] = [f64::NAN; 4];
+    }
+}
+
 /// How large readings are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Sizes {
@@ -192,7 +207,7 @@ pub struct Cause {
     pub correctable: String,
     /// Whether the machine file that was written has it.
     pub extends: bool,
-    /// Why it does not; `null` where it does, and where none was asked for.
+    /// Why it does not, or must not; `null` where it does, and where none was asked for.
     pub extends_why: Option<String>,
     /// What makes it.
     pub made_by: String,

@@ -15,7 +15,7 @@ mod effect;
 mod fault;
 mod laws;
 mod machine;
-mod random;
+pub(crate) mod random;
 mod reading;
 mod row;
 mod signatures;

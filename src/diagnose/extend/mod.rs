@@ -27,6 +27,8 @@ const MICRO: f64 = 1e6;
 /// A constant that is told so many times worse than the size of the whole is one of the set-ups.
 const VAGUE: f64 = 30.0;
 
+/// No machine is so far from its model, mm.
+const MOST_MM: f64 = 1.0;
 /// A finding that does so many times what the model leaves is cancelled by others.
 const CANCELS: f64 = 1.5;
 
@@ -39,7 +41,16 @@ pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Resul
 
 /// Refuses what a program must not be moved by: a wave whose period is not told; terms that nearly cancel each other are far larger than all that is left, and what is less sure than it is
 /// large may as well have the other sign.
-fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
+///
+/// # Errors
+/// Why it must not.
+pub fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
+    if largest(one.size.unit).is_some_and(|most| one.size.value.abs() > most) || one.rms > MOST_MM {
+        return Err(
+            "no machine errs so much: the columns, their units or the description say something else than was measured"
+                .into(),
+        );
+    }
     if one.rms > CANCELS * left {
         let times = one.rms / left;
         return Err(format!(
@@ -57,6 +68,15 @@ fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
         return Err("it is less sure than it is large; measure more often or at more places".into());
     }
     Ok(())
+}
+
+/// The largest of a unit that a machine may have.
+fn largest(unit: &str) -> Option<f64> {
+    match unit {
+        "um" => Some(um_from_mm(MOST_MM)),
+        "urad" | "um/m" | "urad/rad" => Some(10.0 * um_from_mm(MOST_MM)),
+        _ => None,
+    }
 }
 
 fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>, String> {

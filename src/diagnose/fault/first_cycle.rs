@@ -1,5 +1,6 @@
 //! The first cycle: a machine that has not yet settled reads otherwise than in all later ones (ISO 230-2 has it warmed up by cycles that do not count).
 
+use super::sharp::{CHANCE, EACH};
 use super::step::{Change, change, evidence};
 use super::trail::Trail;
 use super::{Check, Fault, Then, View, spread};
@@ -88,7 +89,7 @@ fn first_run(trail: &Trail, data: &DataSet) -> Option<(usize, String)> {
         let middle = super::median(others.clone());
         let all = runs.iter().skip(1).filter_map(|rows| mean(*rows)).map(|(mean, _)| mean);
         let usual = spread(all.map(|other| other - middle)).max(channel.noise / (readings as f64).sqrt());
-        score += ((own - middle) / usual).powi(2) - 4.0;
+        score += ((own - middle) / usual).powi(2) - EACH;
         let size = (own - middle) / channel.noise;
         whole += size * size;
         later.iter_mut().zip(&others).for_each(|(sum, other)| *sum += size * (other - middle) / channel.noise);
@@ -96,7 +97,7 @@ fn first_run(trail: &Trail, data: &DataSet) -> Option<(usize, String)> {
     }
     let size = (whole / count.max(1.0)).sqrt();
     let is_alone = later.iter().all(|other| *other < NEXT * whole);
-    (count > 0.0 && score > 24.0 && size > SIZE && is_alone).then(|| {
+    (count > 0.0 && score > CHANCE && size > SIZE && is_alone).then(|| {
         let most = later.iter().fold(0.0_f64, |most, other| most.max(*other)) / whole.max(f64::MIN_POSITIVE);
         let evidence = format!(
             "it differs from the {} later runs of the same places by {size:.1} times the noise, of which these have {:.0} % at most",

@@ -9,22 +9,26 @@ mod cells;
 mod compensated;
 mod dead;
 mod exchanged;
+mod exchanged_positions;
 mod fahrenheit;
 mod first_cycle;
 mod offset;
+mod order;
 mod outlier;
 mod pulse;
 mod quantised;
 mod readings;
+mod sharp;
 mod step;
 mod stuck;
 mod trail;
 mod unit;
 mod visits;
 
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
-use super::scene::Scene;
+use super::scene::{Scene, Through};
 use crate::machine::condition::change_readings;
 use crate::measure::data::DataSet;
 use cells::Sensor;
@@ -55,6 +59,7 @@ pub const FAULTS: &[&Check] = &[
     &axes::CHECK,
     &compensated::CHECK,
     &quantised::CHECK,
+    &order::CHECK,
     &outlier::CHECK,
     &pulse::CHECK,
     &first_cycle::CHECK,
@@ -76,6 +81,8 @@ pub enum Then {
     InFahrenheit(String),
     /// Readings from the first row on have a zero of their own.
     OwnZero,
+    /// The reader is told, that is all.
+    Nothing,
     /// Readings have this much more uncertainty, mm or rad.
     MoreNoise(f64),
 }
@@ -83,7 +90,7 @@ pub enum Then {
 /// A fault that was found.
 #[derive(Clone, Debug)]
 pub struct Fault {
-    /// `unit`, `axes`, `compensated`, `sensor`, `pulse`, `first-cycle`, `step`, `outlier`, `quantised`.
+    /// `unit`, `axes`, `compensated`, `sensor`, `pulse`, `first-cycle`, `step`, `outlier`, `quantised`, `order`.
     pub kind: &'static str,
     /// Number of the measurement.
     pub set: usize,
@@ -109,9 +116,15 @@ struct View<'s, 'a> {
     trails: Vec<Trail>,
     /// Measurements that are not to be read on.
     refused: BTreeSet<usize>,
+    tips: OnceCell<[Vec<f64>; 3]>,
 }
 
 impl View<'_, '_> {
+    /// What a displacement of the tool along each direction of F does to every reading.
+    fn tips(&self) -> &[Vec<f64>; 3] {
+        self.tips.get_or_init(|| [0, 1, 2].map(|k| self.scene.factors(Through::Tip(k))))
+    }
+
     /// Measurements that are looked at for anything about their readings.
     fn sets(&self) -> impl Iterator<Item = (usize, &DataSet)> {
         self.scene.sets.iter().enumerate().filter(|(set, _)| !self.refused.contains(set))
@@ -126,6 +139,7 @@ pub fn find(scene: &Scene<'_>) -> Vec<Fault> {
         sensors: scene.sets.iter().map(cells::sensors).collect(),
         trails: (0..scene.sets.len()).map(|set| Trail::new(scene, set)).collect(),
         refused: BTreeSet::new(),
+        tips: OnceCell::new(),
     };
     let mut all = Vec::new();
     for check in FAULTS {
@@ -153,7 +167,7 @@ pub fn find(scene: &Scene<'_>) -> Vec<Fault> {
                 Then::WithoutReadings(readings) => {
                     view.trails.get_mut(fault.set).into_iter().for_each(|trail| trail.forget_readings(readings));
                 }
-                Then::OwnZero | Then::MoreNoise(_) => {}
+                Then::OwnZero | Then::MoreNoise(_) | Then::Nothing => {}
             }
         }
         all.extend(found);
@@ -210,7 +224,7 @@ pub fn exclude(scene: &mut Scene<'_>, faults: &[Fault]) {
                 }
                 scene.unknowns += 3 * count;
             }
-            Then::Refuse | Then::WithoutSensors(_) | Then::InFahrenheit(_) => {}
+            Then::Refuse | Then::WithoutSensors(_) | Then::InFahrenheit(_) | Then::Nothing => {}
         }
     }
 }

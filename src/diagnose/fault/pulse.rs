@@ -1,6 +1,7 @@
 //! Isolated pulses of a few minutes: lubrication lifts a carriage, somebody leans on the table. All readings of some minutes are shifted, with
 //! sharp ends, and neither before nor behind nor at another visit of the same places.
 
+use super::sharp::{CHANCE, EACH, END, sharpness};
 use super::trail::{Channel, Trail};
 use super::{Check, Fault, Then, View, spread};
 
@@ -22,8 +23,12 @@ const FRAME: [usize; 2] = [6, 60];
 const SHARP: f64 = 0.42;
 /// Channels in which an end is seen have so much of the whole at least.
 const PART: f64 = 0.3;
-/// Readings at an end.
-const END: usize = 4;
+/// Both ends jump by so many squares of what is usual from one reading to the next.
+const AT_ONCE: f64 = 13.0;
+/// The outer parts of the readings inside, one in so many at each end,
+const BRIM: usize = 6;
+/// have so much of the whole.
+const FULL: f64 = 0.55;
 /// Both sides of a window are the same within so much of the pulse.
 const BACK: f64 = 0.5;
 /// A pulse in units of the noise, at least.
@@ -179,9 +184,8 @@ fn best(trail: &Trail, times: &[f64]) -> Option<(Window, String)> {
             }
         }
         all.extend(scores.into_iter().zip(&rows).filter_map(|((squares, freedom), rows)| {
-            let score = squares - 4.0 * freedom;
-            // A chance of 1e-7 or less.
-            (freedom > 0.0 && score > 24.0).then_some(Window { rows: *rows, score })
+            let score = squares - EACH * freedom;
+            (freedom > 0.0 && score > CHANCE).then_some(Window { rows: *rows, score })
         }));
     }
     all.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.rows.cmp(&b.rows)));
@@ -257,6 +261,7 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
     let mut whole = 0.0;
     let (mut ends, mut of_ends) = ([0.0; 2], [0.0; 2]);
     let mut parts = [0.0; 2];
+    let (mut brims, mut least) = (0.0, usize::MAX);
     let (mut back, mut of_back) = (0.0, 0.0);
     let (mut count, mut middles) = (0.0_f64, 0.0);
     for channel in &trail.channels {
@@ -289,12 +294,22 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
         let middle = one.middle();
         parts[0] += unit(mean(range.start, half).unwrap_or(one.inside) - middle);
         parts[1] += unit(mean(half, range.end).unwrap_or(one.inside) - middle);
+        // The first and the last readings inside: what rises and falls has little there.
+        let brim = (range.len() / BRIM).max(1);
+        let of_brims = [mean(range.start, range.start + brim), mean(range.end.saturating_sub(brim), range.end)];
+        brims += of_brims.map(|own| unit(own.unwrap_or(one.inside) - middle) / 2.0).iter().sum::<f64>();
+        least = least.min(range.len());
         let inside: Vec<f64> = channel.left[range].iter().copied().filter(|left| left.is_finite()).collect();
         middles += unit(super::median(inside) - middle);
         count += 1.0;
     }
     let is_flat = parts.iter().all(|part| *part > BACK * whole);
     let is_sharp = ends.iter().zip(&of_ends).all(|(end, of)| *of > PART * whole && *end > SHARP * of);
+    let is_at_once = || {
+        [first, last + 1]
+            .into_iter()
+            .all(|row| sharpness(trail, row, least).is_none_or(|sharpness| sharpness > AT_ONCE))
+    };
     let size = (whole / count.max(1.0)).sqrt();
     // Exactly one run, or a few rows where every visit comes from another side: that is how axes move.
     let is_run = trail.is_border(first, 1) && trail.is_border(last + 1, 1);
@@ -306,8 +321,13 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
     if is_run || is_part || is_little || !trail.has_sense && last - first < FEW {
         return None;
     }
-    let is_alone = is_flat && is_sharp && middles > MIDDLE * whole && back.abs() <= BACK * of_back && size > SIZE;
-    (is_alone && again(trail, rows) < AGAIN).then(|| {
+    let is_alone = is_flat
+        && is_sharp
+        && brims > FULL * whole
+        && middles > MIDDLE * whole
+        && back.abs() <= BACK * of_back
+        && size > SIZE;
+    (is_alone && is_at_once() && again(trail, rows) < AGAIN).then(|| {
         format!(
             "{} readings a row shift by {size:.1} times their noise for {:.0} s and back, within one reading at both ends, and not at other visits of the same places",
             count,

@@ -30,6 +30,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         let finest = if is_angle { FINEST * 1e-3 } else { FINEST };
         let values: Vec<f64> = data.observations.iter().flat_map(|one| one.values).flatten().collect();
         let Some(step) = step(&values, finest).filter(|step| *step > WIDE * sigma) else { continue };
+        let stated = if is_angle { data.sigma_rad } else { data.sigma }.is_some();
         let (micro, unit) = if is_angle { (1e6, "µrad") } else { (1e3, "µm") };
         out.push(Fault {
             kind: "quantised",
@@ -38,10 +39,14 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             what: "steps of the display".into(),
             rows: [0, data.observations.len().saturating_sub(1)],
             evidence: format!(
-                "all {} readings are multiples of {:.4} {unit}, which is {:.1} times their standard uncertainty",
+                "all {} readings are multiples of {:.4} {unit}{}",
                 values.len(),
                 step * micro,
-                step / sigma
+                if stated {
+                    format!(", which is {:.1} times their standard uncertainty", step / sigma)
+                } else {
+                    String::new()
+                }
             ),
             then: Then::MoreNoise(step / 12.0_f64.sqrt()),
         });

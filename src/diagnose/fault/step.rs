@@ -3,8 +3,9 @@
 //! What warms up, cools down or is switched on and off is none: it does not begin within a reading, does not stay, or comes with a driver.
 
 use super::cells::Clock;
+use super::sharp::{CHANCE, EACH, END, sharpness, usual};
 use super::trail::Trail;
-use super::{Check, Fault, Then, View, spread};
+use super::{Check, Fault, Then, View};
 use crate::measure::data::DataSet;
 
 pub(super) const CHECK: Check = Check {
@@ -19,8 +20,6 @@ pub(super) const CHECK: Check = Check {
 const SIDES: [usize; 4] = [60, 40, 25, 12];
 /// Readings of a channel on each side over which it is flat, at most.
 const LONG: usize = 180;
-/// Readings that show how sharp it is.
-const END: usize = 4;
 /// The end is so much of the whole.
 const SHARP: f64 = 0.5;
 /// Halves of a side differ by less than this of the step.
@@ -44,6 +43,9 @@ const WITHIN: usize = 20;
 const PAUSE: usize = 12;
 /// A driver that is switched changes by so much of its range.
 const SWITCH: f64 = 0.1;
+
+/// The jump in squares of what is usual from one reading to the next.
+const AT_ONCE: f64 = 18.0;
 
 /// A change point.
 #[derive(Clone, Copy, Debug)]
@@ -96,15 +98,7 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
     let mut changes: Vec<(f64, usize, [usize; 2])> = Vec::new();
     for side in SIDES {
         // As neighbouring pieces differ where nothing is.
-        let usual: Vec<f64> = trail
-            .channels
-            .iter()
-            .map(|channel| {
-                let at = (side..channel.at.len().saturating_sub(side)).step_by((side / 8).max(1));
-                let jump = |k: usize| Some(channel.mean(k, k + side)?.0 - channel.mean(k - side, k)?.0);
-                spread(at.filter_map(jump)).max(0.8 * channel.noise * (2.0 / side as f64).sqrt())
-            })
-            .collect();
+        let usual: Vec<f64> = trail.channels.iter().map(|channel| usual(channel, side)).collect();
         for block in &trail.blocks {
             for row in block[0] + 1..=block[1] {
                 let mut score = 0.0;
@@ -119,9 +113,9 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
                     else {
                         continue;
                     };
-                    score += ((behind - before) / usual).powi(2) - 4.0;
+                    score += ((behind - before) / usual).powi(2) - EACH;
                 }
-                if score > 24.0 {
+                if score > CHANCE {
                     changes.push((score, row, *block));
                 }
             }
@@ -170,7 +164,8 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
             }
             let around = trail.around([row, block[1]]);
             let Some(change) = beside(&around, block, row, gain) else { continue };
-            if change.size > SIZE && is_step(&around, &change) && !is_driven(&around, &change, data) {
+            let is_sharp = sharpness(&around, row, usize::MAX).is_some_and(|sharpness| sharpness > AT_ONCE);
+            if change.size > SIZE && is_sharp && is_step(&around, &change) && !is_driven(&around, &change, data) {
                 found = Some(change);
             }
         }

@@ -46,14 +46,18 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         let near = |value: f64, factor: f64| (value / factor).ln().abs();
         // Without a stated σ nothing says what the noise should be.
         let stated = noise.filter(|_| data.sigma.is_some() || data.sigma_rad.is_some());
+        let reads_angles = data.observations.iter().any(crate::measure::data::Observation::is_angle);
         for (factor, what, means) in FACTORS {
-            let by_model = matched.size > SIZE
+            // Readings that are too small lie below any uncertainty that is assumed.
+            let is_small = stated.is_none() && factor < 1.0 && !reads_angles;
+            let size = matched.size / noise.filter(|_| is_small).unwrap_or(1.0);
+            let by_model = size > SIZE
                 && matched.share > SHARE
                 && matched.gain > 0.0
                 && near(matched.gain, factor) < NEAR
                 && stated.is_none_or(|noise| near(noise, factor).min(near(rest, factor)) < NOISE_NEAR);
             // Where the model says little, both together.
-            let by_both = matched.size > SIZE_BOTH
+            let by_both = size > SIZE_BOTH
                 && matched.share > SHARE
                 && matched.gain > 0.0
                 && near(matched.gain, factor) < NEAR
@@ -62,20 +66,24 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             let within = if is_incredible { 1.0 } else { NOISE_ALONE };
             let by_noise =
                 (is_incredible || matched.size < SIZE) && stated.is_some_and(|noise| near(noise, factor) < within);
-            if !(by_model || by_noise || by_both) {
+            // Without a stated σ: no instrument has noise of some nanometres, and no machine is that good.
+            let by_size = is_small && readings.are_tiny() && noise.is_some_and(|noise| noise > 0.0) && is_incredible;
+            if !(by_model || by_noise || by_both || by_size) {
                 continue;
             }
             let of_noise = stated.map_or(String::new(), |noise| {
-                format!("their noise is {noise:.2e} times the uncertainty that the description states")
+                format!("; their noise is {noise:.2e} times the uncertainty that the description states")
             });
             let evidence = if by_model || by_both {
                 format!(
-                    "the readings are {:.3e} times what the model says and {:.0} % of their squares go with it; {of_noise}",
+                    "the readings are {:.3e} times what the model says and {:.0} % of their squares go with it{of_noise}",
                     matched.gain,
                     matched.share * 100.0
                 )
             } else {
-                format!("{of_noise}; the model knows too little here to tell")
+                let tiny =
+                    if by_size { "; all are below 0.05 µm beside the set-ups, which no machine is" } else { "" };
+                format!("the model knows too little here to tell{of_noise}{tiny}")
             };
             out.push(Fault {
                 kind: "unit",

@@ -155,6 +155,7 @@ fn read_measurement(name: &str, section: &mut Section<'_>) -> Option<DataSet> {
         is_plan: false,
         fixed: Vec::new(),
         conditions: Vec::new(),
+        has_senses: false,
         observations: Vec::new(),
         drivers: Vec::new(),
     })

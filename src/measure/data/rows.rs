@@ -22,8 +22,10 @@ pub(super) fn read(
     let mut conditions = condition::begin(rows, data.kind.temperature, of_dead, findings);
     let [temperature_column, feed_column] = [data.kind.temperature, Some("feed_mm_min")].map(|name| rows.column(name?));
     let mut seen: HashMap<(Vec<u64>, usize, usize), Place> = HashMap::new();
+    let mut copies: Vec<(Place, Place)> = Vec::new();
     // A column of another meaning may have as many labels as rows.
     let mut runs: HashMap<String, usize> = HashMap::new();
+    data.has_senses = readings.has_senses();
     let is_described = !data.setups.is_empty();
     for row in rows.rows() {
         let reading = match readings.read(&row) {
@@ -107,18 +109,33 @@ pub(super) fn read(
         let key = (bits(&observation, readings.has_senses()), setup, observation.target.unwrap_or(usize::MAX));
         // A plan may go to the same pose again.
         if let Some(first) = (!data.is_plan).then(|| seen.insert(key, observation.place)).flatten() {
-            let line = row_line(rows, first);
-            let message = format!("the row is the same as that in line {line}");
-            let help = "take one of them out: a repetition would differ by the noise of the instrument; where it is one, give t_s or run";
-            findings.push(Diagnostic::at(Code::DATA_REPEATED, observation.place, message, help));
+            copies.push((observation.place, first));
         }
         data.observations.push(observation);
     }
+    findings.extend(copied(rows, &copies));
     data.conditions = conditions.map_or_else(Vec::new, condition::Conditions::finish);
     if data.observations.is_empty() && findings.is_empty() {
         let help = "write at least one reading";
         findings.push(Diagnostic::at(Code::DATA_COLUMN, rows.header_place(None), "the table has no rows", help));
     }
+}
+
+/// Rows that stand there twice: the first of them, and how many more.
+fn copied(rows: &Table, copies: &[(Place, Place)]) -> Option<Diagnostic> {
+    /// Lines that are told.
+    const LINES: usize = 5;
+    let &(place, first) = copies.first()?;
+    let mut message = format!("the row is the same as that in line {}", row_line(rows, first));
+    let more = copies.len() - 1;
+    if more > 0 {
+        let lines: Vec<String> =
+            copies.iter().skip(1).take(LINES).map(|(place, _)| row_line(rows, *place).to_string()).collect();
+        let dots = if more > LINES { ", …" } else { "" };
+        message.push_str(&format!("; so are {more} more copies of others (line {}{dots})", lines.join(", ")));
+    }
+    let help = "take one of them out: a repetition would differ by the noise of the instrument; where it is one, give t_s or run";
+    Some(Diagnostic::at(Code::DATA_REPEATED, place, message, help))
 }
 
 /// Everything that a row says, to tell copies.

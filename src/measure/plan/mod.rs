@@ -162,6 +162,7 @@ fn empty(kind: &'static super::kind::Kind, free: &[super::data::Free]) -> DataSe
         is_plan: true,
         fixed: Vec::new(),
         conditions: Vec::new(),
+        has_senses: true,
         name: kind.name.to_owned(),
         kind,
         sigma: None,

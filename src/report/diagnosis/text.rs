@@ -221,6 +221,9 @@ impl Diagnosis {
                 let _ = writeln!(out, "   {goes}usually {}; {}", one.made_by, one.remedy());
             }
         }
+        if let Some(why) = one.extends_why.as_ref().filter(|_| one.correctable == "no") {
+            let _ = writeln!(out, "   not to be corrected: {why}");
+        }
         shape(one, out);
         if one.class.len() > 1 {
             let more = one.class.len().saturating_sub(1 + RIVALS);

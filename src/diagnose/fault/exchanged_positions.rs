@@ -1,0 +1,103 @@
+//! Positions of the linear axes in each other's columns, or with the other sign: what would be left of the readings if they were so.
+
+use super::axes::Way;
+use super::readings::{Beside, Readings};
+use crate::diagnose::scene::{Scene, Through};
+use crate::geometry::{AXES, Axis};
+use crate::machine::Machine;
+use crate::measure::data::DataSet;
+use crate::model::ErrorModel;
+
+/// Rows that tell it.
+const ROWS: usize = 400;
+/// Places at which an axis stands, at least.
+const PLACES: usize = 3;
+/// Positions this far beyond a limit are within it, mm.
+const BEYOND_MM: f64 = 1.0;
+
+/// Ways to read the positions, the one as they are first, and what each of the others leaves beside what.
+pub(super) struct Turned {
+    pub(super) ways: Vec<Way>,
+    pub(super) left: Vec<[f64; 4]>,
+}
+
+/// All ways in which every axis stays within its travel.
+pub(super) fn turned(scene: &Scene<'_>, data: &DataSet) -> Turned {
+    let linear: Vec<Axis> = AXES.into_iter().filter(|axis| !axis.is_rotary()).collect();
+    let few = thinned(data);
+    // Nobody takes a column that stands still for one that moves.
+    let moves = |axis: Axis| {
+        let mut at: Vec<u64> = few.observations.iter().map(|row| row.reading.position[axis].to_bits()).collect();
+        at.sort_unstable();
+        at.dedup();
+        at.len() >= PLACES
+    };
+    let there: Vec<usize> = (0..linear.len().min(3)).filter(|&k| moves(linear[k])).collect();
+    let mut out = Turned { ways: Way::all().take(1).collect(), left: Vec::new() };
+    for way in Way::all().skip(1).filter(|way| way.is_of(&there)) {
+        let mut best: Option<[f64; 4]> = None;
+        // The senses may stand in columns of their own, or follow from the positions.
+        for with_senses in [false, true] {
+            let Some(own) = read_by(&few, &way, &linear, with_senses) else { continue };
+            if !is_within(scene.machine, &own) {
+                continue;
+            }
+            let Some(left) = left(scene.machine, &scene.errors, own) else { continue };
+            best = Some(best.map_or(left, |best| [0, 1, 2, 3].map(|k| best[k].min(left[k]))));
+        }
+        if let Some(left) = best {
+            out.ways.push(way);
+            out.left.push(left);
+        }
+    }
+    out
+}
+
+/// Fewer rows, from all over.
+fn thinned(data: &DataSet) -> DataSet {
+    let count = data.observations.len();
+    let mut out = data.clone();
+    if count > ROWS {
+        let rows = || (0..ROWS).map(|k| k * count / ROWS);
+        out.observations = rows().map(|row| data.observations[row]).collect();
+        for (driver, all) in out.drivers.iter_mut().zip(&data.drivers) {
+            driver.values = rows().map(|row| all.values.get(row).copied().unwrap_or(f64::NAN)).collect();
+        }
+    }
+    out
+}
+
+fn read_by(data: &DataSet, way: &Way, linear: &[Axis], with_senses: bool) -> Option<DataSet> {
+    let mut out = data.clone();
+    for (to, from) in out.observations.iter_mut().zip(&data.observations) {
+        for k in 0..3 {
+            let (axis, of) = (*linear.get(k)?, *linear.get(way.permutation[k])?);
+            to.reading.position[axis] = way.sign[k] * from.reading.position[of];
+            if with_senses {
+                let sense = from.reading.state.direction.get(of.slot()).copied()?;
+                *to.reading.state.direction.get_mut(axis.slot())? = if way.sign[k] < 0.0 { -sense } else { sense };
+            }
+        }
+    }
+    Some(out)
+}
+
+fn is_within(machine: &Machine, data: &DataSet) -> bool {
+    machine.axes.iter().flatten().filter(|one| !one.axis.is_rotary()).all(|one| {
+        let [low, high] = one.travel.unwrap_or([f64::MIN, f64::MAX]);
+        let mut at = data.observations.iter().map(|row| row.reading.position[one.axis]);
+        at.all(|at| (low - BEYOND_MM..=high + BEYOND_MM).contains(&at))
+    })
+}
+
+/// What is left in squares of the uncertainty, beside what.
+fn left(machine: &Machine, errors: &ErrorModel, data: DataSet) -> Option<[f64; 4]> {
+    let sets = [data];
+    let scene = Scene::new(machine, errors, &sets).ok()?;
+    let readings = Readings::new(&scene, 0)?;
+    let tips = [0, 1, 2].map(|k| scene.factors(Through::Tip(k)));
+    Some(Beside::ALL.map(|beside| {
+        let own = readings.beside(&scene, &tips, beside);
+        own.map_or(f64::INFINITY, |own| own.left_with(None, 1.0))
+    }))
+}

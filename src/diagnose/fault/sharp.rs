@@ -1,0 +1,61 @@
+//! How sharply a shift begins: from one reading to the next, beside what such differences are elsewhere in the same readings. What wanders or warms up
+//! goes as far, but not at once.
+
+use super::spread;
+use super::trail::{Channel, Trail};
+
+/// Sums of squares in what is usual are no chance beyond this (1e-7 or less over all places), where each channel counts less by
+pub(super) const CHANCE: f64 = 24.0;
+/// this.
+pub(super) const EACH: f64 = 4.0;
+/// Readings at an end that show how sharp it is.
+pub(super) const END: usize = 4;
+/// Readings on each side that are compared.
+const SIDES: [usize; 4] = [2, 4, 8, 16];
+/// White noise has this share of its difference at least: what is usual is not told better.
+const LEAST: f64 = 0.8;
+
+/// The jump at a row in squares of what is usual, over all channels, less what chance makes of more than one; over sides of so many readings at most.
+/// `None` where there are too few readings on a side.
+pub(super) fn sharpness(trail: &Trail, row: usize, most: usize) -> Option<f64> {
+    let block = trail.block_of(row)?;
+    let of_side = |side: usize| {
+        let (mut squares, mut count) = (0.0, 0.0);
+        for channel in &trail.channels {
+            if let Some(jump) = jump(channel, block, row, side) {
+                squares += (jump / usual(channel, side).max(often(channel, side))).powi(2);
+                count += 1.0;
+            }
+        }
+        (count > 0.0).then_some(squares - (count - 1.0))
+    };
+    SIDES.into_iter().filter(|side| *side <= most.max(SIDES[0])).filter_map(of_side).reduce(f64::max)
+}
+
+/// The mean of some readings from a row on less that of as many before it.
+fn jump(channel: &Channel, block: [usize; 2], row: usize, side: usize) -> Option<f64> {
+    let piece = channel.range(block[0], block[1]);
+    let at = channel.range(row, row).start;
+    let [from, until] = [channel.before(at, side, piece.start), channel.beyond(at, side, piece.end)];
+    let ((behind, many), (before, of_before)) = (channel.mean(at, until)?, channel.mean(from, at)?);
+    (many == side && of_before == side).then_some(behind - before)
+}
+
+fn jumps(channel: &Channel, side: usize) -> impl Iterator<Item = f64> {
+    let at = (side..channel.at.len().saturating_sub(side)).step_by((side / 8).max(1));
+    at.filter_map(move |k| Some(channel.mean(k, k + side)?.0 - channel.mean(k - side, k)?.0))
+}
+
+/// What warms up differs more in some pieces than in most: the standard deviation by what a tenth of all exceeds.
+fn often(channel: &Channel, side: usize) -> f64 {
+    /// A tenth of normal noise is beyond this, in standard deviations.
+    const TENTH: f64 = 1.644_853_6;
+    let mut all: Vec<f64> = jumps(channel, side).map(f64::abs).collect();
+    let place = all.len() * 9 / 10;
+    if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(place, f64::total_cmp).1 / TENTH }
+}
+
+/// As neighbouring pieces differ where nothing is.
+pub(super) fn usual(channel: &Channel, side: usize) -> f64 {
+    spread(jumps(channel, side)).max(LEAST * channel.noise * (2.0 / side as f64).sqrt())
+}
