@@ -18,6 +18,8 @@ use super::size::{Amounts, Size, size};
 
 /// Rounds of taking such readings out.
 const ROUNDS: usize = 3;
+/// Gains that differ by less than one part in so many are the same.
+const ROUNDED: f64 = 1e6;
 /// A share of a time constant.
 const LONGER: f64 = 0.02;
 /// Rounds of searching again behind what was found.
@@ -280,7 +282,9 @@ fn class(
         .filter(|(place, gain)| *place != number && (own - gain.squares) / noise < RIVAL && gain.squares > 0.5 * own)
         .map(|(place, gain)| (gain.squares, place))
         .collect();
-    rivals.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // As good as each other are those that differ by the rounding of sums only: they stay in the order of the catalogue.
+    let rounded = |gain: f64| (gain / own.max(f64::MIN_POSITIVE) * ROUNDED).round();
+    rivals.sort_by(|a, b| rounded(b.0).total_cmp(&rounded(a.0)));
     let mut class: Vec<usize> = Vec::new();
     let mut names: Vec<(Effect, String)> = Vec::new();
     for place in std::iter::once(number).chain(rivals.into_iter().map(|(_, place)| place)) {
