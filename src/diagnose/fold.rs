@@ -219,7 +219,11 @@ fn of_parts(
         let of_each: Vec<Vec<usize>> = judged
             .iter()
             .zip(&of_judged)
-            .map(|(&term, does)| stand_ins(field, &train, (term, &does.all), &selected))
+            .map(|(&term, does)| {
+                // What stands for itself stands for no other.
+                let free = selected.iter().copied().filter(|other| *other == term || !judged.contains(other));
+                stand_ins(field, &train, (term, &does.all), &free.collect::<Vec<_>>())
+            })
             .collect();
         let mut all: Vec<usize> = of_each.iter().flatten().copied().collect();
         all.sort_unstable();
