@@ -102,6 +102,8 @@ pub(super) fn unseen(field: &Field<'_, '_>, train: &Weights, test: &Weights, tak
 
 /// What was gained on a part: squares without a term, and with it.
 struct Part {
+    /// How much of the term its readings show.
+    shown: f64,
     without: f64,
     with: f64,
 }
@@ -207,11 +209,11 @@ fn of_parts(
         };
         let (train, test) = (of(false), of(true));
         let [mut of_train, mut of_test] = [&train, &test].map(|part| field.series(part, &[], 0.0));
-        let says: Vec<bool> = places
+        let says: Vec<Option<f64>> = places
             .iter()
-            .map(|&place| of_judged.get(place).is_some_and(|does| does.is_said(&mut of_train, &mut of_test)))
+            .map(|&place| of_judged.get(place).and_then(|does| does.said(&mut of_train, &mut of_test)))
             .collect();
-        if !says.contains(&true) {
+        if says.iter().all(Option::is_none) {
             continue;
         }
         let selected = select(field, part, &train);
@@ -229,14 +231,15 @@ fn of_parts(
         all.sort_unstable();
         all.dedup();
         let with = unseen(field, &train, &test, &all);
-        for ((&place, _), found) in places.iter().zip(&says).zip(&mut found).filter(|((_, says), _)| **says) {
+        for ((&place, says), found) in places.iter().zip(says).zip(&mut found) {
+            let Some(shown) = says else { continue };
             let own = of_each.get(place).map_or(&[][..], Vec::as_slice);
             if own.is_empty() {
-                found.push(Part { without: with, with });
+                found.push(Part { shown, without: with, with });
                 continue;
             }
             let others: Vec<usize> = all.iter().copied().filter(|other| !own.contains(other)).collect();
-            found.push(Part { without: unseen(field, &train, &test, &others), with });
+            found.push(Part { shown, without: unseen(field, &train, &test, &others), with });
         }
     }
     note(1.0);
@@ -276,15 +279,17 @@ impl Does {
         Does { all, whole, columns: if own.len() > 1 { parts } else { Vec::new() } }
     }
 
-    /// Whether some readings show it, and others all of it that these show.
-    fn is_said(&self, train: &mut Series, test: &mut Series) -> bool {
+    /// How much of it some readings show, where they show enough and others all of it that these show.
+    fn said(&self, train: &mut Series, test: &mut Series) -> Option<f64> {
         let least = SHOWN * self.whole;
-        shown(test, &self.all) > least
+        let own = shown(test, &self.all);
+        let is_said = own > least
             && shown(train, &self.all) > KEPT * self.whole
             && self
                 .columns
                 .iter()
-                .all(|(column, squares)| shown(test, column) <= least || shown(train, column) > KEPT * squares)
+                .all(|(column, squares)| shown(test, column) <= least || shown(train, column) > KEPT * squares);
+        is_said.then_some(own)
     }
 }
 
@@ -336,9 +341,11 @@ fn gain(parts: &[Part]) -> Option<f64> {
     let count = parts.len() as f64;
     let sum = |of: fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
     let (without, with) = (sum(|part| part.without), sum(|part| part.with));
-    let mean = (without - with) / count;
-    let spread = parts.iter().map(|part| (part.without - part.with - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    let is_sure = mean > (spread / count).sqrt() * if parts.len() < 4 { 0.5 } else { 1.0 };
+    // Parts that show more of it gain more: what differs from that is chance.
+    let ratio = (without - with) / sum(|part| part.shown).max(f64::MIN_POSITIVE);
+    let off = |part: &Part| (part.without - part.with - ratio * part.shown).powi(2);
+    let spread = (parts.iter().map(off).sum::<f64>() * count / (count - 1.0)).sqrt();
+    let is_sure = without - with > spread * if parts.len() < 4 { 0.5 } else { 1.0 };
     Some(if is_sure && without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 })
 }
 

@@ -16,6 +16,8 @@ use crate::model::parameter::Term as Part;
 
 /// So many terms one after the other make it worth trying.
 const MANY: usize = 3;
+/// A group has so many times the terms at most.
+const MORE: usize = 2;
 /// Degrees of polynomials.
 const DEGREE: u8 = 3;
 /// A column of which less than this share of the square is left beside those before it is no column of its own; beside set-ups of less than the second
@@ -58,6 +60,10 @@ impl Field<'_, '_> {
             return taken;
         }
         let group = self.sound_steps(weights, &group);
+        // Many small ones fit what one of another shape does.
+        if group.len() > MORE * taken.len() {
+            return taken;
+        }
         let far = taken.iter().filter_map(|&number| self.candidates.get(number)).filter(|one| is_far(one)).count();
         let [one, other] = [&taken, &group].map(|all| self.criterion(weights, all));
         if other < one + TIE * far as f64 { group } else { taken }

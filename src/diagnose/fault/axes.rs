@@ -25,6 +25,8 @@ const FITS: f64 = 4.0;
 const CLEAN: f64 = 1.7;
 /// As they are they leave at least so many times more.
 const WORSE: f64 = 2.5;
+/// And so much where causes go with them.
+const MUCH: f64 = 9.0;
 /// Explanations within this factor are as good as each other.
 const TIE: f64 = 1.15;
 /// Columns that are exchanged or reversed, where causes go with the readings, at most: two.
@@ -237,7 +239,9 @@ impl Left<'_> {
     fn told(&self, noise: f64, fits: f64) -> Option<Told> {
         let as_is = self.as_is();
         let best = self.left.iter().copied().fold(f64::INFINITY, f64::min);
-        if best > fits * noise || as_is < WORSE * best {
+        // What goes with it may fit better by chance: causes that are not among it leave a little more than noise either way.
+        let least = if self.beside == Beside::Nothing { 0.0 } else { MUCH * noise };
+        if best > fits * noise || as_is < (WORSE * best).max(least) {
             return None;
         }
         let good = || self.ways.iter().zip(&self.left).filter(|(_, left)| **left < TIE * best);
