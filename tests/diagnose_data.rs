@@ -237,3 +237,25 @@ fn what_can_be_corrected_does_not_depend_on_what_is_written() {
     assert!(!plain.is_empty());
     assert_eq!(plain, of("-o out.toml"));
 }
+
+#[test]
+fn readings_that_are_the_same_number_on_and_on_are_told() {
+    let case = recipe(Bench::Plate, &[], 41).cook().unwrap();
+    // A dead channel.
+    let found = after(&case, |names, cells| cells[place(names, "dx_um")] = "3.7".into());
+    assert!(found.iter().any(|one| one.what == "constant" && one.then == fault::Then::Refuse), "{:?}", words(&found));
+    // One that hangs for fifty rows: the rest is sound.
+    let rows = std::cell::Cell::new(0);
+    let found = after(&case, |names, cells| {
+        rows.set(rows.get() + 1);
+        if (100..150).contains(&rows.get()) {
+            cells[place(names, "dx_um")] = "3.7".into();
+        }
+    });
+    let constant: Vec<_> = found.iter().filter(|one| one.what == "constant").collect();
+    assert_eq!(constant.len(), 1, "{:?}", words(&found));
+    assert_eq!(constant[0].rows, [99, 148]);
+    assert!(found.iter().all(|one| one.then != fault::Then::Refuse), "{:?}", words(&found));
+    let sound = after(&case, |_, _| {});
+    assert!(sound.iter().all(|one| one.what != "constant"), "{:?}", words(&sound));
+}

@@ -7,6 +7,7 @@
 mod axes;
 mod cells;
 mod compensated;
+mod constant;
 mod dead;
 mod exchanged;
 mod exchanged_positions;
@@ -55,6 +56,7 @@ pub const FAULTS: &[&Check] = &[
     &fahrenheit::CHECK,
     &exchanged::CHECK,
     &offset::CHECK,
+    &constant::CHECK,
     &unit::CHECK,
     &axes::CHECK,
     &compensated::CHECK,

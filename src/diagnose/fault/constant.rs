@@ -1,0 +1,83 @@
+//! Readings that are the same number on and on while the machine goes elsewhere: a channel that is dead, a probe that hangs.
+
+use super::{Check, Fault, Then, View};
+use crate::measure::data::DataSet;
+
+pub(super) const CHECK: Check = Check {
+    name: "constant readings",
+    made_by: "a channel without a signal, a probe that hangs, a logger that repeats its last value",
+    shown_by: "the same number at many places, digit by digit, while others differ",
+    source: "noise: no two readings in fine steps are the same so often",
+    look,
+};
+
+/// So many on and on are no chance where readings else differ.
+const MANY: usize = 20;
+/// Of all of a column.
+const ALL: usize = 8;
+/// Where more than this share of neighbours elsewhere are the same, the display has few digits.
+const USUAL: f64 = 0.1;
+/// From this share on nothing else is left to go by.
+const MOST: f64 = 0.5;
+
+/// A run of readings that are the same.
+struct Run {
+    first: usize,
+    last: usize,
+    count: usize,
+}
+
+fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+    for (set, data) in view.sets() {
+        for (target, value) in columns(data) {
+            let of = |row: &usize| {
+                let one = &data.observations[*row];
+                (one.component.is_none() || one.target == target).then(|| one.values.get(value).copied().flatten())?
+            };
+            let rows: Vec<usize> = (0..data.observations.len()).filter(|row| of(row).is_some()).collect();
+            let Some(run) = longest(&rows, &|row| of(&row).map(f64::to_bits)) else { continue };
+            if run.count < ALL.max(MANY.min(rows.len())) || is_one_place(data, &run) {
+                continue;
+            }
+            let outside = |pair: &&[usize]| !(run.first..=run.last).contains(&pair[0]);
+            let pairs: Vec<&[usize]> = rows.windows(2).filter(outside).collect();
+            let same = pairs.iter().filter(|pair| of(&pair[0]).map(f64::to_bits) == of(&pair[1]).map(f64::to_bits));
+            if same.count() as f64 > USUAL * pairs.len() as f64 {
+                continue;
+            }
+            let is_all = run.count as f64 > MOST * rows.len() as f64;
+            let excluded = || rows.iter().filter(|row| (run.first..=run.last).contains(row)).map(|&row| (set, row));
+            out.push(Fault {
+                kind: "reading",
+                set,
+                name: target.and_then(|number| data.targets.get(number)).unwrap_or(&data.name).clone(),
+                what: "constant".into(),
+                rows: [run.first, run.last],
+                evidence: format!(
+                    "{} readings on and on are the same number while the machine goes elsewhere",
+                    run.count
+                ),
+                then: if is_all { Then::Refuse } else { Then::WithoutReadings(excluded().collect()) },
+            });
+        }
+    }
+}
+
+/// The columns of readings: of which target, which value.
+fn columns(data: &DataSet) -> Vec<(Option<usize>, usize)> {
+    let by_target = data.observations.iter().any(|one| one.component.is_some());
+    let targets: Vec<Option<usize>> = if by_target { (0..data.targets.len()).map(Some).collect() } else { vec![None] };
+    targets.into_iter().flat_map(|target| (0..3).map(move |value| (target, value))).collect()
+}
+
+fn longest(rows: &[usize], bits: &dyn Fn(usize) -> Option<u64>) -> Option<Run> {
+    let runs = rows.chunk_by(|one, next| bits(*one) == bits(*next));
+    let longest = runs.max_by_key(|run| run.len())?;
+    Some(Run { first: *longest.first()?, last: *longest.last()?, count: longest.len() })
+}
+
+/// A pose that is read again and again.
+fn is_one_place(data: &DataSet, run: &Run) -> bool {
+    let rows = data.observations.get(run.first..=run.last).unwrap_or_default();
+    rows.windows(2).all(|pair| pair[0].reading.position == pair[1].reading.position)
+}
