@@ -13,6 +13,7 @@ use super::search::{Field, TIE, Weights};
 use crate::model::ParameterName;
 use crate::model::name::ErrorName;
 use crate::model::parameter::Term as Part;
+use crate::numeric::sums::dot;
 
 /// So many terms one after the other make it worth trying.
 const MANY: usize = 3;
@@ -194,8 +195,4 @@ fn degree(parameter: &ParameterName) -> Option<u8> {
         Part::Whole => Some(0),
         _ => None,
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use super::cause::{Candidate, Weight};
 use super::scene::{NO_ROW, Scene, Through};
+use crate::numeric::sums::{dot, dot_of_three};
 use crate::numeric::{Gain, Series};
 
 /// A column of which less than this share of its square is left says nothing of its own.
@@ -135,7 +136,7 @@ impl<'l> Scores<'l> {
                 let Some(one) = table(k) else { continue };
                 for l in 0..=k {
                     let Some(other) = table(l) else { continue };
-                    let product = three(one, other, squares);
+                    let product = dot_of_three(one, other, squares);
                     products[k * count + l] = product;
                     products[l * count + k] = product;
                 }
@@ -279,21 +280,4 @@ pub(super) fn in_parts<T: Sync, R: Send>(all: &[T], work: &(dyn Fn(&T) -> R + Sy
         done.sort_by_key(|(place, _)| *place);
         done.into_iter().flat_map(|(_, part)| part).collect()
     })
-}
-
-/// Four sums at a time: the machine adds them side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let (left, right) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = left.remainder().iter().zip(right.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in left.zip(right) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    sums.iter().sum::<f64>() + rest
-}
-
-fn three(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
-    a.iter().zip(b).zip(c).map(|((a, b), c)| a * b * c).sum()
 }

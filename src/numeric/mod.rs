@@ -6,6 +6,7 @@ pub mod normal;
 mod series;
 pub mod stepwise;
 pub mod student;
+pub mod sums;
 
 pub use least_squares::{RANK_LIMIT, Solution, System};
 pub use normal::{Normal, Step};

@@ -8,6 +8,8 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::sums::dot;
+
 /// A column of which less than this share of its length is left beside the others says nothing of its own.
 const DEPENDENT: f64 = 1e-6;
 /// Where this share of the length is left, rounding leaves nothing that counts.
@@ -257,10 +259,6 @@ impl Series {
         }
         if square > 0.0 { (product / square).clamp(0.0, MOST_MEMORY) } else { 0.0 }
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Between which rows a column is not zero.
