@@ -4,7 +4,7 @@
 //! are put together once for all columns that come in at the same place, and the weights once for all places. What a column has of its own
 //! falls with every direction that is taken by the square of its share in it, and so does the matrix of products of a candidate's columns.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -18,14 +18,21 @@ const DEPENDENT: f64 = 1e-11;
 /// Shares of the work.
 const WORKERS: usize = 2;
 
-/// A column: pairs of a place where it comes in and a table of weights.
-type Column = Vec<(usize, usize)>;
+/// Rows that are looked at together: tables of weights are far larger than what a processor holds near by.
+const BLOCK: usize = 512;
+/// Directions at once.
+const AT_ONCE: usize = 4;
+
+/// A column: numbers of pairs of a table of weights and a place where it comes in.
+type Column = Vec<usize>;
 
 /// Candidates taken apart into places and weights.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Layout {
     places: Vec<Through>,
     weights: Vec<Vec<f64>>,
+    /// Weight and place: many columns are in several candidates.
+    pairs: Vec<(usize, usize)>,
     columns: Vec<Vec<Column>>,
 }
 
@@ -36,28 +43,27 @@ impl Layout {
         let mut place_numbers: HashMap<Through, usize> = HashMap::new();
         let mut closures: Vec<&Weight> = Vec::new();
         let mut weight_numbers: HashMap<usize, usize> = HashMap::new();
-        let mut columns = Vec::new();
-        for candidate in candidates {
-            let mut column = |parts: &'_ Vec<(Through, Weight)>| -> Column {
-                let mut part = |through: &Through, weight: &Weight| {
-                    let place = *place_numbers.entry(*through).or_insert_with(|| {
-                        places.push(*through);
-                        places.len() - 1
-                    });
-                    (place, weight.key())
-                };
-                parts.iter().map(|(through, weight)| part(through, weight)).collect()
-            };
-            let mut own: Vec<Column> = candidate.columns.iter().map(&mut column).collect();
-            let all = candidate.columns.iter().flatten().map(|(_, weight)| weight);
-            for ((_, key), weight) in own.iter_mut().flatten().zip(all) {
-                *key = *weight_numbers.entry(*key).or_insert_with(|| {
+        // By weight, then by place: a table is read once for all places.
+        let mut pair_numbers: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+        let parts = candidates.iter().flat_map(|one| one.columns.iter().flatten());
+        let of_parts: Vec<(usize, usize)> = parts
+            .map(|(through, weight)| {
+                let place = *place_numbers.entry(*through).or_insert_with(|| {
+                    places.push(*through);
+                    places.len() - 1
+                });
+                let weight = *weight_numbers.entry(weight.key()).or_insert_with(|| {
                     closures.push(weight);
                     closures.len() - 1
                 });
-            }
-            columns.push(own);
-        }
+                pair_numbers.insert((weight, place), 0);
+                (weight, place)
+            })
+            .collect();
+        pair_numbers.values_mut().enumerate().for_each(|(place, number)| *number = place);
+        let mut of_parts = of_parts.iter().map(|pair| pair_numbers.get(pair).copied().unwrap_or(0));
+        let mut of_column = |column: &Vec<(Through, Weight)>| of_parts.by_ref().take(column.len()).collect();
+        let columns = candidates.iter().map(|one| one.columns.iter().map(&mut of_column).collect()).collect();
         let tables = |part: &[&Weight]| -> Vec<Vec<f64>> {
             part.iter().map(|weight| scene.rows.iter().map(|row| weight.of(row)).collect()).collect()
         };
@@ -66,7 +72,7 @@ impl Layout {
             let workers: Vec<_> = closures.chunks(share).map(|part| scope.spawn(move || tables(part))).collect();
             workers.into_iter().flat_map(|worker| worker.join().unwrap_or_default()).collect()
         });
-        Layout { places, weights, columns }
+        Layout { places, weights, pairs: pair_numbers.into_keys().collect(), columns }
     }
 
     /// How many candidates it has.
@@ -128,10 +134,12 @@ impl<'l> Scores<'l> {
     fn first(&self, columns: &[Column], series: &Series, squares: &[Vec<f64>]) -> Own {
         let count = columns.len();
         let mut products = vec![0.0; count * count];
-        let place = columns.first().and_then(|column| column.first()).map_or(0, |(place, _)| *place);
-        let is_simple = columns.iter().all(|column| matches!(column.as_slice(), [(own, _)] if *own == place));
+        let pair = |column: &Column| column.first().and_then(|&number| self.layout.pairs.get(number)).copied();
+        let place = columns.first().and_then(pair).map_or(0, |(_, place)| place);
+        let is_simple =
+            columns.iter().all(|column| column.len() == 1 && pair(column).is_some_and(|(_, own)| own == place));
         if let (true, Some(squares)) = (is_simple, squares.get(place)) {
-            let table = |k: usize| columns[k].first().and_then(|(_, weight)| self.layout.weights.get(*weight));
+            let table = |k: usize| pair(&columns[k]).and_then(|(weight, _)| self.layout.weights.get(weight));
             for k in 0..count {
                 let Some(one) = table(k) else { continue };
                 for l in 0..=k {
@@ -157,7 +165,7 @@ impl<'l> Scores<'l> {
 
     fn column(&self, column: &Column) -> Vec<f64> {
         let mut out = vec![0.0; self.rows.len()];
-        for (place, weight) in column {
+        for (weight, place) in column.iter().filter_map(|&number| self.layout.pairs.get(number)) {
             let (Some(factors), Some(table)) = (self.factors.get(*place), self.layout.weights.get(*weight)) else {
                 continue;
             };
@@ -192,38 +200,71 @@ impl<'l> Scores<'l> {
         (self.factors.iter().map(sum).collect(), span)
     }
 
-    fn product(&self, column: &Column, sums: &[Vec<f64>], span: &Range<usize>) -> f64 {
-        let part = |(place, weight): &(usize, usize)| {
-            let table = self.layout.weights.get(*weight).and_then(|table| table.get(span.clone()));
-            table.zip(sums.get(*place)).map_or(0.0, |(table, sums)| dot(table, sums))
+    /// Products of every pair with what is at the readings, for each of a few.
+    fn products(&self, all: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let sums: Vec<(Vec<Vec<f64>>, Range<usize>)> = all.iter().map(|at| self.sums(at)).collect();
+        let (first, last) = sums.iter().fold((self.row_count, 0), |(first, last), (_, span)| {
+            if span.is_empty() { (first, last) } else { (first.min(span.start), last.max(span.end)) }
+        });
+        let of_some = |pairs: &[(usize, usize)]| -> Vec<Vec<f64>> {
+            let mut out = vec![vec![0.0; pairs.len()]; all.len()];
+            for start in (first..last).step_by(BLOCK) {
+                let block = start..(start + BLOCK).min(last);
+                for (k, (weight, place)) in pairs.iter().enumerate() {
+                    let Some(table) = self.layout.weights.get(*weight) else { continue };
+                    for (out, (sums, span)) in out.iter_mut().zip(&sums) {
+                        let own = block.start.max(span.start)..block.end.min(span.end);
+                        if own.is_empty() {
+                            continue;
+                        }
+                        let of_sums = own.start - span.start..own.end - span.start;
+                        let of_place = sums.get(*place).and_then(|sums| sums.get(of_sums));
+                        if let (Some(table), Some(of_place)) = (table.get(own), of_place) {
+                            out[k] += dot(table, of_place);
+                        }
+                    }
+                }
+            }
+            out
         };
-        column.iter().map(part).sum()
+        let share = self.layout.pairs.len().div_ceil(WORKERS).max(1);
+        let parts: Vec<Vec<Vec<f64>>> = std::thread::scope(|scope| {
+            let of_some = &of_some;
+            let workers: Vec<_> =
+                self.layout.pairs.chunks(share).map(|part| scope.spawn(move || of_some(part))).collect();
+            workers.into_iter().map(|worker| worker.join().unwrap_or_default()).collect()
+        });
+        let whole = |k: usize| parts.iter().filter_map(|part| part.get(k)).flatten().copied().collect();
+        (0..all.len()).map(whole).collect()
     }
 
     /// What each candidate would gain beside the basis of a series, which only grows from one call to the next.
     pub(super) fn gains(&mut self, series: &Series) -> Vec<Gain> {
-        for direction in series.basis().get(self.seen..).unwrap_or_default() {
-            let (sums, span) = self.sums(&series.unwhitened(direction));
-            let less = |(columns, own): (&Vec<Column>, &Own)| {
-                let shares: Vec<f64> = columns.iter().map(|column| self.product(column, &sums, &span)).collect();
-                let mut own = own.clone();
-                let count = shares.len();
-                for (place, product) in own.products.iter_mut().enumerate() {
-                    *product -= shares[place / count] * shares[place % count];
+        let of = |products: &[f64], column: &Column| -> f64 { column.iter().filter_map(|&k| products.get(k)).sum() };
+        let fresh = series.basis().get(self.seen..).unwrap_or_default();
+        let all: Vec<&[f64]> = fresh.iter().map(Vec::as_slice).chain([series.left()]).collect();
+        let mut of_left = Vec::new();
+        for (number, some) in all.chunks(AT_ONCE).enumerate() {
+            let some: Vec<Vec<f64>> = some.iter().map(|direction| series.unwhitened(direction)).collect();
+            for (k, products) in self.products(&some).into_iter().enumerate() {
+                if number * AT_ONCE + k == fresh.len() {
+                    of_left = products;
+                    break;
                 }
-                own
-            };
-            let pairs: Vec<(&Vec<Column>, &Own)> = self.layout.columns.iter().zip(&self.own).collect();
-            self.own = in_parts(&pairs, &|pair: &(&Vec<Column>, &Own)| less(*pair));
+                for (columns, own) in self.layout.columns.iter().zip(&mut self.own) {
+                    let shares: Vec<f64> = columns.iter().map(|column| of(&products, column)).collect();
+                    let count = shares.len();
+                    for (place, product) in own.products.iter_mut().enumerate() {
+                        *product -= shares[place / count] * shares[place % count];
+                    }
+                }
+            }
         }
         self.seen = series.basis().len();
-        let (sums, span) = self.sums(&series.unwhitened(series.left()));
-        let gain = |(columns, own): &(&Vec<Column>, &Own)| {
-            let left = columns.iter().map(|column| self.product(column, &sums, &span)).collect();
-            gain(own, left)
-        };
-        let pairs: Vec<(&Vec<Column>, &Own)> = self.layout.columns.iter().zip(&self.own).collect();
-        in_parts(&pairs, &gain)
+        let candidates = self.layout.columns.iter().zip(&self.own);
+        candidates
+            .map(|(columns, own)| gain(own, columns.iter().map(|column| of(&of_left, column)).collect()))
+            .collect()
     }
 }
 

@@ -7,15 +7,14 @@ const LANES: usize = 8;
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let length = a.len().min(b.len());
-    let (a, b) = (a.get(..length).unwrap_or_default(), b.get(..length).unwrap_or_default());
+    let [(a, a_rest), (b, b_rest)] = [a, b].map(|one| one.get(..length).unwrap_or_default().as_chunks::<LANES>());
     let mut sums = [0.0; LANES];
-    let (left, right) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest: f64 = left.remainder().iter().zip(right.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in left.zip(right) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
         }
     }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
     sums.iter().sum::<f64>() + rest
 }
 
@@ -23,16 +22,15 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[must_use]
 pub fn dot_of_three(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     let length = a.len().min(b.len()).min(c.len());
-    let [a, b, c] = [a, b, c].map(|one| one.get(..length).unwrap_or_default());
+    let [(a, a_rest), (b, b_rest), (c, c_rest)] =
+        [a, b, c].map(|one| one.get(..length).unwrap_or_default().as_chunks::<LANES>());
     let mut sums = [0.0; LANES];
-    let (first, second, third) = (a.chunks_exact(LANES), b.chunks_exact(LANES), c.chunks_exact(LANES));
-    let rest = first.remainder().iter().zip(second.remainder()).zip(third.remainder());
-    let rest: f64 = rest.map(|((a, b), c)| a * b * c).sum();
-    for ((a, b), c) in first.zip(second).zip(third) {
-        for (k, sum) in sums.iter_mut().enumerate() {
-            *sum += a[k] * b[k] * c[k];
+    for ((a, b), c) in a.iter().zip(b).zip(c) {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane] * c[lane];
         }
     }
+    let rest: f64 = a_rest.iter().zip(b_rest).zip(c_rest).map(|((a, b), c)| a * b * c).sum();
     sums.iter().sum::<f64>() + rest
 }
 
