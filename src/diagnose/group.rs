@@ -17,6 +17,8 @@ use crate::numeric::sums::dot;
 
 /// So many terms one after the other make it worth trying.
 const MANY: usize = 3;
+/// As far-fetched as this are angles that are seen as displacements, what two axes do together, what has no name: two simple ones are less so.
+const FAR: u32 = 300;
 /// A group has so many times the terms at most.
 const MORE: usize = 2;
 /// Degrees of polynomials.
@@ -51,9 +53,11 @@ struct Single {
 impl Field<'_, '_> {
     /// What explains the readings better: what was taken one after the other, or a group of simple errors and what is left beside it.
     pub(super) fn together(&mut self, weights: &Weights, taken: Vec<usize>) -> Vec<usize> {
-        let is_far = |one: &Candidate| matches!(one.cause.effect, Effect::Cross | Effect::Unknown | Effect::Setup);
+        // Two simple errors at once look like one angle over a part of what was measured.
+        let is_far = |one: &Candidate| one.far_fetched() >= FAR;
+        let is_pair = |one: &Candidate| is_far(one) && matches!(one.cause.effect, Effect::Motion | Effect::Cross);
         let is_any_far = taken.iter().filter_map(|&number| self.candidates.get(number)).any(is_far);
-        if taken.len() < MANY && !(is_any_far && taken.len() > 1) {
+        if taken.len() < MANY && !is_any_far {
             return taken;
         }
         let group = self.group(weights);
@@ -65,17 +69,21 @@ impl Field<'_, '_> {
         if group.len() > MORE * taken.len() {
             return taken;
         }
-        let far = taken.iter().filter_map(|&number| self.candidates.get(number)).filter(|one| is_far(one)).count();
+        let far = taken.iter().filter_map(|&number| self.candidates.get(number)).filter(|one| is_far(one));
+        let (count, pairs) = far.fold((0_u32, 0), |(count, pairs), one| (count + 1, pairs + usize::from(is_pair(one))));
         let [one, other] = [&taken, &group].map(|all| self.criterion(weights, all));
-        if other < one + TIE * far as f64 { group } else { taken }
+        // What may be two simple errors is that where these explain as much: their number is no reason against them.
+        let more = other.1.saturating_sub(one.1).min(pairs);
+        let price = Price::new(weights.items.iter().filter(|weight| **weight > 0.0).count() as f64, self.tried);
+        if other.0 < one.0 + TIE * f64::from(count) + price.of(more) { group } else { taken }
     }
 
-    /// −2 ln of the likelihood and the price of all columns.
-    fn criterion(&self, weights: &Weights, taken: &[usize]) -> f64 {
+    /// −2 ln of the likelihood and the price of all columns; how many these are.
+    fn criterion(&self, weights: &Weights, taken: &[usize]) -> (f64, usize) {
         let [without, with] = [self.series(weights, &[], 0.0), self.series(weights, taken, 0.0)];
         let rank = with.rank().saturating_sub(without.rank());
         let gain = crate::numeric::Gain { squares: without.squares() - with.squares(), rank };
-        -Price::new(with.count() as f64, self.tried).worth(without.squares(), &gain)
+        (-Price::new(with.count() as f64, self.tried).worth(without.squares(), &gain), rank)
     }
 
     /// Simple errors that are worth their number beside each other, in the order in which they are named.

@@ -17,9 +17,14 @@ impl Price {
         Price { count, each: count.ln() + 2.0 * (tried as f64).ln() }
     }
 
+    /// Of so many columns.
+    pub(super) fn of(self, rank: usize) -> f64 {
+        self.each * rank as f64
+    }
+
     /// −2 ln of the likelihood that is gained of so many squares, less the price.
     pub(super) fn worth(self, squares: f64, gain: &Gain) -> f64 {
         let rest = (squares - gain.squares).max(squares * 1e-12);
-        self.count * (squares / rest).ln() - self.each * gain.rank as f64
+        self.count * (squares / rest).ln() - self.of(gain.rank)
     }
 }

@@ -197,7 +197,7 @@ impl<'l> Scores<'l> {
             }
             sums
         };
-        (self.factors.iter().map(sum).collect(), span)
+        (in_parts(&self.factors, &sum), span)
     }
 
     /// Products of every pair with what is at the readings, for each of a few.
