@@ -57,7 +57,8 @@ pub(crate) struct Truth {
     pub(crate) faults: Vec<Fault>,
     /// White noise of the first file, 1σ, µm or µrad.
     pub(crate) noise_um: f64,
-    /// By how much knowing the truth makes the data held out better: 1 − after/before over all its files, each in units of its noise.
+    /// By how much knowing the truth makes the data held out better: 1 − after/before over all its
+    /// readings, root mean square, each in units of its noise.
     pub(crate) gain: f64,
 }
 
@@ -160,8 +161,14 @@ impl Recipe {
             })
             .collect();
         let held = files[plan.used..].iter().zip(&plan.sheets[plan.used..]);
-        let normal =
-            |of: fn(&File) -> f64| rms(held.clone().map(|(file, sheet)| of(file) / (sheet.sigma * micro_of(sheet))));
+        // Every reading counts by its noise, a file by how many it has.
+        let normal = |of: fn(&File) -> f64| {
+            let squares = held.clone().map(|(file, sheet)| {
+                let readings = sheet.rows.len() * sheet.reads.iter().filter(|&&is_read| is_read).count();
+                readings as f64 * (of(file) / (sheet.sigma * micro_of(sheet))).powi(2)
+            });
+            squares.sum::<f64>().sqrt()
+        };
         let gain = 1.0 - normal(|file| file.after_um) / normal(|file| file.before_um);
         let noise_um = plan.sheets[0].sigma * micro_of(&plan.sheets[0]);
         let effects = effects.into_iter().map(|effect| effect.hidden).collect();
