@@ -9,7 +9,7 @@ use crate::diagnose::{findings, name, number, report, run};
 use crate::plant::Random;
 use crate::support::Shop;
 
-const MACHINE: &str = r#"
+pub(crate) const MACHINE: &str = r#"
 [machine]
 name = "bare"
 topology = "wFXYZSt"
@@ -33,7 +33,7 @@ axis = [0, 0, 1]
 "#;
 
 /// What is found in a table.
-fn found(table: &str, description: &str, more: &[&str]) -> (Shop, Value) {
+pub(crate) fn found(table: &str, description: &str, more: &[&str]) -> (Shop, Value) {
     let shop = Shop::new().file("m.toml", MACHINE).file("d.csv", table).file("d.toml", description);
     let run = run(&shop, &["d.csv".to_owned()], "m.toml", more);
     (shop, report(&run))

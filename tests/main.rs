@@ -45,6 +45,7 @@ mod diagnose_extend;
 mod diagnose_faults;
 mod diagnose_rates;
 mod diagnose_report;
+mod diagnose_safe;
 mod diagnose_thermal;
 mod diagnose_waves;
 mod emission;

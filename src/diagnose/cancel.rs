@@ -1,10 +1,70 @@
 //! Terms that nearly cancel each other: of two columns that are nearly the same, one is a large amount and the other its opposite. Together they say
 //! what little both differ by; where was not measured they are metres.
+//!
+//! And terms that readings hardly show: for micrometres that are read they would have to be larger than any machine errs.
 
+use super::cause::{Candidate, range};
+use super::row::{NOWHERE, Row};
+use super::scene::Through;
+use super::search::Field;
+use super::size::weights_at;
+use crate::geometry::{AXES, Axis};
 use crate::numeric::Series;
 
 /// A term that does so many times what there is to explain is cancelled by others.
 const CANCELS: f64 = 3.0;
+
+/// No machine errs so much where readings show little of it, mm and rad.
+const ABSURD: [f64; 2] = [1.0, 1e-2];
+/// Readings that show little: so much at most, mm or rad.
+const LITTLE: f64 = 0.05;
+/// Rows at which a deviation is looked at.
+const ROWS: usize = 400;
+impl Field<'_, '_> {
+    /// Whether a candidate beside what a series has would be larger than any machine errs, in readings that show little.
+    pub(super) fn is_absurd(&self, number: usize, series: &Series) -> bool {
+        let most = |one: &Candidate| match one.columns.first()?.first()?.0 {
+            Through::Component(name) => Some(ABSURD[usize::from(name.direction.is_rotation())]),
+            Through::Tip(_) => Some(ABSURD[0]),
+            Through::Reading(_) | Through::Value(_) => None,
+        };
+        let Some((one, most)) = self.candidates.get(number).and_then(|one| Some((one, most(one)?))) else {
+            return false;
+        };
+        let (amounts, _) = series.amounts(&self.columns(one));
+        let step = (self.scene.rows.len() / ROWS).max(1);
+        let is_large = |row: &Row| {
+            let all = weights_at(one, row);
+            all.iter().zip(&amounts).map(|(weight, amount)| weight * amount).sum::<f64>().abs() > most
+        };
+        // What goes with two axes is looked at where both are at their ends: lines show the middle of it only.
+        let is_beyond = self.scene.rows.iter().step_by(step).any(is_large) || self.corners(one).iter().any(is_large);
+        let squares: f64 = self.scene.items.iter().map(|item| item.left * item.left).sum();
+        is_beyond && squares < LITTLE * LITTLE * self.scene.items.len() as f64
+    }
+}
+
+impl Field<'_, '_> {
+    /// Where the axes on which one depends are at the ends of what was measured; none where it depends on anything else.
+    fn corners(&self, one: &Candidate) -> Vec<Row> {
+        let axis = |driver: &String| AXES.into_iter().find(|axis| axis.to_string() == *driver);
+        let axes: Option<Vec<Axis>> = one.drivers.iter().map(axis).collect();
+        let (Some(axes), Some(first)) = (axes.filter(|axes| axes.len() == 2), self.scene.rows.first()) else {
+            return Vec::new();
+        };
+        let mut out = vec![Row { number: NOWHERE, ..first.clone() }];
+        for axis in axes {
+            let Some(ends) = range(self.scene, axis) else { return Vec::new() };
+            let at = |row: &Row, place: f64| {
+                let mut row = row.clone();
+                row.position[axis] = place;
+                row
+            };
+            out = out.iter().flat_map(|row| ends.map(|place| at(row, place))).collect();
+        }
+        out
+    }
+}
 
 /// What columns of candidates are of those of a basis, in the order in which they were taken: the triangle of their regression.
 #[derive(Clone, Debug)]

@@ -9,6 +9,7 @@
 //! slow                                   which of these stand beside noise that wanders
 //! gates, fold                            which of these also help where they were not found
 //! verdict                                sizes, rivals, shares, noise, what is left; before and after, also on data held out
+//! mimic, doubt, volume                    which of them other errors explain as well that would do something else where was not measured
 //! extend                                 what goes into the machine file
 //! ```
 
@@ -16,6 +17,7 @@ mod account;
 mod cancel;
 pub mod cause;
 mod circles;
+mod doubt;
 mod empirical;
 mod event;
 pub mod extend;
@@ -27,6 +29,7 @@ mod group;
 mod held;
 mod jackknife;
 mod judge;
+mod mimic;
 mod noise;
 mod price;
 mod readings;
@@ -45,13 +48,16 @@ mod size;
 mod slow;
 mod sweep;
 mod verdict;
+mod volume;
 
 pub use account::Account;
+pub use doubt::Doubt;
 pub use held::{Compared, Sizes};
 pub use noise::{Left, Source};
 pub use readings::{FAR as FAR_OUT, freedom_of, levels};
 pub use rejected::{Gate, Rejected, Tried};
 pub use scene::Scene;
+pub use separate::commands;
 pub use share::Share;
 pub use size::{Amounts, Size};
 pub use verdict::{Diagnosis, Finding, diagnose, reads_angles};

@@ -13,7 +13,7 @@ use crate::numeric::Series;
 const PEAK: f64 = 0.4;
 const REFINED: usize = 14;
 /// Pitches of screws, mm (ISO 3408-2), from the coarsest.
-const PITCHES: [f64; 11] = [40.0, 32.0, 25.0, 20.0, 16.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0];
+pub(super) const PITCHES: [f64; 11] = [40.0, 32.0, 25.0, 20.0, 16.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0];
 /// The amplitude of another name of a wave is larger by this at most.
 const LARGER: f64 = 1.5;
 /// A rival explains nearly as much: so much of χ² less at most.

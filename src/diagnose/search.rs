@@ -237,7 +237,7 @@ impl<'s, 'a> Field<'s, 'a> {
             self.seek(&series, weights);
             let gains = self.gains_of(&series, &mut scores);
             let price = Price::new(count, self.tried);
-            let open: Vec<(f64, usize)> = gains
+            let mut open: Vec<(f64, usize)> = gains
                 .iter()
                 .enumerate()
                 .filter(|(number, gain)| {
@@ -249,12 +249,12 @@ impl<'s, 'a> Field<'s, 'a> {
                 })
                 .map(|(number, gain)| (price.worth(squares, gain) * self.belief(number), number))
                 .collect();
-            let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);
-            // The least far-fetched of those that explain as much.
-            let best = open.iter().copied().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
-                let far = |number: usize| self.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
-                far(a.1).cmp(&far(b.1)).then(b.0.total_cmp(&a.0)).then(a.1.cmp(&b.1))
-            });
+            // The least far-fetched of those that explain as much, but none that no machine has.
+            let best = loop {
+                let best = self.best_of(&open);
+                let Some((_, number)) = best.filter(|(_, number)| self.is_absurd(*number, &series)) else { break best };
+                open.retain(|(_, other)| *other != number);
+            };
             let Some((_, number)) = best else {
                 self.candidates.truncate(known);
                 break;
@@ -286,6 +286,15 @@ impl<'s, 'a> Field<'s, 'a> {
         }
         let cancelled = triangle.cancelled(kept);
         (taken, cancelled)
+    }
+
+    /// The least far-fetched of those whose worth is as much as that of the best.
+    fn best_of(&self, open: &[(f64, usize)]) -> Option<(f64, usize)> {
+        let most = open.iter().map(|(worth, _)| *worth).fold(f64::NEG_INFINITY, f64::max);
+        open.iter().copied().filter(|(worth, _)| *worth > 0.0 && *worth > most - TIE).min_by(|a, b| {
+            let far = |number: usize| self.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
+            far(a.1).cmp(&far(b.1)).then(b.0.total_cmp(&a.0)).then(a.1.cmp(&b.1))
+        })
     }
 
     fn is_unnamed(&self, number: usize) -> bool {

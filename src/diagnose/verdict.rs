@@ -1,7 +1,8 @@
 //! The verdict: findings with their sizes, rivals and what they gain, and what is left.
 
 use super::account::{Account, swing};
-use super::cause::{CAUSES, Candidate, Cause, Effect, thermal};
+use super::cause::{CAUSES, Candidate, Cause, Effect, periodic, thermal};
+use super::doubt::Doubt;
 use super::fold::{Selections, counts};
 use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
@@ -15,6 +16,7 @@ use super::search::{Field, Taken, Weights};
 use super::separate::{self, separating};
 use super::share::{Share, shares};
 use super::size::{Amounts, Size, size};
+use super::volume::Volume;
 
 /// Rounds of taking such readings out.
 const ROUNDS: usize = 3;
@@ -49,8 +51,11 @@ pub struct Finding {
     pub share: Share,
     /// Candidates that explain it nearly as well: cause and parameter, the best first, itself first.
     pub class: Vec<(&'static Cause, String)>,
-    /// Other periods, mm, that a wave may as well have: at the places that were measured they do the same.
+    /// Other periods, mm, that a wave may as well have, or periods of waves that do what a smooth shape does: at the places that were measured they
+    /// are the same.
     pub aliases: Vec<f64>,
+    /// Why a program must not be moved by it: other errors do the same to the readings, and something else where was not measured.
+    pub doubt: Option<Doubt>,
     /// The measurement that tells it from the first of them.
     pub separate_by: Option<String>,
 }
@@ -156,12 +161,11 @@ fn verdict(
     let freedom = (whole.count() - whole.rank().min(whole.count())).max(1) as f64;
     let noise = whole.squares() / freedom;
     let of_shares = shares(field, weights, &taken);
+    let ranges: Vec<std::ops::Range<usize>> = ranges(columns.iter().map(Vec::len));
+    let volume = Volume::new(scene, |row| row.set < used);
     let mut findings = Vec::new();
-    let mut place = 0;
-    for (((term, gain), own), share) in kept.iter().zip(&columns).zip(of_shares) {
+    for (((term, gain), range), share) in kept.iter().zip(ranges).zip(of_shares) {
         let Some(candidate) = field.candidates.get(term.candidate) else { continue };
-        let range = place..place + own.len();
-        place += own.len();
         let others: Vec<usize> = taken.iter().copied().filter(|&other| other != term.candidate).collect();
         let inflation = field.inflation(weights, &taken, &others, term.candidate);
         let amounts = Amounts {
@@ -178,18 +182,26 @@ fn verdict(
         let does = doing(field, weights, weights, &taken, term.candidate);
         let class = class(field, weights, (term.candidate, &others), memory, noise * inflation);
         let rival = class.get(1).and_then(|&number| field.candidates.get(number));
-        let aliases = field.aliases(weights, term.candidate, &others, (memory, noise * inflation));
-        let separate_by = match aliases.last() {
-            Some(shortest) => Some(separate::steps(candidate, *shortest)),
-            None => rival.map(|rival| separating(candidate, rival)),
+        let (is_wave, scatter) = (candidate.cause.effect == Effect::Periodic, (memory, noise * inflation));
+        let aliases = if is_wave {
+            field.aliases(weights, term.candidate, &others, scatter)
+        } else {
+            field.mimics(weights, term.candidate, &others, scatter)
         };
+        let separate_by = match aliases.last() {
+            Some(shortest) => Some(separate::steps(scene, candidate, *shortest)),
+            None => rival.map(|rival| separating(scene, candidate, rival)),
+        };
+        let doubt = volume
+            .as_ref()
+            .and_then(|volume| field.doubt(weights, volume, (term.candidate, &others), (&amounts, &class), scatter));
         // Itself, with other periods, others.
         let mut names: Vec<(&'static Cause, String)> = class
             .iter()
             .filter_map(|&number| field.candidates.get(number))
             .map(|one| (one.cause, one.parameter.clone()))
             .collect();
-        let of_alias = aliases.iter().map(|period| (candidate.cause, separate::every(&candidate.parameter, *period)));
+        let of_alias = aliases.iter().map(|period| (&periodic::CAUSE, separate::every(&candidate.parameter, *period)));
         names.splice(names.len().min(1)..names.len().min(1), of_alias);
         findings.push(Finding {
             size,
@@ -203,6 +215,7 @@ fn verdict(
             separate_by,
             class: names,
             aliases,
+            doubt,
             candidate: candidate.clone(),
         });
     }
@@ -257,6 +270,16 @@ fn slopes(field: &Field<'_, '_>, taken: &[usize], columns: &[Vec<Vec<f64>>], amo
         out.push(slope);
     }
     out
+}
+
+/// Where each of some groups of columns is among all.
+fn ranges(lengths: impl Iterator<Item = usize>) -> Vec<std::ops::Range<usize>> {
+    lengths
+        .scan(0, |place, length| {
+            *place += length;
+            Some(*place - length..*place)
+        })
+        .collect()
 }
 
 /// Whether a scene only has readings of angles: then sizes are rad.

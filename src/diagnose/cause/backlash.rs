@@ -2,6 +2,7 @@
 
 use super::{Candidate, Cause, Correctable, Effect, Weight, own};
 use crate::diagnose::scene::{Scene, Through};
+use crate::geometry::Axis;
 use crate::model::ParameterName;
 use crate::model::name::{DIRECTIONS, ErrorName};
 
@@ -25,6 +26,9 @@ pub(super) const LATERAL_PLAY: Cause = Cause {
     propose: |scene, out| propose(scene, out, &LATERAL_PLAY, false),
 };
 
+/// The share of where an axis was over which it must have come from both sides for play that changes along it.
+const WAY: f64 = 0.5;
+
 /// Wind-up grows with the length of the screw between bearing and nut.
 pub(super) const WIND_UP: Cause = Cause {
     name: "backlash that depends on the position",
@@ -37,7 +41,7 @@ pub(super) const WIND_UP: Cause = Cause {
 };
 
 fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>, cause: &'static Cause, along: bool) {
-    for axis in super::axes(scene) {
+    for axis in super::axes(scene).filter(|axis| both_ways(scene, *axis, 0.0)) {
         let sense = Weight::new(move |row| row.sense_of(axis));
         for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
             if (name == own(axis)) != along {
@@ -49,8 +53,23 @@ fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>, cause: &'static Cause, a
     }
 }
 
+/// Whether an axis was measured behind motions in both senses, each over a share of where it was: from one side alone play is a constant, and play that
+/// grows a scale.
+fn both_ways(scene: &Scene<'_>, axis: Axis, share: f64) -> bool {
+    let spread = |of: fn(f64) -> bool| {
+        let places = scene.rows.iter().filter(|row| of(row.sense_of(axis))).map(|row| row.position[axis]);
+        super::spread(places).map(|[low, high]| high - low)
+    };
+    let [Some(all), Some(up), Some(down)] =
+        [spread(|_| true), spread(|sense| sense > 0.0), spread(|sense| sense < 0.0)]
+    else {
+        return false;
+    };
+    up.min(down) >= share * all
+}
+
 fn wind_up(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
-    for axis in super::axes(scene) {
+    for axis in super::axes(scene).filter(|axis| both_ways(scene, *axis, WAY)) {
         let Some([low, high]) = super::range(scene, axis) else { continue };
         let through = Through::Component(own(axis));
         let share = move |row: &crate::diagnose::row::Row| (row.position[axis] - low) / (high - low);

@@ -356,6 +356,6 @@ fn column(sets: &[DataSet], name: &str) -> Option<Values> {
 }
 
 /// The error of an axis along or about itself.
-fn own(axis: Axis) -> ErrorName {
+pub(in crate::diagnose) fn own(axis: Axis) -> ErrorName {
     ErrorName::motion(DIRECTIONS[axis.dimension() + if axis.is_rotary() { 3 } else { 0 }], axis)
 }

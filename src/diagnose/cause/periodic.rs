@@ -7,7 +7,7 @@ use crate::diagnose::scene::{Scene, Through};
 use crate::geometry::Axis;
 use crate::model::name::{DIRECTIONS, ErrorName};
 
-pub(super) const CAUSE: Cause = Cause {
+pub(in crate::diagnose) const CAUSE: Cause = Cause {
     name: "periodic error",
     effect: Effect::Periodic,
     made_by: "pitch of the screw, interpolation of the scale, an eccentric encoder",

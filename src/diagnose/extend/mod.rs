@@ -18,7 +18,10 @@ use crate::model::{ErrorModel, ParameterName};
 use crate::units::{um_from_mm, urad_from_rad};
 
 use super::cause::{Candidate, Correctable, Effect, Term};
+use super::doubt::Doubt;
+use super::row::{NOWHERE, Row};
 use super::scene::{NO_ROW, Scene, Through};
+use super::size::weights_at;
 use super::verdict::{Diagnosis, Finding};
 pub use change::{Anchor, Change};
 
@@ -29,6 +32,9 @@ const VAGUE: f64 = 30.0;
 
 /// No machine is so far from its model, mm.
 const MOST_MM: f64 = 1.0;
+/// A polynomial is not trusted beyond what was measured where it does this share more there, looked at so many places of the travel.
+const REACHES: f64 = 0.5;
+const LOOKS: u32 = 64;
 /// A finding that does so many times what the model leaves is cancelled by others.
 const CANCELS: f64 = 1.5;
 
@@ -58,16 +64,35 @@ pub fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
         ));
     }
     if !one.aliases.is_empty() {
-        return Err(
-            "it may as well have other periods: between the places that were measured nobody knows what it does; measure \
-             at points of uneven spacing or in small steps"
-                .into(),
-        );
+        let what = if one.candidate.cause.effect == Effect::Periodic {
+            "it may as well have other periods"
+        } else {
+            "a short wave of other periods does the same at the places that were measured, as the class has it"
+        };
+        return Err(format!(
+            "{what}: between these places nobody knows what it does; measure at points of uneven spacing or in small steps"
+        ));
+    }
+    if let Some(doubt) = &one.doubt {
+        return Err(doubtful(doubt));
     }
     if one.size.u95 >= one.size.value.abs() {
         return Err("it is less sure than it is large; measure more often or at more places".into());
     }
     Ok(())
+}
+
+/// Why what is in doubt is not corrected.
+fn doubtful(doubt: &Doubt) -> String {
+    if doubt.rivals.is_empty() {
+        return format!("over the whole travel it is less sure than it is large; measure {}", doubt.separate_by);
+    }
+    let (verb, does) = if doubt.rivals.len() > 1 { ("do", "together ") } else { ("does", "") };
+    format!(
+        "{} {does}{verb} the same to the readings, and something else where was not measured: a correction may as well make it worse; measure {}",
+        doubt.rivals.join(" and "),
+        doubt.separate_by
+    )
 }
 
 /// The largest of a unit that a machine may have.
@@ -89,6 +114,16 @@ fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>,
             let is_constant = names.len() > 1 && name.term == Part::Coefficient(0);
             *amount != 0.0 && !(is_constant && one.amounts.u95(k) > VAGUE * sizes)
         };
+        if reaches_out(candidate, &one.amounts.values, scene, used) {
+            // The same without what set-ups take up as well, where it was measured, and beyond it as it is at the last places.
+            let mut told = one.clone();
+            for ((k, (_, amount)), own) in all.clone().zip(&mut told.amounts.values) {
+                if !is_told(&(k, (&names[k], amount))) {
+                    *own = 0.0;
+                }
+            }
+            return law::law(&told, scene, used).map(|change| vec![change]);
+        }
         let all = all.filter(is_told);
         return Ok(all.map(|(_, (name, amount))| Change::Parameter { name: *name, amount: *amount }).collect());
     }
@@ -117,6 +152,33 @@ fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>,
         ),
         Effect::Location => Err("it has no parameter of the error model".into()),
     }
+}
+
+/// Whether a shape of one axis that is no straight line does more where was not measured than where it was.
+fn reaches_out(candidate: &Candidate, amounts: &[f64], scene: &Scene<'_>, used: usize) -> bool {
+    let Some(axis) = component(candidate).and_then(|name| name.axis()).filter(|axis| !axis.is_rotary()) else {
+        return false;
+    };
+    let is_straight =
+        |name: &ParameterName| matches!(name.term, Part::Coefficient(0 | 1) | Part::Whole | Part::Backlash);
+    if !matches!(&candidate.term, Term::Parameters(names) if !names.iter().all(is_straight)) {
+        return false;
+    }
+    let rows = || scene.rows.iter().filter(|row| row.set < used);
+    let travel = scene.machine.axis(axis).and_then(|data| data.travel);
+    let (Some(first), Some([low, high])) = (rows().next(), travel) else { return false };
+    let value = |place: f64| {
+        let mut row = Row { number: NOWHERE, ..first.clone() };
+        row.position[axis] = place;
+        weights_at(candidate, &row).iter().zip(amounts).map(|(weight, amount)| weight * amount).sum::<f64>()
+    };
+    let ends = |all: &mut dyn Iterator<Item = f64>| {
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+    };
+    let inside = ends(&mut rows().map(|row| value(row.position[axis])));
+    let looks = (0..=LOOKS).map(|k| low + (high - low) * f64::from(k) / f64::from(LOOKS));
+    let outside = ends(&mut looks.map(value));
+    (inside[0] - outside[0]).max(outside[1] - inside[1]) > REACHES * (inside[1] - inside[0])
 }
 
 /// The component through which all columns act, where there is one.

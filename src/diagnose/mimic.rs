@@ -1,0 +1,105 @@
+//! Short waves that evenly spaced places show like something smooth: what folds onto a slow wave looks like a bow.
+//!
+//! At places a step apart a wave of frequency ν is the same as one of |ν − k/step|. Every 50 mm, 16 mm (3.125 turns a step) are an eighth of a turn: a
+//! polynomial fits them, and between the places does something else. A pitch that screws have is a rival of a smooth shape where it explains the
+//! readings as well. A shape of many coefficients has any wave as a rival that explains them better with fewer.
+
+use super::cause::{Candidate, Effect, own, periodic};
+use super::refine::{PITCHES, RIVAL};
+use super::scene::Through;
+use super::search::{Field, Weights};
+use super::size::weights_at;
+use crate::geometry::{AXES, Axis};
+use crate::model::motion::Function;
+use crate::model::name::{DIRECTIONS, ErrorName};
+
+/// An amplitude beyond so many times the range of the shape is none: where a wave is nearly the same at all places it may be anything.
+const LARGER: f64 = 2.0;
+/// Coefficients from which on a slow wave of any period is as simple.
+const MANY: usize = 3;
+/// Turns over the travel of such, and steps between them.
+const SLOW: [f64; 2] = [0.5, 3.0];
+const STEP: f64 = 0.1;
+/// Steps are even that differ by this share of one at most.
+const EVEN: f64 = 0.02;
+
+impl Field<'_, '_> {
+    /// Periods, mm, of short waves along the axis of a smooth shape that explain the readings as well, beside some others; the longest first.
+    pub(super) fn mimics(
+        &self,
+        weights: &Weights,
+        number: usize,
+        others: &[usize],
+        (memory, noise): (f64, f64),
+    ) -> Vec<f64> {
+        let Some((one, name, axis)) = self.candidates.get(number).and_then(|one| {
+            let (name, axis) = smooth(one)?;
+            Some((one, name, axis))
+        }) else {
+            return Vec::new();
+        };
+        let series = self.series(weights, others, memory);
+        let columns = self.columns(one);
+        let own = series.gain(&columns).squares;
+        let (amounts, _) = series.amounts(&columns);
+        let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut places: Vec<f64> = Vec::new();
+        let used = self.scene.items.iter().zip(&weights.items).filter(|(_, weight)| **weight > 0.0);
+        for row in used.filter_map(|(item, _)| self.scene.rows.get(item.row)) {
+            let value = weights_at(one, row).iter().zip(&amounts).map(|(weight, amount)| weight * amount).sum::<f64>();
+            ends = [ends[0].min(value), ends[1].max(value)];
+            places.push(row.position[axis]);
+        }
+        let most = LARGER * (ends[1] - ends[0]);
+        let explains = |period: f64, slack: f64| {
+            let columns = self.columns(&periodic::candidate(name, axis, period));
+            let (parts, _) = series.amounts(&columns);
+            parts.iter().map(|part| part * part).sum::<f64>().sqrt() <= most
+                && series.gain(&columns).squares >= own - slack * noise
+        };
+        let of_file = self.scene.errors.motion.iter().filter(|error| error.name.axis() == Some(axis));
+        let of_file = of_file.filter_map(|error| match &error.function {
+            Function::Periodic(own) => Some(own.period),
+            _ => None,
+        });
+        let slack = if one.columns.len() > 1 { RIVAL } else { 0.0 };
+        let mut out: Vec<f64> = of_file.chain(PITCHES).filter(|period| explains(*period, slack)).collect();
+        if let Some((step, travel)) = even(places).filter(|_| out.is_empty() && one.columns.len() >= MANY) {
+            let count = ((SLOW[1] - SLOW[0]) / STEP) as u32;
+            let slow = (0..=count).map(|k| (SLOW[0] + STEP * f64::from(k)) / travel).filter(|slow| *slow < 0.5 / step);
+            if let Some(slow) = slow.into_iter().find(|slow| explains(1.0 / slow, 0.0)) {
+                out.extend([1.0 / (1.0 / step - slow), 1.0 / (1.0 / step + slow)]);
+            }
+        }
+        out.sort_by(|a, b| b.total_cmp(a));
+        out.dedup();
+        out
+    }
+}
+
+/// The component of an error along a linear axis that depends on the place along it alone.
+fn smooth(one: &Candidate) -> Option<(ErrorName, Axis)> {
+    let [driver] = one.drivers.as_slice() else { return None };
+    let axis = AXES.into_iter().find(|axis| !axis.is_rotary() && axis.to_string() == *driver)?;
+    let mut all = one.columns.iter().flatten().map(|(through, _)| *through);
+    let first = all.next()?;
+    let name = match first {
+        Through::Component(name) => name,
+        Through::Tip(direction) => ErrorName::motion(*DIRECTIONS.get(direction)?, axis),
+        _ => return None,
+    };
+    // Screws and scales repeat along their own axis.
+    let is_own = name == own(axis) && all.all(|through| through == first);
+    (matches!(one.cause.effect, Effect::Motion | Effect::Unknown) && is_own).then_some((name, axis))
+}
+
+/// The step of evenly spaced places, some of which may be missing, and how far they go.
+fn even(mut places: Vec<f64>) -> Option<(f64, f64)> {
+    places.sort_by(f64::total_cmp);
+    places.dedup_by(|a, b| (*a - *b).abs() < 1e-3);
+    let gaps = || places.windows(2).map(|pair| pair[1] - pair[0]);
+    let step = gaps().fold(f64::INFINITY, f64::min);
+    let is_even = gaps().all(|gap| ((gap / step).round() - gap / step).abs() < EVEN);
+    let travel = places.last()? - places.first()?;
+    (is_even && travel > 0.0).then_some((step, travel))
+}
