@@ -135,7 +135,7 @@ fn rates_of_right_answers() {
         }
     });
     let mut done = done.into_inner().unwrap();
-    done.sort_by(|a, b| (a.bench as usize, a.kind, &a.name).cmp(&(b.bench as usize, b.kind, &b.name)));
+    done.sort_by(|a, b| (format!("{:?}", a.bench), a.kind, &a.name).cmp(&(format!("{:?}", b.bench), b.kind, &b.name)));
     let mut table: BTreeMap<(String, Kind, &str), Counted<'_>> = BTreeMap::new();
     for one in &done {
         let entry = table.entry((format!("{:?}", one.bench), one.kind, &one.name)).or_default();

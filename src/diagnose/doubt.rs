@@ -13,9 +13,10 @@ use super::scene::Through;
 use super::search::{Field, Weights};
 use super::separate::separating;
 use super::size::{Amounts, EXPANDED};
-use super::volume::{Volume, dot};
+use super::volume::Volume;
 use crate::geometry::AXES;
 use crate::model::parameter::Term as Part;
+use crate::numeric::sums::dot;
 
 /// A correction helps where it leaves less than this share of an error.
 const LEAVES: f64 = 0.8;

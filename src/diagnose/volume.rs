@@ -7,6 +7,7 @@ use super::row::{NOWHERE, Row};
 use super::scene::{Scene, Through};
 use crate::geometry::{AXES, Axis, AxisVector, Vector};
 use crate::model::{ErrorModel, Model};
+use crate::numeric::sums::dot;
 
 /// Places along the travel of a linear axis, and along what was measured of a rotary one.
 const LINEAR: usize = 4;
@@ -128,9 +129,4 @@ fn moved(row: &Row, axis: Axis, place: f64) -> Row {
     let mut out = row.clone();
     out.position[axis] = place;
     out
-}
-
-/// The sum of products.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
