@@ -291,3 +291,35 @@ fn a_cause_is_found_beside_a_fault() {
         |one: &serde_json::Value| one["effect"] == truth.effect && one["parameter"] == truth.parameter.as_str();
     assert!(object["findings"].as_array().unwrap().iter().any(is_named), "{}{}", case.words(), object["findings"]);
 }
+
+/// Steps of cases in which readings drift with temperatures as well, found of those that can be seen; and claims where no step is.
+fn steps_beside_drifts(size_in_noise: f64, seeds: std::ops::RangeInclusive<u64>) -> ([usize; 2], Vec<String>) {
+    let (mut hits, mut wrong) = ([0; 2], Vec::new());
+    for (bench, seed) in
+        [Bench::Drift, Bench::DriftRuns].into_iter().flat_map(|bench| seeds.clone().map(move |seed| (bench, seed)))
+    {
+        for row in [38, 39, 43] {
+            let clean = Recipe { hide: vec![row], ..recipe(bench, size_in_noise, seed) };
+            let step = Recipe { faults: vec![FaultKind::Step], ..clean.clone() };
+            if let Some(case) = step.cook() {
+                let found = found(&case);
+                let [own, all] = named(&case, &found);
+                hits = [hits[0] + own, hits[1] + all];
+                if own < all {
+                    eprintln!("{} {:?} {:?}", case.name, case.truth.faults, claims(&found));
+                }
+            }
+            if let Some(case) = clean.cook() {
+                wrong.extend(claims(&found(&case)).into_iter().map(|claim| format!("{}: {claim}", case.name)));
+            }
+        }
+    }
+    (hits, wrong)
+}
+
+#[test]
+fn a_step_is_found_beside_a_drift() {
+    let (hits, wrong) = steps_beside_drifts(5.0, 1..=8);
+    eprintln!("{hits:?}");
+    assert!(wrong.is_empty() && 10 * hits[0] >= 9 * hits[1], "{hits:?} {wrong:#?}");
+}

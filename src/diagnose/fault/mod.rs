@@ -9,6 +9,7 @@ mod cells;
 mod compensated;
 mod constant;
 mod dead;
+mod drifting;
 mod exchanged;
 mod exchanged_positions;
 mod fahrenheit;

@@ -299,8 +299,11 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
         let of_brims = [mean(range.start, range.start + brim), mean(range.end.saturating_sub(brim), range.end)];
         brims += of_brims.map(|own| unit(own.unwrap_or(one.inside) - middle) / 2.0).iter().sum::<f64>();
         least = least.min(range.len());
-        let inside: Vec<f64> = channel.left[range].iter().copied().filter(|left| left.is_finite()).collect();
-        middles += unit(super::median(inside) - middle);
+        // Of two readings the one that has less: far out may be one alone.
+        let inside = channel.left[range].iter().copied().filter(|left| left.is_finite());
+        let mut inside: Vec<f64> = inside.map(|left| unit(left - middle)).collect();
+        inside.sort_by(f64::total_cmp);
+        middles += inside.get(inside.len().saturating_sub(1) / 2).copied().unwrap_or(0.0);
         count += 1.0;
     }
     let is_flat = parts.iter().all(|part| *part > BACK * whole);
