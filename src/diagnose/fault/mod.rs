@@ -6,6 +6,7 @@
 
 mod axes;
 mod cells;
+mod chain;
 mod compensated;
 mod constant;
 mod dead;
@@ -60,6 +61,7 @@ pub const FAULTS: &[&Check] = &[
     &constant::CHECK,
     &unit::CHECK,
     &axes::CHECK,
+    &chain::CHECK,
     &compensated::CHECK,
     &quantised::CHECK,
     &order::CHECK,
@@ -93,7 +95,7 @@ pub enum Then {
 /// A fault that was found.
 #[derive(Clone, Debug)]
 pub struct Fault {
-    /// `unit`, `axes`, `compensated`, `sensor`, `pulse`, `first-cycle`, `step`, `outlier`, `quantised`, `order`.
+    /// `unit`, `axes`, `topology`, `compensated`, `sensor`, `pulse`, `first-cycle`, `step`, `outlier`, `quantised`, `order`.
     pub kind: &'static str,
     /// Number of the measurement.
     pub set: usize,
