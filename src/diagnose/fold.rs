@@ -20,9 +20,6 @@ const ROUNDS: [usize; 2] = [3, 15];
 /// A part says something of a term that has this share of what shows it, and leaves that share to the others.
 const SHOWN: f64 = 0.02;
 const KEPT: f64 = 0.2;
-/// Half of few readings tell nothing among all that may be: then a part leaves more.
-const FEW: usize = 60;
-const KEPT_OF_FEW: f64 = 0.7;
 /// A term that takes less than this share off what is left of unseen readings (root of the mean square) is not worth a name.
 const WORTH: f64 = 0.01;
 /// The same of what has no name: of such there are many.
@@ -285,14 +282,13 @@ impl Does {
     /// How much of it some readings show, where they show enough and others all of it that these show.
     fn said(&self, train: &mut Series, test: &mut Series) -> Option<f64> {
         let least = SHOWN * self.whole;
-        let kept = if train.count() + test.count() < FEW { KEPT_OF_FEW } else { KEPT };
         let own = shown(test, &self.all);
         let is_said = own > least
-            && shown(train, &self.all) > kept * self.whole
+            && shown(train, &self.all) > KEPT * self.whole
             && self
                 .columns
                 .iter()
-                .all(|(column, squares)| shown(test, column) <= least || shown(train, column) > kept * squares);
+                .all(|(column, squares)| shown(test, column) <= least || shown(train, column) > KEPT * squares);
         is_said.then_some(own)
     }
 }

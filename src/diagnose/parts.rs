@@ -27,13 +27,13 @@ pub struct Part {
 }
 
 /// Shares of the amounts of a candidate by file, where they surely differ: none where they do not. `others` stand beside it, and variances are so many
-/// times those of independent readings of the stated noise.
+/// times those of independent readings.
 pub(super) fn differing(
     field: &Field<'_, '_>,
     weights: &Weights,
     (candidate, amounts): (&Candidate, &[f64]),
     others: &[usize],
-    (memory, variance): (f64, f64),
+    (memory, inflation): (f64, f64),
 ) -> Vec<Part> {
     // What belongs to a day or a set-up is another one in each.
     if matches!(
@@ -64,7 +64,14 @@ pub(super) fn differing(
         does.iter().zip(&sets).map(|(does, own)| if *own == Some(*set) { *does } else { 0.0 }).collect()
     };
     let columns: Vec<Vec<f64>> = numbers.iter().map(of_set).collect();
-    let (shares, covariance) = field.series(weights, others, memory).amounts(&columns);
+    let mut series = field.series(weights, others, memory);
+    let (shares, covariance) = series.amounts(&columns);
+    columns.iter().for_each(|column| {
+        series.take(column);
+    });
+    // What is left when each has its own.
+    let freedom = series.count().saturating_sub(series.rank()).max(1) as f64;
+    let variance = inflation * series.squares() / freedom;
     let sigma = |k: usize| (covariance[(k, k)] * variance).max(0.0).sqrt();
     let told = || (0..numbers.len()).filter(|&k| sigma(k) > 0.0);
     let most = told().filter(|&k| shares[k].abs() > SURELY * sigma(k)).map(|k| shares[k].abs()).fold(0.0, f64::max);

@@ -98,9 +98,10 @@ impl Rejections {
             };
             if gate == Gate::Unseen && used > 1 {
                 let with: Vec<usize> = taken.iter().copied().chain([number]).collect();
-                let variance = noise * field.inflation(weights, &with, taken, number);
+                let inflation = field.inflation(weights, &with, taken, number);
+                let variance = noise * inflation;
                 let (values, covariance) = field.series(weights, taken, memory).amounts(&field.columns(candidate));
-                one.by_file = differing(field, weights, (candidate, &values), taken, (memory, variance));
+                one.by_file = differing(field, weights, (candidate, &values), taken, (memory, inflation));
                 let count = values.len();
                 let covariance =
                     (0..count).map(|k| (0..count).map(|l| covariance[(k, l)] * variance).collect()).collect();

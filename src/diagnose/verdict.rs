@@ -194,7 +194,7 @@ fn verdict(
             .collect();
         let of_alias = aliases.iter().map(|period| (candidate.cause, separate::every(&candidate.parameter, *period)));
         names.splice(names.len().min(1)..names.len().min(1), of_alias);
-        let by_file = differing(field, weights, (candidate, &amounts.values), &others, (memory, noise * inflation));
+        let by_file = differing(field, weights, (candidate, &amounts.values), &others, (memory, inflation));
         findings.push(Finding {
             by_file,
             size,

@@ -45,24 +45,23 @@ pub fn copied(one: &DataSet, other: &DataSet) -> Option<Copied> {
         return None;
     }
     let close = step * (0.5 + ROUNDING);
-    let (mut same, mut all, mut by_chance) = (0, 0_u32, 0.0);
+    let (mut same, mut all, mut by_chance) = (0, 0, 0.0);
     for (place, values) in &of_one {
         let Some(others) = of_other.get(place) else { continue };
-        let mut open = others.clone();
-        for value in values {
-            if open.is_empty() {
-                break;
-            }
-            all += 1;
-            by_chance += (others.len() as f64 * step / noise).min(1.0);
-            if let Some(found) = open.iter().position(|other| (other - value).abs() <= close) {
-                open.swap_remove(found);
-                same += 1;
-            }
+        let count = values.len().min(others.len());
+        all += count;
+        by_chance += count as f64 * (others.len().max(values.len()) as f64 * step / noise).min(1.0);
+        // Both in order: what is below all that is left of the other has no match.
+        let (mut k, mut l) = (0, 0);
+        while let (Some(one), Some(other)) = (values.get(k), others.get(l)) {
+            let matches = (one - other).abs() <= close;
+            same += usize::from(matches);
+            k += usize::from(matches || one < other);
+            l += usize::from(matches || one >= other);
         }
     }
-    let is_copy = same >= LEAST && same as f64 > SHARE * f64::from(all) && by_chance < CHANCE * f64::from(all);
-    is_copy.then(|| Copied { readings: same, of: all as usize })
+    let is_copy = same >= LEAST && same as f64 > SHARE * all as f64 && by_chance < CHANCE * all as f64;
+    is_copy.then(|| Copied { readings: same, of: all })
 }
 
 fn micro(one: &Observation) -> f64 {
@@ -86,6 +85,7 @@ fn places(data: &DataSet) -> Places {
             all.entry((key, what.clone())).or_default().push(value * micro(one));
         }
     }
+    all.values_mut().for_each(|values| values.sort_by(f64::total_cmp));
     all
 }
 

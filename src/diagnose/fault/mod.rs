@@ -60,8 +60,8 @@ pub const FAULTS: &[&Check] = &[
     &offset::CHECK,
     &constant::CHECK,
     &unit::CHECK,
-    &axes::CHECK,
     &chain::CHECK,
+    &axes::CHECK,
     &compensated::CHECK,
     &quantised::CHECK,
     &order::CHECK,
@@ -152,6 +152,8 @@ pub fn find(scene: &Scene<'_>) -> Vec<Fault> {
         (check.look)(&view, &mut found);
         for fault in &found {
             match &fault.then {
+                // Of another machine nothing else can be said.
+                Then::Refuse if fault.kind == chain::KIND => view.refused.extend(0..scene.sets.len()),
                 Then::Refuse => {
                     view.refused.insert(fault.set);
                 }
