@@ -6,14 +6,19 @@ use crate::diagnose_causes::text;
 use crate::plant::{Bench, Case, File, Recipe, random::Random};
 use crate::support::Shop;
 
-/// Two files of a plan: of the first day with an effect, and of the other one with it or without, with noise of its own.
+/// Two files of a plan: of the first day with an effect, and of the other one with it or without, with more noise of its own.
 fn days(bench: Bench, row: u8, seed: u64, on_both: bool) -> (Case, [File; 2]) {
     let plain = Recipe { outliers: Some(0.0), fineness: 0.3, ..Recipe::new(bench, 5.0, seed) };
     let with = Recipe { hide: vec![row], ..plain.clone() }.cook().unwrap();
-    let other = if on_both { with.held_out[0].clone() } else { plain.cook().unwrap().held_out[0].clone() };
+    let other = if on_both { with.files[0].clone() } else { plain.cook().unwrap().files[0].clone() };
+    let other = File { stem: "other".into(), ..noisy(&other, with.truth.noise_um, seed) };
     let files = [with.files[0].clone(), other];
     (with, files)
 }
+
+/// Benches, rows of the catalogue and seeds.
+const DAYS: [(Bench, u8, u64); 4] =
+    [(Bench::Ballbar, 20, 1), (Bench::Ballbar, 3, 2), (Bench::Plate, 20, 3), (Bench::Plate, 1, 4)];
 
 fn diagnosed(machine: &str, files: &[&File], more: &str, status: i32) -> Value {
     let mut shop = Shop::new().file("machine.toml", machine);
@@ -32,9 +37,7 @@ fn differing(report: &Value) -> Vec<Value> {
 
 #[test]
 fn what_acts_on_one_day_only_is_told_file_by_file() {
-    for (bench, row, seed) in
-        [(Bench::Ballbar, 20, 1), (Bench::Ballbar, 3, 2), (Bench::Plate, 20, 3), (Bench::Plate, 5, 4)]
-    {
+    for (bench, row, seed) in DAYS {
         let (case, [first, other]) = days(bench, row, seed, false);
         let both = format!("{}.csv {}.csv", first.stem, other.stem);
         let report = diagnosed(&case.machine_toml, &[&first, &other], &both, 0);
@@ -63,9 +66,7 @@ fn what_acts_on_one_day_only_is_told_file_by_file() {
 
 #[test]
 fn what_acts_on_both_days_differs_in_none() {
-    for (bench, row, seed) in
-        [(Bench::Ballbar, 20, 1), (Bench::Ballbar, 3, 2), (Bench::Plate, 20, 3), (Bench::Plate, 5, 4)]
-    {
+    for (bench, row, seed) in DAYS {
         let (case, [first, other]) = days(bench, row, seed, true);
         let both = format!("{}.csv {}.csv", first.stem, other.stem);
         let report = diagnosed(&case.machine_toml, &[&first, &other], &both, 0);

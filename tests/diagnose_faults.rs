@@ -248,10 +248,10 @@ fn dead_sensors_and_faults_of_data_held_out_are_told_and_do_not_forbid_a_diagnos
     // What is at fault is held out.
     let held = crate::plant::File { stem: "judge".to_owned(), ..dead.files[0].clone() };
     let mut shop = Shop::new().file("machine.toml", &dead.machine_toml);
-    for file in [&sound.files[0], &held] {
+    for file in [&sound.held_out[0], &held] {
         shop = shop.file(&format!("{}.csv", file.stem), &file.csv).file(&format!("{}.toml", file.stem), &file.toml);
     }
-    let table = format!("{}.csv", sound.files[0].stem);
+    let table = format!("{}.csv", sound.held_out[0].stem);
     let arguments = ["diagnose", &table, "--holdout", "judge.csv", "--machine", "machine.toml", "--json"];
     let object = shop.run(arguments).exits(0).json();
     let faults = object["data_faults"].as_array().unwrap();

@@ -27,8 +27,9 @@ fn wrong(case: &Case, findings: &[Value]) -> Option<String> {
         return Some(format!("{} ± {}", own["value"], own["u95"]));
     }
     let (lag, known) = (number(&own["lag_s"]), truth.lag_s.unwrap());
-    // A lag below half of the interval between readings is none.
-    let is_told = if known == 0.0 { lag <= 30.0 } else { (lag / known - 1.0).abs() <= 0.2 };
+    // A lag below half of the interval between readings is none; temperatures that change within 6000 s hardly tell one of less than a sixth of it.
+    let none = if text(&own["effect"]) == "thermal-expansion" { 1000.0 } else { 30.0 };
+    let is_told = if known == 0.0 { lag <= none } else { (lag / known - 1.0).abs() <= 0.2 };
     (!is_told).then(|| format!("lag {lag}"))
 }
 
@@ -219,24 +220,33 @@ fn matched(seeds: std::ops::RangeInclusive<u64>) -> Vec<String> {
     seeds.filter_map(said).collect()
 }
 
+/// Walks of these seeds that hide a drift of 2 µm/K.
+fn hidden(seeds: std::ops::RangeInclusive<u64>) -> Vec<String> {
+    let said = |seed: u64| {
+        let report = diagnosed(&walk(seed, 2.0), false);
+        let own = findings(&report).iter().find(|one| one["sensor"] == "T_head_C" && one["effect"] == "thermal-drift");
+        let names: Vec<String> = findings(&report).iter().map(words).collect();
+        let is_told = own.is_some_and(|own| (number(&own["value"]) - 2.0).abs() < 0.4);
+        (!is_told).then(|| format!("{seed} {names:?}"))
+    };
+    seeds.filter_map(said).collect()
+}
+
 #[test]
 fn a_random_walk_goes_with_no_temperature_and_hides_none() {
     // One chance match among six is allowed, since there is no end of shapes.
     let matched = matched(1..=6);
     assert!(matched.len() <= 1, "{matched:?}");
-    for seed in [1, 2] {
-        let report = diagnosed(&walk(seed, 2.0), false);
-        let own = findings(&report).iter().find(|one| one["sensor"] == "T_head_C" && one["effect"] == "thermal-drift");
-        let said: Vec<String> = findings(&report).iter().map(words).collect();
-        assert!(own.is_some_and(|own| (number(&own["value"]) - 2.0).abs() < 0.4), "{seed} {said:?}");
-    }
+    let hidden = hidden(1..=4);
+    assert!(hidden.len() <= 1, "{hidden:?}");
 }
 
 #[test]
 #[ignore = "a minute; shows the rates that the light ones sample"]
 fn rates_of_random_walks_and_drifts() {
     let matched = matched(1..=40);
-    assert!(matched.len() <= 4, "{matched:?}");
+    let hidden = hidden(1..=40);
+    assert!(matched.len() <= 4 && hidden.len() <= 8, "{matched:?} {hidden:?}");
     most(Bench::DriftRuns, 38, [18, 20]);
     most(Bench::DriftRuns, 39, [18, 20]);
     most(Bench::HotCold, 40, [18, 20]);

@@ -17,8 +17,12 @@ const MISS: f64 = 20.0;
 const TRIED: usize = 4;
 /// Rows from a change within which it may really be.
 const WITHIN: usize = 6;
-/// What is left of drifts begins at once by chance rather than white noise does.
-const AT_ONCE: f64 = 40.0;
+/// The jump in squares of what is usual,
+const AT_ONCE: f64 = 12.0;
+/// over so many readings on each side: what warms up within minutes goes far over more.
+const END: usize = 2;
+/// And so much of the whole.
+const SHARP: f64 = 0.7;
 /// What goes back by so much of it somewhere is switched.
 const BACK: f64 = 0.5;
 /// Readings on each side of what goes back.
@@ -47,7 +51,7 @@ pub(super) fn change(trail: &Trail, data: &DataSet, sensors: &[Sensor]) -> Optio
         let gains = trail.around([row, block[1]]).step_gains(block);
         let row = near.max_by(|a, b| gains[a - block[0]].total_cmp(&gains[b - block[0]]))?;
         let gain = trail.around([row, block[1]]).window_gain([row, block[1]]);
-        let (change, around) = step::judged(&trail, data, block, (row, gain, AT_ONCE))?;
+        let (change, around) = step::judged(&trail, data, block, (row, gain), (AT_ONCE, END, SHARP))?;
         (!goes_back(&around, row)).then_some(change)
     });
     tried.max_by(|a, b| a.gain.total_cmp(&b.gain))

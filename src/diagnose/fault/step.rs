@@ -163,7 +163,7 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
             if gain < LEAST || found.as_ref().is_some_and(|best| best.gain >= gain) {
                 continue;
             }
-            if let Some((change, _)) = judged(trail, data, block, (row, gain, AT_ONCE)) {
+            if let Some((change, _)) = judged(trail, data, block, (row, gain), (AT_ONCE, usize::MAX, SHARP)) {
                 found = Some(change);
             }
         }
@@ -172,12 +172,13 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
 }
 
 /// A change at a row if it is a step: large, at once, flat on both sides, not behind a pause and not with a driver; and readings beside those visits
-/// that do not have it.
+/// that do not have it. `at_once` squares of what is usual jump over as many readings at most, and the end is this share of the whole.
 pub(super) fn judged(
     trail: &Trail,
     data: &DataSet,
     block: [usize; 2],
-    (row, gain, at_once): (usize, f64, f64),
+    (row, gain): (usize, f64),
+    (at_once, most, sharp): (f64, usize, f64),
 ) -> Option<(Change, Trail)> {
     let goes_on = Clock::new(data).goes_on(row.saturating_sub(PAUSE), (row + PAUSE).min(block[1]));
     if gain < LEAST || !goes_on {
@@ -194,10 +195,13 @@ pub(super) fn judged(
     });
     let (_, end, around) = all.reduce(|best, other| if other.0 > SHORTER * best.0 { other } else { best })?;
     let change = beside(&around, [block[0], end], row, gain)?;
-    let is_sharp = || sharpness(&around, row, usize::MAX).is_some_and(|sharpness| sharpness > at_once);
-    let is_one = change.size > SIZE && is_sharp() && is_step(&around, &change) && !is_driven(&around, &change, data);
+    let change = Change { row: sharpest(&around, &change), ..change };
+    let row = change.row;
+    let is_sharp = || sharpness(&around, row, most).is_some_and(|sharpness| sharpness > at_once);
+    let is_one =
+        change.size > SIZE && is_sharp() && is_step(&around, &change, sharp) && !is_driven(&around, &change, data);
     let until = if end < block[1] { end } else { trail.rows.saturating_sub(1) };
-    is_one.then(|| (Change { row: sharpest(&around, &change), until, ..change }, around))
+    is_one.then_some((Change { until, ..change }, around))
 }
 
 /// The squares that a shift of some rows explains, in squares of the noise: readings are beside the visits that do not have it.
@@ -252,7 +256,7 @@ fn beside(trail: &Trail, block: [usize; 2], row: usize, gain: f64) -> Option<Cha
     None
 }
 
-fn is_step(trail: &Trail, change: &Change) -> bool {
+fn is_step(trail: &Trail, change: &Change, sharp: f64) -> bool {
     let (mut whole, mut end, mut slopes) = (0.0, 0.0, [0.0; 2]);
     for channel in &trail.channels {
         let at = channel.range(change.row, change.row).start;
@@ -272,7 +276,7 @@ fn is_step(trail: &Trail, change: &Change) -> bool {
         slopes[0] += unit(mean(at - half, at) - mean(at - before, at - half));
         slopes[1] += unit(mean(at + rest, at + behind) - mean(at, at + rest));
     }
-    whole > 0.0 && end > SHARP * whole && slopes.iter().all(|slope| slope.abs() < FLAT * whole)
+    whole > 0.0 && end > sharp * whole && slopes.iter().all(|slope| slope.abs() < FLAT * whole)
 }
 
 /// Whether a driver changes there as well and the readings follow it elsewhere too.
