@@ -61,7 +61,7 @@ pub fn copied(one: &DataSet, other: &DataSet) -> Option<Copied> {
         }
     }
     let is_copy = same >= LEAST && same as f64 > SHARE * all as f64 && by_chance < CHANCE * all as f64;
-    is_copy.then(|| Copied { readings: same, of: all })
+    is_copy.then_some(Copied { readings: same, of: all })
 }
 
 fn micro(one: &Observation) -> f64 {
