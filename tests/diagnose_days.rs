@@ -158,7 +158,7 @@ fn white_noise_far_above_what_is_stated_is_noise() {
 #[test]
 fn another_order_of_the_axes_in_the_machine_file_is_told() {
     const DEMO: &str = include_str!("../samples/machines/demo.toml");
-    let shop = Shop::new().file("demo.toml", DEMO).file("other.toml", &DEMO.replace("\"wXYFZSt\"", "\"wYXFZSt\""));
+    let shop = Shop::new().file("demo.toml", DEMO).file("other.toml", DEMO.replace("\"wXYFZSt\"", "\"wYXFZSt\""));
     let plan = "plan ballbar --machine demo.toml --tool 120 --radius 150 --every 5 -o plan.csv";
     shop.run(plan.split_whitespace()).exits(0);
     let read = "simulate --machine demo.toml plan.csv -o read.csv --noise 0.5um --seed 3";
