@@ -12,9 +12,9 @@ use crate::support::{Run, Shop};
 pub(crate) fn case(bench: Bench, hide: &[u8], size_in_noise: f64, seed: u64) -> Case {
     // What circles show needs few of their many readings.
     let fineness = if bench == Bench::Ballbar { 0.12 } else { 0.35 };
-    let hide = hide.to_vec();
-    let (unknown, faults, outliers) = (None, Vec::new(), Some(0.0));
-    Recipe { bench, hide, unknown, faults, size_in_noise, fineness, outliers, seed }.cook().unwrap()
+    Recipe { hide: hide.to_vec(), fineness, outliers: Some(0.0), ..Recipe::new(bench, size_in_noise, seed) }
+        .cook()
+        .unwrap()
 }
 
 /// The files of a case in a folder, its tables and descriptions changed.

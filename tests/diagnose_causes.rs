@@ -74,16 +74,7 @@ pub(crate) fn is_named(case: &Case, findings: &[Value]) -> bool {
 }
 
 pub(crate) fn recipe(bench: Bench, hide: &[u8], unknown: Option<Unknown>, size_in_noise: f64, seed: u64) -> Recipe {
-    Recipe {
-        bench,
-        hide: hide.to_vec(),
-        unknown,
-        faults: Vec::new(),
-        size_in_noise,
-        fineness: 1.0,
-        outliers: None,
-        seed,
-    }
+    Recipe { hide: hide.to_vec(), unknown, ..Recipe::new(bench, size_in_noise, seed) }
 }
 
 #[test]

@@ -51,16 +51,7 @@ fn place(names: &[&str], name: &str) -> usize {
 }
 
 fn recipe(bench: Bench, hide: &[u8], seed: u64) -> Recipe {
-    Recipe {
-        bench,
-        hide: hide.to_vec(),
-        unknown: None,
-        faults: Vec::new(),
-        size_in_noise: 5.0,
-        fineness: 1.0,
-        outliers: None,
-        seed,
-    }
+    Recipe { hide: hide.to_vec(), ..Recipe::new(bench, 5.0, seed) }
 }
 
 /// What is found in a case whose first table is changed.

@@ -27,17 +27,20 @@ fn wrong(case: &Case, findings: &[Value]) -> Option<String> {
         return Some(format!("{} ± {}", own["value"], own["u95"]));
     }
     let (lag, known) = (number(&own["lag_s"]), truth.lag_s.unwrap());
-    // A lag below half of the interval between readings is none.
-    let is_told = if known == 0.0 { lag <= 30.0 } else { (lag / known - 1.0).abs() <= 0.2 };
+    // A lag below half of the interval between readings is none; temperatures that change within 6000 s hardly tell one of less than a sixth of it.
+    let none = if text(&own["effect"]) == "thermal-expansion" { 1000.0 } else { 30.0 };
+    let is_told = if known == 0.0 { lag <= none } else { (lag / known - 1.0).abs() <= 0.2 };
     (!is_told).then(|| format!("lag {lag}"))
 }
 
-fn all(bench: Bench, row: u8, seeds: &[u64]) {
-    let mut out = String::new();
-    for &seed in seeds {
+/// Of cases by seeds 1, 2, … so many at least are told.
+fn most(bench: Bench, row: u8, [least, count]: [u64; 2]) {
+    let (mut out, mut wrongs) = (String::new(), 0);
+    for seed in 1..=count {
         let case = recipe(bench, &[row], None, 6.0, seed).cook().unwrap();
         let report = diagnosed(&case, false);
         if let Some(why) = wrong(&case, findings(&report)) {
+            wrongs += 1;
             let said = |one: &Value| {
                 format!("{} {} ± {}, {} lag {}", words(one), one["value"], one["u95"], one["sensor"], one["lag_s"])
             };
@@ -45,23 +48,23 @@ fn all(bench: Bench, row: u8, seeds: &[u64]) {
             out += &format!("{why}\n{}  {}\n", case.words(), said.join("\n  "));
         }
     }
-    assert!(out.is_empty(), "{out}");
+    assert!(wrongs + least <= count, "{out}");
 }
 
 #[test]
 fn drift_in_runs_of_one_set_up_is_told_with_its_lag() {
     // On days that begin at rest, in the course of one day with a clock that begins again, and with one that goes on; two without a lag.
-    all(Bench::DriftRuns, 38, &[1, 3, 4, 5, 6]);
+    most(Bench::DriftRuns, 38, [5, 6]);
 }
 
 #[test]
 fn drift_of_two_sensors_in_runs_is_told_with_the_faster_one() {
-    all(Bench::DriftRuns, 39, &[3, 6]);
+    most(Bench::DriftRuns, 39, [3, 4]);
 }
 
 #[test]
 fn growth_of_a_scale_is_told_without_a_lag() {
-    all(Bench::HotCold, 40, &[4]);
+    most(Bench::HotCold, 40, [3, 4]);
 }
 
 /// Runs the program on the files of a case in a shop.
@@ -206,20 +209,45 @@ fn walk(seed: u64, um_per_k: f64) -> Case {
     of_table(csv)
 }
 
-#[test]
-fn a_random_walk_goes_with_no_temperature_and_hides_none() {
-    let said = |report: &Value| findings(report).iter().map(words).collect::<Vec<_>>();
-    // One chance match among them is allowed, since there is no end of shapes.
-    let mut matched = Vec::new();
-    for seed in [11, 12, 13, 14, 15] {
+/// What is named in random walks of these seeds.
+fn matched(seeds: std::ops::RangeInclusive<u64>) -> Vec<String> {
+    let said = |seed: u64| {
         let report = diagnosed(&walk(seed, 0.0), false);
-        matched.extend((!findings(&report).is_empty()).then(|| format!("{seed} {:?}", said(&report))));
         assert_eq!(report["unexplained"]["structure"], true, "it is not told, and said to be there");
-    }
-    assert!(matched.len() <= 1, "{matched:?}");
-    for seed in [21, 22] {
+        let names: Vec<String> = findings(&report).iter().map(words).collect();
+        (!names.is_empty()).then(|| format!("{seed} {names:?}"))
+    };
+    seeds.filter_map(said).collect()
+}
+
+/// Walks of these seeds that hide a drift of 2 µm/K.
+fn hidden(seeds: std::ops::RangeInclusive<u64>) -> Vec<String> {
+    let said = |seed: u64| {
         let report = diagnosed(&walk(seed, 2.0), false);
         let own = findings(&report).iter().find(|one| one["sensor"] == "T_head_C" && one["effect"] == "thermal-drift");
-        assert!(own.is_some_and(|own| (number(&own["value"]) - 2.0).abs() < 0.4), "{seed} {:?}", said(&report));
-    }
+        let names: Vec<String> = findings(&report).iter().map(words).collect();
+        let is_told = own.is_some_and(|own| (number(&own["value"]) - 2.0).abs() < 0.4);
+        (!is_told).then(|| format!("{seed} {names:?}"))
+    };
+    seeds.filter_map(said).collect()
+}
+
+#[test]
+fn a_random_walk_goes_with_no_temperature_and_hides_none() {
+    // One chance match among six is allowed, since there is no end of shapes.
+    let matched = matched(1..=6);
+    assert!(matched.len() <= 1, "{matched:?}");
+    let hidden = hidden(1..=4);
+    assert!(hidden.len() <= 1, "{hidden:?}");
+}
+
+#[test]
+#[ignore = "a minute; shows the rates that the light ones sample"]
+fn rates_of_random_walks_and_drifts() {
+    let matched = matched(1..=40);
+    let hidden = hidden(1..=40);
+    assert!(matched.len() <= 4 && hidden.len() <= 8, "{matched:?} {hidden:?}");
+    most(Bench::DriftRuns, 38, [18, 20]);
+    most(Bench::DriftRuns, 39, [18, 20]);
+    most(Bench::HotCold, 40, [18, 20]);
 }

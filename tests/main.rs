@@ -41,6 +41,7 @@ mod definitions;
 mod diagnose;
 mod diagnose_causes;
 mod diagnose_data;
+mod diagnose_days;
 mod diagnose_extend;
 mod diagnose_faults;
 mod diagnose_rates;

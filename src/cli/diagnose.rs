@@ -16,8 +16,8 @@ use super::{calibrated_report, diagnose_faults, diagnosed_report, print, tell};
 use crate::diagnose::cause::Correctable;
 use crate::diagnose::extend::{Change, extension, is_sound};
 use crate::diagnose::{
-    Compared, Diagnosis, FAR_OUT, Finding, Rejected, Scene, Sizes, Source, diagnose, fault, freedom_of, reads_angles,
-    shape,
+    Compared, Diagnosis, FAR_OUT, Finding, Part, Rejected, Scene, Size, Sizes, Source, diagnose, fault, freedom_of,
+    reads_angles, shape,
 };
 use crate::diagnostic::{Code, Diagnostic};
 use crate::measure::data::DataSet;
@@ -103,6 +103,9 @@ fn find(
         all.extend(read);
     }
     measurement::check_copies(&all, findings);
+    if !findings.has_errors() {
+        measurement::check_near_copies(&all, findings);
+    }
     if findings.has_errors() {
         return Ok(());
     }
@@ -200,10 +203,12 @@ fn tell_all(
     report.holdout_gain_95 = found.held_out.as_ref().map(|held_out| held_out.gain.1);
     report.expired = found.held_out.as_ref().map_or(found.used.is_expired, |held_out| held_out.is_expired);
     report.noise_um = micro * found.left.noise;
+    report.noise_stated_um = found.left.stated.map(|stated| micro * stated);
     report.noise_from = match found.left.source {
         Source::Repeats => "repeats",
         Source::Instrument => "instrument",
         Source::Differences => "neighbours",
+        Source::Rest => "rest",
     };
     report.unexplained = diagnosis::Unexplained {
         rms_um: micro * found.left.unexplained,
@@ -219,7 +224,7 @@ fn tell_all(
     report.tried = found.tried;
     let alone: f64 = found.findings.iter().map(|one| one.alone).sum();
     report.findings = found.findings.iter().map(|one| cause(one, scene, used, (micro, alone))).collect();
-    report.rejected = found.rejected.iter().map(rejected).collect();
+    report.rejected = found.rejected.iter().map(|one| rejected(one, scene)).collect();
     report.not_confirmed =
         found.not_confirmed.iter().map(|one| format!("{} {}", one.cause.effect, one.parameter)).collect();
     for (number, set) in sets.iter().enumerate().take(used) {
@@ -270,6 +275,7 @@ fn cause(found: &Finding, scene: &Scene<'_>, used: usize, (micro, alone): (f64, 
         share: found.share.fair,
         share_alone: found.share.alone,
         p: found.chance,
+        by_file: by_file(&found.by_file, &found.size, scene),
         separate_by: found.separate_by.clone().filter(|_| class.len() > 1),
         class,
         correctable: match one.cause.correctable {
@@ -292,7 +298,17 @@ fn cause(found: &Finding, scene: &Scene<'_>, used: usize, (micro, alone): (f64, 
     }
 }
 
-fn rejected(found: &Rejected) -> diagnosis::Rejected {
+fn by_file(parts: &[Part], size: &Size, scene: &Scene<'_>) -> Vec<diagnosis::InFile> {
+    let of = |part: &Part| diagnosis::InFile {
+        file: scene.sets.get(part.set).map_or_else(String::new, |set| set.name.clone()),
+        value: part.share * size.value,
+        unit: size.unit.into(),
+        u95: (part.u95 * size.value).abs(),
+    };
+    parts.iter().map(of).collect()
+}
+
+fn rejected(found: &Rejected, scene: &Scene<'_>) -> diagnosis::Rejected {
     diagnosis::Rejected {
         effect: found.candidate.cause.effect.to_string(),
         parameter: found.candidate.parameter.clone(),
@@ -300,6 +316,7 @@ fn rejected(found: &Rejected) -> diagnosis::Rejected {
         why: found.gate.name(),
         p: found.chance,
         gain: found.gain,
+        by_file: by_file(&found.by_file, &found.size, scene),
     }
 }
 

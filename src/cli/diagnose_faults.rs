@@ -61,7 +61,7 @@ fn look_in(
 
 /// Whether nothing can be made of the measurement. An old model looks like a table that is active: in data held out both are for the reader.
 fn is_refused(fault: &Fault, is_held_out: bool) -> bool {
-    fault.then == Then::Refuse && !(is_held_out && fault.kind == "compensated")
+    fault.then == Then::Refuse && !(is_held_out && ["compensated", "topology"].contains(&fault.kind))
 }
 
 /// What the search goes without.
@@ -129,6 +129,10 @@ fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>
             "check the unit of the readings, the columns of positions, and centre_mm and length_mm in the description".into()
         }
         "axes" => "exchange or turn the columns, or check how the instrument was mounted; then diagnose again".into(),
+        "topology" => {
+            "check topology and direction of the axes in the machine file; errors that it knows act elsewhere on another machine"
+                .into()
+        }
         "compensated" if is_refused => {
             "measure with the table of the control switched off, or give with --machine what the control does not take out"
                 .into()

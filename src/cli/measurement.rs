@@ -9,6 +9,7 @@ use super::program::protect;
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
+use crate::measure::copies::{Copied, copied};
 use crate::measure::data::{self, DataSet, Observation};
 use crate::source::{FileId, Source, Span};
 use crate::units::{rad_from_urad, um_from_mm};
@@ -111,6 +112,23 @@ pub(super) fn check_copies(all: &[Measurement], findings: &mut Findings) {
         let same = |other: &&Measurement| other.sources[0].bytes() == one.sources[0].bytes();
         if let Some(first) = all.get(..number).unwrap_or_default().iter().find(same) {
             let message = format!("the table is the same as {}", first.sources[0].name());
+            let help = "give each measurement once; hold out readings that were taken again";
+            let place = Place { file: one.sources[0].id(), span: Span::new(0, 0) };
+            findings.add(Diagnostic::at(Code::DATA_REPEATED, place, message, help), &one.sources);
+        }
+    }
+}
+
+/// Says which tables have readings of one before, rounded or in another order: a judge that was fitted is none.
+pub(super) fn check_near_copies(all: &[Measurement], findings: &mut Findings) {
+    for (number, one) in all.iter().enumerate() {
+        let near = |other: &Measurement| {
+            copied(&other.data, &one.data).map(|copied| (other.sources[0].name().to_owned(), copied))
+        };
+        if let Some((first, Copied { readings, of })) = all.get(..number).unwrap_or_default().iter().find_map(near) {
+            let message = format!(
+                "{readings} of {of} readings at the same places are those of {first}, rounded or in another order: readings that were taken again differ by their noise"
+            );
             let help = "give each measurement once; hold out readings that were taken again";
             let place = Place { file: one.sources[0].id(), span: Span::new(0, 0) };
             findings.add(Diagnostic::at(Code::DATA_REPEATED, place, message, help), &one.sources);

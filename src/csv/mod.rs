@@ -179,8 +179,17 @@ impl<'a> Row<'a> {
     /// # Errors
     /// A finding where the cell is empty or no finite number.
     pub fn number(&self, column: usize, sign: DecimalSign) -> Result<f64, Diagnostic> {
+        /// Nothing that is measured is larger in any unit, and squares of it can be told.
+        const MOST: f64 = 1e15;
         let text = self.text(column);
-        parse_number(text, sign).ok_or_else(|| {
+        let value = parse_number(text, sign);
+        if value.is_some_and(|value| value.abs() > MOST) {
+            let name = self.table.names.get(column).map_or("", String::as_str);
+            let message = format!("'{}' in the column {name} is larger than anything that is measured", shown(text));
+            let help = "correct the cell, or leave it empty where nothing was read";
+            return Err(Diagnostic::at(Code::DATA_CELL, self.place(column), message, help));
+        }
+        value.ok_or_else(|| {
             let name = self.table.names.get(column).map_or("", String::as_str);
             let mut place = self.place(column);
             let (message, help) = if text.is_empty() {

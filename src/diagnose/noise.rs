@@ -24,6 +24,10 @@ const DISTANCES: usize = 20;
 const LIMIT: f64 = 1e-3;
 /// Structure below this share of the noise is none that matters.
 const MATTERS: f64 = 0.5;
+/// What is left is noise where it is more than so many times what is stated,
+const STATED: f64 = 1.5;
+/// without correlations, and neighbours differ by this share of what white noise has.
+const WHITE: f64 = 0.8;
 /// What rounding leaves, mm or rad.
 const NOTHING: f64 = 1e-9;
 /// Parts of the range of a driver.
@@ -40,6 +44,8 @@ pub enum Source {
     Repeats,
     /// The description of the instrument.
     Instrument,
+    /// All that is left: it is white and more than the instrument says.
+    Rest,
     /// Differences of neighbours.
     #[default]
     Differences,
@@ -52,6 +58,8 @@ pub struct Left {
     pub noise: f64,
     /// How it is known.
     pub source: Source,
+    /// What the descriptions of the instruments say, mm or rad.
+    pub stated: Option<f64>,
     /// What is left beyond it, root of the mean square, mm or rad.
     pub unexplained: f64,
     /// Chance of correlations like these in noise.
@@ -79,7 +87,7 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
     let rms = (places.iter().map(|&place| at(place).powi(2)).sum::<f64>() / places.len().max(1) as f64).sqrt();
     let order = Order::new(weights);
     let known = described(scene, &places);
-    let (noise, source) = match (repeats(scene, &places, &at), known) {
+    let (mut noise, mut source) = match (repeats(scene, &places, &at), known) {
         (Some(Repeats { noise, follows: None }), _) => (noise, Source::Repeats),
         // What lies between them is at work there: its size is not that of the noise.
         (Some(Repeats { follows: Some(near), .. }), known) => match known.filter(|known| *known >= near) {
@@ -89,13 +97,19 @@ pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Le
         (None, Some(noise)) => (noise, Source::Instrument),
         (None, None) => (differences(weights, &places, &at), Source::Differences),
     };
-    let unexplained = (rms * rms - noise * noise).max(0.0).sqrt();
     let standard: Vec<f64> =
         left.iter().zip(&weights.items).map(|(left, weight)| if *weight > 0.0 { left * weight } else { 0.0 }).collect();
     let chance = ljung_box(&order, &standard, places.len());
+    // What is white has no shape: where it is more than stated it is noise all the same.
+    let white = differences(weights, &places, &at);
+    if source == Source::Instrument && chance >= LIMIT && rms > STATED * noise && white > WHITE * rms {
+        (noise, source) = (rms, Source::Rest);
+    }
+    let unexplained = (rms * rms - noise * noise).max(0.0).sqrt();
     Left {
         noise,
         source,
+        stated: known,
         unexplained,
         chance,
         has_structure: chance < LIMIT && unexplained > (MATTERS * noise).max(NOTHING),

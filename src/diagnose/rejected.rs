@@ -2,7 +2,9 @@
 //! is left.
 
 use super::cause::{CAUSES, Candidate, Cause};
+use super::parts::{Part, differing};
 use super::search::{Field, Taken, Weights};
+use super::size::{Amounts, Size, size};
 
 /// Where a candidate failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +43,10 @@ pub struct Rejected {
     pub chance: f64,
     /// Share of the root of the mean square of unseen readings that it takes away, where that was tried and could be told.
     pub gain: Option<f64>,
+    /// Its size over all files.
+    pub size: Size,
+    /// What it is in each file, where files surely differ: that is why those left out do not have it.
+    pub by_file: Vec<Part>,
 }
 
 /// What a cause was worth in the end.
@@ -64,7 +70,13 @@ impl Rejections {
     }
 
     /// All that were stopped and are not among those taken in the end; of a candidate that was stopped twice the last time.
-    pub(super) fn list(&self, field: &Field<'_, '_>, taken: &[usize]) -> Vec<Rejected> {
+    pub(super) fn list(
+        &self,
+        field: &Field<'_, '_>,
+        weights: &Weights,
+        (taken, used): (&[usize], usize),
+        (memory, noise): (f64, f64),
+    ) -> Vec<Rejected> {
         let mut out: Vec<Rejected> = Vec::new();
         let is_same = |one: &Candidate, other: &Candidate| {
             one.cause.name == other.cause.name && one.parameter == other.parameter && one.drivers == other.drivers
@@ -76,7 +88,26 @@ impl Rejections {
             if known.into_iter().any(|other| is_same(candidate, other)) {
                 continue;
             }
-            out.push(Rejected { candidate: candidate.clone(), gate, chance, gain });
+            let mut one = Rejected {
+                candidate: candidate.clone(),
+                gate,
+                chance,
+                gain,
+                size: Size::default(),
+                by_file: Vec::new(),
+            };
+            if gate == Gate::Unseen && used > 1 {
+                let with: Vec<usize> = taken.iter().copied().chain([number]).collect();
+                let inflation = field.inflation(weights, &with, taken, number);
+                let variance = noise * inflation;
+                let (values, covariance) = field.series(weights, taken, memory).amounts(&field.columns(candidate));
+                one.by_file = differing(field, weights, (candidate, &values), taken, (memory, inflation));
+                let count = values.len();
+                let covariance =
+                    (0..count).map(|k| (0..count).map(|l| covariance[(k, l)] * variance).collect()).collect();
+                one.size = size(candidate, &Amounts { values, covariance }, field.scene, used);
+            }
+            out.push(one);
         }
         out.reverse();
         out

@@ -8,6 +8,7 @@ use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
 use super::jackknife::{u95, without_parts};
 use super::noise::{self, is_angle};
+use super::parts::{Part, differing};
 use super::readings::{doing, drop_far, even_out, left_of, projected, rms, weights};
 use super::refine::RIVAL;
 use super::rejected::{Rejected, Rejections, Tried, tried};
@@ -56,6 +57,8 @@ pub struct Finding {
     pub aliases: Vec<f64>,
     /// Why a program must not be moved by it: other errors do the same to the readings, and something else where was not measured.
     pub doubt: Option<Doubt>,
+    /// What it is in each file, where files surely differ.
+    pub by_file: Vec<Part>,
     /// The measurement that tells it from the first of them.
     pub separate_by: Option<String>,
 }
@@ -203,7 +206,9 @@ fn verdict(
             .collect();
         let of_alias = aliases.iter().map(|period| (&periodic::CAUSE, separate::every(&candidate.parameter, *period)));
         names.splice(names.len().min(1)..names.len().min(1), of_alias);
+        let by_file = differing(field, weights, (candidate, &amounts.values), &others, (memory, inflation));
         findings.push(Finding {
+            by_file,
             size,
             rms: rms(counts(scene, weights).into_iter().filter_map(|place| does.get(place).copied())),
             alone: swing(scene, weights, &does),
@@ -241,7 +246,7 @@ fn verdict(
         held_out: (!counts(scene, held_out).is_empty()).then(|| compared(held_out, 1)),
         findings,
         not_confirmed,
-        rejected: rejections.list(field, &taken),
+        rejected: rejections.list(field, weights, (&taken, used), (memory, noise)),
         causes: tried(field, weights, &taken, memory),
         account: Account::new(scene, parts, &values, &explained),
         outliers,

@@ -302,7 +302,8 @@ In a log temperatures and loads may be empty; temperatures are -30 to 150 °C, a
 
     DATA_REPEATED = "E0605" "reading given twice"
 "Two rows of a measurement are the same to the last digit. A repetition differs by the noise of the instrument; a copied row would count twice and make
-the result look more certain than it is. The first of them is told, and how many there are. The same is said of a table that is given twice, or held out as well.";
+the result look more certain than it is. The first of them is told, and how many there are. The same is said of a table that is given twice, or held out
+as well, also where its readings are rounded or its rows in another order.";
     LOAD_NOT_TOLD = "E0604" "strain readings that tell no load"
 "ncfix load weighs a workpiece by the change of a strain along an axis. The readings must lie where [strain] of the machine file knows the
 gauge, at enough positions to tell the weight from the offset (and the drift, where there is a column t_s) of each run, and there must be more
@@ -329,8 +330,8 @@ EXXb its backlash, EXX2@150 a truncated power that begins at 150 mm; load.EAX, d
 the machine file. The axis must be there, too, and a parameter stands there once.";
     DATA_FAULT = "E0614" "readings that say something else than was measured"
 "Before ncfix diagnose looks for causes it looks for faults of the data. Here all readings of a measurement are off by a factor of units (1000, 25.4), go
-with the model only when two axes are exchanged or one is reversed, or lack exactly those errors that the machine file has, because a table of
-the control was active while measuring. Causes found in such readings would be nonsense; the finding says what the evidence is and what to change.";
+with the model only when two axes are exchanged or one is reversed, fit only a machine with another order of the axes
+than the file has, or lack exactly those errors that the machine file has, because a table of the control was active while measuring. Causes found in such readings would be nonsense; the finding says what the evidence is and what to change.";
 
     DRIFT_NOT_TOLD = "E0613" "drift that cannot be told from a reversal"
 "A drift that is a straight line in time within a back-and-forth cycle makes the way back differ from the way forth by more the farther from the turn

@@ -4,9 +4,10 @@
 //! measurement with its description, [`kind`] has one file per kind of measurement: what it reads and what a reading should be.
 //! [`simulate`] goes the other way, with [`noise`]; [`plan`] makes measurements without readings and the way of the axes to them. [`mode`] takes the
 //! corrections out of positions that were read (measurement mode), [`iso230`] has the figures of the acceptance tests. [`strain`] finds readings
-//! of a strain gauge, [`weighing`] what load made them.
+//! of a strain gauge, [`weighing`] what load made them, [`copies`] tables with the same readings.
 
 pub mod circles;
+pub mod copies;
 pub mod data;
 pub mod iso230;
 pub mod kind;

@@ -3,7 +3,7 @@
 pub mod readings;
 mod text;
 
-pub(in crate::report) use text::{chance, sign};
+pub(in crate::report) use text::{chance, differing, sign};
 
 use serde::Serialize;
 
@@ -21,8 +21,10 @@ pub struct Diagnosis {
     pub unit: &'static str,
     /// Noise of the readings.
     pub noise_um: f64,
-    /// How it is known: `repeats`, `instrument`, `neighbours`.
+    /// How it is known: `repeats`, `instrument`, `neighbours`, `rest` where all that is left is white and more than stated.
     pub noise_from: &'static str,
+    /// What the descriptions of the instruments say of it; `null` where they say nothing.
+    pub noise_stated_um: Option<f64>,
     /// What a machine without errors would leave.
     pub without_model: Sizes,
     /// What the model leaves.
@@ -153,6 +155,21 @@ pub struct Rejected {
     pub p: f64,
     /// Share of the root of the mean square of unseen readings that it takes away; `null` where that was not tried, or the parts could not say.
     pub gain: Option<f64>,
+    /// What it is in each file, where files surely differ; else empty.
+    pub by_file: Vec<InFile>,
+}
+
+/// What a cause is in one file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct InFile {
+    /// The measurement.
+    pub file: String,
+    /// Size.
+    pub value: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Expanded uncertainty (95 %).
+    pub u95: f64,
 }
 
 /// A place of a shape.
@@ -199,6 +216,8 @@ pub struct Cause {
     pub share_alone: f64,
     /// Chance of this where there is nothing, over all candidates.
     pub p: f64,
+    /// What it is in each file, where files surely differ; else empty.
+    pub by_file: Vec<InFile>,
     /// Explanations that the data cannot tell from it, itself first.
     pub class: Vec<String>,
     /// The measurement that tells them apart; `null` where there is one explanation.

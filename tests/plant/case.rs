@@ -74,11 +74,16 @@ pub(crate) struct Case {
 
 /// A case of some rows of the catalogue; `None` where the bench cannot show one of them.
 pub(crate) fn case(bench: Bench, hide: &[u8], size_in_noise: f64, seed: u64) -> Option<Case> {
-    let hide = hide.to_vec();
-    Recipe { bench, hide, unknown: None, faults: Vec::new(), size_in_noise, fineness: 1.0, outliers: None, seed }.cook()
+    Recipe { hide: hide.to_vec(), ..Recipe::new(bench, size_in_noise, seed) }.cook()
 }
 
 impl Recipe {
+    /// Nothing hidden, at the usual density, with outliers by the seed.
+    pub(crate) fn new(bench: Bench, size_in_noise: f64, seed: u64) -> Recipe {
+        let (hide, unknown, faults) = (Vec::new(), None, Vec::new());
+        Recipe { bench, hide, unknown, faults, size_in_noise, fineness: 1.0, outliers: None, seed }
+    }
+
     /// The effects, each with its own random numbers, so that one does not change another.
     fn effects(&self, plan: &Plan) -> Option<Vec<Effect>> {
         let stage = Stage {

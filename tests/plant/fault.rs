@@ -109,7 +109,8 @@ pub(crate) fn is_possible(kind: FaultKind, bench: Bench) -> bool {
         F::Reversed => matches!(bench, Bench::Plate | Bench::Laser | Bench::Drift),
         F::Stuck | F::Dead | F::Exchanged | F::Offset | F::Fahrenheit => has_sensors,
         F::Pulses => matches!(bench, Bench::Drift | Bench::Laser | Bench::Plate),
-        F::FirstCycle | F::Step => matches!(bench, Bench::Drift | Bench::Laser),
+        F::FirstCycle => matches!(bench, Bench::Drift | Bench::Laser),
+        F::Step => matches!(bench, Bench::Drift | Bench::DriftRuns | Bench::Laser),
         F::Compensated => matches!(bench, Bench::Plate | Bench::Laser),
         F::Quantised => !matches!(bench, Bench::FiveAxis | Bench::Load | Bench::HotCold),
     }

@@ -35,17 +35,8 @@ const WORDS: [&str; 22] = [
 ];
 
 fn recipe(bench: Bench, hide: &[u8], seed: u64) -> Recipe {
-    Recipe {
-        bench,
-        hide: hide.to_vec(),
-        unknown: None,
-        faults: Vec::new(),
-        size_in_noise: 5.0,
-        // Enough to see the laws.
-        fineness: 0.5,
-        outliers: Some(0.0),
-        seed,
-    }
+    // Enough to see the laws.
+    Recipe { hide: hide.to_vec(), fineness: 0.5, outliers: Some(0.0), ..Recipe::new(bench, 5.0, seed) }
 }
 
 /// The cells of a column, by its name.

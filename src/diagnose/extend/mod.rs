@@ -76,6 +76,12 @@ pub fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
     if let Some(doubt) = &one.doubt {
         return Err(doubtful(doubt));
     }
+    if !one.by_file.is_empty() {
+        return Err(
+            "it is not the same in all files: the machine, or how it was measured, became another one between them; diagnose the latest by itself"
+                .into(),
+        );
+    }
     if one.size.u95 >= one.size.value.abs() {
         return Err("it is less sure than it is large; measure more often or at more places".into());
     }

@@ -47,7 +47,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
 
 /// Whether a step parts the first cycle from the others.
 pub(super) fn is_early(trail: &Trail, change: &Change) -> bool {
-    trail.blocks.first().is_some_and(|block| *block == change.block)
+    trail.blocks.first().is_some_and(|block| block[0] == change.block[0])
         && ((change.row - change.block[0]) as f64) < EARLY * trail.rows as f64
         && 2 * (change.row - change.block[0]) < change.block[1] - change.row
 }

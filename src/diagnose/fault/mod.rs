@@ -6,9 +6,11 @@
 
 mod axes;
 mod cells;
+mod chain;
 mod compensated;
 mod constant;
 mod dead;
+mod drifting;
 mod exchanged;
 mod exchanged_positions;
 mod fahrenheit;
@@ -58,6 +60,7 @@ pub const FAULTS: &[&Check] = &[
     &offset::CHECK,
     &constant::CHECK,
     &unit::CHECK,
+    &chain::CHECK,
     &axes::CHECK,
     &compensated::CHECK,
     &quantised::CHECK,
@@ -92,7 +95,7 @@ pub enum Then {
 /// A fault that was found.
 #[derive(Clone, Debug)]
 pub struct Fault {
-    /// `unit`, `axes`, `compensated`, `sensor`, `pulse`, `first-cycle`, `step`, `outlier`, `quantised`, `order`.
+    /// `unit`, `axes`, `topology`, `compensated`, `sensor`, `pulse`, `first-cycle`, `step`, `outlier`, `quantised`, `order`.
     pub kind: &'static str,
     /// Number of the measurement.
     pub set: usize,
@@ -149,6 +152,8 @@ pub fn find(scene: &Scene<'_>) -> Vec<Fault> {
         (check.look)(&view, &mut found);
         for fault in &found {
             match &fault.then {
+                // Of another machine nothing else can be said.
+                Then::Refuse if fault.kind == chain::KIND => view.refused.extend(0..scene.sets.len()),
                 Then::Refuse => {
                     view.refused.insert(fault.set);
                 }

@@ -37,6 +37,10 @@ const SIZE: f64 = 1.9;
 const SHORTEST_S: f64 = 45.0;
 /// The middle of the readings has so much of what their mean has: it is not one of them alone.
 const MIDDLE: f64 = 0.6;
+/// More than one value a row is shifted where the sum of squares is so many times that of one.
+const MORE: f64 = 1.5;
+/// Rows of one value that are no chance.
+const SEVERAL: usize = 3;
 /// Rows that are few.
 const FEW: usize = 20;
 /// The longest, s.
@@ -263,7 +267,7 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
     let mut parts = [0.0; 2];
     let (mut brims, mut least) = (0.0, usize::MAX);
     let (mut back, mut of_back) = (0.0, 0.0);
-    let (mut count, mut middles) = (0.0_f64, 0.0);
+    let (mut count, mut middles, mut fourths) = (0.0_f64, 0.0, 0.0);
     for channel in &trail.channels {
         let Some(one) = contrast(trail, channel, rows) else { continue };
         let range = one.range.clone();
@@ -273,6 +277,7 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
         let end = END.min(range.len().div_ceil(2)).max(2);
         let mean = |from: usize, to: usize| channel.mean(from, to).map(|(mean, _)| mean);
         whole += size * size;
+        fourths += size.powi(4);
         if one.sides[0].is_some()
             && let (Some(out), Some(own)) =
                 (mean(range.start.saturating_sub(end), range.start), mean(range.start, range.start + end))
@@ -299,8 +304,11 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
         let of_brims = [mean(range.start, range.start + brim), mean(range.end.saturating_sub(brim), range.end)];
         brims += of_brims.map(|own| unit(own.unwrap_or(one.inside) - middle) / 2.0).iter().sum::<f64>();
         least = least.min(range.len());
-        let inside: Vec<f64> = channel.left[range].iter().copied().filter(|left| left.is_finite()).collect();
-        middles += unit(super::median(inside) - middle);
+        // Of two readings the one that has less: far out may be one alone.
+        let inside = channel.left[range].iter().copied().filter(|left| left.is_finite());
+        let mut inside: Vec<f64> = inside.map(|left| unit(left - middle)).collect();
+        inside.sort_by(f64::total_cmp);
+        middles += inside.get(inside.len().saturating_sub(1) / 2).copied().unwrap_or(0.0);
         count += 1.0;
     }
     let is_flat = parts.iter().all(|part| *part > BACK * whole);
@@ -317,7 +325,9 @@ fn is_pulse(trail: &Trail, rows: [usize; 2], times: &[f64]) -> Option<String> {
     let is_part = !trail.has_sense
         && (trail.is_border(first, 4) || trail.is_border(last + 1, 4))
         && !(first + 5..=last.saturating_sub(4)).any(|row| trail.is_border(row, 0));
-    let is_little = count < 2.0 && last - first < FEW;
+    // Two readings of one value a row one after the other may both be far out.
+    let is_one = whole * whole < MORE * fourths;
+    let is_little = count < 2.0 && last - first < FEW || is_one && last - first < SEVERAL;
     if is_run || is_part || is_little || !trail.has_sense && last - first < FEW {
         return None;
     }

@@ -151,6 +151,18 @@ impl Readings {
         sizes().all(|size| size < TINY) && sizes().any(|size| size > 0.0)
     }
 
+    /// What is left, in units of the uncertainty.
+    pub(super) fn left(&self) -> Vec<f64> {
+        let all: Vec<f64> = self.read.iter().zip(&self.predicted).map(|(read, predicted)| read - predicted).collect();
+        self.without_setups(&all)
+    }
+
+    /// What something does to them beyond what set-ups take up, in units of the uncertainty: from what it does to all readings of the scene.
+    pub(super) fn column(&self, of_all: &[f64]) -> Vec<f64> {
+        let own: Vec<f64> = self.items.iter().map(|&item| of_all.get(item).copied().unwrap_or(0.0)).collect();
+        self.without_setups(&own)
+    }
+
     /// By how much less squares are because unknowns take them up.
     fn freedom(&self) -> f64 {
         let count = self.at.len() as f64;

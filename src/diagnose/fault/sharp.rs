@@ -48,11 +48,21 @@ fn jumps(channel: &Channel, side: usize) -> impl Iterator<Item = f64> {
 
 /// What warms up differs more in some pieces than in most: the standard deviation by what a tenth of all exceeds.
 fn often(channel: &Channel, side: usize) -> f64 {
+    tenth(jumps(channel, side).collect())
+}
+
+fn tenth(mut all: Vec<f64>) -> f64 {
     /// A tenth of normal noise is beyond this, in standard deviations.
     const TENTH: f64 = 1.644_853_6;
-    let mut all: Vec<f64> = jumps(channel, side).map(f64::abs).collect();
+    all.iter_mut().for_each(|jump| *jump = jump.abs());
     let place = all.len() * 9 / 10;
     if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(place, f64::total_cmp).1 / TENTH }
+}
+
+/// As some jumps are where nothing is, and no less than that of the noise.
+pub(super) fn usual_of(jumps: impl Iterator<Item = f64>, least: f64) -> f64 {
+    let all: Vec<f64> = jumps.collect();
+    spread(all.iter().copied()).max(tenth(all)).max(least)
 }
 
 /// As neighbouring pieces differ where nothing is.

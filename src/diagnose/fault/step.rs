@@ -4,8 +4,8 @@
 
 use super::cells::Clock;
 use super::sharp::{CHANCE, EACH, END, sharpness, usual};
-use super::trail::Trail;
-use super::{Check, Fault, Then, View};
+use super::trail::{Channel, Trail};
+use super::{Check, Fault, Then, View, drifting};
 use crate::measure::data::DataSet;
 
 pub(super) const CHECK: Check = Check {
@@ -41,6 +41,8 @@ const WITHIN: usize = 20;
 
 /// Within so many rows of a pause a machine may have become another one.
 const PAUSE: usize = 12;
+/// A step that ends with its run explains so much more.
+const SHORTER: f64 = 1.25;
 /// A driver that is switched changes by so much of its range.
 const SWITCH: f64 = 0.1;
 
@@ -54,6 +56,8 @@ pub(super) struct Change {
     pub(super) row: usize,
     /// Its block.
     pub(super) block: [usize; 2],
+    /// The last row that is shifted.
+    pub(super) until: usize,
     /// By how much the squares fall, in squares of the noise.
     pub(super) gain: f64,
     /// In units of the noise.
@@ -65,7 +69,8 @@ pub(super) struct Change {
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     for (set, data) in view.sets() {
         let Some(trail) = view.trails.get(set).filter(|trail| trail.is_repeated) else { continue };
-        let Some(change) = change(trail, data) else { continue };
+        let sensors = view.sensors.get(set).map(Vec::as_slice).unwrap_or_default();
+        let Some(change) = change(trail, data).or_else(|| drifting::change(trail, data, sensors)) else { continue };
         if super::first_cycle::is_early(trail, &change) {
             continue;
         }
@@ -74,7 +79,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             set,
             name: data.name.clone(),
             what: "step".into(),
-            rows: [change.row, trail.rows.saturating_sub(1)],
+            rows: [change.row, change.until],
             evidence: evidence(&change),
             then: Then::OwnZero,
         });
@@ -142,7 +147,6 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
         .collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     all.truncate(TRIED);
-    let clock = Clock::new(data);
     let mut found: Option<Change> = None;
     for (_, block, gains) in all {
         let most = |from: usize, until: usize| {
@@ -156,21 +160,75 @@ pub(super) fn change(trail: &Trail, data: &DataSet) -> Option<Change> {
         tried.dedup();
         for row in tried {
             let gain = gains[row - block[0]];
-            if gain < LEAST
-                || !clock.goes_on(row.saturating_sub(PAUSE), (row + PAUSE).min(block[1]))
-                || found.as_ref().is_some_and(|best| best.gain >= gain)
-            {
+            if gain < LEAST || found.as_ref().is_some_and(|best| best.gain >= gain) {
                 continue;
             }
-            let around = trail.around([row, block[1]]);
-            let Some(change) = beside(&around, block, row, gain) else { continue };
-            let is_sharp = sharpness(&around, row, usize::MAX).is_some_and(|sharpness| sharpness > AT_ONCE);
-            if change.size > SIZE && is_sharp && is_step(&around, &change) && !is_driven(&around, &change, data) {
+            if let Some((change, _)) = judged(trail, data, block, (row, gain), (AT_ONCE, usize::MAX, SHARP)) {
                 found = Some(change);
             }
         }
     }
     found
+}
+
+/// A change at a row if it is a step: large, at once, flat on both sides, not behind a pause and not with a driver; and readings beside those visits
+/// that do not have it. `at_once` squares of what is usual jump over as many readings at most, and the end is this share of the whole.
+pub(super) fn judged(
+    trail: &Trail,
+    data: &DataSet,
+    block: [usize; 2],
+    (row, gain): (usize, f64),
+    (at_once, most, sharp): (f64, usize, f64),
+) -> Option<(Change, Trail)> {
+    let goes_on = Clock::new(data).goes_on(row.saturating_sub(PAUSE), (row + PAUSE).min(block[1]));
+    if gain < LEAST || !goes_on {
+        return None;
+    }
+    // An instrument that is set to zero for every run has it only up to the end of one.
+    let mut ends = vec![block[1]];
+    let run = |row: usize| data.observations.get(row).map(|one| one.run);
+    ends.extend((row..block[1]).take_while(|&next| run(next + 1) == run(row)).last().map(|last| last + 1));
+    ends.dedup();
+    let all = ends.into_iter().map(|end| {
+        let around = trail.around([row, end]);
+        (explained(&around, [row, end]), end, around)
+    });
+    let (_, end, around) = all.reduce(|best, other| if other.0 > SHORTER * best.0 { other } else { best })?;
+    let change = beside(&around, [block[0], end], row, gain)?;
+    let change = Change { row: sharpest(&around, &change), ..change };
+    let row = change.row;
+    let is_sharp = || sharpness(&around, row, most).is_some_and(|sharpness| sharpness > at_once);
+    let is_one =
+        change.size > SIZE && is_sharp() && is_step(&around, &change, sharp) && !is_driven(&around, &change, data);
+    let until = if end < block[1] { end } else { trail.rows.saturating_sub(1) };
+    is_one.then_some((Change { until, ..change }, around))
+}
+
+/// The squares that a shift of some rows explains, in squares of the noise: readings are beside the visits that do not have it.
+fn explained(around: &Trail, rows: [usize; 2]) -> f64 {
+    let of = |channel: &Channel| {
+        let range = channel.range(rows[0], rows[1]);
+        let known = channel.left.iter().filter(|left| left.is_finite()).count() as f64;
+        let (amount, inside) = channel.mean(range.start, range.end)?;
+        let inside = inside as f64;
+        Some((amount / channel.noise).powi(2) * inside * (1.0 - inside / known))
+    };
+    around.channels.iter().filter_map(of).sum()
+}
+
+/// The row near a step before and behind which readings differ most.
+fn sharpest(around: &Trail, change: &Change) -> usize {
+    let differs = |row: usize| -> f64 {
+        let of = |channel: &Channel| {
+            let (range, at) = (channel.range(change.block[0], change.block[1]), channel.range(row, row).start);
+            let [from, until] =
+                [channel.before(at, change.side, range.start), channel.beyond(at, change.side, range.end)];
+            Some(((channel.mean(at, until)?.0 - channel.mean(from, at)?.0) / channel.noise).powi(2))
+        };
+        around.channels.iter().filter_map(of).sum()
+    };
+    let near = change.row.saturating_sub(NEAR).max(change.block[0] + 1)..=(change.row + NEAR).min(change.block[1]);
+    near.max_by(|a, b| differs(*a).total_cmp(&differs(*b))).unwrap_or(change.row)
 }
 
 /// A change at a row, over the longest sides that its piece has.
@@ -192,13 +250,13 @@ fn beside(trail: &Trail, block: [usize; 2], row: usize, gain: f64) -> Option<Cha
             count += 1.0;
         }
         if count > 0.0 && side as f64 * count >= READINGS {
-            return Some(Change { row, block, gain, size: (size / count).sqrt(), side });
+            return Some(Change { row, block, until: block[1], gain, size: (size / count).sqrt(), side });
         }
     }
     None
 }
 
-fn is_step(trail: &Trail, change: &Change) -> bool {
+fn is_step(trail: &Trail, change: &Change, sharp: f64) -> bool {
     let (mut whole, mut end, mut slopes) = (0.0, 0.0, [0.0; 2]);
     for channel in &trail.channels {
         let at = channel.range(change.row, change.row).start;
@@ -218,7 +276,7 @@ fn is_step(trail: &Trail, change: &Change) -> bool {
         slopes[0] += unit(mean(at - half, at) - mean(at - before, at - half));
         slopes[1] += unit(mean(at + rest, at + behind) - mean(at, at + rest));
     }
-    whole > 0.0 && end > SHARP * whole && slopes.iter().all(|slope| slope.abs() < FLAT * whole)
+    whole > 0.0 && end > sharp * whole && slopes.iter().all(|slope| slope.abs() < FLAT * whole)
 }
 
 /// Whether a driver changes there as well and the readings follow it elsewhere too.

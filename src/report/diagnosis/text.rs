@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::{Cause, Diagnosis, Place};
+use super::{Cause, Diagnosis, InFile, Place};
 use crate::report::number::{grouped, significant};
 
 /// Rivals that are named for people.
@@ -13,6 +13,10 @@ const LEAST_CHANCE: f64 = 1e-12;
 const PLACES: usize = 7;
 /// Causes that are told in the verdict.
 const CAUSES: usize = 4;
+/// What is in a file is so many times its expanded uncertainty.
+const SEEN: f64 = 2.0;
+/// Noise that is so many times what is stated is told.
+const TIMES: f64 = 2.5;
 /// Candidates that are told as rejected.
 const REJECTED: usize = 5;
 
@@ -46,11 +50,18 @@ impl Diagnosis {
         let from = match self.noise_from {
             "repeats" => "from repeated readings",
             "instrument" => "as the instrument says",
+            "rest" => "as what is left has no shape",
             _ => "from neighbouring readings",
         };
         let unit = self.unit_sign();
+        let times = self.noise_stated_um.map_or(1.0, |stated| self.noise_um / stated);
+        let stated = if times > TIMES {
+            format!(", {} times what is stated (sigma)", significant(times))
+        } else {
+            String::new()
+        };
         format!(
-            "{} leaves {} {unit} of {} readings (RMS), {} at most; the noise is {} {unit}, {from}.",
+            "{} leaves {} {unit} of {} readings (RMS), {} at most; the noise is {} {unit}, {from}{stated}.",
             self.machine,
             significant(self.before.rms_um),
             grouped(self.readings as u64),
@@ -186,6 +197,11 @@ impl Diagnosis {
             let shown = rejected.get(..REJECTED.min(rejected.len())).unwrap_or_default().join(", ");
             let _ = writeln!(out, "\nRejected: {shown}{rest}.");
         }
+        for one in &self.rejected {
+            if let Some(differs) = differing(&one.by_file) {
+                let _ = writeln!(out, "{} {differs}", name(&one.effect, &one.parameter));
+            }
+        }
         out.push('\n');
         for sentence in [self.after_sentence(), self.held_out_sentence()].into_iter().flatten() {
             let _ = writeln!(out, "{sentence}");
@@ -220,6 +236,9 @@ impl Diagnosis {
                 let goes = if depends.is_empty() { String::new() } else { format!("goes with {depends}; ") };
                 let _ = writeln!(out, "   {goes}usually {}; {}", one.made_by, one.remedy());
             }
+        }
+        if let Some(differs) = differing(&one.by_file) {
+            let _ = writeln!(out, "   {differs}");
         }
         if let Some(why) = one.extends_why.as_ref().filter(|_| one.correctable == "no") {
             let _ = writeln!(out, "   not to be corrected: {why}");
@@ -277,6 +296,21 @@ impl Cause {
             "live" => "only live readings can take it away",
             _ => "no program can take it away",
         }
+    }
+}
+
+/// What a cause is in each file, where files differ: those that have it first.
+#[must_use]
+pub(in crate::report) fn differing(files: &[InFile]) -> Option<String> {
+    let size = |one: &&InFile| {
+        format!("{}: {} ± {} {}", one.file, significant(one.value), significant(one.u95), sign(&one.unit))
+    };
+    let (with, without): (Vec<&InFile>, Vec<&InFile>) = files.iter().partition(|one| one.value.abs() > SEEN * one.u95);
+    let list = |files: &[&InFile]| files.iter().map(size).collect::<Vec<String>>().join(", ");
+    match [with.as_slice(), without.as_slice()] {
+        [[], []] => None,
+        [all, []] | [[], all] => Some(format!("is not the same in all files: {}", list(all))),
+        [with, without] => Some(format!("is in some files only: in {}; not in {}", list(with), list(without))),
     }
 }
 

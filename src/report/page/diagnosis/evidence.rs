@@ -3,7 +3,7 @@
 use super::pictures::{driver_of, mean_lines, means, title_of};
 use super::{figure, polar, side_by_side};
 use crate::report::diagnosis::readings::{Driver, Set, Shown};
-use crate::report::diagnosis::{Cause, Diagnosis, chance, sign};
+use crate::report::diagnosis::{Cause, Diagnosis, chance, differing, sign};
 use crate::report::markup::Markup;
 use crate::report::number::{grouped, significant};
 use crate::report::plot::{Chart, Series, Shape};
@@ -79,6 +79,9 @@ fn words(out: &mut Markup, found: &Diagnosis, one: &Cause) {
         all.push(("may as well be", format!("{}{rest}", rivals.join(", "))));
     } else {
         all.push(("rivals", "none: no other candidate explains as much".into()));
+    }
+    if let Some(differs) = differing(&one.by_file) {
+        all.push(("file by file", format!("it {differs}")));
     }
     if let Some(how) = &one.separate_by {
         all.push(("to tell them apart", how.clone()));
