@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use super::cause::{Candidate, Effect};
 use super::scene::{NO_ROW, Scene, Through};
-use super::search::{Field, Taken, Weights};
+use super::search::{Field, Taken, Weights, contains_all};
 use crate::geometry::Axis;
 use crate::numeric::Series;
 
@@ -108,8 +108,15 @@ struct Part {
     with: f64,
 }
 
-/// What was selected without a part, by the kind of parts and its number: it depends on the weights only.
-pub(super) type Selections = HashMap<(usize, usize), Vec<usize>>;
+/// What was selected without a part.
+pub(super) struct Selection {
+    all: Vec<usize>,
+    /// Whether the search went on to its end.
+    is_whole: bool,
+}
+
+/// What was selected, by the kind of parts and the number of the part: it depends on the weights only.
+pub(super) type Selections = HashMap<(usize, usize), Option<Selection>>;
 
 /// Keeps what also gains on readings that were not used. `known` is what was selected before with the same weights; `out` gets the
 /// others with their gains, `note` the share that is done.
@@ -135,10 +142,10 @@ pub(super) fn confirmed(
             break;
         }
         let parts = parts(field.scene, weights);
-        let mut selected = |field: &mut Field<'_, '_>, part: usize, train: &Weights| {
-            known.entry((kind, part)).or_insert_with(|| field.forward(train, &[])).clone()
-        };
         let all: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
+        let mut selected = |field: &mut Field<'_, '_>, part: usize, train: &Weights| {
+            selected(field, train, &all, known.entry((kind, part)).or_default())
+        };
         for (&k, found) in open.iter().zip(of_parts(field, weights, &parts, (&all, &open), &mut selected, note)) {
             if let Some(gain) = gains.get_mut(k) {
                 *gain = found;
@@ -154,10 +161,10 @@ pub(super) fn confirmed(
             continue;
         }
         let kind = kinds.len() + axis.slot();
-        let mut selected = |field: &mut Field<'_, '_>, part: usize, train: &Weights| {
-            known.entry((kind, part)).or_insert_with(|| field.forward(train, &[])).clone()
-        };
         let all: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
+        let mut selected = |field: &mut Field<'_, '_>, part: usize, train: &Weights| {
+            selected(field, train, &all, known.entry((kind, part)).or_default())
+        };
         let found = of_parts(field, weights, &parts, (&all, &[k]), &mut selected, note);
         if let (Some(Some(at_places)), Some(own)) = (found.first(), gains.get_mut(k)) {
             *own = Some(gain.min(*at_places));
@@ -171,6 +178,16 @@ pub(super) fn confirmed(
         }
     }
     kept
+}
+
+/// What is selected without a part; it goes on only until all that are judged are among it.
+fn selected(field: &mut Field<'_, '_>, train: &Weights, judged: &[usize], known: &mut Option<Selection>) -> Vec<usize> {
+    if let Some(known) = known.as_ref().filter(|known| known.is_whole || contains_all(&known.all, judged)) {
+        return known.all.clone();
+    }
+    let all = field.forward_until(train, &[], judged);
+    *known = Some(Selection { is_whole: !contains_all(&all, judged), all: all.clone() });
+    all
 }
 
 /// How much a term must take off what is left of unseen readings.

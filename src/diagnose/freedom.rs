@@ -5,6 +5,7 @@
 //! most of it away; noise that wanders slowly beside noise that does not leaves the rest.
 
 use super::search::Weights;
+use crate::numeric::sums::dot;
 
 /// Distances at most.
 const MOST: usize = 250;
@@ -39,9 +40,7 @@ impl Order {
             return Vec::new();
         }
         let rows: Vec<Vec<f64>> = self.0.iter().map(|places| places.iter().map(at).collect()).collect();
-        let product = |h: usize| -> f64 {
-            rows.iter().map(|row| row.iter().zip(row.iter().skip(h)).map(|(a, b)| a * b).sum::<f64>()).sum()
-        };
+        let product = |h: usize| -> f64 { rows.iter().map(|row| dot(row, row.get(h..).unwrap_or_default())).sum() };
         (1..=most).map(|h| product(h) / square).collect()
     }
 

@@ -64,7 +64,7 @@ impl Field<'_, '_> {
         if group.len() < 2 {
             return taken;
         }
-        let group = self.sound_steps(weights, &group);
+        let group = self.sound_steps(weights, &group, &[]);
         // Many small ones fit what one of another shape does.
         if group.len() > MORE * taken.len() {
             return taken;

@@ -179,16 +179,22 @@ impl<'l> Scores<'l> {
     /// Sums over the readings of each row of factor times what is at the reading, for every place; with the rows where there is any.
     fn sums(&self, at: &[f64]) -> (Vec<Vec<f64>>, Range<usize>) {
         let (mut first, mut last) = (self.row_count, 0);
-        for (&row, value) in self.rows.iter().zip(at) {
+        let mut items = self.rows.len()..0;
+        for (item, (&row, value)) in self.rows.iter().zip(at).enumerate() {
             if row != NO_ROW && *value != 0.0 {
                 first = first.min(row);
                 last = last.max(row + 1);
+                items = items.start.min(item)..item + 1;
             }
         }
         let span = first.min(last)..last;
+        // What belongs to one set-up is in a small part of the readings.
+        let items = items.start.min(items.end)..items.end;
+        let rows = self.rows.get(items.clone()).unwrap_or_default();
+        let at = at.get(items.clone()).unwrap_or_default();
         let sum = |factors: &Arc<Vec<f64>>| {
             let mut sums = vec![0.0; span.len()];
-            for ((&row, factor), value) in self.rows.iter().zip(factors.iter()).zip(at) {
+            for ((&row, factor), value) in rows.iter().zip(factors.get(items.clone()).unwrap_or_default()).zip(at) {
                 if *value != 0.0
                     && let Some(sum) = row.checked_sub(span.start).and_then(|place| sums.get_mut(place))
                 {

@@ -194,7 +194,12 @@ impl<'s, 'a> Field<'s, 'a> {
 
     /// Takes candidates one after the other behind those that are `kept`; where many errors act at once, several of them together first.
     pub(super) fn forward(&mut self, weights: &Weights, kept: &[usize]) -> Vec<usize> {
-        let taken = self.sound_steps(weights, kept);
+        self.forward_until(weights, kept, &[])
+    }
+
+    /// The same until some are among them, where these are any: what comes behind is of no interest then.
+    pub(super) fn forward_until(&mut self, weights: &Weights, kept: &[usize], enough: &[usize]) -> Vec<usize> {
+        let taken = self.sound_steps(weights, kept, enough);
         let mut taken = if kept.is_empty() { self.together(weights, taken) } else { taken };
         self.polish(weights, &mut taken, kept.len());
         taken
@@ -202,13 +207,13 @@ impl<'s, 'a> Field<'s, 'a> {
 
     /// The same one after the other, without those that nearly cancel others: far larger than all there is, they are where was not measured what nobody
     /// knows.
-    pub(super) fn sound_steps(&mut self, weights: &Weights, kept: &[usize]) -> Vec<usize> {
+    pub(super) fn sound_steps(&mut self, weights: &Weights, kept: &[usize], enough: &[usize]) -> Vec<usize> {
         let mut never = Vec::new();
-        let (mut taken, mut cancelled) = self.steps(weights, kept, &never);
+        let (mut taken, mut cancelled) = self.steps(weights, kept, (&never, enough));
         while let Some(out) = cancelled.filter(|_| never.len() < REPAIRS) {
             taken.retain(|&number| number != out);
             never.push(out);
-            (taken, cancelled) = self.steps(weights, &taken, &never);
+            (taken, cancelled) = self.steps(weights, &taken, (&never, enough));
         }
         // Which one goes at last does not matter: what it did is left.
         taken.retain(|&number| cancelled != Some(number));
@@ -216,7 +221,12 @@ impl<'s, 'a> Field<'s, 'a> {
     }
 
     /// Also one that others nearly cancel.
-    fn steps(&mut self, weights: &Weights, kept: &[usize], never: &[usize]) -> (Vec<usize>, Option<usize>) {
+    fn steps(
+        &mut self,
+        weights: &Weights,
+        kept: &[usize],
+        (never, enough): (&[usize], &[usize]),
+    ) -> (Vec<usize>, Option<usize>) {
         let mut taken = kept.to_vec();
         let mut series = self.series(weights, &[], 0.0);
         let mut triangle = Triangle::new(&series);
@@ -230,7 +240,8 @@ impl<'s, 'a> Field<'s, 'a> {
         while taken.len() < MOST.max(kept.len() + MORE) {
             let freedom = count - series.rank() as f64;
             let squares = series.squares();
-            if freedom < 2.0 || squares <= 0.0 {
+            let is_enough = !enough.is_empty() && contains_all(&taken, enough);
+            if freedom < 2.0 || squares <= 0.0 || is_enough {
                 break;
             }
             let known = self.candidates.len();
@@ -325,4 +336,9 @@ impl<'s, 'a> Field<'s, 'a> {
             _ => 1.0,
         }
     }
+}
+
+/// Whether all of some are among others.
+pub(super) fn contains_all(all: &[usize], some: &[usize]) -> bool {
+    some.iter().all(|one| all.contains(one))
 }

@@ -170,7 +170,11 @@ fn times(ones: &[(Column, Vec<f64>)], others: &[(Column, Vec<f64>)]) -> Vec<(Col
     for (one, at) in ones {
         for (other, and) in others {
             let (one, other) = (Arc::clone(one), Arc::clone(other));
-            let product: Column = Arc::new(move |of| one(of) * other(of));
+            // Most hats are 0 at most places.
+            let product: Column = Arc::new(move |of| {
+                let one = one(of);
+                if one == 0.0 { 0.0 } else { one * other(of) }
+            });
             out.push((product, at.iter().chain(and).copied().collect()));
         }
     }
