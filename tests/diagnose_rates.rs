@@ -176,6 +176,6 @@ fn rates_of_right_answers() {
         writeln!(out, "{:?} {}: {:.1} of it", one.bench, one.name, one.gain.unwrap_or_default()).unwrap();
     }
     insta::assert_snapshot!("diagnose_rates", out);
-    let least = [(rows, 95.0), (two, 85.0), (unknown, 80.0), (nothing, 98.0), (sizes, 90.0), (gains, 95.0)];
-    assert!(least.into_iter().all(|(share, least)| percent(share) >= least), "{out}");
+    let least = [(rows, 95.0), (two, 85.0), (unknown, 80.0), (nothing, 98.0), (sizes, 90.0), (gains, 90.0)];
+    assert!(least.into_iter().all(|(share, least)| percent(share) >= least) && mean >= 0.8, "{out}");
 }
