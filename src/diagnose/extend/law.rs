@@ -75,6 +75,8 @@ struct Law<'a> {
     low: crate::geometry::AxisVector,
     high: crate::geometry::AxisVector,
     factor: f64,
+    /// Weights of the place from which on values are told; none where they are as they were found.
+    zero: Vec<f64>,
 }
 
 impl Law<'_> {
@@ -87,7 +89,9 @@ impl Law<'_> {
         {
             *own = sense;
         }
-        let (value, sigma) = self.one.amounts.form(&weights_at(&self.one.candidate, &row));
+        let mut weights = weights_at(&self.one.candidate, &row);
+        weights.iter_mut().zip(&self.zero).for_each(|(weight, zero)| *weight -= zero);
+        let (value, sigma) = self.one.amounts.form(&weights);
         [self.factor * value, EXPANDED * self.factor.abs() * sigma]
     }
 
@@ -156,21 +160,30 @@ pub(super) fn law(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Chang
     }
     let (factor, _) = unit_of(name);
     let row = Row { number: NOWHERE, ..first.clone() };
-    let law = Law { one, row, low, high, factor: factor * sign };
+    let mut law = Law { one, row, low, high, factor: factor * sign, zero: Vec::new() };
     if drivers.places.iter().chain([&own]).any(|&axis| high[axis] < low[axis] || !(high[axis] - low[axis]).is_finite())
     {
         return Err("the travel is not known".into());
     }
     let others: Vec<Axis> = drivers.places.iter().copied().filter(|&axis| axis != own).collect();
-    let change = match (drivers.senses.as_slice(), others.as_slice()) {
-        ([], []) => line(&law, name, own, None)?,
-        ([sense], []) if *sense == own => line(&law, name, own, Some(own))?,
-        ([], [other]) => grid(&law, name, own, (*other, drivers.places.contains(&own)))?,
+    let change = |law: &Law<'_>| match (drivers.senses.as_slice(), others.as_slice()) {
+        ([], []) => line(law, name, own, None),
+        ([sense], []) if *sense == own => line(law, name, own, Some(own)),
+        ([], [other]) => grid(law, name, own, (*other, drivers.places.contains(&own))),
         ([_, ..], _) => {
-            return Err("it turns over with the sense of one axis and goes with another, which no entry has".into());
+            Err("it turns over with the sense of one axis and goes with another, which no entry has".into())
         }
-        _ => return Err("it goes with more than two axes".into()),
+        _ => Err("it goes with more than two axes".into()),
     };
+    let mut found = change(&law)?;
+    // A set-up with a zero of its own does not tell what all places have in common: it may be anything.
+    if matches!(&found, Change::Shape { kind, values, .. } if *kind != "backlash" && is_offset(values)) {
+        let mut row = law.row.clone();
+        drivers.places.iter().for_each(|&axis| row.position[axis] = law.low[axis]);
+        law.zero = weights_at(&one.candidate, &row);
+        found = change(&law)?;
+    }
+    let change = found;
     match &change {
         // Where the tool reaches other places than the axes do, or what else counts is not known.
         Change::Shape { values, .. } if values.iter().flatten().all(|value| *value == 0.0) => {
@@ -178,6 +191,13 @@ pub(super) fn law(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Chang
         }
         _ => Ok(change),
     }
+}
+
+/// Whether all values have more in common than they differ by.
+fn is_offset(values: &[Vec<f64>]) -> bool {
+    let all = || values.iter().flatten().copied();
+    let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+    low * high > 0.0 && low.abs().min(high.abs()) > high - low && high > low
 }
 
 fn line(law: &Law<'_>, name: ErrorName, own: Axis, sense: Option<Axis>) -> Result<Change, String> {
@@ -218,4 +238,19 @@ fn grid(law: &Law<'_>, name: ErrorName, own: Axis, (other, has_own): (Axis, bool
     let places = shown(own, kept.iter().filter_map(|&k| along.get(k).copied()));
     let others = shown(other, kept_across.iter().filter_map(|&k| across.get(k).copied()));
     Ok(Change::Shape { name, kind: "grid", places, with: Some((other, others)), values: of(0), u95: of(1) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_all_places_have_in_common_is_an_offset() {
+        assert!(is_offset(&[vec![-570.6, -560.8, -568.9]]));
+        assert!(!is_offset(&[vec![0.0, 0.0, 12.0]]));
+        assert!(!is_offset(&[vec![2.0, 12.0], vec![3.0, 4.0]]));
+        assert!(!is_offset(&[vec![-4.0, 3.0]]));
+        // A constant alone is what was found.
+        assert!(!is_offset(&[vec![5.0, 5.0]]));
+    }
 }
