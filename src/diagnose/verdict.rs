@@ -178,8 +178,8 @@ fn verdict(
                 .map(|k| range.clone().map(|l| covariance[(k, l)] * noise * inflation).collect())
                 .collect(),
         };
-        let own_without: Vec<Vec<f64>> =
-            without_parts.iter().map(|all| all.get(range.clone()).unwrap_or_default().to_vec()).collect();
+        let own_without: Vec<Amounts> =
+            without_parts.iter().map(|without| without.of(&range, noise * inflation)).collect();
         let mut size = size(candidate, &amounts, scene, used);
         size.u95 = size.u95.max(u95(candidate, &amounts, &own_without, scene, used).unwrap_or(0.0));
         let does = doing(field, weights, weights, &taken, term.candidate);
