@@ -7,6 +7,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::cause::{Candidate, Effect, Term};
+use super::gates::LIMIT;
 use super::price::Price;
 use super::scene::Through;
 use super::search::{Field, TIE, Weights};
@@ -61,7 +62,10 @@ impl Field<'_, '_> {
             return taken;
         }
         let group = self.group(weights);
-        if group.len() < 2 {
+        // One that would not stand beside the others takes the place of nothing.
+        let group: Vec<usize> =
+            self.backward(weights, group, LIMIT, &mut |_| {}).into_iter().map(|term| term.candidate).collect();
+        if group.is_empty() {
             return taken;
         }
         let group = self.sound_steps(weights, &group, &[]);

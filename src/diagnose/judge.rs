@@ -12,6 +12,8 @@ use crate::numeric::{Series, fisher};
 
 /// Positions that differ by less than one part in so many, mm or rad, are one.
 const FINE: f64 = 1e3;
+/// Readings of a pose are alike where their correlation is beyond so many of its standard deviations.
+const SURELY: f64 = 2.0;
 
 impl Field<'_, '_> {
     /// By how much the variances of the amounts of columns are larger than of independent readings, at most.
@@ -78,11 +80,14 @@ impl Field<'_, '_> {
                 let columns = self.columns(&self.candidates[number]);
                 let gain = series.gain(&columns);
                 let mut inflation = inflation(&order, &of_noise, &series, &columns);
+                let mut count = f64::INFINITY;
                 if let Some(poses) = poses.as_ref().filter(|_| is_wave(&number)) {
-                    inflation = inflation.max(poses.inflation(whole.left(), &columns));
+                    let own = poses.inflation(whole.left(), &columns);
+                    inflation = inflation.max(own.times);
+                    count = own.count;
                 }
                 // Readings that wander together are as good as fewer that do not.
-                let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).max(1.0);
+                let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).min(count).max(1.0);
                 let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
                 let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
                 let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
@@ -110,7 +115,7 @@ struct Poses(Vec<Vec<usize>>);
 impl Poses {
     /// By how much variances grow because what is left is the same whenever a pose is read: then readings of one pose are one, however many there are.
     /// Among a hundred waves there is one that fits what a few poses have of their own.
-    fn inflation(&self, left: &[f64], columns: &[Vec<f64>]) -> f64 {
+    fn inflation(&self, left: &[f64], columns: &[Vec<f64>]) -> Inflation {
         // Σ of products of different readings of a pose, and of squares.
         let sums = |values: &[f64]| {
             self.0.iter().fold((0.0, 0.0), |sums, places| {
@@ -123,15 +128,27 @@ impl Poses {
         let count: f64 = self.0.iter().map(|own| own.len() as f64).sum();
         let (products, squares) = sums(left);
         if pairs <= 0.0 || squares <= 0.0 {
-            return 1.0;
+            return Inflation { times: 1.0, count: f64::INFINITY };
         }
         let alike = (products / pairs / (squares / count)).clamp(0.0, 1.0);
+        // Of a mean, a period, a sine and a cosine the poses leave so many that say something.
+        let own = self.0.len().saturating_sub(4) as f64;
         let of_column = |column: &Vec<f64>| {
             let (products, squares) = sums(column);
             if squares > 0.0 { 1.0 + alike * products / squares } else { 1.0 }
         };
-        columns.iter().map(of_column).fold(1.0, f64::max)
+        let times = columns.iter().map(of_column).fold(1.0, f64::max);
+        let is_alike = alike > SURELY * (2.0 / pairs).sqrt();
+        Inflation { times, count: if is_alike { own } else { f64::INFINITY } }
     }
+}
+
+/// What readings of a pose are worth together.
+struct Inflation {
+    /// By how much variances grow.
+    times: f64,
+    /// Poses beyond the unknowns of a wave, where readings of a pose are surely alike.
+    count: f64,
 }
 
 /// By how much the variances of the amounts of columns beside a basis are larger than of independent readings, at most.

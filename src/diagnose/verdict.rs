@@ -310,9 +310,11 @@ fn class(
         .filter(|(place, gain)| *place != number && (own - gain.squares) / noise < RIVAL && gain.squares > 0.5 * own)
         .map(|(place, gain)| (gain.squares, place))
         .collect();
-    // As good as each other are those that differ by the rounding of sums only: they stay in the order of the catalogue.
+    // The simplest first: that some with more unknowns explain a bit more says nothing. As good as each other are those that differ by the rounding of sums
+    // only: they stay in the order of the catalogue.
     let rounded = |gain: f64| (gain / own.max(f64::MIN_POSITIVE) * ROUNDED).round();
-    rivals.sort_by(|a, b| rounded(b.0).total_cmp(&rounded(a.0)));
+    let far = |number: usize| field.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
+    rivals.sort_by(|a, b| far(a.1).cmp(&far(b.1)).then(rounded(b.0).total_cmp(&rounded(a.0))));
     let mut class: Vec<usize> = Vec::new();
     let mut names: Vec<(Effect, String)> = Vec::new();
     for place in std::iter::once(number).chain(rivals.into_iter().map(|(_, place)| place)) {
