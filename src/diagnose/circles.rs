@@ -11,9 +11,8 @@ use super::seek::SOME;
 const STRETCH: usize = 50;
 /// Chords of a circle that are tried.
 const CHORDS: std::ops::Range<u32> = 24..720;
-/// Lobes of a circle that are tried: fewer are errors of the axes. Fewer, too, where they go round with the angle in every plane: each as it likes, or alike.
-const LOBES: std::ops::Range<u32> = 6..60;
-const EACH: u32 = 4;
+/// Lobes of a circle that are tried: fewer are errors of the axes. Three, too, where all planes have the same.
+const LOBES: std::ops::Range<u32> = 4..60;
 const ALIKE_FROM: u32 = 3;
 /// Angles show a number of cycles like none where so much of the mean of exp(i n φ) is left.
 const ALIKE: f64 = 0.95;
@@ -92,7 +91,7 @@ impl Circles {
     /// How many candidates that are.
     pub(super) fn count(&self) -> usize {
         let lobes = |from: u32| self.most.saturating_sub(from) as usize;
-        let of_all = if self.planes.len() > 1 { lobes(EACH) + lobes(ALIKE_FROM) } else { 0 };
+        let of_all = if self.planes.len() > 1 { lobes(LOBES.start) + lobes(ALIKE_FROM) } else { 0 };
         self.counts.len() + self.planes.len() * lobes(LOBES.start) + of_all
     }
 
@@ -122,7 +121,7 @@ impl Circles {
         if self.planes.len() > 1 {
             let of = |count, are_alike| Lobes { planes: self.planes.clone(), count, are_alike };
             out.extend(best(ALIKE_FROM, &|waves| Wave::sum(waves).gain()).map(|count| of(count, true)));
-            out.extend(best(EACH, &|waves| waves.iter().map(Wave::gain).sum()).map(|count| of(count, false)));
+            out.extend(best(LOBES.start, &|waves| waves.iter().map(Wave::gain).sum()).map(|count| of(count, false)));
         }
         out
     }

@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::cause::{Candidate, Effect, Term, circle};
-use super::refine::RIVAL;
+use super::mimic::RIVAL;
 use super::scene::Through;
 use super::search::{Field, Weights};
 use super::separate::separating;
@@ -23,9 +23,11 @@ use crate::numeric::sums::dot;
 const LEAVES: f64 = 0.8;
 /// Others that would do so many times what the finding does over the travel are none.
 const LARGER: f64 = 2.0;
-/// Rivals that are more far-fetched by less than this count, and those that are not, which explain so much of χ² more.
+/// Rivals that are more far-fetched by less than this count.
 const AS_FAR: u32 = 100;
+/// Those that are not count where they explain so much of χ² more; then a correction must leave less of them.
 const BETTER: f64 = 4.0;
+const HALF: f64 = 0.5;
 /// Several simple errors are less far-fetched than what is so far-fetched: angles that one arm shows, cross-couplings, what has no name.
 const FAR: u32 = 400;
 /// So many of them.
@@ -84,15 +86,19 @@ impl Field<'_, '_> {
             let is_as_short = are_cross || other.columns.len() <= one.columns.len();
             let [far, of_other] = [one, other].map(Candidate::far_fetched);
             let columns = self.columns(other);
-            // A bow has a slope of its own.
-            let is_simpler = of_other.saturating_add(AS_FAR) < far && other.columns.len() <= one.columns.len() + 1;
+            let is_better = series.gain(&columns).squares > own + BETTER * noise;
+            // A bow with a slope of its own says more by chance; what has no name was found among many.
+            let is_any = one.cause.effect == Effect::Unknown;
+            let is_longer = other.columns.len() == one.columns.len() + 1 && (is_better || is_any);
+            let is_simpler = of_other.saturating_add(AS_FAR) < far && (is_as_short || is_longer);
             let is_alike = is_as_short && of_other <= far.saturating_add(AS_FAR) && other.parameter != one.parameter;
-            let is_better = || is_as_short && series.gain(&columns).squares > own + BETTER * noise;
-            if is_simpler || is_alike || is_better() {
+            let is_better = is_as_short && is_better;
+            if is_simpler || is_alike || is_better {
                 let (parts, _) = series.amounts(&columns);
                 let field = sum(&volume.fields(other, is_bounded(other)), &parts);
                 // What is simpler may also do much more than what was found.
-                if harms(&moves, &field) || (is_simpler && leaves(&moves, &field)) {
+                let is_left = is_simpler && leaves(&moves, &field, LEAVES);
+                if harms(&moves, &field) || is_left || (is_better && leaves(&moves, &field, HALF)) {
                     return said(&[rival]);
                 }
             }
@@ -104,7 +110,7 @@ impl Field<'_, '_> {
         let mut simple: Vec<Simple> = Vec::new();
         for candidate in self.simpler(one) {
             let Some(other) = self.candidates.get(candidate) else { continue };
-            let columns = self.columns(other).pop().zip(volume.fields(other, is_bounded(other)).pop());
+            let columns = self.columns(other).pop().zip(volume.fields(other, false).pop());
             let Some((column, moves)) = columns else { continue };
             let whitened = series.whitened(&column);
             let whole = dot(&whitened, &whitened);
@@ -261,13 +267,13 @@ fn is_unsure(one: &Candidate, fields: &[Vec<f64>], amounts: &Amounts, square: f6
 
 /// Whether it does not help to correct by one where the other is true, which is no larger than may be.
 fn harms(own: &[f64], other: &[f64]) -> bool {
-    dot(other, other) <= LARGER * LARGER * dot(own, own) && leaves(own, other)
+    dot(other, other) <= LARGER * LARGER * dot(own, own) && leaves(own, other, LEAVES)
 }
 
-/// Whether correcting by one leaves nearly all of the other, or more.
-fn leaves(own: &[f64], other: &[f64]) -> bool {
+/// Whether correcting by one leaves so much of the other, or more.
+fn leaves(own: &[f64], other: &[f64], share: f64) -> bool {
     let left: f64 = own.iter().zip(other).map(|(own, other)| (own - other).powi(2)).sum();
-    left > LEAVES * LEAVES * dot(other, other)
+    left > share * share * dot(other, other)
 }
 
 /// A sum of columns times amounts.

@@ -10,7 +10,7 @@ use super::jackknife::{u95, without_parts};
 use super::noise::{self, is_angle};
 use super::parts::{Part, differing};
 use super::readings::{doing, drop_far, even_out, left_of, projected, rms, weights};
-use super::refine::RIVAL;
+use super::mimic::RIVAL;
 use super::rejected::{Rejected, Rejections, Tried, tried};
 use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
@@ -125,6 +125,13 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
             break;
         }
         kept = again;
+    }
+    let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+    if let Some(taken) = field.better(&weights, &numbers) {
+        let again = confirm(&mut field, &weights, taken, (&mut selections, &mut rejections), note);
+        if again.len() >= kept.len() {
+            kept = again;
+        }
     }
     let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     let far = field.left_with(&weights, &numbers);
