@@ -103,6 +103,9 @@ impl Field<'_, '_> {
                 }
             }
         }
+        if let Some(rival) = self.single_instead(weights, volume, (one, others), memory) {
+            return said(&[rival]);
+        }
         if let Some(doubt) = self.lobes_instead(&series, one, own - RIVAL * noise) {
             return Some(doubt);
         }
@@ -126,6 +129,39 @@ impl Field<'_, '_> {
             .pair(needed, &moves)
             .or_else(|| (one.far_fetched() >= FAR).then(|| rivals.several(needed, &moves)).flatten())?;
         said(&found)
+    }
+
+    /// One error that explains more than a simple one and another that was found do together: then it is no chance that both are there.
+    fn single_instead(
+        &self,
+        weights: &Weights,
+        volume: &Volume,
+        (one, others): (&Candidate, &[usize]),
+        memory: f64,
+    ) -> Option<usize> {
+        let is_simple = |one: &Candidate| {
+            let is_known = matches!(one.cause.effect, Effect::Location | Effect::Motion);
+            is_known && one.columns.len() == 1 && matches!(one.term, Term::Parameters(_))
+        };
+        let at = |number: usize| self.candidates.get(number).filter(|one| is_simple(one));
+        others.iter().filter(|_| is_simple(one)).find_map(|&number| {
+            let other = at(number)?;
+            let rest: Vec<usize> = others.iter().copied().filter(|&third| third != number).collect();
+            let series = self.series(weights, &rest, memory);
+            let both = [self.columns(one), self.columns(other)].concat();
+            let (amounts, _) = series.amounts(&both);
+            let fields = [volume.fields(one, false), volume.fields(other, false)].concat();
+            let (moves, explained) = (sum(&fields, &amounts), series.gain(&both).squares);
+            (0..self.bows.start).find(|&rival| {
+                at(rival).is_some_and(|rival| {
+                    let columns = self.columns(rival);
+                    series.gain(&columns).squares > explained && {
+                        let (amounts, _) = series.amounts(&columns);
+                        leaves(&moves, &sum(&volume.fields(rival, false), &amounts), HALF)
+                    }
+                })
+            })
+        })
     }
 
     /// Lobes that go round with the angle of circles and explain as much with no more unknowns: they are no errors of axes.

@@ -82,27 +82,40 @@ impl Field<'_, '_> {
         if other.0 < one.0 + TIE * f64::from(count) + price.of(more) { group } else { taken }
     }
 
-    /// Some with a simple error in the place of one that explains the readings worse: by the memory of the noise, which the search does not know. `None`
-    /// where there is none.
+    /// Some with a simple error in the place of one that explains the readings worse – by the memory of the noise, which the search does not know – or of a
+    /// cross-coupling that explains them no better. `None` where there is none.
     pub(super) fn better(&self, weights: &Weights, taken: &[usize]) -> Option<Vec<usize>> {
         let is_simple = |one: &Candidate| {
             let is_one = one.columns.len() == 1 && matches!(one.term, Term::Parameters(_));
             is_one && matches!(one.cause.effect, Effect::Location | Effect::Motion)
         };
         let is_simple = |number: &usize| self.candidates.get(*number).is_some_and(is_simple);
+        let is_cross = |one: &Candidate| one.columns.len() == 1 && one.cause.effect == Effect::Cross;
+        let is_cross = |number: &usize| self.candidates.get(*number).is_some_and(is_cross);
+        let is_near = |number: &usize| self.candidates.get(*number).is_some_and(|one| one.far_fetched() < FAR);
+        let is_bow = |number: &usize| {
+            self.bows.contains(number) && self.candidates.get(*number).is_some_and(|one| one.columns.len() == 1)
+        };
         let memory = self.memory(weights, taken);
         let mut out = taken.to_vec();
-        for place in (0..out.len()).filter(|&place| taken.get(place).is_some_and(is_simple)) {
+        for place in 0..out.len() {
             let number = out[place];
+            let [may_be, is_far] = [is_simple(&number), is_cross(&number)];
+            if !may_be && !is_far {
+                continue;
+            }
             let others: Vec<usize> = out.iter().copied().filter(|&other| other != number).collect();
             let series = self.series(weights, &others, memory);
-            let gain = |number: usize| {
-                self.candidates.get(number).map_or(0.0, |one| series.gain(&self.columns(one)).squares)
-            };
+            let gain =
+                |number: usize| self.candidates.get(number).map_or(0.0, |one| series.gain(&self.columns(one)).squares);
             let own = gain(number);
             let noise = (series.squares() - own) / series.count().saturating_sub(series.rank() + 1).max(1) as f64;
-            let least = own + TIE * noise * self.inflation(weights, &out, &others, number);
-            let open = (0..self.bows.start).filter(is_simple).filter(|number| !out.contains(number));
+            let tie = TIE * noise * self.inflation(weights, &out, &others, number);
+            let least = if is_far { own - tie } else { own + tie };
+            let is_open = |number: &usize| {
+                if is_far { is_near(number) && (is_simple(number) || is_bow(number)) } else { is_simple(number) }
+            };
+            let open = (0..self.bows.end).filter(is_open).filter(|number| !out.contains(number));
             let all = open.map(|number| (gain(number), number)).filter(|(gain, _)| *gain > least);
             if let Some((_, number)) = all.max_by(|a, b| a.0.total_cmp(&b.0)) {
                 out[place] = number;

@@ -87,7 +87,8 @@ impl Field<'_, '_> {
                     count = own.count;
                 }
                 // Readings that wander together are as good as fewer that do not.
-                let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).min(count).max(1.0);
+                let freedom =
+                    (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).min(count).max(1.0);
                 let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
                 let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
                 let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;

@@ -171,7 +171,8 @@ pub(in crate::diagnose) fn lobes(scene: &Scene<'_>, still: &[usize], count: u32,
     };
     // A circle moves both axes but the one that stands still.
     let moves = |k: usize| still.iter().any(|&own| own != k);
-    let names: Vec<&str> = ["X", "Y", "Z"].into_iter().enumerate().filter(|(k, _)| moves(*k)).map(|one| one.1).collect();
+    let names: Vec<&str> =
+        ["X", "Y", "Z"].into_iter().enumerate().filter(|(k, _)| moves(*k)).map(|one| one.1).collect();
     let drivers: Vec<&dyn std::fmt::Display> = names.iter().map(|name| name as &dyn std::fmt::Display).collect();
     let through = Through::Reading(false);
     let parts: Vec<&[usize]> = if are_alike { vec![still] } else { still.chunks(1).collect() };
