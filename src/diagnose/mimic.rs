@@ -5,10 +5,12 @@
 //! readings as well. A shape of many coefficients has any wave as a rival that explains them better with fewer.
 
 use super::cause::{Candidate, Effect, own, periodic};
+use super::doubt::Doubt;
 use super::refine::PEAK;
 use super::scene::Through;
 use super::search::{Field, Weights};
 use super::seek::information_of;
+use super::separate::steps;
 use super::size::weights_at;
 use crate::geometry::{AXES, Axis};
 use crate::model::motion::Function;
@@ -18,6 +20,10 @@ use crate::model::name::{DIRECTIONS, ErrorName};
 const PITCHES: [f64; 11] = [40.0, 32.0, 25.0, 20.0, 16.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0];
 /// A rival explains nearly as much: so much of χ² less at most.
 pub(super) const RIVAL: f64 = 6.0;
+/// A wave is surer than this to be none of what places have of their own.
+const BY_CHANCE: f64 = 0.01;
+/// Where a period is not known, mm.
+const MOST_PERIOD: f64 = 40.0;
 /// Peaks that explain this share of the best are looked at in full.
 const ALIAS: f64 = 0.8;
 /// An amplitude beyond so many times the range of the shape is none: where a wave is nearly the same at all places it may be anything.
@@ -72,6 +78,17 @@ impl Field<'_, '_> {
         let mut found = found.unwrap_or_default();
         found.sort_by(|a, b| b.total_cmp(a));
         found
+    }
+
+    /// Why a wave through a few places is in doubt: some wave of all that were tried goes through whatever these have of their own.
+    pub(super) fn wave_doubt(&self, weights: &Weights, taken: &[usize], number: usize) -> Option<Doubt> {
+        let one = self.candidates.get(number).filter(|one| one.cause.effect == Effect::Periodic)?;
+        let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
+        let waves = self.seek.sweep(name.axis()?)?.count();
+        (self.chance_of_places(weights, taken, number, waves) > BY_CHANCE).then(|| Doubt {
+            rivals: vec!["an error of each place by itself".to_owned()],
+            separate_by: steps(self.scene, one, one.constant.map_or(MOST_PERIOD, |(period, _)| period)),
+        })
     }
 
     /// Periods, mm, of short waves along the axis of a smooth shape that explain the readings as well, beside some others; the longest first.

@@ -204,7 +204,8 @@ fn verdict(
         };
         let doubt = volume
             .as_ref()
-            .and_then(|volume| field.doubt(weights, volume, (term.candidate, &others), (&amounts, &class), scatter));
+            .and_then(|volume| field.doubt(weights, volume, (term.candidate, &others), (&amounts, &class), scatter))
+            .or_else(|| field.wave_doubt(weights, &taken, term.candidate));
         // Itself, with other periods, others.
         let mut names: Vec<(&'static Cause, String)> = class
             .iter()
