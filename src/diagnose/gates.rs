@@ -8,7 +8,7 @@ use super::search::{Field, Taken, Weights};
 use super::slow;
 
 /// Chance at which a finding is claimed where there is nothing, over all candidates.
-const LIMIT: f64 = 1e-3;
+pub(super) const LIMIT: f64 = 1e-3;
 /// A finding does this share of the noise to the readings in which it acts at least: less is no cause but what others leave.
 const SMALL: f64 = 0.25;
 /// The same of what has no name or goes with time only: of such there are many.

@@ -50,7 +50,7 @@ pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Resul
 ///
 /// # Errors
 /// Why it must not.
-pub fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
+fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
     if largest(one.size.unit).is_some_and(|most| one.size.value.abs() > most) || one.rms > MOST_MM {
         return Err(
             "no machine errs so much: the columns, their units or the description say something else than was measured"
