@@ -277,7 +277,8 @@ fn a_slope_as_large_as_the_known_one_is_a_cause_and_no_table_with_the_wrong_sign
         let found = found(MACHINE, &[("one", &csv, toml)]);
         assert!(found.iter().all(|one| one.then != fault::Then::Refuse), "{:?}", words(&found));
     }
-    let shop = Shop::new().file("demo.toml", MACHINE).file("one.csv", &table(&|x| 0.01 * x, 7)).file("one.toml", toml);
+    let shop =
+        Shop::new().file("demo.toml", MACHINE).file("one.csv", table(&|x| 0.01 * x, 7).as_str()).file("one.toml", toml);
     let report = shop.run("diagnose one.csv --machine demo.toml --json".split(' ')).exits(0).json();
     let one = &report["findings"][0];
     let [value, u95] = ["value", "u95"].map(|key| one[key].as_f64().unwrap());
