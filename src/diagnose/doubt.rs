@@ -76,7 +76,14 @@ impl Field<'_, '_> {
         let own = series.gain(&self.columns(one)).squares;
         let said = |rivals: &[usize]| {
             let rivals: Vec<&Candidate> = rivals.iter().filter_map(|&number| self.candidates.get(number)).collect();
-            let names = rivals.iter().map(|one| format!("{} {}", one.cause.effect, one.parameter)).collect();
+            // A slope and a bow of one motion are one motion.
+            let mut names: Vec<String> = Vec::new();
+            for one in &rivals {
+                let name = format!("{} {}", one.cause.effect, one.parameter);
+                if !names.contains(&name) {
+                    names.push(name);
+                }
+            }
             Some(Doubt { rivals: names, separate_by: separating(self.scene, one, rivals.first()?) })
         };
         for &rival in class.iter().skip(1) {

@@ -27,6 +27,7 @@ pub(super) fn confirm(
     note: &mut dyn FnMut(&str, f64),
 ) -> Vec<(Taken, f64)> {
     let judged = field.backward(weights, taken, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
+    let judged = slow::named(field, weights, judged);
     let judged = slow::stand(field, weights, judged, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
     let all = judged.clone();
     let judged = large_enough(field, weights, judged);

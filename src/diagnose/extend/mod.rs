@@ -95,7 +95,7 @@ fn doubtful(doubt: &Doubt) -> String {
     }
     let (verb, does) = if doubt.rivals.len() > 1 { ("do", "together ") } else { ("does", "") };
     format!(
-        "{} {does}{verb} the same to the readings, and something else where was not measured: a correction may as well make it worse; measure {}",
+        "{} {does}{verb} the same to the readings, and something else where was not measured: a correction may as well make it worse; to tell them apart: {}",
         doubt.rivals.join(" and "),
         doubt.separate_by
     )
