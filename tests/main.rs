@@ -44,6 +44,7 @@ mod diagnose_data;
 mod diagnose_days;
 mod diagnose_extend;
 mod diagnose_faults;
+mod diagnose_plays;
 mod diagnose_rates;
 mod diagnose_report;
 mod diagnose_safe;

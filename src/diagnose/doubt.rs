@@ -63,7 +63,13 @@ impl Field<'_, '_> {
         (amounts, class): (&Amounts, &[usize]),
         (memory, noise): (f64, f64),
     ) -> Option<Doubt> {
-        let one = self.candidates.get(number).filter(|one| is_of_place(one))?;
+        let one = self.candidates.get(number)?;
+        if let Some(doubt) = self.turn_in_doubt(one, class) {
+            return Some(doubt);
+        }
+        if !is_of_place(one) {
+            return None;
+        }
         let fields = volume.fields(one, is_bounded(one));
         let moves = sum(&fields, &amounts.values);
         if dot(&moves, &moves) <= 0.0 {
@@ -97,7 +103,9 @@ impl Field<'_, '_> {
             // A bow with a slope of its own says more by chance; what has no name was found among many.
             let is_any = one.cause.effect == Effect::Unknown;
             let is_longer = other.columns.len() == one.columns.len() + 1 && (is_better || is_any);
-            let is_simpler = of_other.saturating_add(AS_FAR) < far && (is_as_short || is_longer);
+            // An angle that is seen at one arm is any displacement that goes the same way.
+            let is_angle = far >= FAR && one.cause.effect == Effect::Motion;
+            let is_simpler = of_other.saturating_add(AS_FAR) < far && (is_as_short || is_longer || is_angle);
             let is_alike = is_as_short && of_other <= far.saturating_add(AS_FAR) && other.parameter != one.parameter;
             let is_better = is_as_short && is_better;
             if is_simpler || is_alike || is_better {
@@ -136,6 +144,20 @@ impl Field<'_, '_> {
             .pair(needed, &moves)
             .or_else(|| (one.far_fetched() >= FAR).then(|| rivals.several(needed, &moves)).flatten())?;
         said(&found)
+    }
+
+    /// Whether a turn of a carriage where it reverses may as well be a plain play, which acts alike wherever the tool is.
+    fn turn_in_doubt(&self, one: &Candidate, class: &[usize]) -> Option<Doubt> {
+        let is_play = |one: &Candidate| matches!(one.cause.effect, Effect::Backlash | Effect::LateralPlay);
+        if !is_play(one) || one.far_fetched() < FAR {
+            return None;
+        }
+        let others = class.iter().skip(1).filter_map(|&number| self.candidates.get(number));
+        let plain = others.into_iter().find(|other| is_play(other) && other.far_fetched() < FAR)?;
+        Some(Doubt {
+            rivals: vec![format!("{} {}", plain.cause.effect, plain.parameter)],
+            separate_by: separating(self.scene, one, plain),
+        })
     }
 
     /// One error that explains more than a simple one and another that was found do together: then it is no chance that both are there.

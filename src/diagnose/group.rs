@@ -91,6 +91,13 @@ impl Field<'_, '_> {
         };
         let is_simple = |number: &usize| self.candidates.get(*number).is_some_and(is_simple);
         let is_cross = |one: &Candidate| one.columns.len() == 1 && one.cause.effect == Effect::Cross;
+        // A turn of the carriage that is seen at one arm is a plain play; there is no play that is a bow.
+        let is_play = |one: &Candidate| {
+            one.columns.len() == 1 && matches!(one.cause.effect, Effect::Backlash | Effect::LateralPlay)
+        };
+        let play = |number: &usize| {
+            self.candidates.get(*number).filter(|one| is_play(one)).map(|one| one.far_fetched() >= FAR)
+        };
         let is_cross = |number: &usize| self.candidates.get(*number).is_some_and(is_cross);
         let is_near = |number: &usize| self.candidates.get(*number).is_some_and(|one| one.far_fetched() < FAR);
         let is_bow = |number: &usize| {
@@ -100,7 +107,8 @@ impl Field<'_, '_> {
         let mut out = taken.to_vec();
         for place in 0..out.len() {
             let number = out[place];
-            let [may_be, is_far] = [is_simple(&number), is_cross(&number)];
+            let is_turn = play(&number) == Some(true);
+            let [may_be, is_far] = [is_simple(&number), is_cross(&number) || is_turn];
             if !may_be && !is_far {
                 continue;
             }
@@ -113,9 +121,16 @@ impl Field<'_, '_> {
             let tie = TIE * noise * self.inflation(weights, &out, &others, number);
             let least = if is_far { own - tie } else { own + tie };
             let is_open = |number: &usize| {
-                if is_far { is_near(number) && (is_simple(number) || is_bow(number)) } else { is_simple(number) }
+                if is_turn {
+                    play(number) == Some(false)
+                } else if is_far {
+                    is_near(number) && (is_simple(number) || is_bow(number))
+                } else {
+                    is_simple(number)
+                }
             };
-            let open = (0..self.bows.end).filter(is_open).filter(|number| !out.contains(number));
+            let end = if is_turn { self.candidates.len() } else { self.bows.end };
+            let open = (0..end).filter(is_open).filter(|number| !out.contains(number));
             let all = open.map(|number| (gain(number), number)).filter(|(gain, _)| *gain > least);
             if let Some((_, number)) = all.max_by(|a, b| a.0.total_cmp(&b.0)) {
                 out[place] = number;

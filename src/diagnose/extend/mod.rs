@@ -15,6 +15,7 @@ use crate::measure::data::DataSet;
 use crate::model::name::ErrorName;
 use crate::model::parameter::Term as Part;
 use crate::model::{ErrorModel, ParameterName};
+use crate::numeric::sums::dot;
 use crate::units::{um_from_mm, urad_from_rad};
 
 use super::cause::{Candidate, Correctable, Effect, Term};
@@ -38,11 +39,56 @@ const LOOKS: u32 = 64;
 /// A finding that does so many times what the model leaves is cancelled by others.
 const CANCELS: f64 = 1.5;
 
+/// Findings whose doings have less than this correlation, negative, are parts of one.
+const AGAINST: f64 = 0.3;
+
 /// The changes for every finding of a diagnosis, or why the machine file cannot hold it. The first measurements of the scene were `used`.
 #[must_use]
 pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Result<Vec<Change>, String>> {
     let left = found.used.before.rms;
-    found.findings.iter().map(|one| is_sound(one, left).and_then(|()| changes(one, scene, used))).collect()
+    let sound = |one: &Finding| is_sound(one, left).and_then(|()| changes(one, scene, used));
+    let mut out: Vec<Result<Vec<Change>, String>> = found.findings.iter().map(sound).collect();
+    while let Some(number) = leaning(found, scene, &out) {
+        if let Some(one) = out.get_mut(number) {
+            *one = Err("it is only right together with findings that are not corrected: alone it would make the readings worse".into());
+        }
+    }
+    out
+}
+
+/// Of the findings that would be written the one without which what is written would say the readings better.
+fn leaning(found: &Diagnosis, scene: &Scene<'_>, written: &[Result<Vec<Change>, String>]) -> Option<usize> {
+    let is_written = |number: &usize| written.get(*number).is_some_and(Result::is_ok);
+    let numbers: Vec<usize> = (0..found.findings.len()).filter(is_written).collect();
+    if numbers.len() == found.findings.len() {
+        return None;
+    }
+    let squares = |numbers: &[usize]| -> f64 {
+        let left = |place: usize| {
+            let does = |number: &usize| found.findings.get(*number)?.doing.get(place).copied();
+            found.account.before.get(place).copied().unwrap_or(0.0) - numbers.iter().filter_map(does).sum::<f64>()
+        };
+        let items = scene.items.iter().zip(&found.account.counts).enumerate();
+        let counted = items.filter(|(_, (item, counts))| **counts && item.sigma.is_finite() && item.sigma > 0.0);
+        counted.map(|(place, (item, _))| (left(place) / item.sigma).powi(2)).sum()
+    };
+    // What nearly cancels a part of what is not written is a part of that.
+    let doing = |number: usize| found.findings.get(number).map_or(&[][..], |one| one.doing.as_slice());
+    let cancels = |one: usize, other: usize| {
+        let [own, with, others] = [(one, one), (one, other), (other, other)].map(|(a, b)| dot(doing(a), doing(b)));
+        with < -AGAINST * (own * others).sqrt()
+    };
+    let is_against = |one: &usize| (0..found.findings.len()).any(|other| !is_written(&other) && cancels(*one, other));
+    if let Some(&one) = numbers.iter().find(|one| is_against(one)) {
+        return Some(one);
+    }
+    let whole = squares(&numbers);
+    let without = |number: usize| {
+        let rest: Vec<usize> = numbers.iter().copied().filter(|&other| other != number).collect();
+        (squares(&rest), number)
+    };
+    let worst = numbers.iter().map(|&number| without(number)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (worst.0 <= whole).then_some(worst.1)
 }
 
 /// Refuses what a program must not be moved by: a wave whose period is not told; terms that nearly cancel each other are far larger than all that is left, and what is less sure than it is

@@ -7,6 +7,7 @@
 
 use super::exchanged_positions::{self, Turned};
 use super::readings::{Beside, Readings};
+use super::single::{by_one_cause, left, thinned};
 use super::{Check, Fault, Then, View};
 use crate::measure::data::DataSet;
 use crate::units::um_from_mm;
@@ -124,7 +125,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             }
             continue;
         }
-        if let Some(told) = columns(view, data, &readings, noise) {
+        if let Some(told) = columns(view, data, &readings, noise).filter(|told| !is_one_cause(view, data, told)) {
             let evidence = told.evidence(noise);
             add(told.name, told.what, evidence);
             continue;
@@ -140,6 +141,16 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             add(data.name.clone(), "not of these positions".into(), evidence);
         }
     }
+}
+
+/// Whether a single cause of the machine says the readings as well, as they are; better where they are reversed, as a slope says what another sign does.
+fn is_one_cause(view: &View<'_, '_>, data: &DataSet, told: &Told) -> bool {
+    let sets = [thinned(data)];
+    let machine = view.scene.machine;
+    let Some(as_is) = left(machine, view.scene, &sets, f64::INFINITY) else { return false };
+    let single = by_one_cause(machine, &sets, &as_is) / as_is.values.len().max(1) as f64;
+    let factor = if told.what.contains("reversed") { 1.0 / TIE } else { TIE };
+    single < factor * told.left[1]
 }
 
 impl Told {

@@ -3,7 +3,7 @@
 //! The linear axes and the foundation are tried in all orders in which positions mean the same. Said is only what no single cause in place of it
 //! explains nearly as well: with other bodies the errors that are known predict all readings, with nothing that is fitted.
 
-use super::single::{by_one_cause, left, thinned};
+use super::single::{MOST, by_one_cause, left, thinned};
 use super::{Check, Fault, Then, View, median};
 use crate::geometry::Axis;
 use crate::machine::{Machine, Topology};
@@ -38,14 +38,14 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
     let noise = if ratios.is_empty() { 1.0 } else { median(ratios).max(1e-6) };
     let sets: Vec<DataSet> = view.sets().map(|(_, data)| thinned(data)).collect();
     let Some((first, _)) = view.sets().next() else { return };
-    let Some(as_is) = left(scene.machine, scene, &sets) else { return };
+    let Some(as_is) = left(scene.machine, scene, &sets, MOST) else { return };
     let count = as_is.values.len() as f64;
     if as_is.squares < WORSE * noise * count {
         return;
     }
     let mut others: Vec<(f64, String)> = Vec::new();
     for machine in machines(scene.machine) {
-        if let Some(left) = left(&machine, scene, &sets).filter(|left| left.values.len() == as_is.values.len()) {
+        if let Some(left) = left(&machine, scene, &sets, MOST).filter(|left| left.values.len() == as_is.values.len()) {
             others.push((left.squares, machine.topology.to_string()));
         }
     }

@@ -1,7 +1,7 @@
 //! Readings of a machine whose control already takes out what the model has: an active table. What is left is the known map with the other sign.
 
 use super::readings::Readings;
-use super::single::{by_one_cause, left, thinned};
+use super::single::{MOST, by_one_cause, left, thinned};
 use super::{Check, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
@@ -49,7 +49,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
             if otherwise < FITS * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE {
                 // Squares of some rows count up to some σ here, as those with a single cause do.
                 let sets = [thinned(data)];
-                let Some(rest) = left(scene.machine, scene, &sets) else { continue };
+                let Some(rest) = left(scene.machine, scene, &sets, MOST) else { continue };
                 let count = rest.values.len() as f64;
                 let more = by_one_cause(scene.machine, &sets, &rest) - otherwise.min(rest.squares / count) * count;
                 if more < -SURELY * noise {

@@ -8,8 +8,8 @@ use crate::model::name::{DIRECTIONS, ErrorName};
 
 /// Rows of a measurement that are looked at.
 const ROWS: usize = 300;
-/// Readings count up to this, in σ.
-const MOST: f64 = 5.0;
+/// Readings count up to this, in σ, where a few may be far off.
+pub(super) const MOST: f64 = 5.0;
 
 /// What is left of all measurements, in units of the uncertainty, one after the other.
 #[derive(Debug)]
@@ -32,12 +32,12 @@ pub(super) fn thinned(data: &DataSet) -> DataSet {
     out
 }
 
-/// The readings of some measurements beside what a machine with the known errors says of them.
-pub(super) fn left(machine: &Machine, scene: &Scene<'_>, sets: &[DataSet]) -> Option<Left> {
+/// The readings of some measurements beside what a machine with the known errors says of them, each up to `most` in σ.
+pub(super) fn left(machine: &Machine, scene: &Scene<'_>, sets: &[DataSet], most: f64) -> Option<Left> {
     let own = Scene::new(machine, &scene.errors, sets).ok()?;
     let values: Vec<f64> =
         (0..sets.len()).filter_map(|set| Readings::new(&own, set)).flat_map(|one| one.left()).collect();
-    let values: Vec<f64> = values.into_iter().map(|left| left.clamp(-MOST, MOST)).collect();
+    let values: Vec<f64> = values.into_iter().map(|left| left.clamp(-most, most)).collect();
     let squares = values.iter().map(|left| left * left).sum();
     Some(Left { values, squares })
 }
