@@ -1,0 +1,115 @@
+//! Whole transfers over a simulated cable to simulated controls, with faults by script: what is carried out is what was planned.
+
+use ncfix::feed::{Ended, Event, PROFILES, PROTOCOLS, Profile, Sender};
+use ncfix::source::{FileId, Source};
+
+use super::controls::{self, Cable, Control, Faults, Grbl, Notes, Planned};
+use super::plant::random::Random;
+
+fn profile(name: &str) -> Profile {
+    let (_, text) = PROFILES.iter().find(|(known, _)| *known == name).unwrap();
+    Profile::read(&Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap()).unwrap()
+}
+
+fn sender<'a>(profile: &Profile, notes: &'a mut Notes) -> Sender<'a> {
+    let protocol = PROTOCOLS.iter().find(|protocol| protocol.name == profile.protocol).unwrap();
+    Sender::new((protocol.create)(profile).unwrap(), profile.window.system_bytes, notes)
+}
+
+/// Faults of a seed: most transfers have one or two.
+fn faults(seed: u64, lines: usize) -> Faults {
+    let mut random = Random::new(seed, "faults");
+    let mut faults =
+        Faults { most_bytes: 1 + random.below(40), latency_s: random.between(0.0, 0.02), ..Faults::default() };
+    for _ in 0..random.below(3) {
+        let at = 1 + random.below(lines) as u64;
+        match random.below(6) {
+            0 => faults.lost.push(at),
+            1 => faults.doubled.push(at),
+            2 => faults.garbled.push(at),
+            3 => faults.refuses = Some(at),
+            4 => faults.reset_s = Some(random.between(0.1, 3.0)),
+            _ => faults.unplugged_s = Some(random.between(0.1, 3.0)),
+        }
+    }
+    faults
+}
+
+/// What was carried out is the beginning of what was planned: no gap, no repeat; only a line that the control has refused may be missing.
+fn check(seed: u64, ended: &Ended, planned: &[Vec<u8>], notes: &Notes, executed: &[Vec<u8>]) {
+    let mut missing = Vec::new();
+    let mut plan = planned.iter().enumerate();
+    for done in executed {
+        let (place, _) = plan
+            .find(|(k, line)| {
+                let is_next = *line == done;
+                if !is_next {
+                    missing.push(*k as u64 + 1);
+                }
+                is_next
+            })
+            .unwrap_or_else(|| panic!("seed {seed}: {done:?} was not to come: {ended:?}"));
+        assert!(place < notes.frozen.len(), "seed {seed}");
+    }
+    match ended {
+        Ended::Refused(number, _) => {
+            assert!(missing.is_empty() || missing == [*number], "seed {seed}: {missing:?} {ended:?}")
+        }
+        Ended::Lost(why) if why.contains("refused") => {
+            assert!(missing.len() <= 1, "seed {seed}: {missing:?} {ended:?}")
+        }
+        _ => assert!(missing.is_empty(), "seed {seed}: {missing:?} {ended:?}"),
+    }
+    // What may have been carried out is written down, byte for byte.
+    assert_eq!(notes.frozen, planned[..notes.frozen.len()], "seed {seed}");
+    if *ended == Ended::Done {
+        assert_eq!(executed.len(), planned.len(), "seed {seed}");
+    }
+}
+
+#[test]
+fn grbl_carries_out_what_was_planned_whatever_goes_wrong() {
+    let profile = profile("grbl");
+    let mut done = 0;
+    for seed in 0..2000 {
+        let mut random = Random::new(seed, "job");
+        let (count, busy_s) = (20 + random.below(60), random.between(0.001, 0.05));
+        let faults = faults(seed, count);
+        let mut notes = Notes::default();
+        let mut planned = Planned::new(count, busy_s);
+        let mut cable = Cable::new(Grbl::new(&faults, busy_s), faults, seed);
+        let mut sender = sender(&profile, &mut notes);
+        let ended = controls::run(&mut sender, &mut cable, &mut planned);
+        done += u32::from(ended == Ended::Done);
+        drop(sender);
+        check(seed, &ended, &planned.lines, &notes, cable.control.executed());
+        assert_eq!(cable.control.overflows, 0, "seed {seed}");
+    }
+    // A third has no fault at all, and single answers that are lost or garbled are made good.
+    assert!(done > 1000, "{done}");
+}
+
+#[test]
+fn grbl_in_an_alarm_gets_no_line() {
+    let profile = profile("grbl");
+    let faults = Faults { most_bytes: 64, ..Faults::default() };
+    let mut notes = Notes::default();
+    let mut planned = Planned::new(5, 0.01);
+    let mut cable = Cable::new(Grbl::new(&faults, 0.01).in_alarm(), faults, 1);
+    let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
+    assert!(matches!(&ended, Ended::Lost(why) if why.contains("alarm")), "{ended:?}");
+    assert!(notes.frozen.is_empty());
+}
+
+#[test]
+fn an_answer_that_got_lost_is_made_good_when_the_control_is_idle() {
+    let profile = profile("grbl");
+    let faults = Faults { most_bytes: 64, lost: vec![10], ..Faults::default() };
+    let mut notes = Notes::default();
+    let mut planned = Planned::new(10, 0.01);
+    let mut cable = Cable::new(Grbl::new(&faults, 0.01), faults, 1);
+    let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
+    assert_eq!(ended, Ended::Done);
+    assert!(notes.events.contains(&Event::Acknowledged(10)));
+    assert_eq!(cable.control.executed().len(), 10);
+}
