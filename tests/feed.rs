@@ -63,7 +63,7 @@ fn check(seed: u64, ended: &Ended, planned: &[Vec<u8>], notes: &Notes, executed:
     // What may have been carried out is written down, byte for byte.
     assert_eq!(notes.frozen, planned[..notes.frozen.len()], "seed {seed}");
     if *ended == Ended::Done {
-        assert_eq!(executed.len(), planned.len(), "seed {seed}");
+        assert_eq!(executed.len(), planned.len(), "seed {seed}: {:?}", notes.events.last());
     }
 }
 
@@ -75,6 +75,10 @@ fn grbl_carries_out_what_was_planned_whatever_goes_wrong() {
         let mut random = Random::new(seed, "job");
         let (count, busy_s) = (20 + random.below(60), random.between(0.001, 0.05));
         let faults = faults(seed, count);
+        // Nobody can tell a line with two answers beside one with none from two lines with one each.
+        if !faults.doubled.is_empty() && !faults.lost.is_empty() {
+            continue;
+        }
         let mut notes = Notes::default();
         let mut planned = Planned::new(count, busy_s);
         let mut cable = Cable::new(Grbl::new(&faults, busy_s), faults, seed);
@@ -85,8 +89,8 @@ fn grbl_carries_out_what_was_planned_whatever_goes_wrong() {
         check(seed, &ended, &planned.lines, &notes, cable.control.executed());
         assert_eq!(cable.control.overflows, 0, "seed {seed}");
     }
-    // A third has no fault at all, and single answers that are lost or garbled are made good.
-    assert!(done > 1000, "{done}");
+    // A third has no fault at all.
+    assert!(done > 600, "{done}");
 }
 
 #[test]
@@ -102,14 +106,13 @@ fn grbl_in_an_alarm_gets_no_line() {
 }
 
 #[test]
-fn an_answer_that_got_lost_is_made_good_when_the_control_is_idle() {
+fn an_answer_that_got_lost_may_have_been_a_refusal() {
     let profile = profile("grbl");
     let faults = Faults { most_bytes: 64, lost: vec![10], ..Faults::default() };
     let mut notes = Notes::default();
-    let mut planned = Planned::new(10, 0.01);
+    let mut planned = Planned::new(30, 0.01);
     let mut cable = Cable::new(Grbl::new(&faults, 0.01), faults, 1);
     let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
-    assert_eq!(ended, Ended::Done);
-    assert!(notes.events.contains(&Event::Acknowledged(10)));
-    assert_eq!(cable.control.executed().len(), 10);
+    assert!(matches!(&ended, Ended::Lost(why) if why.contains("an answer was lost")), "{ended:?}");
+    assert!(!notes.events.contains(&Event::Acknowledged(30)));
 }

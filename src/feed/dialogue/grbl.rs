@@ -1,8 +1,8 @@
 //! Grbl 1.1: every line is answered by `ok` or `error:N`; lines are sent ahead as long as their bytes fit the receive buffer.
 //!
 //! The control says in `[OPT:…,blocks,bytes]` how large its buffers are and in `<…|Bf:blocks,bytes>` how much of them is free (Grbl 1.1, interface).
-//! One answer too many must not make the buffer overflow, so the longest line under way is kept free; one that got lost is made good when the control
-//! says that it is idle and that nothing is in its buffers.
+//! One answer too many must not make the buffer overflow, so the longest line under way is kept free; one that got lost shows
+//! when the control is idle and has nothing in its buffers: it may have been a refusal, so the job ends there.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -60,6 +60,9 @@ struct Grbl {
     asked: u32,
     /// How often in a row it said that nothing is left to do.
     idle: u32,
+    /// The last line that was acknowledged, and the last up to which every line had one answer.
+    acknowledged: u64,
+    sure: u64,
     /// The line that was refused, and what the control said.
     refusal: (u64, String),
     /// Answers beyond those to the lines that were sent.
@@ -82,6 +85,8 @@ impl Grbl {
             last_asked: Duration::ZERO,
             asked: 0,
             idle: 0,
+            acknowledged: 0,
+            sure: 0,
             refusal: (0, String::new()),
             surplus: 0,
         }
@@ -123,8 +128,14 @@ impl Grbl {
             }
         } else if let Some(code) = text.strip_prefix("ALARM:") {
             self.lost(&format!("the control stands in alarm {code}"), events);
-        } else if !text.is_empty() {
+        } else if text.starts_with(['[', '$', '>']) {
             events.push(Event::Said(text.to_owned()));
+        } else if !text.is_empty() && self.state != State::Greeting {
+            // It may have been a refusal.
+            self.lost(
+                &format!("an answer cannot be read: '{text}'; the line that it was for may have been refused"),
+                events,
+            );
         }
     }
 
@@ -138,6 +149,7 @@ impl Grbl {
             self.state = State::Open;
         } else if let Some((number, length, _)) = self.in_flight.pop_front() {
             self.bytes -= length;
+            self.acknowledged = number;
             events.push(Event::Acknowledged(number));
         } else if matches!(self.state, State::Open | State::Closed) {
             self.lost("the control has answered more lines than were sent", events);
@@ -192,12 +204,18 @@ impl Grbl {
         };
         self.idle = if state == "Idle" && is_empty && wire.waiting() == 0 { self.idle + 1 } else { 0 };
         // Twice: the first report may be older than the last bytes.
-        if self.idle >= 2 && !self.in_flight.is_empty() {
-            let last = self.in_flight.back().map_or(0, |(number, _, _)| *number);
-            self.in_flight.clear();
-            self.bytes = 0;
-            events.push(Event::Said("an answer was lost; the control is idle and its buffers are empty".into()));
-            events.push(Event::Acknowledged(last));
+        if self.idle >= 2 {
+            match self.in_flight.back() {
+                None => self.sure = self.acknowledged,
+                // It may have been a refusal: then a line was left out, and nobody knows which.
+                Some((last, _, _)) => {
+                    let why = format!(
+                        "an answer was lost: the control is idle with nothing in its buffers, but one of the lines {} to {last} may have been refused",
+                        self.sure + 1
+                    );
+                    self.lost(&why, events);
+                }
+            }
         }
     }
 
