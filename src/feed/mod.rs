@@ -15,6 +15,7 @@
 
 pub mod dialogue;
 mod dosing;
+mod forecast;
 mod line;
 mod profile;
 mod sender;
@@ -22,6 +23,7 @@ mod wire;
 
 pub use dialogue::{Dialogue, Event, Halt, PROTOCOLS, Protocol};
 pub use dosing::{Dose, Dosing, Limits};
+pub use forecast::{Forecast, Forecaster, Link, Stretch};
 pub use line::{Line, crc32};
 pub use profile::{Flow, Frame, PROFILES, Parity, Profile, Serial, Window};
 pub use sender::{Ended, Port, Progress, Record, Sender, Supplied, Supply};
