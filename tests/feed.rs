@@ -3,7 +3,7 @@
 use ncfix::feed::{Ended, Event, PROFILES, PROTOCOLS, Profile, Sender};
 use ncfix::source::{FileId, Source};
 
-use super::controls::{self, Cable, Control, Faults, Grbl, Notes, Planned};
+use super::controls::{self, Blockwise, Cable, Control, Faults, Grbl, Marlin, Notes, Planned};
 use super::plant::random::Random;
 
 fn profile(name: &str) -> Profile {
@@ -23,12 +23,14 @@ fn faults(seed: u64, lines: usize) -> Faults {
         Faults { most_bytes: 1 + random.below(40), latency_s: random.between(0.0, 0.02), ..Faults::default() };
     for _ in 0..random.below(3) {
         let at = 1 + random.below(lines) as u64;
-        match random.below(6) {
+        match random.below(8) {
             0 => faults.lost.push(at),
             1 => faults.doubled.push(at),
             2 => faults.garbled.push(at),
             3 => faults.refuses = Some(at),
-            4 => faults.reset_s = Some(random.between(0.1, 3.0)),
+            4 => faults.corrupted.push(at),
+            5 => faults.wrong_demands.push(1),
+            6 => faults.reset_s = Some(random.between(0.1, 3.0)),
             _ => faults.unplugged_s = Some(random.between(0.1, 3.0)),
         }
     }
@@ -67,30 +69,83 @@ fn check(seed: u64, ended: &Ended, planned: &[Vec<u8>], notes: &Notes, executed:
     }
 }
 
-#[test]
-fn grbl_carries_out_what_was_planned_whatever_goes_wrong() {
-    let profile = profile("grbl");
+/// Jobs of many seeds with faults; returns how many were done. `behind` sees each control afterwards.
+fn jobs<C: Control>(
+    name: &str,
+    seeds: std::ops::Range<u64>,
+    create: fn(&Faults, f64) -> C,
+    change: fn(&mut Faults),
+    behind: fn(&C, &Ended, u64),
+) -> usize {
+    let profile = profile(name);
     let mut done = 0;
-    for seed in 0..2000 {
+    for seed in seeds {
         let mut random = Random::new(seed, "job");
         let (count, busy_s) = (20 + random.below(60), random.between(0.001, 0.05));
-        let faults = faults(seed, count);
-        // Nobody can tell a line with two answers beside one with none from two lines with one each.
-        if !faults.doubled.is_empty() && !faults.lost.is_empty() {
-            continue;
-        }
+        let mut faults = faults(seed, count);
+        change(&mut faults);
         let mut notes = Notes::default();
         let mut planned = Planned::new(count, busy_s);
-        let mut cable = Cable::new(Grbl::new(&faults, busy_s), faults, seed);
+        let mut cable = Cable::new(create(&faults, busy_s), faults, seed);
         let mut sender = sender(&profile, &mut notes);
         let ended = controls::run(&mut sender, &mut cable, &mut planned);
-        done += u32::from(ended == Ended::Done);
+        done += usize::from(ended == Ended::Done);
         drop(sender);
         check(seed, &ended, &planned.lines, &notes, cable.control.executed());
-        assert_eq!(cable.control.overflows, 0, "seed {seed}");
+        behind(&cable.control, &ended, seed);
     }
+    done
+}
+
+#[test]
+fn grbl_carries_out_what_was_planned_whatever_goes_wrong() {
+    let no_more = |faults: &mut Faults| {
+        // Nobody can tell a line with two answers beside one with none from two lines with one each.
+        if !faults.doubled.is_empty() {
+            faults.lost.clear();
+        }
+    };
+    let done = jobs("grbl", 0..2000, Grbl::new, no_more, |control, _, seed| {
+        assert_eq!(control.overflows, 0, "seed {seed}");
+    });
     // A third has no fault at all.
     assert!(done > 600, "{done}");
+}
+
+#[test]
+fn marlin_makes_good_whatever_gets_lost_or_garbled_in_either_way() {
+    let done = jobs(
+        "marlin",
+        0..2000,
+        Marlin::new,
+        |faults| faults.refuses = None,
+        |_, ended, seed| {
+            let is_expected = match ended {
+                Ended::Done => true,
+                Ended::Lost(why) => {
+                    ["reset", "the link is gone", "asks for line"].iter().any(|part| why.contains(part))
+                }
+                _ => false,
+            };
+            assert!(is_expected, "seed {seed}: {ended:?}");
+        },
+    );
+    // Only resets, drawn cables and wrong demands end a job.
+    assert!(done > 1200, "{done}");
+}
+
+#[test]
+fn blockwise_transfer_repeats_what_was_refused_and_nothing_else() {
+    let done = jobs(
+        "heidenhain-fe1",
+        0..2000,
+        Blockwise::new,
+        |faults| faults.reset_s = None,
+        |control, ended, seed| {
+            assert_eq!(control.is_ended, *ended == Ended::Done, "seed {seed}: {ended:?}");
+        },
+    );
+    assert!(done > 800, "{done}");
 }
 
 #[test]

@@ -12,7 +12,11 @@ use crate::source::Source;
 use super::dialogue::PROTOCOLS;
 
 /// Names and texts of the profiles that are shipped.
-pub const PROFILES: &[(&str, &str)] = &[("grbl", include_str!("../../links/grbl.toml"))];
+pub const PROFILES: &[(&str, &str)] = &[
+    ("grbl", include_str!("../../links/grbl.toml")),
+    ("heidenhain-fe1", include_str!("../../links/heidenhain-fe1.toml")),
+    ("marlin", include_str!("../../links/marlin.toml")),
+];
 
 /// Parity of a character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -117,8 +121,10 @@ pub struct Profile {
     pub refused: Vec<u8>,
     /// Without an answer for so long beyond what a block takes, the control is asked, or the line is sent again.
     pub answer_within: Duration,
-    /// How often a line is sent, at most.
+    /// How often a line is sent again, at most.
     pub most_repeats: u32,
+    /// Whether check characters are made printed ones.
+    pub avoids_controls: bool,
 }
 
 impl Profile {
@@ -183,13 +189,14 @@ impl Profile {
             is_upper_case = section.boolean("upper_case").unwrap_or(false);
             refused = bytes(section, "refused").unwrap_or_default();
         });
-        let (mut answer_within, mut most_repeats) = (Duration::from_secs(10), 3);
+        let (mut answer_within, mut most_repeats, mut avoids_controls) = (Duration::from_secs(10), 3, false);
         own("answer", &mut |section| {
             let positive = |value: f64| value > 0.0 && value <= 3600.0;
             if let Some(seconds) = section.number_where("within_s", "a time above 0 and up to 3600", positive) {
                 answer_within = Duration::from_secs_f64(seconds);
             }
             most_repeats = section.integer("repeats").unwrap_or(most_repeats);
+            avoids_controls = section.boolean("avoid_control_characters").unwrap_or(false);
         });
         root.finish(&mut findings);
         if findings.iter().any(Diagnostic::is_error) {
@@ -208,6 +215,7 @@ impl Profile {
             refused,
             answer_within,
             most_repeats,
+            avoids_controls,
         })
     }
 }

@@ -2,9 +2,13 @@
 //!
 //! Nothing here knows how a dialogue of the program works; the controls are written from what their makers say of them.
 
+mod block;
 mod grbl;
+mod marlin;
 
+pub(crate) use block::Blockwise;
 pub(crate) use grbl::Grbl;
+pub(crate) use marlin::Marlin;
 
 use std::collections::VecDeque;
 use std::io;
@@ -21,6 +25,9 @@ pub(crate) struct Faults {
     pub(crate) lost: Vec<u64>,
     pub(crate) doubled: Vec<u64>,
     pub(crate) garbled: Vec<u64>,
+    /// Numbers of the lines, from 1, that arrive with another character, and of the demands that name a wrong line.
+    pub(crate) corrupted: Vec<u64>,
+    pub(crate) wrong_demands: Vec<u64>,
     /// Number of the line, from 1, that the control refuses.
     pub(crate) refuses: Option<u64>,
     /// When the control is reset, s.

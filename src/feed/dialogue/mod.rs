@@ -2,7 +2,9 @@
 //!
 //! To add one, write its file and register it in [`PROTOCOLS`]; profiles name it.
 
+mod block;
 mod grbl;
+mod marlin;
 
 use std::time::Duration;
 
@@ -88,4 +90,4 @@ pub struct Protocol {
 }
 
 /// All kinds.
-pub const PROTOCOLS: &[Protocol] = &[grbl::PROTOCOL];
+pub const PROTOCOLS: &[Protocol] = &[block::PROTOCOL, grbl::PROTOCOL, marlin::PROTOCOL];
