@@ -75,6 +75,8 @@ impl Grbl {
         self.line.clear();
         self.planner.clear();
         self.is_held = false;
+        // With homing on, a reset locks it until it is homed.
+        self.is_alarmed = true;
         self.out.extend(b"\r\nGrbl 1.1h ['$' for help]\r\n");
     }
 

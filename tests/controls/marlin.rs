@@ -111,6 +111,10 @@ impl Control for Marlin {
         }
         while self.done_s <= now_s {
             let Some(line) = self.buffer.pop_front() else { break };
+            if line == b"M400" {
+                self.ok();
+                continue;
+            }
             self.executed.push(line);
             self.done_s += self.busy_s;
         }
@@ -119,8 +123,12 @@ impl Control for Marlin {
             if self.buffer.is_empty() {
                 self.done_s = now_s + self.busy_s;
             }
+            let is_move = line != b"M400";
             self.buffer.push_back(line);
-            self.ok();
+            // The other is answered when all before it is done.
+            if is_move {
+                self.ok();
+            }
         }
     }
 

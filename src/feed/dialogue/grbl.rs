@@ -219,6 +219,11 @@ impl Grbl {
         }
     }
 
+    /// Whether every line was answered, and the control has said since that nothing is left to do.
+    fn is_finished(&self) -> bool {
+        self.in_flight.is_empty() && self.sure == self.acknowledged
+    }
+
     fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
         self.state = State::Over;
         events.push(Event::Lost(why.to_owned()));
@@ -253,6 +258,7 @@ impl Dialogue for Grbl {
         wire.push(b"\n");
         let length = line.text.len() + 1;
         self.bytes += length;
+        self.idle = 0;
         self.in_flight.push_back((line.number, length, Duration::from_secs_f64(line.busy_s.clamp(0.0, 1e6))));
         Ok(())
     }
@@ -287,7 +293,7 @@ impl Dialogue for Grbl {
         }
         let busy = self.in_flight.front().map_or(Duration::ZERO, |(_, _, busy)| *busy);
         let is_silent = now.saturating_sub(self.last_heard) > self.patience + busy;
-        let is_waiting = !matches!(self.state, State::Open | State::Closed) || !self.in_flight.is_empty();
+        let is_waiting = !matches!(self.state, State::Open | State::Closed) || !self.is_finished();
         if is_silent && is_waiting && now.saturating_sub(self.last_asked) > self.patience {
             if self.asked >= 3 {
                 self.lost("the control does not answer", events);
@@ -295,7 +301,7 @@ impl Dialogue for Grbl {
             }
             events.push(Event::Stalled);
             self.ask(now, wire);
-        } else if !self.in_flight.is_empty() && now.saturating_sub(self.last_asked) > ASK_EVERY && self.asked == 0 {
+        } else if !self.is_finished() && now.saturating_sub(self.last_asked) > ASK_EVERY && self.asked == 0 {
             self.ask(now, wire);
         }
     }
@@ -307,7 +313,8 @@ impl Dialogue for Grbl {
     }
 
     fn is_done(&self, _wire: &Wire) -> bool {
-        self.state == State::Closed && self.in_flight.is_empty()
+        // What is in the planner is not done yet.
+        self.state == State::Closed && self.is_finished()
     }
 
     fn in_flight(&self) -> (usize, usize) {

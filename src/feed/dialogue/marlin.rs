@@ -25,6 +25,8 @@ const QUIET: Duration = Duration::from_millis(60);
 const LONGEST_ANSWER: usize = 1024;
 /// The largest number of a line: that of a signed word of 32 bits.
 const LAST_NUMBER: u64 = i32::MAX as u64;
+/// Answered when all moves are done: only then the job is.
+const WAIT: &[u8] = b"M400";
 /// Emergency stop; it is read at once where the firmware has its emergency parser.
 const EMERGENCY_STOP: &[u8] = b"M112\n";
 
@@ -33,7 +35,8 @@ enum State {
     /// The count of lines is being set.
     Opening,
     Open,
-    Closed,
+    /// The last line was sent; whether the control has been asked to say when all is done.
+    Closed(bool),
     Over,
 }
 
@@ -57,6 +60,8 @@ struct Marlin {
     is_under_way: bool,
     /// The last line that was reported as taken.
     taken: u64,
+    /// The last line of the program, once it is known.
+    last_line: Option<u64>,
     /// What the control asks for; its `ok` has not come.
     demanded: Option<u64>,
     /// What is sent again when nothing more comes until then.
@@ -78,6 +83,7 @@ impl Marlin {
             current: 0,
             is_under_way: false,
             taken: 0,
+            last_line: None,
             demanded: None,
             again: None,
             repeats: 0,
@@ -88,6 +94,13 @@ impl Marlin {
 
     fn sent(&self, number: u64) -> Option<&Sent> {
         self.ring.iter().find(|sent| sent.number == number)
+    }
+
+    fn keep(&mut self, sent: Sent) {
+        if self.ring.len() >= RING {
+            self.ring.pop_front();
+        }
+        self.ring.push_back(sent);
     }
 
     /// Sends the line that is under way, for the first time or again.
@@ -112,7 +125,7 @@ impl Marlin {
         (self.is_under_way, self.again, self.repeats) = (false, None, 0);
         if self.state == State::Opening {
             self.state = State::Open;
-        } else if self.current > self.taken {
+        } else if self.current > self.taken && self.last_line.is_none_or(|last| self.current <= last) {
             self.taken = self.current;
             events.push(Event::Acknowledged(self.current));
         }
@@ -193,11 +206,8 @@ impl Dialogue for Marlin {
         if line.number != self.current || line.number > LAST_NUMBER {
             return Err(format!("it is not the next one, which is {}", self.current));
         }
-        if self.ring.len() >= RING {
-            self.ring.pop_front();
-        }
         let busy = Duration::from_secs_f64(line.busy_s.clamp(0.0, 1e6));
-        self.ring.push_back(Sent { number: line.number, bytes: frame(line.number, &line.text), busy });
+        self.keep(Sent { number: line.number, bytes: frame(line.number, &line.text), busy });
         self.push(now, wire);
         Ok(())
     }
@@ -229,6 +239,15 @@ impl Dialogue for Marlin {
             self.repeat(number, now, wire, events);
             return;
         }
+        if self.state == State::Closed(false) && !self.is_under_way {
+            self.state = State::Closed(true);
+            self.last_line = Some(self.current.saturating_sub(1));
+            // It ends when all that it has moves.
+            let busy = self.ring.iter().map(|sent| sent.busy).sum();
+            self.keep(Sent { number: self.current, bytes: frame(self.current, WAIT), busy });
+            self.push(now, wire);
+            return;
+        }
         let busy = self.sent(self.current).map_or(Duration::ZERO, |sent| sent.busy);
         if self.is_under_way && wire.is_empty() && now.saturating_sub(self.last_heard) > self.patience + busy {
             self.demanded = None;
@@ -238,11 +257,11 @@ impl Dialogue for Marlin {
     }
 
     fn close(&mut self, _now: Duration, _wire: &mut Wire) {
-        self.state = State::Closed;
+        self.state = State::Closed(false);
     }
 
     fn is_done(&self, _wire: &Wire) -> bool {
-        self.state == State::Closed && !self.is_under_way
+        self.state == State::Closed(true) && !self.is_under_way
     }
 
     fn in_flight(&self) -> (usize, usize) {
