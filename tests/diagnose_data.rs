@@ -250,3 +250,91 @@ fn readings_that_are_the_same_number_on_and_on_are_told() {
     let sound = after(&case, |_, _| {});
     assert!(sound.iter().all(|one| one.what != "constant"), "{:?}", words(&sound));
 }
+
+#[test]
+fn a_slope_as_large_as_the_known_one_is_a_cause_and_no_table_with_the_wrong_sign() {
+    // What the machine file says of EXX, µm over mm.
+    let known = |x: f64| 3.2e-2 * x - 4.0e-5 * x * x + 1.5e-8 * x * x * x;
+    let toml = "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\nsigma_um = 0.5\n";
+    let table = |more: &dyn Fn(f64) -> f64, seed: u64| {
+        let mut random = Random::new(seed, "slope");
+        let mut csv = "run,setup,component,X,Y,Z,X_dir,Y_dir,Z_dir,value_um\n".to_owned();
+        for run in 1..=5 {
+            for sense in [1, -1] {
+                for k in 0..11 {
+                    let place = if sense > 0 { k } else { 10 - k };
+                    let x = [6.8, 83.4, 162.0, 209.3, 278.5, 360.9, 434.9, 489.4, 548.7, 639.0, 692.0][place];
+                    let value = known(x) + more(x) + 0.5 * random.normal();
+                    // No arm at which angles would act.
+                    csv += &format!("{run},A,EXX,{x},0,0,{sense},0,-1,{value:.4}\n");
+                }
+            }
+        }
+        csv
+    };
+    for seed in 1..=6 {
+        let csv = table(&|x| 0.01 * x, seed);
+        let found = found(MACHINE, &[("one", &csv, toml)]);
+        assert!(found.iter().all(|one| one.then != fault::Then::Refuse), "{:?}", words(&found));
+    }
+    let shop =
+        Shop::new().file("demo.toml", MACHINE).file("one.csv", table(&|x| 0.01 * x, 7).as_str()).file("one.toml", toml);
+    let report = shop.run("diagnose one.csv --machine demo.toml --json".split(' ')).exits(0).json();
+    let one = &report["findings"][0];
+    let [value, u95] = ["value", "u95"].map(|key| one[key].as_f64().unwrap());
+    assert!([&one["effect"], &one["parameter"]] == ["motion", "EXX"] && (value - 10.0).abs() < u95, "{one}");
+    // With the bend of the known error twice as large as well, it is a table.
+    let found = found(MACHINE, &[("one", &table(&known, 8), toml)]);
+    assert!(
+        found.iter().any(|one| one.what.contains("wrong sign") && one.then == fault::Then::Refuse),
+        "{:?}",
+        words(&found)
+    );
+}
+
+#[test]
+fn readings_that_stay_the_same_are_left_out_and_their_rows_told() {
+    let case = recipe(Bench::Plate, &[], 41).cook().unwrap();
+    let file = &case.files[0];
+    let with = |cell: &str| {
+        let row = std::cell::Cell::new(0);
+        changed(&file.csv, |names, cells| {
+            row.set(row.get() + 1);
+            if (101..=150).contains(&row.get()) || (301..=330).contains(&row.get()) {
+                cells[place(names, "dx_um")] = cell.into();
+            }
+        })
+    };
+    let report = |csv: &str| {
+        let shop =
+            Shop::new().file("machine.toml", &case.machine_toml).file("one.csv", csv).file("one.toml", &file.toml);
+        shop.run("diagnose one.csv --machine machine.toml --json".split(' ')).exits(0).json()
+    };
+    let (stuck, cut) = (report(&with("40.5")), report(&with("")));
+    let constant = |one: &&Value| one["what"] == "constant";
+    let rows: Vec<&Value> =
+        stuck["data_faults"].as_array().unwrap().iter().filter(constant).map(|one| &one["rows"]).collect();
+    assert_eq!(rows, [&serde_json::json!([101, 150]), &serde_json::json!([301, 330])]);
+    let size = |report: &Value, key: &str| report[key]["rms_um"].as_f64().unwrap();
+    for key in ["before", "after"] {
+        let [left, right] = [&stuck, &cut].map(|report| size(report, key));
+        assert!((left / right - 1.0).abs() < 0.01, "{key} {left} {right}");
+    }
+    // dx, dy and dz of each row; a few more are far out.
+    let [most, rows] = [stuck["readings"].as_u64().unwrap(), file.csv.lines().count() as u64 - 1];
+    assert!(most <= 3 * rows - 80, "{most} of {rows} rows");
+}
+
+#[test]
+fn a_few_readings_do_not_say_that_a_model_has_expired() {
+    // Noise of 0.6 µm where the model says 0.2 µm: they are two stretches, in both of which it is worse by a little than no model.
+    let readings = [0.6, -0.6, 0.6, -0.6, -0.6, 0.6, -0.6];
+    let row = |(k, value): (usize, &f64)| format!("a,A,EXX,{:.3},250,200,1,0,-1,{value}\n", 340.0 + 3.333 * k as f64);
+    let csv = "run,setup,component,X,Y,Z,X_dir,Y_dir,Z_dir,value_um\n".to_owned();
+    let csv = csv + &readings.iter().enumerate().map(row).collect::<String>();
+    let toml = "[measurement]\nkind = \"direct\"\nfree = [\"offset\"]\nsigma_um = 0.5\n";
+    let shop = Shop::new().file("demo.toml", MACHINE).file("one.csv", &csv).file("one.toml", toml);
+    let report = shop.run("diagnose one.csv --machine demo.toml --json".split(' ')).exits(0).json();
+    let [before, without] = ["before", "without_model"].map(|key| report[key]["rms_um"].as_f64().unwrap());
+    assert!(before > without && report["expired"] == false, "{report:#}");
+}

@@ -6,7 +6,7 @@ use ncfix::machine::edit::Edit;
 use serde_json::Value;
 
 use crate::cli_calibrate::bare;
-use crate::diagnose::{case, diagnosed, findings, name, number, run, shop};
+use crate::diagnose::{case, diagnosed, findings, name, number, report, run, shop};
 use crate::plant::{Bench, Case, Recipe, Unknown};
 use crate::support::Shop;
 
@@ -199,7 +199,12 @@ fn without_anything_to_write_every_finding_says_why() {
     assert!(!all.is_empty() && run.code != 0 && !shop.path("extended.toml").exists(), "{run:?}");
     for one in &all {
         assert!(one["extends"] == false && one["extends_why"].as_str().is_some_and(|why| why.len() > 20), "{one}");
+        assert_eq!(one["correctable"], "no", "{one}");
     }
+    // The same is said where no file is asked for.
+    let found = report(&crate::diagnose::run(&shop, &data, "machine.toml", &more[2..]));
+    let said = |one: &Value| (name(one), one["correctable"].clone(), one["extends_why"].clone());
+    assert_eq!(findings(&found).iter().map(said).collect::<Vec<_>>(), all.iter().map(said).collect::<Vec<_>>());
 }
 
 /// Makes a change in a text.

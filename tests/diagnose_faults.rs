@@ -7,7 +7,7 @@ use ncfix::diagnose::{Scene, fault};
 use ncfix::measure::data;
 use ncfix::source::{FileId, Source};
 
-use crate::plant::{BENCHES, Bench, Case, FAULTS, FaultKind, Recipe, UNKNOWNS, is_possible, rows_shown};
+use crate::plant::{BENCHES, Bench, Case, FAULTS, FaultKind, Recipe, UNKNOWNS, Unknown, is_possible, rows_shown};
 use crate::support::Shop;
 
 /// The first row of the catalogue that is a fault itself.
@@ -94,6 +94,19 @@ fn what_the_machine_does_is_no_fault() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn what_fades_or_is_switched_and_what_goes_on_while_others_are_read_is_no_step() {
+    // A shift that fades within an hour; one that comes above a speed and goes below it; a line that is read again after minutes on others.
+    let fading = [51, 52, 56].map(|seed| (Bench::Drift, vec![44], None, seed));
+    let switched = [56, 62, 64].map(|seed| (Bench::Drift, vec![], Some(Unknown::Speed), seed));
+    let others = [52, 56].map(|seed| (Bench::HotCold, vec![42], None, seed));
+    for (bench, hide, unknown, seed) in fading.into_iter().chain(switched).chain(others) {
+        let case = Recipe { hide, unknown, ..Recipe::new(bench, 5.0, seed) }.cook().unwrap();
+        let claims = claims(&found(&case));
+        assert!(claims.is_empty(), "{}{claims:?}", case.words());
+    }
 }
 
 #[test]

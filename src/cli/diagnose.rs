@@ -14,7 +14,7 @@ use super::progress::Progress;
 use super::stop::Stop;
 use super::{calibrated_report, diagnose_faults, diagnosed_report, print, tell};
 use crate::diagnose::cause::Correctable;
-use crate::diagnose::extend::{Change, extension, is_sound};
+use crate::diagnose::extend::extension;
 use crate::diagnose::{
     Compared, Diagnosis, FAR_OUT, Finding, Part, Rejected, Scene, Size, Sizes, Source, diagnose, fault, freedom_of,
     reads_angles, shape,
@@ -140,31 +140,32 @@ fn find(
     progress.clear();
     tell_all(&found, &of_model, (&sets, used), report);
     let extension = extension(&found, &of_model, used);
-    can_be_done(&found, &extension, report);
+    let refused: Vec<Option<String>> = extension.iter().map(|changes| changes.as_ref().err().cloned()).collect();
+    let job = extended::Job { chosen: &chosen, scene: &of_model, used, found: &found, extension };
+    let mut aside = Findings::default();
+    let made = job.make(if target.is_some() { findings } else { &mut aside });
+    // The built-in machine has no file.
+    let made = if target.is_some() { Some(made?) } else { made.ok() };
+    can_be_done(made.as_ref().map_or(&refused, |made| &made.why_not), report);
     if page.is_some() {
         diagnosed_report::fill(&found, &of_model, used, shown);
     }
-    if let Some(target) = target {
-        let job = extended::Job { chosen: &chosen, scene: &of_model, used, found: &found, extension };
-        let outcome = job.write(target, findings)?;
-        for (one, why_not) in report.findings.iter_mut().zip(outcome.why_not) {
-            one.extends = why_not.is_none();
-            one.extends_why = why_not;
-        }
-        report.output = arguments.output.as_ref().filter(|_| outcome.is_written).map(|path| path.display().to_string());
+    if let (Some(target), Some(made)) = (target, made) {
+        report.findings.iter_mut().zip(&made.why_not).for_each(|(one, why_not)| one.extends = why_not.is_none());
+        let is_written = made.write(target, findings)?;
+        report.output = arguments.output.as_ref().filter(|_| is_written).map(|path| path.display().to_string());
     }
     Ok(())
 }
 
-/// What can be done about findings, whether or not a file is written: what the file has as a table needs no name, and what no program must be moved by
-/// is not to be corrected.
-fn can_be_done(found: &Diagnosis, extension: &[Result<Vec<Change>, String>], report: &mut diagnosis::Diagnosis) {
-    let left = found.used.before.rms;
-    for ((told, one), changes) in report.findings.iter_mut().zip(&found.findings).zip(extension) {
-        if let Err(why) = is_sound(one, left) {
+/// What can be done about findings, whether or not a file is written: what the file has as a table needs no name, and what it cannot have is not to be
+/// corrected.
+fn can_be_done(why_not: &[Option<String>], report: &mut diagnosis::Diagnosis) {
+    for (told, why_not) in report.findings.iter_mut().zip(why_not) {
+        told.extends_why.clone_from(why_not);
+        if why_not.is_some() {
             told.correctable = "no".into();
-            told.extends_why = Some(why);
-        } else if told.correctable == "no" && changes.as_ref().is_ok_and(|changes| !changes.is_empty()) {
+        } else if told.correctable == "no" {
             told.correctable = "program".into();
         }
     }
@@ -279,8 +280,6 @@ fn cause(found: &Finding, scene: &Scene<'_>, used: usize, (micro, alone): (f64, 
         separate_by: found.separate_by.clone().filter(|_| class.len() > 1),
         class,
         correctable: match one.cause.correctable {
-            // Between the places that were measured nobody knows what it does.
-            _ if !found.aliases.is_empty() => "no".into(),
             Correctable::Program => "program".into(),
             Correctable::Live => "live".into(),
             Correctable::No => "no".into(),

@@ -73,6 +73,7 @@ fn excluded(fault: &Fault, is_held_out: bool) -> String {
         _ if is_held_out => "nothing: the file is held out, and judges as it is".into(),
         Then::Refuse => "the whole file".into(),
         Then::WithoutRows => "these rows".into(),
+        Then::WithoutReadings(readings) if is_range(fault) => format!("{} readings in these rows", readings.len()),
         Then::WithoutReadings(readings) => format!("{} single readings", readings.len()),
         Then::OwnZero => "nothing; the rows behind the step have a zero of their own".into(),
         Then::Nothing => "nothing".into(),
@@ -80,10 +81,15 @@ fn excluded(fault: &Fault, is_held_out: bool) -> String {
     }
 }
 
+/// Readings that are far out are single ones, all others those of some rows.
+fn is_range(fault: &Fault) -> bool {
+    fault.kind != "outlier"
+}
+
 fn reported(fault: &Fault, set: &DataSet, is_held_out: bool) -> DataFault {
     let rows = match &fault.then {
         // Single readings are no range.
-        Then::WithoutReadings(readings) => {
+        Then::WithoutReadings(readings) if !is_range(fault) => {
             let mut rows: Vec<usize> = readings.iter().map(|(row, _)| row + 1).collect();
             rows.dedup();
             rows
@@ -116,7 +122,8 @@ fn finding(fault: &Fault, set: &DataSet, is_held_out: bool, place: Option<Place>
     let name = if fault.name == set.name { String::new() } else { format!(" {}", fault.name) };
     let of = if is_held_out { "held out, " } else { "" };
     let rows = match &fault.then {
-        Then::Refuse | Then::Nothing | Then::MoreNoise(_) | Then::WithoutReadings(_) => String::new(),
+        Then::Refuse | Then::Nothing | Then::MoreNoise(_) => String::new(),
+        Then::WithoutReadings(_) if !is_range(fault) => String::new(),
         _ => format!(" in rows {} to {}", fault.rows[0] + 1, fault.rows[1] + 1),
     };
     let message = format!("{of}{}{name}: {}{rows}: {}", set.name, fault.what, fault.evidence);

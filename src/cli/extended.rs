@@ -35,11 +35,31 @@ pub(super) struct Job<'a> {
     pub(super) extension: Vec<Result<Vec<Change>, String>>,
 }
 
-/// What became of it.
-pub(super) struct Outcome {
-    pub(super) is_written: bool,
+/// The file as it would be.
+pub(super) struct Made {
+    text: Result<String, Refused>,
     /// For every finding why the file does not have it; `None` where it does.
     pub(super) why_not: Vec<Option<String>>,
+}
+
+impl Made {
+    /// Writes it; findings say why not. Whether it was written.
+    pub(super) fn write(self, target: Target, findings: &mut Findings) -> Result<bool, Stop> {
+        match self.text {
+            Ok(text) => {
+                let mut spool = Spool::new(target)?;
+                if let Err(error) = spool.writer().write_all(text.as_bytes()) {
+                    return Err(spool.fault(&error));
+                }
+                spool.publish(false)?;
+                Ok(true)
+            }
+            Err((message, help)) => {
+                findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
+                Ok(false)
+            }
+        }
+    }
 }
 
 /// A text in which some findings are, each with where it stands.
@@ -51,8 +71,8 @@ struct Grown {
 type Refused = (String, &'static str);
 
 impl Job<'_> {
-    /// Writes the extended machine file; findings say why not.
-    pub(super) fn write(&self, target: Target, findings: &mut Findings) -> Result<Outcome, Stop> {
+    /// Makes the extended machine file, whether or not it is written: what it cannot have is not called correctable either.
+    pub(super) fn make(&self, findings: &mut Findings) -> Result<Made, Stop> {
         let Some(path) = file_of(self.chosen) else { return Err(Stop::Usage("-o needs --machine".into())) };
         let old = input::read(path, MACHINE)?;
         let Ok(text) = std::str::from_utf8(old.bytes()) else {
@@ -60,23 +80,13 @@ impl Job<'_> {
         };
         let grown = self.grow(&old, text);
         let mut why_not: Vec<Option<String>> = grown.anchors.iter().map(|one| one.clone().err()).collect();
-        match self.text(&old, text, &grown, findings) {
-            Ok(text) => {
-                let mut spool = Spool::new(target)?;
-                if let Err(error) = spool.writer().write_all(text.as_bytes()) {
-                    return Err(spool.fault(&error));
-                }
-                spool.publish(false)?;
-                Ok(Outcome { is_written: true, why_not })
-            }
-            Err((message, help)) => {
-                for why in &mut why_not {
-                    why.get_or_insert_with(|| message.clone());
-                }
-                findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
-                Ok(Outcome { is_written: false, why_not })
+        let text = self.text(&old, text, &grown, findings);
+        if let Err((message, _)) = &text {
+            for why in &mut why_not {
+                why.get_or_insert_with(|| message.clone());
             }
         }
+        Ok(Made { text, why_not })
     }
 
     /// Makes the changes of one finding after another; those that do not go beside what is there are left out.

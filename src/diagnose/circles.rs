@@ -11,8 +11,9 @@ use super::seek::SOME;
 const STRETCH: usize = 50;
 /// Chords of a circle that are tried.
 const CHORDS: std::ops::Range<u32> = 24..720;
-/// Lobes of a circle that are tried: fewer are errors of the axes.
-const LOBES: std::ops::Range<u32> = 6..60;
+/// Lobes of a circle that are tried: fewer are errors of the axes. Three, too, where all planes have the same.
+const LOBES: std::ops::Range<u32> = 4..60;
+const ALIKE_FROM: u32 = 3;
 /// Angles show a number of cycles like none where so much of the mean of exp(i n φ) is left.
 const ALIKE: f64 = 0.95;
 
@@ -28,7 +29,18 @@ pub(super) struct Circles {
     angles: Vec<(usize, f64)>,
     /// Planes.
     planes: Vec<usize>,
-    lobes: std::ops::Range<u32>,
+    /// Most lobes.
+    most: u32,
+}
+
+/// Lobes of circles.
+#[derive(Clone, Debug)]
+pub(super) struct Lobes {
+    /// Directions that stand still in the planes that have them.
+    pub(super) planes: Vec<usize>,
+    pub(super) count: u32,
+    /// Whether all planes have the same.
+    pub(super) are_alike: bool,
 }
 
 impl Circles {
@@ -73,40 +85,45 @@ impl Circles {
         planes.sort_unstable();
         planes.dedup();
         let rows = places.into_iter().map(|(place, ..)| place).collect();
-        let lobes = LOBES.start..LOBES.end.min(most).max(LOBES.start);
-        Some(Circles { rows, counts, chords, angles, planes, lobes })
+        Some(Circles { rows, counts, chords, angles, planes, most: LOBES.end.min(most) })
     }
 
     /// How many candidates that are.
     pub(super) fn count(&self) -> usize {
-        self.counts.len() + self.planes.len() * self.lobes.len()
+        let lobes = |from: u32| self.most.saturating_sub(from) as usize;
+        let of_all = if self.planes.len() > 1 { lobes(LOBES.start) + lobes(ALIKE_FROM) } else { 0 };
+        self.counts.len() + self.planes.len() * lobes(LOBES.start) + of_all
     }
 
-    /// How many lobes explain most in each plane.
-    pub(super) fn best_lobes(&self, sums: &[f64], information: &[f64]) -> Vec<(usize, u32)> {
-        let of_plane = |&plane: &usize| {
-            let own = || self.rows.iter().zip(&self.angles).filter(|(_, (own, _))| *own == plane);
-            let gain = |count: u32| {
-                let (mut right, mut matrix) = ([0.0; 2], [0.0; 3]);
-                for (&row, (_, angle)) in own() {
-                    let (sine, cosine) = (f64::from(count) * angle).sin_cos();
-                    let [sum, known] = [sums, information].map(|all| all.get(row).copied().unwrap_or(0.0));
-                    right = [right[0] + sum * cosine, right[1] + sum * sine];
-                    let parts = [known * cosine * cosine, known * sine * sine, known * sine * cosine];
-                    matrix = [0, 1, 2].map(|k| matrix[k] + parts[k]);
-                }
-                let told = matrix[0] * matrix[1] - matrix[2] * matrix[2];
-                if told <= 0.0 {
-                    return 0.0;
-                }
-                (right[0] * right[0] * matrix[1] - 2.0 * right[0] * right[1] * matrix[2]
-                    + right[1] * right[1] * matrix[0])
-                    / told
-            };
-            let best = self.lobes.clone().map(|count| (gain(count), count)).max_by(|a, b| a.0.total_cmp(&b.0));
-            best.filter(|(gain, _)| *gain > 0.0).map(|(_, count)| (plane, count))
+    /// How many lobes explain most in each plane, and in all of them.
+    pub(super) fn best_lobes(&self, sums: &[f64], information: &[f64]) -> Vec<Lobes> {
+        let of_plane = |plane: usize, count: u32| {
+            let mut wave = Wave::default();
+            for (&row, (_, angle)) in self.rows.iter().zip(&self.angles).filter(|(_, (own, _))| *own == plane) {
+                let [sum, known] = [sums, information].map(|all| all.get(row).copied().unwrap_or(0.0));
+                wave.add(f64::from(count) * angle, sum, known);
+            }
+            wave
         };
-        self.planes.iter().filter_map(of_plane).collect()
+        let all: Vec<Vec<Wave>> = (ALIKE_FROM..self.most.max(ALIKE_FROM))
+            .map(|count| self.planes.iter().map(|&plane| of_plane(plane, count)).collect())
+            .collect();
+        let best = |from: u32, gain: &dyn Fn(&[Wave]) -> f64| {
+            let counts = (ALIKE_FROM..).zip(&all).filter(|(count, _)| *count >= from);
+            let gains = counts.map(|(count, waves)| (gain(waves), count)).max_by(|a, b| a.0.total_cmp(&b.0));
+            gains.filter(|(gain, _)| *gain > 0.0).map(|(_, count)| count)
+        };
+        let mut out = Vec::new();
+        for (k, &plane) in self.planes.iter().enumerate() {
+            let count = best(LOBES.start, &|waves| waves.get(k).map_or(0.0, Wave::gain));
+            out.extend(count.map(|count| Lobes { planes: vec![plane], count, are_alike: true }));
+        }
+        if self.planes.len() > 1 {
+            let of = |count, are_alike| Lobes { planes: self.planes.clone(), count, are_alike };
+            out.extend(best(ALIKE_FROM, &|waves| Wave::sum(waves).gain()).map(|count| of(count, true)));
+            out.extend(best(LOBES.start, &|waves| waves.iter().map(Wave::gain).sum()).map(|count| of(count, false)));
+        }
+        out
     }
 
     /// How many chords explain most. They are as far within as they are: their amount is one.
@@ -121,6 +138,38 @@ impl Circles {
         };
         let gains = self.counts.clone().zip(&self.chords).map(|(count, shape)| (gain(shape), count));
         gains.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(gain, _)| *gain > 0.0).map(|(_, count)| count)
+    }
+}
+
+/// What a cosine and a sine explain: products with what is left, and with each other.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wave {
+    right: [f64; 2],
+    matrix: [f64; 3],
+}
+
+impl Wave {
+    fn add(&mut self, angle: f64, sum: f64, information: f64) {
+        let (sine, cosine) = angle.sin_cos();
+        let parts = [cosine * cosine, sine * sine, sine * cosine];
+        self.right = [self.right[0] + sum * cosine, self.right[1] + sum * sine];
+        self.matrix = [0, 1, 2].map(|k| self.matrix[k] + information * parts[k]);
+    }
+
+    fn sum(all: &[Wave]) -> Wave {
+        all.iter().fold(Wave::default(), |sum, one| Wave {
+            right: [0, 1].map(|k| sum.right[k] + one.right[k]),
+            matrix: [0, 1, 2].map(|k| sum.matrix[k] + one.matrix[k]),
+        })
+    }
+
+    fn gain(&self) -> f64 {
+        let Wave { right: [one, other], matrix: [own, of_other, mixed] } = *self;
+        let told = own * of_other - mixed * mixed;
+        if told <= 0.0 {
+            return 0.0;
+        }
+        (one * one * of_other - 2.0 * one * other * mixed + other * other * own) / told
     }
 }
 

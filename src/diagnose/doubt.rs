@@ -7,8 +7,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::cause::{Candidate, Effect, Term};
-use super::refine::RIVAL;
+use super::cause::{Candidate, Effect, Term, circle};
+use super::mimic::RIVAL;
 use super::scene::Through;
 use super::search::{Field, Weights};
 use super::separate::separating;
@@ -16,6 +16,7 @@ use super::size::{Amounts, EXPANDED};
 use super::volume::Volume;
 use crate::geometry::AXES;
 use crate::model::parameter::Term as Part;
+use crate::numeric::Series;
 use crate::numeric::sums::dot;
 
 /// A correction helps where it leaves less than this share of an error.
@@ -24,10 +25,15 @@ const LEAVES: f64 = 0.8;
 const LARGER: f64 = 2.0;
 /// Rivals that are more far-fetched by less than this count.
 const AS_FAR: u32 = 100;
+/// Those that are not count where they explain so much of χ² more; then a correction must leave less of them.
+const BETTER: f64 = 4.0;
+const HALF: f64 = 0.5;
 /// Several simple errors are less far-fetched than what is so far-fetched: angles that one arm shows, cross-couplings, what has no name.
 const FAR: u32 = 400;
 /// So many of them.
 const MOST: usize = 6;
+/// Lobes that a ball out of round may have; fewer are what slopes and bows do to a circle.
+const LOBES: std::ops::Range<u32> = 4..13;
 /// Of a column of which less than this share of the square is left beside others these have all.
 const OWN: f64 = 1e-4;
 
@@ -67,26 +73,49 @@ impl Field<'_, '_> {
             return Some(Doubt { rivals: Vec::new(), separate_by: "at more places, or more often".to_owned() });
         }
         let mut series = self.series(weights, others, memory);
+        let own = series.gain(&self.columns(one)).squares;
         let said = |rivals: &[usize]| {
             let rivals: Vec<&Candidate> = rivals.iter().filter_map(|&number| self.candidates.get(number)).collect();
-            let names = rivals.iter().map(|one| format!("{} {}", one.cause.effect, one.parameter)).collect();
+            // A slope and a bow of one motion are one motion.
+            let mut names: Vec<String> = Vec::new();
+            for one in &rivals {
+                let name = format!("{} {}", one.cause.effect, one.parameter);
+                if !names.contains(&name) {
+                    names.push(name);
+                }
+            }
             Some(Doubt { rivals: names, separate_by: separating(self.scene, one, rivals.first()?) })
         };
         for &rival in class.iter().skip(1) {
             let Some(other) = self.candidates.get(rival).filter(|other| is_of_place(other)) else { continue };
             // Cross-couplings with and without what each axis does alone are one kind.
             let are_cross = [one, other].iter().all(|one| one.cause.effect == Effect::Cross);
-            let is_alike = (are_cross || other.columns.len() <= one.columns.len())
-                && other.far_fetched() <= one.far_fetched().saturating_add(AS_FAR)
-                && other.parameter != one.parameter;
-            if is_alike {
-                let (parts, _) = series.amounts(&self.columns(other));
-                if harms(&moves, &sum(&volume.fields(other, is_bounded(other)), &parts)) {
+            let is_as_short = are_cross || other.columns.len() <= one.columns.len();
+            let [far, of_other] = [one, other].map(Candidate::far_fetched);
+            let columns = self.columns(other);
+            let is_better = series.gain(&columns).squares > own + BETTER * noise;
+            // A bow with a slope of its own says more by chance; what has no name was found among many.
+            let is_any = one.cause.effect == Effect::Unknown;
+            let is_longer = other.columns.len() == one.columns.len() + 1 && (is_better || is_any);
+            let is_simpler = of_other.saturating_add(AS_FAR) < far && (is_as_short || is_longer);
+            let is_alike = is_as_short && of_other <= far.saturating_add(AS_FAR) && other.parameter != one.parameter;
+            let is_better = is_as_short && is_better;
+            if is_simpler || is_alike || is_better {
+                let (parts, _) = series.amounts(&columns);
+                let field = sum(&volume.fields(other, is_bounded(other)), &parts);
+                // What is simpler may also do much more than what was found.
+                let is_left = is_simpler && leaves(&moves, &field, LEAVES);
+                if harms(&moves, &field) || is_left || (is_better && leaves(&moves, &field, HALF)) {
                     return said(&[rival]);
                 }
             }
         }
-        let own = series.gain(&self.columns(one)).squares;
+        if let Some(rival) = self.single_instead(weights, volume, (one, others), memory) {
+            return said(&[rival]);
+        }
+        if let Some(doubt) = self.lobes_instead(&series, one, own - RIVAL * noise) {
+            return Some(doubt);
+        }
         let left = series.left().to_vec();
         let mut simple: Vec<Simple> = Vec::new();
         for candidate in self.simpler(one) {
@@ -107,6 +136,72 @@ impl Field<'_, '_> {
             .pair(needed, &moves)
             .or_else(|| (one.far_fetched() >= FAR).then(|| rivals.several(needed, &moves)).flatten())?;
         said(&found)
+    }
+
+    /// One error that explains more than a simple one and another that was found do together: then it is no chance that both are there.
+    fn single_instead(
+        &self,
+        weights: &Weights,
+        volume: &Volume,
+        (one, others): (&Candidate, &[usize]),
+        memory: f64,
+    ) -> Option<usize> {
+        let is_simple = |one: &Candidate| {
+            let is_known = matches!(one.cause.effect, Effect::Location | Effect::Motion);
+            is_known && one.columns.len() == 1 && matches!(one.term, Term::Parameters(_))
+        };
+        let at = |number: usize| self.candidates.get(number).filter(|one| is_simple(one));
+        others.iter().filter(|_| is_simple(one)).find_map(|&number| {
+            let other = at(number)?;
+            let rest: Vec<usize> = others.iter().copied().filter(|&third| third != number).collect();
+            let series = self.series(weights, &rest, memory);
+            let both = [self.columns(one), self.columns(other)].concat();
+            let (amounts, _) = series.amounts(&both);
+            let fields = [volume.fields(one, false), volume.fields(other, false)].concat();
+            let (moves, explained) = (sum(&fields, &amounts), series.gain(&both).squares);
+            (0..self.bows.start).find(|&rival| {
+                at(rival).is_some_and(|rival| {
+                    let columns = self.columns(rival);
+                    series.gain(&columns).squares > explained && {
+                        let (amounts, _) = series.amounts(&columns);
+                        leaves(&moves, &sum(&volume.fields(rival, false), &amounts), HALF)
+                    }
+                })
+            })
+        })
+    }
+
+    /// Lobes that go round with the angle of circles and explain as much with no more unknowns: they are no errors of axes.
+    fn lobes_instead(&self, series: &Series, one: &Candidate, needed: f64) -> Option<Doubt> {
+        let most = one.columns.len() / 2;
+        let mut planes: Vec<usize> = circle::places(self.scene)
+            .filter(|_| most > 0)?
+            .planes
+            .iter()
+            .flatten()
+            .filter(|plane| plane.is_finite())
+            .map(|&plane| plane as usize)
+            .collect();
+        planes.sort_unstable();
+        planes.dedup();
+        let found = LOBES.flat_map(|count| {
+            let with = |planes: &[usize], are_alike| {
+                let one = circle::lobes(self.scene, planes, count, are_alike)?;
+                let gain = series.gain(&self.columns(&one)).squares;
+                Some((gain, one))
+            };
+            let mut each: Vec<(f64, usize)> =
+                planes.iter().filter_map(|&plane| Some((with(&[plane], true)?.0, plane))).collect();
+            each.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let some: Vec<usize> = each.into_iter().take(most).map(|(_, plane)| plane).collect();
+            [with(&planes, true), with(&some, false)]
+        });
+        let (_, lobes) = found.flatten().find(|(gain, _)| *gain >= needed)?;
+        let count = lobes.constant.map_or(0.0, |(count, _)| count);
+        Some(Doubt {
+            rivals: vec![format!("{count} lobes over the angle of circles ({})", lobes.parameter)],
+            separate_by: lobes.cause.separate_by.to_owned(),
+        })
     }
 
     /// Simple errors that are less far-fetched: locations, slopes of motions and bows.
@@ -215,9 +310,13 @@ fn is_unsure(one: &Candidate, fields: &[Vec<f64>], amounts: &Amounts, square: f6
 
 /// Whether it does not help to correct by one where the other is true, which is no larger than may be.
 fn harms(own: &[f64], other: &[f64]) -> bool {
+    dot(other, other) <= LARGER * LARGER * dot(own, own) && leaves(own, other, LEAVES)
+}
+
+/// Whether correcting by one leaves so much of the other, or more.
+fn leaves(own: &[f64], other: &[f64], share: f64) -> bool {
     let left: f64 = own.iter().zip(other).map(|(own, other)| (own - other).powi(2)).sum();
-    let [one, whole] = [dot(own, own), dot(other, other)];
-    whole <= LARGER * LARGER * one && left > LEAVES * LEAVES * whole
+    left > share * share * dot(other, other)
 }
 
 /// A sum of columns times amounts.

@@ -8,7 +8,7 @@ use super::search::{Field, Taken, Weights};
 use super::slow;
 
 /// Chance at which a finding is claimed where there is nothing, over all candidates.
-const LIMIT: f64 = 1e-3;
+pub(super) const LIMIT: f64 = 1e-3;
 /// A finding does this share of the noise to the readings in which it acts at least: less is no cause but what others leave.
 const SMALL: f64 = 0.25;
 /// The same of what has no name or goes with time only: of such there are many.
@@ -27,6 +27,7 @@ pub(super) fn confirm(
     note: &mut dyn FnMut(&str, f64),
 ) -> Vec<(Taken, f64)> {
     let judged = field.backward(weights, taken, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
+    let judged = slow::named(field, weights, judged);
     let judged = slow::stand(field, weights, judged, LIMIT, &mut |out| rejections.add(out, Gate::Chance, None));
     let all = judged.clone();
     let judged = large_enough(field, weights, judged);

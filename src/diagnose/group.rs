@@ -7,6 +7,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::cause::{Candidate, Effect, Term};
+use super::gates::LIMIT;
 use super::price::Price;
 use super::scene::Through;
 use super::search::{Field, TIE, Weights};
@@ -61,7 +62,10 @@ impl Field<'_, '_> {
             return taken;
         }
         let group = self.group(weights);
-        if group.len() < 2 {
+        // One that would not stand beside the others takes the place of nothing.
+        let group: Vec<usize> =
+            self.backward(weights, group, LIMIT, &mut |_| {}).into_iter().map(|term| term.candidate).collect();
+        if group.is_empty() {
             return taken;
         }
         let group = self.sound_steps(weights, &group, &[]);
@@ -76,6 +80,48 @@ impl Field<'_, '_> {
         let more = other.1.saturating_sub(one.1).min(pairs);
         let price = Price::new(weights.items.iter().filter(|weight| **weight > 0.0).count() as f64, self.tried);
         if other.0 < one.0 + TIE * f64::from(count) + price.of(more) { group } else { taken }
+    }
+
+    /// Some with a simple error in the place of one that explains the readings worse – by the memory of the noise, which the search does not know – or of a
+    /// cross-coupling that explains them no better. `None` where there is none.
+    pub(super) fn better(&self, weights: &Weights, taken: &[usize]) -> Option<Vec<usize>> {
+        let is_simple = |one: &Candidate| {
+            let is_one = one.columns.len() == 1 && matches!(one.term, Term::Parameters(_));
+            is_one && matches!(one.cause.effect, Effect::Location | Effect::Motion)
+        };
+        let is_simple = |number: &usize| self.candidates.get(*number).is_some_and(is_simple);
+        let is_cross = |one: &Candidate| one.columns.len() == 1 && one.cause.effect == Effect::Cross;
+        let is_cross = |number: &usize| self.candidates.get(*number).is_some_and(is_cross);
+        let is_near = |number: &usize| self.candidates.get(*number).is_some_and(|one| one.far_fetched() < FAR);
+        let is_bow = |number: &usize| {
+            self.bows.contains(number) && self.candidates.get(*number).is_some_and(|one| one.columns.len() == 1)
+        };
+        let memory = self.memory(weights, taken);
+        let mut out = taken.to_vec();
+        for place in 0..out.len() {
+            let number = out[place];
+            let [may_be, is_far] = [is_simple(&number), is_cross(&number)];
+            if !may_be && !is_far {
+                continue;
+            }
+            let others: Vec<usize> = out.iter().copied().filter(|&other| other != number).collect();
+            let series = self.series(weights, &others, memory);
+            let gain =
+                |number: usize| self.candidates.get(number).map_or(0.0, |one| series.gain(&self.columns(one)).squares);
+            let own = gain(number);
+            let noise = (series.squares() - own) / series.count().saturating_sub(series.rank() + 1).max(1) as f64;
+            let tie = TIE * noise * self.inflation(weights, &out, &others, number);
+            let least = if is_far { own - tie } else { own + tie };
+            let is_open = |number: &usize| {
+                if is_far { is_near(number) && (is_simple(number) || is_bow(number)) } else { is_simple(number) }
+            };
+            let open = (0..self.bows.end).filter(is_open).filter(|number| !out.contains(number));
+            let all = open.map(|number| (gain(number), number)).filter(|(gain, _)| *gain > least);
+            if let Some((_, number)) = all.max_by(|a, b| a.0.total_cmp(&b.0)) {
+                out[place] = number;
+            }
+        }
+        (out != taken).then_some(out)
     }
 
     /// −2 ln of the likelihood and the price of all columns; how many these are.

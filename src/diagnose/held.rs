@@ -13,6 +13,10 @@ const STRETCHES: usize = 60;
 const LEAST: usize = 4;
 /// How often is drawn.
 const DRAWS: usize = 400;
+/// Stretches from which an interval of 95 % can be drawn: all of six have the same sign by chance in one case of 64.
+const DRAWN: usize = 6;
+/// A model is worse than none only where it leaves so much more, as a share of the root of the mean square.
+const WORSE: f64 = 0.02;
 /// Sums of a stretch.
 const SUMS: usize = 10;
 /// Places of the ends of an interval of 95 % among the draws.
@@ -112,13 +116,13 @@ pub(super) fn compare(scene: &Scene<'_>, weights: &Weights, of: [&[f64]; 3]) -> 
         efficiency: if whole[3] > 0.0 { 1.0 - whole[3 + k] / whole[3] } else { 0.0 },
     };
     let gain = |all: &[f64; SUMS]| if all[8] > 0.0 { 1.0 - (all[9] / all[8]).sqrt() } else { 0.0 };
-    let worse = interval(&|all| all[8] - all[7]);
+    let worse = interval(&|all| all[8].sqrt() - (1.0 + WORSE) * all[7].sqrt());
     Compared {
         measured: sizes(0),
         before: sizes(1),
         after: sizes(2),
         gain: (gain(&whole), interval(&gain)),
-        is_expired: worse[0] > 0.0,
+        is_expired: sums.len() >= DRAWN && worse[0] > 0.0,
         readings: places.into_iter().filter(|&place| has_size(place)).count(),
     }
 }

@@ -12,6 +12,10 @@ use crate::numeric::{Series, fisher};
 
 /// Positions that differ by less than one part in so many, mm or rad, are one.
 const FINE: f64 = 1e3;
+/// Unknowns of a wave: a mean, a period, a sine and a cosine.
+const UNKNOWNS: f64 = 4.0;
+/// Readings of a pose are alike where their correlation is beyond so many of its standard deviations.
+const SURELY: f64 = 2.0;
 
 impl Field<'_, '_> {
     /// By how much the variances of the amounts of columns are larger than of independent readings, at most.
@@ -42,6 +46,23 @@ impl Field<'_, '_> {
             }
         }
         Poses(members)
+    }
+
+    /// The chance that some wave of so many fits what places have of their own as well as one that was taken, as if each pose were read once; 0 where
+    /// no pose was read again.
+    pub(super) fn chance_of_places(&self, weights: &Weights, taken: &[usize], number: usize, waves: usize) -> f64 {
+        let poses = self.poses(weights);
+        let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
+        let memory = self.memory(weights, taken);
+        let columns = self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default();
+        let gain = self.series(weights, &others, memory).gain(&columns).squares;
+        let rest = poses.squares(self.series(weights, taken, memory).left());
+        let freedom = poses.0.len() as f64 - UNKNOWNS;
+        let is_again = poses.0.iter().any(|own| own.len() > 1);
+        if !is_again || rest <= 0.0 {
+            return 0.0;
+        }
+        (waves as f64 * (rest / (rest + gain)).powf(0.5 * freedom.max(0.0))).min(1.0)
     }
 
     /// The memory of what is left with some candidates.
@@ -78,11 +99,15 @@ impl Field<'_, '_> {
                 let columns = self.columns(&self.candidates[number]);
                 let gain = series.gain(&columns);
                 let mut inflation = inflation(&order, &of_noise, &series, &columns);
+                let mut count = f64::INFINITY;
                 if let Some(poses) = poses.as_ref().filter(|_| is_wave(&number)) {
-                    inflation = inflation.max(poses.inflation(whole.left(), &columns));
+                    let own = poses.inflation(whole.left(), &columns);
+                    inflation = inflation.max(own.times);
+                    count = own.count;
                 }
                 // Readings that wander together are as good as fewer that do not.
-                let freedom = (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).max(1.0);
+                let freedom =
+                    (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).min(count).max(1.0);
                 let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
                 let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
                 let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
@@ -108,9 +133,18 @@ type Pose = ([i64; AXIS_COUNT], [i64; 3], usize, Option<ErrorName>);
 struct Poses(Vec<Vec<usize>>);
 
 impl Poses {
+    /// Squares of means of poses, each as often as it was read.
+    fn squares(&self, left: &[f64]) -> f64 {
+        let of = |own: &Vec<usize>| {
+            let sum: f64 = own.iter().filter_map(|&place| left.get(place)).sum();
+            sum * sum / own.len().max(1) as f64
+        };
+        self.0.iter().map(of).sum()
+    }
+
     /// By how much variances grow because what is left is the same whenever a pose is read: then readings of one pose are one, however many there are.
     /// Among a hundred waves there is one that fits what a few poses have of their own.
-    fn inflation(&self, left: &[f64], columns: &[Vec<f64>]) -> f64 {
+    fn inflation(&self, left: &[f64], columns: &[Vec<f64>]) -> Inflation {
         // Σ of products of different readings of a pose, and of squares.
         let sums = |values: &[f64]| {
             self.0.iter().fold((0.0, 0.0), |sums, places| {
@@ -123,15 +157,26 @@ impl Poses {
         let count: f64 = self.0.iter().map(|own| own.len() as f64).sum();
         let (products, squares) = sums(left);
         if pairs <= 0.0 || squares <= 0.0 {
-            return 1.0;
+            return Inflation { times: 1.0, count: f64::INFINITY };
         }
         let alike = (products / pairs / (squares / count)).clamp(0.0, 1.0);
+        let own = (self.0.len() as f64 - UNKNOWNS).max(0.0);
         let of_column = |column: &Vec<f64>| {
             let (products, squares) = sums(column);
             if squares > 0.0 { 1.0 + alike * products / squares } else { 1.0 }
         };
-        columns.iter().map(of_column).fold(1.0, f64::max)
+        let times = columns.iter().map(of_column).fold(1.0, f64::max);
+        let is_alike = alike > SURELY * (2.0 / pairs).sqrt();
+        Inflation { times, count: if is_alike { own } else { f64::INFINITY } }
     }
+}
+
+/// What readings of a pose are worth together.
+struct Inflation {
+    /// By how much variances grow.
+    times: f64,
+    /// Poses beyond the unknowns of a wave, where readings of a pose are surely alike.
+    count: f64,
 }
 
 /// By how much the variances of the amounts of columns beside a basis are larger than of independent readings, at most.

@@ -1,18 +1,31 @@
-//! Short waves that evenly spaced places show like something smooth: what folds onto a slow wave looks like a bow.
+//! Waves that the places of readings show like what was found: other periods of a wave, and short waves that look like something smooth.
 //!
 //! At places a step apart a wave of frequency ν is the same as one of |ν − k/step|. Every 50 mm, 16 mm (3.125 turns a step) are an eighth of a turn: a
 //! polynomial fits them, and between the places does something else. A pitch that screws have is a rival of a smooth shape where it explains the
 //! readings as well. A shape of many coefficients has any wave as a rival that explains them better with fewer.
 
 use super::cause::{Candidate, Effect, own, periodic};
-use super::refine::{PITCHES, RIVAL};
+use super::doubt::Doubt;
+use super::refine::PEAK;
 use super::scene::Through;
 use super::search::{Field, Weights};
+use super::seek::information_of;
+use super::separate::steps;
 use super::size::weights_at;
 use crate::geometry::{AXES, Axis};
 use crate::model::motion::Function;
 use crate::model::name::{DIRECTIONS, ErrorName};
 
+/// Pitches of screws, mm (ISO 3408-2), from the coarsest.
+const PITCHES: [f64; 11] = [40.0, 32.0, 25.0, 20.0, 16.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0];
+/// A rival explains nearly as much: so much of χ² less at most.
+pub(super) const RIVAL: f64 = 6.0;
+/// A wave is surer than this to be none of what places have of their own.
+const BY_CHANCE: f64 = 0.01;
+/// Where a period is not known, mm.
+const MOST_PERIOD: f64 = 40.0;
+/// Peaks that explain this share of the best are looked at in full.
+const ALIAS: f64 = 0.8;
 /// An amplitude beyond so many times the range of the shape is none: where a wave is nearly the same at all places it may be anything.
 const LARGER: f64 = 2.0;
 /// Coefficients from which on a slow wave of any period is as simple.
@@ -24,6 +37,60 @@ const STEP: f64 = 0.1;
 const EVEN: f64 = 0.02;
 
 impl Field<'_, '_> {
+    /// Periods that are usual along an axis, mm: those that the machine file has and those of screws.
+    pub(super) fn pitches(&self, axis: Axis) -> impl Iterator<Item = f64> {
+        let of_file = self.scene.errors.motion.iter().filter(move |error| error.name.axis() == Some(axis));
+        let of_file = of_file.filter_map(|error| match &error.function {
+            Function::Periodic(own) => Some(own.period),
+            _ => None,
+        });
+        of_file.chain(PITCHES)
+    }
+
+    /// Other periods that a candidate beside some others may as well have: readings at these places do not tell.
+    pub(super) fn aliases(
+        &self,
+        weights: &Weights,
+        number: usize,
+        others: &[usize],
+        (memory, noise): (f64, f64),
+    ) -> Vec<f64> {
+        let series = self.series(weights, others, memory);
+        let found = self.candidates.get(number).filter(|one| one.cause.effect == Effect::Periodic).and_then(|one| {
+            let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
+            let axis = name.axis()?;
+            let sweep = self.seek.sweep(axis)?;
+            let (period, _) = one.constant?;
+            let own = series.gain(&self.columns(one)).squares;
+            let information = information_of(&self.factors, Through::Component(name), &weights.items);
+            let left = series.unwhitened(series.left());
+            let products: Vec<f64> =
+                self.factors.get(&Through::Component(name))?.iter().zip(&left).map(|(a, b)| a * b).collect();
+            let is_other = |other: &f64| (sweep.travel() / other - sweep.travel() / period).abs() > 2.0 * PEAK;
+            let is_rival = |other: &f64| {
+                let near = self.period_near(&series, name, axis, *other);
+                let near = near.unwrap_or_else(|| periodic::candidate(name, axis, *other));
+                (own - series.gain(&self.columns(&near)).squares) / noise < RIVAL
+            };
+            let all = sweep.peaks(&products, &information, ALIAS).into_iter();
+            Some(all.filter(is_other).filter(is_rival).collect::<Vec<f64>>())
+        });
+        let mut found = found.unwrap_or_default();
+        found.sort_by(|a, b| b.total_cmp(a));
+        found
+    }
+
+    /// Why a wave through a few places is in doubt: some wave of all that were tried goes through whatever these have of their own.
+    pub(super) fn wave_doubt(&self, weights: &Weights, taken: &[usize], number: usize) -> Option<Doubt> {
+        let one = self.candidates.get(number).filter(|one| one.cause.effect == Effect::Periodic)?;
+        let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
+        let waves = self.seek.sweep(name.axis()?)?.count();
+        (self.chance_of_places(weights, taken, number, waves) > BY_CHANCE).then(|| Doubt {
+            rivals: vec!["an error of each place by itself".to_owned()],
+            separate_by: steps(self.scene, one, one.constant.map_or(MOST_PERIOD, |(period, _)| period)),
+        })
+    }
+
     /// Periods, mm, of short waves along the axis of a smooth shape that explain the readings as well, beside some others; the longest first.
     pub(super) fn mimics(
         &self,
@@ -57,13 +124,8 @@ impl Field<'_, '_> {
             parts.iter().map(|part| part * part).sum::<f64>().sqrt() <= most
                 && series.gain(&columns).squares >= own - slack * noise
         };
-        let of_file = self.scene.errors.motion.iter().filter(|error| error.name.axis() == Some(axis));
-        let of_file = of_file.filter_map(|error| match &error.function {
-            Function::Periodic(own) => Some(own.period),
-            _ => None,
-        });
         let slack = if one.columns.len() > 1 { RIVAL } else { 0.0 };
-        let mut out: Vec<f64> = of_file.chain(PITCHES).filter(|period| explains(*period, slack)).collect();
+        let mut out: Vec<f64> = self.pitches(axis).filter(|period| explains(*period, slack)).collect();
         if let Some((step, travel)) = even(places).filter(|_| out.is_empty() && one.columns.len() >= MANY) {
             let count = ((SLOW[1] - SLOW[0]) / STEP) as u32;
             let slow = (0..=count).map(|k| (SLOW[0] + STEP * f64::from(k)) / travel).filter(|slow| *slow < 0.5 / step);

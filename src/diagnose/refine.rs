@@ -1,25 +1,18 @@
-//! Periods and time constants moved to where they explain most.
+//! Periods and time constants moved to where they explain most. Which others the readings show alike is in [`super::mimic`].
 
 use super::cause::{Candidate, Effect, periodic, thermal};
+use super::mimic::RIVAL;
 use super::scene::Through;
-use super::search::{Field, Weights};
-use super::seek::information_of;
+use super::search::Field;
 use crate::geometry::Axis;
-use crate::model::motion::Function;
 use crate::model::name::ErrorName;
 use crate::numeric::Series;
 
 /// Half of the width of the peak of a period, cycles over the travel, and steps towards its top.
-const PEAK: f64 = 0.4;
+pub(super) const PEAK: f64 = 0.4;
 const REFINED: usize = 14;
-/// Pitches of screws, mm (ISO 3408-2), from the coarsest.
-pub(super) const PITCHES: [f64; 11] = [40.0, 32.0, 25.0, 20.0, 16.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0];
 /// The amplitude of another name of a wave is larger by this at most.
 const LARGER: f64 = 1.5;
-/// A rival explains nearly as much: so much of χ² less at most.
-pub(super) const RIVAL: f64 = 6.0;
-/// Peaks that explain this share of the best are looked at in full.
-const ALIAS: f64 = 0.8;
 
 impl Field<'_, '_> {
     /// A candidate with its period or its time constant moved to where it explains most: one that is a little off leaves beats and tails. `None` where
@@ -40,7 +33,7 @@ impl Field<'_, '_> {
         self.best_near(series, [shortest.ln(), first.ln(), longest.ln()], &with)
     }
 
-    fn period_near(&self, series: &Series, name: ErrorName, axis: Axis, period: f64) -> Option<Candidate> {
+    pub(super) fn period_near(&self, series: &Series, name: ErrorName, axis: Axis, period: f64) -> Option<Candidate> {
         let travel = self.seek.sweep(axis)?.travel();
         let cycles = travel / period;
         let with = |cycles: f64| Some(periodic::candidate(name, axis, travel / cycles));
@@ -59,12 +52,7 @@ impl Field<'_, '_> {
             let is_alike = |other: &f64| (sweep.travel() / other - cycles).abs() < PEAK;
             aliases.iter().chain([&period]).any(is_alike)
         };
-        let known = self.scene.errors.motion.iter().filter(|error| error.name.axis() == Some(axis));
-        let known = known.filter_map(|error| match &error.function {
-            Function::Periodic(own) => Some(own.period),
-            _ => None,
-        });
-        let pitches = known.chain(PITCHES).filter(|pitch| !aliases.is_empty() && is_near(*pitch));
+        let pitches = self.pitches(axis).filter(|pitch| !aliases.is_empty() && is_near(*pitch));
         let mut all = pitches.map(|pitch| periodic::candidate(name, axis, pitch));
         // Where two steps are a period its sine and cosine are one column, and its amplitude is anything.
         let amplitude = |one: &Candidate| {
@@ -73,39 +61,6 @@ impl Field<'_, '_> {
         };
         let most = LARGER * amplitude(one);
         all.find(|other| own - series.gain(&self.columns(other)).squares < RIVAL * noise && amplitude(other) < most)
-    }
-
-    /// Other periods that a candidate beside some others may as well have: readings at these places do not tell.
-    pub(super) fn aliases(
-        &self,
-        weights: &Weights,
-        number: usize,
-        others: &[usize],
-        (memory, noise): (f64, f64),
-    ) -> Vec<f64> {
-        let series = self.series(weights, others, memory);
-        let found = self.candidates.get(number).filter(|one| one.cause.effect == Effect::Periodic).and_then(|one| {
-            let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
-            let axis = name.axis()?;
-            let sweep = self.seek.sweep(axis)?;
-            let (period, _) = one.constant?;
-            let own = series.gain(&self.columns(one)).squares;
-            let information = information_of(&self.factors, Through::Component(name), &weights.items);
-            let left = series.unwhitened(series.left());
-            let products: Vec<f64> =
-                self.factors.get(&Through::Component(name))?.iter().zip(&left).map(|(a, b)| a * b).collect();
-            let is_other = |other: &f64| (sweep.travel() / other - sweep.travel() / period).abs() > 2.0 * PEAK;
-            let is_rival = |other: &f64| {
-                let near = self.period_near(&series, name, axis, *other);
-                let near = near.unwrap_or_else(|| periodic::candidate(name, axis, *other));
-                (own - series.gain(&self.columns(&near)).squares) / noise < RIVAL
-            };
-            let all = sweep.peaks(&products, &information, ALIAS).into_iter();
-            Some(all.filter(is_other).filter(is_rival).collect::<Vec<f64>>())
-        });
-        let mut found = found.unwrap_or_default();
-        found.sort_by(|a, b| b.total_cmp(a));
-        found
     }
 
     /// The candidate of the number between two others that gains most, if it gains more than that of the middle one.

@@ -163,7 +163,7 @@ impl Seek {
             let sums = by_row(products(place));
             out.extend(circles.best(&sums, &information).and_then(|count| circle::chords(scene, count)));
             let lobes = circles.best_lobes(&sums, &information).into_iter();
-            out.extend(lobes.filter_map(|(plane, count)| circle::lobes(scene, plane, count)));
+            out.extend(lobes.filter_map(|one| circle::lobes(scene, &one.planes, one.count, one.are_alike)));
         }
         out
     }

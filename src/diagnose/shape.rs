@@ -188,10 +188,11 @@ pub fn sentence(one: &Finding, scene: &Scene<'_>, used: usize) -> Option<String>
         return None;
     }
     if let Some((count, "lobes")) = one.candidate.constant {
-        let plane = &one.candidate.parameter;
-        return Some(format!(
-            "unknown: {count} lobes over the angle of circles in the plane {plane}, the same in all runs"
-        ));
+        let plane = match one.candidate.drivers.len() {
+            2 => format!("the plane {}", one.candidate.parameter),
+            _ => "all planes".to_owned(),
+        };
+        return Some(format!("unknown: {count} lobes over the angle of circles in {plane}, the same in all runs"));
     }
     let all = drivers(one, scene);
     let deviations = deviations(one, scene);

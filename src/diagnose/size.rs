@@ -86,11 +86,14 @@ pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, 
         return Size { value: count, u95: 0.5, unit };
     }
     if matches!(candidate.constant, Some((_, "lobes"))) {
-        return amplitude(amounts, micro, unit);
+        // Of the plane that has most of them.
+        let of = |first: usize| amplitude(amounts, first, micro, unit);
+        let all = (0..amounts.values.len()).step_by(2).map(of);
+        return all.max_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or_default();
     }
     match candidate.cause.effect {
-        Effect::Periodic => amplitude(amounts, micro, unit),
-        Effect::Dynamic if candidate.constant.is_some() => amplitude(amounts, micro, unit),
+        Effect::Periodic => amplitude(amounts, 0, micro, unit),
+        Effect::Dynamic if candidate.constant.is_some() => amplitude(amounts, 0, micro, unit),
         // The step from one octant to the next.
         Effect::Dynamic if candidate.parameter.is_empty() => {
             let step = plain(micro, unit);
@@ -148,11 +151,11 @@ fn sense_along(candidate: &Candidate, scene: &Scene<'_>) -> f64 {
     if along < 0.0 { -1.0 } else { 1.0 }
 }
 
-fn amplitude(amounts: &Amounts, micro: f64, unit: &'static str) -> Size {
-    let [sine, cosine] = [0, 1].map(|k| amounts.values.get(k).copied().unwrap_or(0.0));
+fn amplitude(amounts: &Amounts, first: usize, micro: f64, unit: &'static str) -> Size {
+    let [sine, cosine] = [first, first + 1].map(|k| amounts.values.get(k).copied().unwrap_or(0.0));
     let value = sine.hypot(cosine);
     let along = if value > 0.0 { [sine / value, cosine / value] } else { [1.0, 0.0] };
-    let (_, sigma) = amounts.form(&along);
+    let (_, sigma) = amounts.form(&[vec![0.0; first], along.to_vec()].concat());
     Size { value: micro * value, u95: EXPANDED * micro * sigma, unit }
 }
 

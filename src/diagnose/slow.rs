@@ -6,6 +6,7 @@
 
 use crate::numeric::fisher;
 
+use super::cause::{Candidate, Effect};
 use super::fold::counts;
 use super::score::in_parts;
 use super::search::{Field, Taken, Weights};
@@ -18,6 +19,8 @@ const MEMORIES_OF_MANY: [f64; 3] = [0.9, 0.98, 0.999];
 const FRESH_OF_MANY: [f64; 4] = [2e-3, 0.016, 0.12, 1.0];
 /// So many are many.
 const MANY: usize = 8000;
+/// Named ones that are held against one without a name, at most.
+const MOST: usize = 60;
 /// A column of which less than this share of its square is left says nothing of its own.
 const DEPENDENT: f64 = 1e-9;
 
@@ -155,6 +158,99 @@ fn take_out(matrix: &mut [f64], side: usize, k: usize, whole: f64) -> bool {
     true
 }
 
+/// Candidates beside all kinds of noise.
+struct Slow {
+    /// Readings.
+    count: f64,
+    /// Columns of each candidate.
+    own: Vec<Vec<usize>>,
+    all: Vec<Products>,
+}
+
+impl Slow {
+    fn new(field: &Field<'_, '_>, weights: &Weights, numbers: &[usize]) -> Slow {
+        let rows = Rows::new(field, weights);
+        let unknowns: Vec<Vec<f64>> = field.unknowns().iter().map(|values| rows.column(weights, values)).collect();
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut own: Vec<Vec<usize>> = Vec::new();
+        for number in numbers {
+            let all = field.candidates.get(*number).map(|one| field.columns(one)).unwrap_or_default();
+            own.push((columns.len()..columns.len() + all.len()).collect());
+            columns.extend(all.iter().map(|values| rows.column(weights, values)));
+        }
+        let values: Vec<f64> = field.scene.items.iter().map(|item| item.left).collect();
+        columns.push(rows.column(weights, &values));
+        let (memories, fresh) = if rows.places.len() > MANY {
+            (&MEMORIES_OF_MANY[..], &FRESH_OF_MANY[..])
+        } else {
+            (&MEMORIES[..], &FRESH[..])
+        };
+        let mut kinds = vec![Kind { memory: 0.0, fresh: 0.0 }];
+        kinds.extend(memories.iter().flat_map(|&memory| fresh.iter().map(move |&fresh| Kind { memory, fresh })));
+        let all = in_parts(&kinds, &|kind: &Kind| Products::new(*kind, &rows, (&unknowns, &columns)));
+        Slow { count: rows.places.len() as f64, own, all }
+    }
+
+    /// −2 ln of the likelihood of some of them, but for a constant, with the noise that suits them best, and how many columns say something of their own.
+    fn best(&self, taken: &[usize]) -> (f64, usize) {
+        let columns: Vec<usize> = taken.iter().filter_map(|&k| self.own.get(k)).flatten().copied().collect();
+        let each = self.all.iter().map(|products| products.left(&columns, self.count));
+        each.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
+    }
+}
+
+/// The same with what has no name as what has one, where beside noise that wanders this says as much for its number of unknowns: a shape over two drivers
+/// follows a wander that goes with none of them, and takes with it what goes with one.
+pub(super) fn named(field: &Field<'_, '_>, weights: &Weights, mut judged: Vec<Taken>) -> Vec<Taken> {
+    for k in 0..judged.len() {
+        let rivals =
+            judged.get(k).and_then(|term| field.candidates.get(term.candidate)).map(|one| named_of(field, one));
+        let Some(rivals) = rivals.filter(|rivals| !rivals.is_empty()) else { continue };
+        let others = judged.len();
+        let numbers: Vec<usize> = judged.iter().map(|term| term.candidate).chain(rivals.iter().copied()).collect();
+        let slow = Slow::new(field, weights, &numbers);
+        // Schwarz 1978.
+        let worth = |taken: &[usize]| {
+            let (left, rank) = slow.best(taken);
+            left + slow.count.ln() * rank as f64
+        };
+        let with = |rival: usize| (0..others).filter(|&other| other != k).chain([rival]).collect::<Vec<usize>>();
+        let as_is = worth(&with(k));
+        let each = (others..numbers.len()).map(|rival| (worth(&with(rival)), rival));
+        let best = each.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(worth, _)| *worth < as_is);
+        if let (Some((_, rival)), Some(term)) = (best, judged.get_mut(k)) {
+            term.candidate = numbers.get(rival).copied().unwrap_or(term.candidate);
+        }
+    }
+    // Two shapes may have been the same cause.
+    let mut known: Vec<usize> = Vec::new();
+    judged.retain(|term| {
+        let is_new = !known.contains(&term.candidate);
+        known.push(term.candidate);
+        is_new
+    });
+    judged
+}
+
+/// Named candidates that act where one without a name does, and depend on a part of what it depends on.
+fn named_of(field: &Field<'_, '_>, one: &Candidate) -> Vec<usize> {
+    let through = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(through, _)| *through);
+    let is_rival = |other: &Candidate| {
+        other.cause.effect != Effect::Unknown
+            && through(other) == through(one)
+            && !other.drivers.is_empty()
+            && other.drivers.iter().all(|driver| one.drivers.contains(driver))
+    };
+    let is_slow = |driver: &String| driver.starts_with("T_") || driver == "t_s";
+    if one.cause.effect != Effect::Unknown || one.drivers.len() < 2 || !one.drivers.iter().all(is_slow) {
+        return Vec::new();
+    }
+    (0..field.candidates.len())
+        .filter(|&number| field.candidates.get(number).is_some_and(is_rival))
+        .take(MOST)
+        .collect()
+}
+
 /// Those that stand, with the chance of each where that is larger than it was; `note` gets the others.
 pub(super) fn stand(
     field: &Field<'_, '_>,
@@ -166,31 +262,9 @@ pub(super) fn stand(
     if judged.is_empty() {
         return judged;
     }
-    let rows = Rows::new(field, weights);
-    let count = rows.places.len() as f64;
-    let unknowns: Vec<Vec<f64>> = field.unknowns().iter().map(|values| rows.column(weights, values)).collect();
-    let mut columns: Vec<Vec<f64>> = Vec::new();
-    let mut own: Vec<Vec<usize>> = Vec::new();
-    for term in &judged {
-        let all = field.candidates.get(term.candidate).map(|one| field.columns(one)).unwrap_or_default();
-        own.push((columns.len()..columns.len() + all.len()).collect());
-        columns.extend(all.iter().map(|values| rows.column(weights, values)));
-    }
-    let values: Vec<f64> = field.scene.items.iter().map(|item| item.left).collect();
-    columns.push(rows.column(weights, &values));
-    let (memories, fresh) = if rows.places.len() > MANY {
-        (&MEMORIES_OF_MANY[..], &FRESH_OF_MANY[..])
-    } else {
-        (&MEMORIES[..], &FRESH[..])
-    };
-    let mut kinds = vec![Kind { memory: 0.0, fresh: 0.0 }];
-    kinds.extend(memories.iter().flat_map(|&memory| fresh.iter().map(move |&fresh| Kind { memory, fresh })));
-    let all = in_parts(&kinds, &|kind: &Kind| Products::new(*kind, &rows, (&unknowns, &columns)));
-    let best = |taken: &[usize]| {
-        let columns: Vec<usize> = taken.iter().filter_map(|&k| own.get(k)).flatten().copied().collect();
-        let each = all.iter().map(|products| products.left(&columns, count));
-        each.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
-    };
+    let numbers: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
+    let slow = Slow::new(field, weights, &numbers);
+    let best = |taken: &[usize]| slow.best(taken);
     let mut taken: Vec<usize> = Vec::new();
     let mut chances = vec![1.0; judged.len()];
     loop {

@@ -7,10 +7,10 @@ use super::fold::{Selections, counts};
 use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
 use super::jackknife::{u95, without_parts};
+use super::mimic::RIVAL;
 use super::noise::{self, is_angle};
 use super::parts::{Part, differing};
 use super::readings::{doing, drop_far, even_out, left_of, projected, rms, weights};
-use super::refine::RIVAL;
 use super::rejected::{Rejected, Rejections, Tried, tried};
 use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
@@ -127,6 +127,13 @@ pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn
         kept = again;
     }
     let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
+    if let Some(taken) = field.better(&weights, &numbers) {
+        let again = confirm(&mut field, &weights, taken, (&mut selections, &mut rejections), note);
+        if again.len() >= kept.len() {
+            kept = again;
+        }
+    }
+    let numbers: Vec<usize> = kept.iter().map(|(term, _)| term.candidate).collect();
     let far = field.left_with(&weights, &numbers);
     let far = projected(&field, &held_out, &far);
     even_out(scene, &mut held_out, &far);
@@ -178,8 +185,8 @@ fn verdict(
                 .map(|k| range.clone().map(|l| covariance[(k, l)] * noise * inflation).collect())
                 .collect(),
         };
-        let own_without: Vec<Vec<f64>> =
-            without_parts.iter().map(|all| all.get(range.clone()).unwrap_or_default().to_vec()).collect();
+        let own_without: Vec<Amounts> =
+            without_parts.iter().map(|without| without.of(&range, noise * inflation)).collect();
         let mut size = size(candidate, &amounts, scene, used);
         size.u95 = size.u95.max(u95(candidate, &amounts, &own_without, scene, used).unwrap_or(0.0));
         let does = doing(field, weights, weights, &taken, term.candidate);
@@ -197,7 +204,8 @@ fn verdict(
         };
         let doubt = volume
             .as_ref()
-            .and_then(|volume| field.doubt(weights, volume, (term.candidate, &others), (&amounts, &class), scatter));
+            .and_then(|volume| field.doubt(weights, volume, (term.candidate, &others), (&amounts, &class), scatter))
+            .or_else(|| field.wave_doubt(weights, &taken, term.candidate));
         // Itself, with other periods, others.
         let mut names: Vec<(&'static Cause, String)> = class
             .iter()
@@ -310,9 +318,11 @@ fn class(
         .filter(|(place, gain)| *place != number && (own - gain.squares) / noise < RIVAL && gain.squares > 0.5 * own)
         .map(|(place, gain)| (gain.squares, place))
         .collect();
-    // As good as each other are those that differ by the rounding of sums only: they stay in the order of the catalogue.
+    // The simplest first: that some with more unknowns explain a bit more says nothing. As good as each other are those that differ by the rounding of sums
+    // only: they stay in the order of the catalogue.
     let rounded = |gain: f64| (gain / own.max(f64::MIN_POSITIVE) * ROUNDED).round();
-    rivals.sort_by(|a, b| rounded(b.0).total_cmp(&rounded(a.0)));
+    let far = |number: usize| field.candidates.get(number).map_or(u32::MAX, Candidate::far_fetched);
+    rivals.sort_by(|a, b| far(a.1).cmp(&far(b.1)).then(rounded(b.0).total_cmp(&rounded(a.0))));
     let mut class: Vec<usize> = Vec::new();
     let mut names: Vec<(Effect, String)> = Vec::new();
     for place in std::iter::once(number).chain(rivals.into_iter().map(|(_, place)| place)) {

@@ -10,7 +10,7 @@ use crate::model::{ErrorModel, Model};
 use crate::numeric::sums::dot;
 
 /// Places along the travel of a linear axis, and along what was measured of a rotary one.
-const LINEAR: usize = 4;
+const LINEAR: usize = 7;
 const ROTARY: usize = 3;
 /// Of a direction of which less than this share is left the others have all.
 const OWN: f64 = 1e-6;

@@ -157,23 +157,28 @@ pub(in crate::diagnose) fn chord(angle: f64, count: u32) -> f64 {
     half.cos() / within.cos() - 1.0
 }
 
-/// So many lobes over the angle of circles whose plane is at right angles to a direction (0, 1, 2).
-pub(in crate::diagnose) fn lobes(scene: &Scene<'_>, still: usize, count: u32) -> Option<Candidate> {
+/// So many lobes over the angle of circles whose planes are at right angles to some directions (0, 1, 2). Those of a plane may turn against those of
+/// another; where they are alike all planes have the same.
+pub(in crate::diagnose) fn lobes(scene: &Scene<'_>, still: &[usize], count: u32, are_alike: bool) -> Option<Candidate> {
     let Places { angles, planes, .. } = places(scene)?;
-    let wave = |of: fn(f64) -> f64| {
-        let (angles, planes) = (Arc::clone(&angles), Arc::clone(&planes));
+    let wave = |some: &[usize], of: fn(f64) -> f64| {
+        let (angles, planes, some) = (Arc::clone(&angles), Arc::clone(&planes), some.to_vec());
         Weight::new(move |row| {
             let at = |values: &Values| values.get(row.set).and_then(|own| own.get(row.number)).copied();
-            let is_in = at(&planes).is_some_and(|plane| plane == still as f64);
+            let is_in = at(&planes).is_some_and(|plane| some.iter().any(|&own| plane == own as f64));
             at(&angles).filter(|_| is_in).map_or(0.0, |angle| of(f64::from(count) * angle))
         })
     };
-    let names = ["X", "Y", "Z"];
-    let [one, other] = *[[1, 2], [0, 2], [0, 1]].get(still)?;
-    let (one, other) = (names[one], names[other]);
+    // A circle moves both axes but the one that stands still.
+    let moves = |k: usize| still.iter().any(|&own| own != k);
+    let names: Vec<&str> =
+        ["X", "Y", "Z"].into_iter().enumerate().filter(|(k, _)| moves(*k)).map(|one| one.1).collect();
+    let drivers: Vec<&dyn std::fmt::Display> = names.iter().map(|name| name as &dyn std::fmt::Display).collect();
     let through = Through::Reading(false);
-    let mut found = Candidate::one(&LOBES, format!("{one}{other}"), through, wave(f64::cos)).driven_by(&[&one, &other]);
-    found.columns.push(vec![(through, wave(f64::sin))]);
+    let parts: Vec<&[usize]> = if are_alike { vec![still] } else { still.chunks(1).collect() };
+    let waves = parts.into_iter().flat_map(|some| [wave(some, f64::cos), wave(some, f64::sin)]);
+    let mut found = Candidate::one(&LOBES, names.concat(), through, Weight::new(|_| 0.0)).driven_by(&drivers);
+    found.columns = waves.map(|wave| vec![(through, wave)]).collect();
     found.constant = Some((f64::from(count), "lobes"));
     Some(found)
 }

@@ -50,7 +50,7 @@ pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Resul
 ///
 /// # Errors
 /// Why it must not.
-pub fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
+fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
     if largest(one.size.unit).is_some_and(|most| one.size.value.abs() > most) || one.rms > MOST_MM {
         return Err(
             "no machine errs so much: the columns, their units or the description say something else than was measured"
@@ -95,7 +95,7 @@ fn doubtful(doubt: &Doubt) -> String {
     }
     let (verb, does) = if doubt.rivals.len() > 1 { ("do", "together ") } else { ("does", "") };
     format!(
-        "{} {does}{verb} the same to the readings, and something else where was not measured: a correction may as well make it worse; measure {}",
+        "{} {does}{verb} the same to the readings, and something else where was not measured: a correction may as well make it worse; to tell them apart: {}",
         doubt.rivals.join(" and "),
         doubt.separate_by
     )

@@ -1,6 +1,7 @@
 //! Readings of a machine whose control already takes out what the model has: an active table. What is left is the known map with the other sign.
 
 use super::readings::Readings;
+use super::single::{by_one_cause, left, thinned};
 use super::{Check, Fault, Then, View};
 
 pub(super) const CHECK: Check = Check {
@@ -23,12 +24,15 @@ const SURE: f64 = 0.06;
 const MEMORY: f64 = 10.0;
 /// Or this many times its uncertainty.
 const FAR: f64 = 3.0;
+/// A single cause explains so many squares of the noise less, or more: readings of one line do not tell a slope from a table of slopes.
+const SURELY: f64 = 24.0;
 /// A gain is within this.
 const NEAR: f64 = 0.1;
 
 fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+    let scene = view.scene;
     for (set, data) in view.sets() {
-        let (Some(readings), Some(trail)) = (Readings::new(view.scene, set), view.trails.get(set)) else { continue };
+        let (Some(readings), Some(trail)) = (Readings::new(scene, set), view.trails.get(set)) else { continue };
         let noise = trail.noise_ratio().unwrap_or(1.0).powi(2).max(1e-6);
         let matched = readings.matched(None);
         if matched.size < SIZE * noise.sqrt() {
@@ -43,6 +47,17 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 continue;
             }
             if otherwise < FITS * noise && as_is - otherwise > WORSE * matched.size.min(4.0).powi(2) && sure < SURE {
+                // Squares of some rows count up to some σ here, as those with a single cause do.
+                let sets = [thinned(data)];
+                let Some(rest) = left(scene.machine, scene, &sets) else { continue };
+                let count = rest.values.len() as f64;
+                let more = by_one_cause(scene.machine, &sets, &rest) - otherwise.min(rest.squares / count) * count;
+                if more < -SURELY * noise {
+                    continue;
+                }
+                let is_sure = more > SURELY * noise;
+                let single =
+                    if is_sure { "; no single cause explains as much" } else { "; a single cause does the same" };
                 out.push(Fault {
                     kind: "compensated",
                     set,
@@ -50,13 +65,14 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                     what: what.into(),
                     rows: [0, data.observations.len().saturating_sub(1)],
                     evidence: format!(
-                        "{} readings are {:.2} times what the model says: with it they leave {:.1} times their noise, with {gain:.0} times it {:.1}",
+                        "{} readings are {:.2} times what the model says: with it they leave {:.1} times their noise, with {gain:.0} times it {:.1}{single}",
                         matched.count,
                         matched.gain,
                         (as_is / noise).sqrt(),
                         (otherwise / noise).sqrt()
                     ),
-                    then: Then::Refuse,
+                    // The slope of one line is a cause as well, and no reason to refuse it.
+                    then: if is_sure { Then::Refuse } else { Then::Nothing },
                 });
             }
         }

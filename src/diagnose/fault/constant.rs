@@ -35,30 +35,33 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
                 (one.component.is_none() || one.target == target).then(|| one.values.get(value).copied().flatten())?
             };
             let rows: Vec<usize> = (0..data.observations.len()).filter(|row| of(row).is_some()).collect();
-            let Some(run) = longest(&rows, &|row| of(&row).map(f64::to_bits)) else { continue };
-            if run.count < ALL.max(MANY.min(rows.len())) || is_one_place(data, &run) {
+            let runs = runs(&rows, &|row| of(&row).map(f64::to_bits));
+            let is_long = |run: &Run| run.count >= ALL.max(MANY.min(rows.len())) && !is_one_place(data, run);
+            let (long, other): (Vec<Run>, Vec<Run>) = runs.into_iter().partition(is_long);
+            // Neighbours that are the same among all others.
+            let same: usize = other.iter().map(|run| run.count - 1).sum();
+            let pairs: usize = other.iter().map(|run| run.count).sum();
+            let constant: usize = long.iter().map(|run| run.count).sum();
+            if long.is_empty() || same as f64 > USUAL * pairs as f64 {
                 continue;
             }
-            let outside = |pair: &&[usize]| !(run.first..=run.last).contains(&pair[0]);
-            let pairs: Vec<&[usize]> = rows.windows(2).filter(outside).collect();
-            let same = pairs.iter().filter(|pair| of(&pair[0]).map(f64::to_bits) == of(&pair[1]).map(f64::to_bits));
-            if same.count() as f64 > USUAL * pairs.len() as f64 {
-                continue;
+            let is_all = constant as f64 > MOST * rows.len() as f64;
+            for run in long {
+                let excluded = rows.iter().filter(|row| (run.first..=run.last).contains(row));
+                let excluded = excluded.map(|&row| (row, value)).collect();
+                out.push(Fault {
+                    kind: "reading",
+                    set,
+                    name: target.and_then(|number| data.targets.get(number)).unwrap_or(&data.name).clone(),
+                    what: "constant".into(),
+                    rows: [run.first, run.last],
+                    evidence: format!(
+                        "{} readings on and on are the same number while the machine goes elsewhere",
+                        run.count
+                    ),
+                    then: if is_all { Then::Refuse } else { Then::WithoutReadings(excluded) },
+                });
             }
-            let is_all = run.count as f64 > MOST * rows.len() as f64;
-            let excluded = || rows.iter().filter(|row| (run.first..=run.last).contains(row)).map(|&row| (set, row));
-            out.push(Fault {
-                kind: "reading",
-                set,
-                name: target.and_then(|number| data.targets.get(number)).unwrap_or(&data.name).clone(),
-                what: "constant".into(),
-                rows: [run.first, run.last],
-                evidence: format!(
-                    "{} readings on and on are the same number while the machine goes elsewhere",
-                    run.count
-                ),
-                then: if is_all { Then::Refuse } else { Then::WithoutReadings(excluded().collect()) },
-            });
         }
     }
 }
@@ -70,10 +73,10 @@ fn columns(data: &DataSet) -> Vec<(Option<usize>, usize)> {
     targets.into_iter().flat_map(|target| (0..3).map(move |value| (target, value))).collect()
 }
 
-fn longest(rows: &[usize], bits: &dyn Fn(usize) -> Option<u64>) -> Option<Run> {
+/// Readings one after the other that are the same.
+fn runs(rows: &[usize], bits: &dyn Fn(usize) -> Option<u64>) -> Vec<Run> {
     let runs = rows.chunk_by(|one, next| bits(*one) == bits(*next));
-    let longest = runs.max_by_key(|run| run.len())?;
-    Some(Run { first: *longest.first()?, last: *longest.last()?, count: longest.len() })
+    runs.filter_map(|run| Some(Run { first: *run.first()?, last: *run.last()?, count: run.len() })).collect()
 }
 
 /// A pose that is read again and again.

@@ -4,8 +4,10 @@
 //! Where such a step may be is seen where lines through the readings on both sides do not meet.
 
 use super::cells::Sensor;
+use super::fading;
 use super::sharp::{EACH, usual_of};
 use super::step::{self, Change};
+use super::switched;
 use super::trail::{Channel, Trail};
 use crate::measure::data::DataSet;
 
@@ -43,6 +45,7 @@ pub(super) fn change(trail: &Trail, data: &DataSet, sensors: &[Sensor]) -> Optio
         return None;
     }
     let trend = trend(data, sensors);
+    let as_it_is = trail;
     let trail = trail.beside(&trend)?;
     let tried = rows.into_iter().filter_map(|row| {
         let block = trail.block_of(row)?;
@@ -52,7 +55,9 @@ pub(super) fn change(trail: &Trail, data: &DataSet, sensors: &[Sensor]) -> Optio
         let row = near.max_by(|a, b| gains[a - block[0]].total_cmp(&gains[b - block[0]]))?;
         let gain = trail.around([row, block[1]]).window_gain([row, block[1]]);
         let (change, around) = step::judged(&trail, data, block, (row, gain), (AT_ONCE, END, SHARP))?;
-        (!goes_back(&around, row)).then_some(change)
+        // A trend that follows a driver takes up a part of what is switched with it.
+        let is_driven = || switched::is_driven(&as_it_is.around([change.row, change.until]), &change, data);
+        (!goes_back(&around, row) && !fading::fades(&trail, data, &change) && !is_driven()).then_some(change)
     });
     tried.max_by(|a, b| a.gain.total_cmp(&b.gain))
 }

@@ -3,7 +3,7 @@
 
 use super::sharp::{CHANCE, EACH, END, sharpness};
 use super::trail::{Channel, Trail};
-use super::{Check, Fault, Then, View, spread};
+use super::{Check, Fault, Then, View, spread, switched};
 
 pub(super) const CHECK: Check = Check {
     name: "isolated pulse",
@@ -114,7 +114,7 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         if found.len() > MOST {
             continue;
         }
-        for (window, evidence) in found {
+        for (window, evidence) in found.into_iter().filter(|(window, _)| !switched::is_on_in(data, window.rows)) {
             out.push(Fault {
                 kind: "pulse",
                 set,

@@ -12,6 +12,8 @@ pub(super) const EACH: f64 = 4.0;
 pub(super) const END: usize = 4;
 /// Readings on each side that are compared.
 const SIDES: [usize; 4] = [2, 4, 8, 16];
+/// Readings of a channel follow at once up to so many of its usual steps.
+const GAP: usize = 8;
 /// White noise has this share of its difference at least: what is usual is not told better.
 const LEAST: f64 = 0.8;
 
@@ -38,7 +40,10 @@ fn jump(channel: &Channel, block: [usize; 2], row: usize, side: usize) -> Option
     let at = channel.range(row, row).start;
     let [from, until] = [channel.before(at, side, piece.start), channel.beyond(at, side, piece.end)];
     let ((behind, many), (before, of_before)) = (channel.mean(at, until)?, channel.mean(from, at)?);
-    (many == side && of_before == side).then_some(behind - before)
+    // Between two pieces of a channel others were read, and it went on drifting.
+    let far = GAP * channel.step.max(1);
+    let goes_on = channel.at.get(from..until)?.windows(2).all(|pair| pair[1].0 - pair[0].0 <= far);
+    (many == side && of_before == side && goes_on).then_some(behind - before)
 }
 
 fn jumps(channel: &Channel, side: usize) -> impl Iterator<Item = f64> {

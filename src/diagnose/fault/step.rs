@@ -5,7 +5,7 @@
 use super::cells::Clock;
 use super::sharp::{CHANCE, EACH, END, sharpness, usual};
 use super::trail::{Channel, Trail};
-use super::{Check, Fault, Then, View, drifting};
+use super::{Check, Fault, Then, View, drifting, switched};
 use crate::measure::data::DataSet;
 
 pub(super) const CHECK: Check = Check {
@@ -27,7 +27,7 @@ const FLAT: f64 = 0.35;
 /// In units of the noise at least.
 const SIZE: f64 = 1.8;
 
-/// Rows from a change within which a driver goes with it.
+/// Rows from a change within which it may begin.
 const NEAR: usize = 2;
 
 /// By how much the squares fall at least, in squares of the noise.
@@ -43,8 +43,6 @@ const WITHIN: usize = 20;
 const PAUSE: usize = 12;
 /// A step that ends with its run explains so much more.
 const SHORTER: f64 = 1.25;
-/// A driver that is switched changes by so much of its range.
-const SWITCH: f64 = 0.1;
 
 /// The jump in squares of what is usual from one reading to the next.
 const AT_ONCE: f64 = 18.0;
@@ -198,8 +196,10 @@ pub(super) fn judged(
     let change = Change { row: sharpest(&around, &change), ..change };
     let row = change.row;
     let is_sharp = || sharpness(&around, row, most).is_some_and(|sharpness| sharpness > at_once);
-    let is_one =
-        change.size > SIZE && is_sharp() && is_step(&around, &change, sharp) && !is_driven(&around, &change, data);
+    let is_one = change.size > SIZE
+        && is_sharp()
+        && is_step(&around, &change, sharp)
+        && !switched::is_driven(&around, &change, data);
     let until = if end < block[1] { end } else { trail.rows.saturating_sub(1) };
     is_one.then_some((Change { until, ..change }, around))
 }
@@ -277,44 +277,4 @@ fn is_step(trail: &Trail, change: &Change, sharp: f64) -> bool {
         slopes[1] += unit(mean(at + rest, at + behind) - mean(at, at + rest));
     }
     whole > 0.0 && end > sharp * whole && slopes.iter().all(|slope| slope.abs() < FLAT * whole)
-}
-
-/// Whether a driver changes there as well and the readings follow it elsewhere too.
-fn is_driven(trail: &Trail, change: &Change, data: &DataSet) -> bool {
-    data.drivers.iter().filter(|driver| !driver.name.starts_with("T_")).any(|driver| {
-        let value = |row: usize| driver.values.get(row).copied().unwrap_or(f64::NAN);
-        let [before, behind] = [value(change.row.saturating_sub(NEAR)), value(change.row + NEAR)];
-        if !(before != behind && before.is_finite() && behind.is_finite()) {
-            return false;
-        }
-        // What hardly changes there makes no step there.
-        let said = || driver.values.iter().copied().filter(|value| value.is_finite());
-        let range = said().fold(f64::MIN, f64::max) - said().fold(f64::MAX, f64::min);
-        if (behind - before).abs() < SWITCH * range {
-            return false;
-        }
-        let is_like = |row: usize, of: f64| (value(row) - of).abs() < SWITCH * range;
-        // Elsewhere, beyond the sides of the change, the same switch makes as much.
-        let (mut own, mut other) = (0.0, 0.0);
-        for channel in &trail.channels {
-            let at = channel.range(change.row, change.row).start;
-            let near = at.saturating_sub(change.side)..at + change.side;
-            // Before and behind each for itself: what is shifted behind it shall not count for the driver.
-            let piece = channel.range(change.block[0], change.block[1]);
-            let mean = |side: std::ops::Range<usize>, of: f64| {
-                let far = side.filter(|k| !near.contains(k) && channel.left[*k].is_finite());
-                let all: Vec<f64> = far.filter(|&k| is_like(channel.at[k].0, of)).map(|k| channel.left[k]).collect();
-                (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
-            };
-            let makes = |side: std::ops::Range<usize>| Some(mean(side.clone(), behind)? - mean(side, before)?);
-            let sides: Vec<f64> = [piece.start..at, at..piece.end].into_iter().filter_map(makes).collect();
-            let jump = channel.mean(at, at + change.side).map_or(0.0, |one| one.0)
-                - channel.mean(at.saturating_sub(change.side), at).map_or(0.0, |one| one.0);
-            own += jump * jump;
-            // Where it changes only here nothing tells them apart.
-            let usual = sides.iter().sum::<f64>() / sides.len().max(1) as f64;
-            other += jump * if sides.is_empty() { jump } else { usual };
-        }
-        other > 0.5 * own
-    })
 }

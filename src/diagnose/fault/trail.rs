@@ -34,6 +34,8 @@ pub(super) struct Channel {
     pub(super) noise: f64,
     /// Uncertainty as it is stated.
     pub(super) sigma: f64,
+    /// Rows from one to the next, usually.
+    pub(super) step: usize,
     /// Sums and numbers of those that count up to each.
     sums: Vec<(f64, usize)>,
 }
@@ -150,6 +152,9 @@ impl Trail {
             if is_repeated && !has_sense {
                 own.senses = senses(scene, &items, &places);
             }
+            let mut steps: Vec<usize> = own.at.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+            steps.sort_unstable();
+            own.step = steps.get(steps.len() / 2).copied().unwrap_or(1);
             own.left = own.beside_visits(None);
             let noise = if is_repeated { noise(&own.left, 1) } else { noise(&raw, 2) };
             if let Some(noise) = noise {

@@ -341,11 +341,17 @@ fn shape(one: &Cause, out: &mut String) {
         let mut values: Vec<f64> = one.shape.iter().filter_map(|place| place.at.get(k).copied()).collect();
         values.sort_by(f64::total_cmp);
         values.dedup();
-        // The ends and some between.
+        // The ends and some between; instead of the next of these where it is largest, which may be narrow.
         let count = values.len();
         let most = if k == 0 && one.drivers.len() == 1 { PLACES } else { PLACES - 2 };
         if count > most {
             values = (0..most).filter_map(|k| values.get(k * (count - 1) / (most - 1)).copied()).collect();
+            let peak = one.shape.iter().max_by(|a, b| a.value_um.abs().total_cmp(&b.value_um.abs()));
+            if let Some(peak) = peak.and_then(|place| place.at.get(k).copied()).filter(|peak| !values.contains(peak)) {
+                let between = values.iter_mut().take(most - 1).skip(1);
+                let next = between.min_by(|a, b| (**a - peak).abs().total_cmp(&(**b - peak).abs()));
+                next.into_iter().for_each(|value| *value = peak);
+            }
         }
         values
     };
