@@ -83,6 +83,7 @@ mod iso_tip;
 mod kinematics;
 mod lei_hsu;
 mod limits;
+mod live_step;
 mod load;
 mod machine_file;
 mod machines;
