@@ -38,7 +38,7 @@ fn faults(seed: u64, lines: usize) -> Faults {
 }
 
 /// What was carried out is the beginning of what was planned: no gap, no repeat; only a line that the control has refused may be missing.
-fn check(seed: u64, ended: &Ended, planned: &[Vec<u8>], notes: &Notes, executed: &[Vec<u8>]) {
+fn check((seed, refused): (u64, Option<u64>), ended: &Ended, planned: &[Vec<u8>], notes: &Notes, executed: &[Vec<u8>]) {
     let mut missing = Vec::new();
     let mut plan = planned.iter().enumerate();
     for done in executed {
@@ -53,15 +53,12 @@ fn check(seed: u64, ended: &Ended, planned: &[Vec<u8>], notes: &Notes, executed:
             .unwrap_or_else(|| panic!("seed {seed}: {done:?} was not to come: {ended:?}"));
         assert!(place < notes.frozen.len(), "seed {seed}");
     }
+    // The one that the control was told to refuse, if it got that far.
     match ended {
-        Ended::Refused(number, _) => {
-            assert!(missing.is_empty() || missing == [*number], "seed {seed}: {missing:?} {ended:?}")
-        }
-        Ended::Lost(why) if why.contains("refused") => {
-            assert!(missing.len() <= 1, "seed {seed}: {missing:?} {ended:?}")
-        }
-        _ => assert!(missing.is_empty(), "seed {seed}: {missing:?} {ended:?}"),
+        Ended::Refused(number, _) => assert_eq!(Some(*number), refused, "seed {seed}: {ended:?}"),
+        _ => assert!(missing.iter().all(|number| Some(*number) == refused), "seed {seed}: {missing:?} {ended:?}"),
     }
+    assert!(missing.len() <= usize::from(refused.is_some()), "seed {seed}: {missing:?} {ended:?}");
     // What may have been carried out is written down, byte for byte.
     assert_eq!(notes.frozen, planned[..notes.frozen.len()], "seed {seed}");
     if *ended == Ended::Done {
@@ -86,12 +83,13 @@ fn jobs<C: Control>(
         change(&mut faults);
         let mut notes = Notes::default();
         let mut planned = Planned::new(count, busy_s);
+        let refused = faults.refuses;
         let mut cable = Cable::new(create(&faults, busy_s), faults, seed);
         let mut sender = sender(&profile, &mut notes);
         let ended = controls::run(&mut sender, &mut cable, &mut planned);
         done += usize::from(ended == Ended::Done);
         drop(sender);
-        check(seed, &ended, &planned.lines, &notes, cable.control.executed());
+        check((seed, refused), &ended, &planned.lines, &notes, cable.control.executed());
         behind(&cable.control, &ended, seed);
     }
     done
