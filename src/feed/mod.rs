@@ -16,6 +16,7 @@
 pub mod dialogue;
 mod dosing;
 mod forecast;
+mod journal;
 mod line;
 mod profile;
 mod sender;
@@ -24,6 +25,7 @@ mod wire;
 pub use dialogue::{Dialogue, Event, Halt, PROTOCOLS, Protocol};
 pub use dosing::{Dose, Dosing, Limits};
 pub use forecast::{Forecast, Forecaster, Link, Stretch};
+pub use journal::{Journal, Store, Told, read as read_journal};
 pub use line::{Line, crc32};
 pub use profile::{Flow, Frame, PROFILES, Parity, Profile, Serial, Window};
 pub use sender::{Ended, Port, Progress, Record, Sender, Supplied, Supply};
