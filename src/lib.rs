@@ -38,6 +38,7 @@
 //! | [`diagnose`] | what the model lacks: causes, search, gates, verdict, what extends the machine file | programs, files |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
+//! | [`feed`] | links as data, dialogues as pure machines, window, dosing | G-code, kinematics |
 //! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
 //! | [`cli`] | one file per command; the only room that opens files | — |
 //!
@@ -57,6 +58,8 @@
 //! | a kind of test plan | `measure/plan/x.rs`; a row in `docs/plan.md` | [`measure::plan::PLANS`] |
 //! | a kind of measurement | `measure/kind/x.rs`: columns, unknowns, equations; a row in `docs/calibrate.md` | [`measure::kind::KINDS`] |
 //! | a cause | `diagnose/cause/x.rs`: what makes it, what shows it, its columns | [`diagnose::cause::CAUSES`] |
+//! | a link | `links/x.toml` | [`feed::PROFILES`] |
+//! | a kind of dialogue | `feed/dialogue/x.rs`: a pure machine | [`feed::PROTOCOLS`] |
 //! | a preset of parameters | `model/preset/x.rs` | [`model::preset::PRESETS`] |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |
 //! | a command | `cli/x.rs` | `cli/mod.rs` |
@@ -77,6 +80,7 @@ pub mod diagnostic;
 pub mod dialect;
 pub mod emit;
 pub mod exec;
+pub mod feed;
 pub mod geometry;
 pub mod machine;
 pub mod measure;

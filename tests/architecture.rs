@@ -27,6 +27,8 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("diagnose", &["calibrate", "measure", "model", "machine", "geometry", "numeric"]),
     ("path", &["snc", "model", "machine", "geometry"]),
     ("emit", &["dialect", "path", "snc", "geometry", "machine"]),
+    // The machine for the reader of TOML only.
+    ("feed", &["geometry", "machine"]),
     ("report", &["geometry", "path", "emit", "machine", "model", "snc"]),
     (
         "cli",
@@ -43,6 +45,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "diagnose",
             "path",
             "emit",
+            "feed",
             "report",
         ],
     ),

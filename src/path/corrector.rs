@@ -24,8 +24,6 @@ use super::{Arcs, Options, Output, PoseSample, Prediction, Rapids, Subdivision, 
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
-/// A count this near to a whole number is one: the noise of the arithmetic.
-const WHOLE_COUNT: f64 = 1e-4;
 
 /// Corrects a stream of elements. Findings are items of the stream too: after an error the correction goes on, so that one run shows
 /// them all.
@@ -153,16 +151,7 @@ where
             standing.known = new.known_across(old.known_across(standing.known, false), true);
             standing.written = standing.written.intersection(standing.known);
         }
-        self.placer.setup = setup;
-        let programmed = self.placer.programmed(&standing.command);
-        for axis in standing.written.iter() {
-            let ratio = self.placer.increments.ratio(axis, programmed[axis]);
-            if (ratio - ratio.round()).abs() < WHOLE_COUNT {
-                standing.counts[axis.slot()] = self.placer.increments.count(axis, programmed[axis]);
-            } else {
-                standing.written.remove(axis);
-            }
-        }
+        self.placer.set_up(setup, &standing.command, &mut standing.counts, &mut standing.written);
     }
 
     fn begin(&mut self, element: &Element, motion: &Move) {

@@ -17,6 +17,7 @@ mod extend;
 mod findings;
 mod held;
 mod increment;
+mod live;
 mod moves;
 mod place;
 mod poses;
@@ -33,6 +34,7 @@ mod volume;
 pub use compare::{CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Grouping, ON_THE_SPOT, compare};
 pub use corrector::Corrector;
 pub use increment::Increments;
+pub use live::{Allows, Applied, Asked, Doses, Live};
 pub use moves::Moves;
 pub use poses::PoseSample;
 pub use prediction::{Prediction, Spread};
@@ -208,6 +210,12 @@ pub struct Piece {
     pub manner: Manner,
     /// Axis commands at the end, without tool: mm, rad.
     pub command: AxisVector,
+    /// The commands that the program asks for there.
+    pub nominal: AxisVector,
+    /// Axes whose position the program has stated by now.
+    pub known: AxisSet,
+    /// Whether it is corrected at all.
+    pub is_corrected: bool,
 }
 
 /// How the position of a rotary axis is written.

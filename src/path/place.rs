@@ -14,6 +14,8 @@ use super::{FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
 
 /// Feeds of axes are written to this many parts of a mm/min.
 const FEED_PARTS: f64 = 1e3;
+/// A count this near to a whole number is one: the noise of the arithmetic.
+const WHOLE_COUNT: f64 = 1e-4;
 /// Ways shorter than this have no direction, mm.
 const SHORT_MM: f64 = 1e-6;
 
@@ -57,6 +59,27 @@ impl<'a> Placer<'a> {
             has_rotary,
             turns_rotary: has_rotary && options.rotary == Rotary::Correct,
             is_empty: model.is_empty(),
+        }
+    }
+
+    /// From here on coordinates mean something else. The axes stay where they are: `counts` becomes what would be written for that, and axes for
+    /// which there is nothing such leave `written`.
+    pub(super) fn set_up(
+        &mut self,
+        setup: Arc<Setup>,
+        command: &AxisVector,
+        counts: &mut [i64; AXIS_COUNT],
+        written: &mut AxisSet,
+    ) {
+        self.setup = setup;
+        let programmed = self.programmed(command);
+        for axis in written.iter() {
+            let ratio = self.increments.ratio(axis, programmed[axis]);
+            if (ratio - ratio.round()).abs() < WHOLE_COUNT {
+                counts[axis.slot()] = self.increments.count(axis, programmed[axis]);
+            } else {
+                written.remove(axis);
+            }
         }
     }
 

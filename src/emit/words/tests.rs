@@ -86,6 +86,9 @@ pub(super) fn line(axes: &[(Axis, i64)]) -> Piece {
         in_machine_frame: false,
         manner: Manner::Path,
         command: AxisVector::ZERO,
+        nominal: AxisVector::ZERO,
+        known: named,
+        is_corrected: true,
     }
 }
 

@@ -9,6 +9,7 @@ use crate::path::cut::of_share;
 use crate::path::place::Placed;
 use crate::path::prediction::{sample_count, sample_place};
 use crate::path::rotary_word;
+use crate::path::treatment::Treatment;
 use crate::path::trial::Trial;
 use crate::path::{Output, Piece};
 
@@ -65,6 +66,9 @@ where
             in_machine_frame: motion.in_machine_frame,
             manner: motion.manner,
             command: placed.command,
+            nominal: active.route.at(trial.map_or(active.parameter, |trial| trial.between[1])),
+            known: motion.known,
+            is_corrected: active.treatment != Treatment::Round,
         };
         self.pending.push_back(Ok(Output::Piece(piece)));
     }

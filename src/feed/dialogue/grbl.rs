@@ -1,0 +1,342 @@
+//! Grbl 1.1: every line is answered by `ok` or `error:N`; lines are sent ahead as long as their bytes fit the receive buffer.
+//!
+//! The control says in `[OPT:…,blocks,bytes]` how large its buffers are and in `<…|Bf:blocks,bytes>` how much of them is free (Grbl 1.1, interface).
+//! One answer too many must not make the buffer overflow, so the longest line under way is kept free; one that got lost shows
+//! when the control is idle and has nothing in its buffers: it may have been a refusal, so the job ends there.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire};
+
+/// What profiles call it.
+pub(super) const PROTOCOL: Protocol =
+    Protocol { name: "grbl", title: "ok per line, bytes counted", create: |profile| Ok(Box::new(Grbl::new(profile))) };
+
+/// Status, hold, reset: bytes that the control takes out of the stream at once.
+const STATUS: &[u8] = b"?";
+const HOLD: &[u8] = b"!";
+const RESET: &[u8] = &[0x18];
+/// While lines are under way the control is asked where it stands this often.
+const ASK_EVERY: Duration = Duration::from_millis(250);
+/// Answers are no longer than this.
+const LONGEST_ANSWER: usize = 1024;
+/// After a refusal, this long without a word means that everything was answered.
+const QUIET: Duration = Duration::from_millis(500);
+/// What the control leaves of a buffer.
+const MARGIN: usize = 8;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// Asked for a sign of life.
+    Greeting,
+    /// Asked for its buffers.
+    Asking,
+    /// Lines are sent.
+    Open,
+    /// The last line was sent.
+    Closed,
+    /// A line was refused and the axes are held; what else was under way is still answered.
+    Refusing,
+    /// Nothing more is said.
+    Over,
+}
+
+struct Grbl {
+    state: State,
+    window: (usize, usize),
+    /// Size of the receive buffer, where the control has told it.
+    buffer: Option<usize>,
+    refused: Vec<u8>,
+    longest_line: usize,
+    patience: Duration,
+    /// Number, bytes, how long it takes.
+    in_flight: VecDeque<(u64, usize, Duration)>,
+    bytes: usize,
+    heard: Vec<u8>,
+    last_heard: Duration,
+    last_asked: Duration,
+    /// How often it was asked without an answer.
+    asked: u32,
+    /// How often in a row it said that nothing is left to do.
+    idle: u32,
+    /// The last line that was acknowledged, and the last up to which every line had one answer.
+    acknowledged: u64,
+    sure: u64,
+    /// The line that was refused, and what the control said.
+    refusal: (u64, String),
+    /// Answers beyond those to the lines that were sent.
+    surplus: u64,
+}
+
+impl Grbl {
+    fn new(profile: &Profile) -> Grbl {
+        Grbl {
+            state: State::Greeting,
+            window: (profile.window.lines, profile.window.bytes),
+            buffer: None,
+            refused: profile.refused.clone(),
+            longest_line: profile.longest_line,
+            patience: profile.answer_within,
+            in_flight: VecDeque::new(),
+            bytes: 0,
+            heard: Vec::new(),
+            last_heard: Duration::ZERO,
+            last_asked: Duration::ZERO,
+            asked: 0,
+            idle: 0,
+            acknowledged: 0,
+            sure: 0,
+            refusal: (0, String::new()),
+            surplus: 0,
+        }
+    }
+
+    fn ask(&mut self, now: Duration, wire: &mut Wire) {
+        wire.push_urgent(STATUS);
+        self.last_asked = now;
+        self.asked += 1;
+    }
+
+    fn answer(&mut self, text: &str, wire: &mut Wire, events: &mut Vec<Event>) {
+        if text.starts_with("Grbl ") {
+            match self.state {
+                State::Greeting => self.ask_for_buffers(wire),
+                _ => self.lost("the control was reset", events),
+            }
+        } else if let Some(report) = text.strip_prefix('<').and_then(|text| text.strip_suffix('>')) {
+            self.report(report, wire, events);
+        } else if let Some(options) = text.strip_prefix("[OPT:").and_then(|text| text.strip_suffix(']')) {
+            let numbers: Vec<usize> = options.split(',').skip(1).filter_map(|number| number.parse().ok()).collect();
+            if let Some(&bytes) = numbers.get(1) {
+                self.buffer = Some(bytes);
+                self.window.1 = self.window.1.min(bytes.saturating_sub(MARGIN)).max(1);
+            }
+        } else if text == "ok" {
+            self.acknowledge(events);
+        } else if let Some(code) = text.strip_prefix("error:") {
+            if self.state == State::Asking {
+                // Older ones do not know the question.
+                self.state = State::Open;
+            } else if let Some((number, length, _)) = self.in_flight.pop_front() {
+                self.bytes -= length;
+                if self.state != State::Refusing {
+                    wire.push_urgent(HOLD);
+                    self.state = State::Refusing;
+                    self.refusal = (number, format!("error:{code}"));
+                }
+            }
+        } else if let Some(code) = text.strip_prefix("ALARM:") {
+            self.lost(&format!("the control stands in alarm {code}"), events);
+        } else if text.starts_with(['[', '$', '>']) {
+            events.push(Event::Said(text.to_owned()));
+        } else if !text.is_empty() && self.state != State::Greeting {
+            // It may have been a refusal.
+            self.lost(
+                &format!("an answer cannot be read: '{text}'; the line that it was for may have been refused"),
+                events,
+            );
+        }
+    }
+
+    fn ask_for_buffers(&mut self, wire: &mut Wire) {
+        self.state = State::Asking;
+        wire.push(b"$I\n");
+    }
+
+    fn acknowledge(&mut self, events: &mut Vec<Event>) {
+        if self.state == State::Asking {
+            self.state = State::Open;
+        } else if let Some((number, length, _)) = self.in_flight.pop_front() {
+            self.bytes -= length;
+            self.acknowledged = number;
+            events.push(Event::Acknowledged(number));
+        } else if matches!(self.state, State::Open | State::Closed) {
+            self.lost("the control has answered more lines than were sent", events);
+        } else if self.state == State::Refusing {
+            self.surplus += 1;
+        }
+    }
+
+    /// Which line was refused is sure when all that were sent have one answer each.
+    fn refused(&mut self, events: &mut Vec<Event>) {
+        let (number, said) = std::mem::take(&mut self.refusal);
+        if self.surplus == 0 && self.in_flight.is_empty() {
+            self.state = State::Over;
+            events.push(Event::Refused(number, said));
+        } else {
+            let first = number.saturating_sub(self.surplus.max(1));
+            self.lost(&format!("the control has refused line {number}, or one from {first} on, with {said}; not every line has one answer"), events);
+        }
+    }
+
+    /// `Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0`.
+    fn report(&mut self, report: &str, wire: &mut Wire, events: &mut Vec<Event>) {
+        self.asked = 0;
+        let mut fields = report.split('|');
+        let state = fields.next().unwrap_or_default();
+        let free = fields.find_map(|field| field.strip_prefix("Bf:"));
+        let free_bytes = free.and_then(|free| free.split(',').nth(1)).and_then(|bytes| bytes.parse::<usize>().ok());
+        if self.state == State::Greeting {
+            if state.starts_with("Alarm") {
+                self.lost("the control stands in an alarm: home it or clear it there", events);
+            } else {
+                self.ask_for_buffers(wire);
+            }
+            return;
+        }
+        if state.starts_with("Alarm") {
+            self.lost("the control stands in an alarm", events);
+            return;
+        }
+        if self.state == State::Refusing {
+            return;
+        }
+        if let (Some(buffer), Some(free)) = (self.buffer, free_bytes)
+            && buffer.saturating_sub(free) > self.bytes + wire.waiting() + MARGIN
+        {
+            self.lost("the control has more than was not answered: an answer came twice", events);
+            return;
+        }
+        let is_empty = match (self.buffer, free_bytes) {
+            (Some(buffer), Some(free)) => free >= buffer,
+            _ => true,
+        };
+        self.idle = if state == "Idle" && is_empty && wire.waiting() == 0 { self.idle + 1 } else { 0 };
+        // Twice: the first report may be older than the last bytes.
+        if self.idle >= 2 {
+            match self.in_flight.back() {
+                None => self.sure = self.acknowledged,
+                // It may have been a refusal: then a line was left out, and nobody knows which.
+                Some((last, _, _)) => {
+                    let why = format!(
+                        "an answer was lost: the control is idle with nothing in its buffers, but one of the lines {} to {last} may have been refused",
+                        self.sure + 1
+                    );
+                    self.lost(&why, events);
+                }
+            }
+        }
+    }
+
+    /// Whether every line was answered, and the control has said since that nothing is left to do.
+    fn is_finished(&self) -> bool {
+        self.in_flight.is_empty() && self.sure == self.acknowledged
+    }
+
+    fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
+        self.state = State::Over;
+        events.push(Event::Lost(why.to_owned()));
+    }
+}
+
+impl Dialogue for Grbl {
+    fn open(&mut self, now: Duration, wire: &mut Wire) {
+        self.last_heard = now;
+        self.ask(now, wire);
+    }
+
+    fn is_open(&self) -> bool {
+        self.state == State::Open
+    }
+
+    fn has_room(&self, length: usize) -> bool {
+        let spare = self.in_flight.iter().map(|(_, length, _)| *length).max().unwrap_or(0);
+        let fits = self.in_flight.is_empty() || self.bytes + length + 1 + spare <= self.window.1;
+        self.state == State::Open && self.in_flight.len() < self.window.0 && fits
+    }
+
+    fn send(&mut self, line: &Line, _now: Duration, wire: &mut Wire) -> Result<(), String> {
+        if line.text.len() > self.longest_line {
+            return Err(format!("it has {} characters, the control takes {}", line.text.len(), self.longest_line));
+        }
+        let is_refused = |byte: &&u8| !(b' '..=b'~').contains(*byte) || self.refused.contains(*byte);
+        if let Some(byte) = line.text.iter().find(is_refused) {
+            return Err(format!("the control takes the byte {byte:#04x} out of the stream"));
+        }
+        wire.push(&line.text);
+        wire.push(b"\n");
+        let length = line.text.len() + 1;
+        self.bytes += length;
+        self.idle = 0;
+        self.in_flight.push_back((line.number, length, Duration::from_secs_f64(line.busy_s.clamp(0.0, 1e6))));
+        Ok(())
+    }
+
+    fn hear(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        self.last_heard = now;
+        for &byte in bytes {
+            if byte != b'\n' && byte != b'\r' {
+                // What has no end is no answer.
+                if self.heard.len() < LONGEST_ANSWER {
+                    self.heard.push(byte);
+                }
+                continue;
+            }
+            let answer = std::mem::take(&mut self.heard);
+            if self.state != State::Over {
+                self.answer(String::from_utf8_lossy(&answer).trim(), wire, events);
+            }
+        }
+    }
+
+    fn tick(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        if self.state == State::Over {
+            return;
+        }
+        if self.state == State::Refusing {
+            let quiet = now.saturating_sub(self.last_heard);
+            if quiet > QUIET && self.in_flight.is_empty() || quiet > self.patience {
+                self.refused(events);
+            }
+            return;
+        }
+        let busy = self.in_flight.front().map_or(Duration::ZERO, |(_, _, busy)| *busy);
+        let is_silent = now.saturating_sub(self.last_heard) > self.patience + busy;
+        let is_waiting = !matches!(self.state, State::Open | State::Closed) || !self.is_finished();
+        if is_silent && is_waiting && now.saturating_sub(self.last_asked) > self.patience {
+            if self.asked >= 3 {
+                self.lost("the control does not answer", events);
+                return;
+            }
+            events.push(Event::Stalled);
+            self.ask(now, wire);
+        } else if !self.is_finished() && now.saturating_sub(self.last_asked) > ASK_EVERY && self.asked == 0 {
+            self.ask(now, wire);
+        }
+    }
+
+    fn close(&mut self, _now: Duration, _wire: &mut Wire) {
+        if self.state == State::Open {
+            self.state = State::Closed;
+        }
+    }
+
+    fn is_done(&self, _wire: &Wire) -> bool {
+        // What is in the planner is not done yet.
+        self.state == State::Closed && self.is_finished()
+    }
+
+    fn in_flight(&self) -> (usize, usize) {
+        (self.in_flight.len(), self.bytes)
+    }
+
+    fn halt(&mut self, halt: Halt, _now: Duration, wire: &mut Wire) -> Option<String> {
+        let lines = self.in_flight.len();
+        match halt {
+            Halt::Stop => Some(format!("no further line is sent; the control carries out the {lines} that it has")),
+            Halt::Hold => {
+                wire.push_urgent(HOLD);
+                Some(format!(
+                    "the axes stop, the spindle turns; {lines} lines stay in the control and go on with cycle start (~)"
+                ))
+            }
+            Halt::Abort => {
+                wire.clear();
+                wire.push_urgent(RESET);
+                self.state = State::Over;
+                Some(format!("the control is reset; the {lines} lines that it had are thrown away"))
+            }
+        }
+    }
+}

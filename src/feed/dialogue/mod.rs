@@ -1,0 +1,93 @@
+//! Dialogues: what a sender and a control say to each other, as pure machines.
+//!
+//! To add one, write its file and register it in [`PROTOCOLS`]; profiles name it.
+
+mod block;
+mod grbl;
+mod marlin;
+
+use std::time::Duration;
+
+use super::{Line, Profile, Wire};
+
+/// What a dialogue has made of what it heard, or of the time that passed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// The control has taken this line, and all before it.
+    Acknowledged(u64),
+    /// The control has carried out this line, and all before it, as far as it says so.
+    Executed(u64),
+    /// The control asks to pause, or to go on.
+    Paused(bool),
+    /// The control says something of itself that people should read.
+    Said(String),
+    /// Nothing has come for longer than a block can take: where the control is has been asked.
+    Stalled,
+    /// A line was sent again, with the same bytes.
+    Repeated(u64),
+    /// The control has refused this line: what it says. Lines behind it that it has may still run.
+    Refused(u64, String),
+    /// The job is lost: the control was reset, stands in an alarm, or does not answer as it must. Nothing more may be sent.
+    Lost(String),
+}
+
+/// What a person asks for. Each leaves something else in the control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Halt {
+    /// Axes stop now; lines stay in the control and go on when a person lets them.
+    Hold,
+    /// No further line is sent; what the control has runs out.
+    Stop,
+    /// Lines that the control has are thrown away.
+    Abort,
+}
+
+/// One dialogue with one control.
+pub trait Dialogue: Send {
+    /// What is said before the first line.
+    fn open(&mut self, now: Duration, wire: &mut Wire);
+
+    /// Whether the control is ready for lines.
+    fn is_open(&self) -> bool;
+
+    /// Whether a line of so many bytes may be frozen and sent: the window in lines and bytes.
+    fn has_room(&self, length: usize) -> bool;
+
+    /// Sends a line.
+    ///
+    /// # Errors
+    /// A sentence where its bytes would be taken for something else on this link; nothing was sent then.
+    fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String>;
+
+    /// Hears bytes.
+    fn hear(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>);
+
+    /// Time has passed.
+    fn tick(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>);
+
+    /// What is said behind the last line.
+    fn close(&mut self, now: Duration, wire: &mut Wire);
+
+    /// Whether all that was sent is acknowledged and the end was said.
+    fn is_done(&self, wire: &Wire) -> bool;
+
+    /// Lines and bytes that were sent and not acknowledged.
+    fn in_flight(&self) -> (usize, usize);
+
+    /// What a person asked for. Returns what this does to what the control has, as a sentence; `None` where this dialogue has no word for it.
+    fn halt(&mut self, halt: Halt, now: Duration, wire: &mut Wire) -> Option<String>;
+}
+
+/// A kind of dialogue.
+#[derive(Clone, Copy, Debug)]
+pub struct Protocol {
+    /// What profiles call it.
+    pub name: &'static str,
+    /// What it is.
+    pub title: &'static str,
+    /// Begins one; a sentence where the profile does not fit it.
+    pub create: fn(&Profile) -> Result<Box<dyn Dialogue>, String>,
+}
+
+/// All kinds.
+pub const PROTOCOLS: &[Protocol] = &[block::PROTOCOL, grbl::PROTOCOL, marlin::PROTOCOL];

@@ -1,0 +1,259 @@
+//! The journal of a transfer: what was frozen, acknowledged and heard, written down before any byte of it goes over the link.
+//!
+//! One record a line, only ever added to: milliseconds since the start, what, and its words.
+//!
+//! ```text
+//! ncfix journal 1
+//! # program 5a1e… part.mpf
+//! 0 F 12 9c41f00a 37 X+0.0123 Z-0.0040      frozen: number, CRC-32 of the text, line of the source, what the second step adds (mm, degrees)
+//! 31 A 12                                   acknowledged, with all before it
+//! 32 R 12                                   sent again
+//! 40 E the control was reset                how it ended
+//! ```
+//!
+//! A last line without its end was being written when the program died; it is no record. Records reach the disk in groups: what the operating system
+//! has taken survives the death of the program at once, and that of the computer as soon as the group was written through.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::time::Duration;
+
+use crate::geometry::AXES;
+
+use super::dialogue::Event;
+use super::{Ended, Line, Record, crc32};
+
+/// The first line.
+const FIRST: &str = "ncfix journal 1";
+/// Records are written through this often, at least.
+const GROUP: Duration = Duration::from_millis(50);
+/// Axes are written with so many decimals, mm or degrees.
+const DECIMALS: usize = 4;
+
+/// A file that is only added to.
+pub trait Store: Write {
+    /// Writes through to the disk.
+    ///
+    /// # Errors
+    /// Those of the file.
+    fn sync(&mut self) -> io::Result<()>;
+}
+
+impl Store for std::fs::File {
+    fn sync(&mut self) -> io::Result<()> {
+        self.sync_data()
+    }
+}
+
+impl Store for Vec<u8> {
+    fn sync(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Writes a journal.
+#[derive(Debug)]
+pub struct Journal<S> {
+    store: S,
+    line: String,
+    synced: Duration,
+    is_synced: bool,
+}
+
+impl<S: Store> Journal<S> {
+    /// Begins one with what must be the same when the job is taken up again: pairs of a name and a value.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn new(mut store: S, head: &[(&str, &str)]) -> io::Result<Journal<S>> {
+        let mut text = format!("{FIRST}\n");
+        for (name, value) in head {
+            let value: String = value.chars().map(|one| if one.is_control() { ' ' } else { one }).collect();
+            let _ = writeln!(text, "# {name} {value}");
+        }
+        store.write_all(text.as_bytes())?;
+        store.sync()?;
+        Ok(Journal { store, line: String::new(), synced: Duration::ZERO, is_synced: true })
+    }
+
+    /// How it ended.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn end(&mut self, ended: &Ended, now: Duration) -> io::Result<()> {
+        let text = match ended {
+            Ended::Done => "done".to_owned(),
+            Ended::Stopped => "stopped".to_owned(),
+            Ended::Lost(why) => format!("lost: {why}"),
+            Ended::Refused(number, said) => format!("refused {number}: {said}"),
+        };
+        self.write(now, &format!("E {}", text.replace(['\n', '\r'], " ")))?;
+        self.store.sync()
+    }
+
+    /// Writes through what is due.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn tick(&mut self, now: Duration) -> io::Result<()> {
+        if !self.is_synced && now.saturating_sub(self.synced) >= GROUP {
+            self.store.sync()?;
+            (self.synced, self.is_synced) = (now, true);
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, now: Duration, text: &str) -> io::Result<()> {
+        self.line.clear();
+        let _ = writeln!(self.line, "{} {text}", now.as_millis());
+        self.is_synced = false;
+        self.store.write_all(self.line.as_bytes())
+    }
+
+    /// What it is written into.
+    pub fn into_store(self) -> S {
+        self.store
+    }
+}
+
+impl<S: Store> Record for Journal<S> {
+    fn frozen(&mut self, line: &Line, now: Duration) -> io::Result<()> {
+        let mut text = format!("F {} {:08x} {}", line.number, crc32(&line.text), line.source_line);
+        for axis in AXES {
+            let offset = line.offset[axis.slot()];
+            if offset != 0.0 {
+                let shown = if axis.is_rotary() { offset.to_degrees() } else { offset };
+                let _ = write!(text, " {axis}{shown:+.DECIMALS$}");
+            }
+        }
+        self.write(now, &text)
+    }
+
+    fn event(&mut self, event: &Event, now: Duration) -> io::Result<()> {
+        match event {
+            Event::Acknowledged(number) => self.write(now, &format!("A {number}")),
+            Event::Repeated(number) => self.write(now, &format!("R {number}")),
+            Event::Stalled => self.write(now, "W no answer in time"),
+            Event::Said(text) => self.write(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
+            Event::Executed(_) | Event::Paused(_) | Event::Refused(..) | Event::Lost(_) => Ok(()),
+        }
+    }
+}
+
+/// What a journal says of a job.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Told {
+    /// Names and values of the head.
+    pub head: Vec<(String, String)>,
+    /// The last line that was frozen: it and all before it may have been sent.
+    pub frozen: u64,
+    /// The last line that was acknowledged: it and all before it were taken.
+    pub acknowledged: u64,
+    /// The checksums of the lines behind the last that was acknowledged, by number.
+    pub open: Vec<(u64, u32)>,
+    /// Line of the source of the last that was frozen.
+    pub source_line: u32,
+    /// How it ended; `None` where the program died.
+    pub ended: Option<String>,
+}
+
+/// Reads a journal.
+///
+/// # Errors
+/// The number of the line that is no record, and why.
+pub fn read(text: &str) -> Result<Told, (usize, String)> {
+    let mut told = Told::default();
+    let whole = text.rfind('\n').map_or("", |end| text.get(..end).unwrap_or_default());
+    for (number, line) in (1..).zip(whole.split('\n')) {
+        let fault = |why: &str| Err((number, why.to_owned()));
+        if number == 1 {
+            if line != FIRST {
+                return fault("this is no journal");
+            }
+            continue;
+        }
+        if let Some(head) = line.strip_prefix("# ") {
+            let (name, value) = head.split_once(' ').unwrap_or((head, ""));
+            told.head.push((name.to_owned(), value.to_owned()));
+            continue;
+        }
+        let mut words = line.splitn(3, ' ');
+        let (_, Some(what)) = (words.next(), words.next()) else { return fault("a record without its kind") };
+        let rest = words.next().unwrap_or_default();
+        let mut rest_words = rest.split(' ');
+        let first = rest_words.next().and_then(|word| word.parse::<u64>().ok());
+        match (what, first) {
+            ("F", Some(line_number)) => {
+                let crc = rest_words.next().and_then(|word| u32::from_str_radix(word, 16).ok());
+                let source_line = rest_words.next().and_then(|word| word.parse().ok());
+                let (Some(crc), Some(source_line)) = (crc, source_line) else {
+                    return fault("a frozen line without checksum or place");
+                };
+                if line_number != told.frozen + 1 {
+                    return fault("a frozen line that does not follow the one before it");
+                }
+                (told.frozen, told.source_line) = (line_number, source_line);
+                told.open.push((line_number, crc));
+            }
+            ("A", Some(line_number)) => {
+                if line_number > told.frozen {
+                    return fault("an answer to a line that was not sent");
+                }
+                told.acknowledged = told.acknowledged.max(line_number);
+                told.open.retain(|(open, _)| *open > line_number);
+            }
+            ("E", _) => told.ended = Some(rest.to_owned()),
+            ("R" | "W", _) => {}
+            _ => return fault("a record of an unknown kind"),
+        }
+    }
+    if whole.is_empty() { Err((1, "this is no journal".to_owned())) } else { Ok(told) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(number: u64) -> Line {
+        let mut line = Line {
+            number,
+            text: format!("G1 X{number}").into_bytes(),
+            source_line: 40 + number as u32,
+            ..Line::default()
+        };
+        line.offset[2] = -0.004;
+        line
+    }
+
+    #[test]
+    fn what_was_written_is_read_again_up_to_the_death_of_the_program() {
+        let mut journal = Journal::new(Vec::new(), &[("program", "5a1e part.mpf")]).unwrap();
+        let at = Duration::from_millis;
+        for number in 1..=5 {
+            journal.frozen(&line(number), at(number)).unwrap();
+        }
+        journal.event(&Event::Acknowledged(2), at(9)).unwrap();
+        journal.event(&Event::Repeated(3), at(10)).unwrap();
+        let text = String::from_utf8(journal.into_store()).unwrap();
+        assert!(text.contains("3 F 3 ") && text.contains(" 43 Z-0.0040\n"), "{text}");
+        let told = read(&text).unwrap();
+        assert_eq!((told.frozen, told.acknowledged, told.source_line), (5, 2, 45));
+        assert_eq!(told.open.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [3, 4, 5]);
+        assert_eq!(told.open[0].1, crc32(b"G1 X3"));
+        assert_eq!((told.head[0].0.as_str(), told.ended.as_deref()), ("program", None));
+        // Died in the middle of a record: whatever the place, the records before it stay.
+        for end in text.find("1 F").unwrap()..text.len() {
+            let told = read(&text[..end]).unwrap();
+            assert!(told.frozen <= 5 && told.acknowledged <= told.frozen);
+        }
+    }
+
+    #[test]
+    fn what_is_no_journal_is_refused_with_its_line() {
+        assert_eq!(read("").unwrap_err().0, 1);
+        assert_eq!(read("G1 X0\n").unwrap_err().0, 1);
+        let twice = format!("{FIRST}\n0 F 1 00000000 1\n1 F 1 00000000 1\n");
+        assert_eq!(read(&twice).unwrap_err().0, 3);
+        assert_eq!(read(&format!("{FIRST}\n0 A 7\n")).unwrap_err().0, 2);
+    }
+}

@@ -1,0 +1,154 @@
+//! Grbl 1.1: a ring of bytes, a planner of so many blocks, one answer for each line as it enters the planner.
+//!
+//! Bytes for which the ring has no room are gone (Grbl 1.1, serial.c: "overflow"). `?`, `!`, `~` and reset never enter it. A line that cannot be
+//! carried out is answered by `error:N` and left out; those behind it go on.
+
+use std::collections::VecDeque;
+
+use super::{Control, Faults};
+
+/// Size of the ring, bytes, and of the planner, blocks.
+const RING: usize = 128;
+const PLANNER: usize = 15;
+
+pub(crate) struct Grbl {
+    faults: Faults,
+    ring: VecDeque<u8>,
+    line: Vec<u8>,
+    /// Lines in the planner, and when the first of them is done.
+    planner: VecDeque<Vec<u8>>,
+    done_s: f64,
+    busy_s: f64,
+    is_held: bool,
+    is_alarmed: bool,
+    was_reset: bool,
+    answers: u64,
+    lines: u64,
+    out: Vec<u8>,
+    executed: Vec<Vec<u8>>,
+    /// Bytes that were lost.
+    pub(crate) overflows: usize,
+}
+
+impl Grbl {
+    pub(crate) fn new(faults: &Faults, busy_s: f64) -> Grbl {
+        Grbl {
+            faults: faults.clone(),
+            ring: VecDeque::new(),
+            line: Vec::new(),
+            planner: VecDeque::new(),
+            done_s: 0.0,
+            busy_s,
+            is_held: false,
+            is_alarmed: false,
+            was_reset: false,
+            answers: 0,
+            lines: 0,
+            out: Vec::new(),
+            executed: Vec::new(),
+            overflows: 0,
+        }
+    }
+
+    pub(crate) fn in_alarm(mut self) -> Grbl {
+        self.is_alarmed = true;
+        self
+    }
+
+    fn answer(&mut self, text: &str) {
+        self.answers += 1;
+        let mut bytes = format!("{text}\r\n").into_bytes();
+        if self.faults.lost.contains(&self.answers) {
+            return;
+        }
+        if self.faults.garbled.contains(&self.answers) {
+            bytes[0] = b'*';
+        }
+        self.out.extend(&bytes);
+        if self.faults.doubled.contains(&self.answers) {
+            self.out.extend(&bytes);
+        }
+    }
+
+    fn reset(&mut self) {
+        self.ring.clear();
+        self.line.clear();
+        self.planner.clear();
+        self.is_held = false;
+        // With homing on, a reset locks it until it is homed.
+        self.is_alarmed = true;
+        self.out.extend(b"\r\nGrbl 1.1h ['$' for help]\r\n");
+    }
+
+    fn status(&mut self) {
+        let state = match (self.is_alarmed, self.is_held, self.planner.is_empty()) {
+            (true, _, _) => "Alarm",
+            (_, true, _) => "Hold:0",
+            (_, _, true) => "Idle",
+            _ => "Run",
+        };
+        let free = [PLANNER - self.planner.len(), RING - self.ring.len()];
+        let report = format!("<{state}|MPos:0.000,0.000,0.000|Bf:{},{}|FS:0,0>\r\n", free[0], free[1]);
+        self.out.extend(report.bytes());
+    }
+}
+
+impl Control for Grbl {
+    fn hear(&mut self, byte: u8, now_s: f64) {
+        self.tick(now_s);
+        match byte {
+            b'?' => self.status(),
+            b'!' => self.is_held = true,
+            b'~' => self.is_held = false,
+            0x18 => self.reset(),
+            _ if self.ring.len() >= RING => self.overflows += 1,
+            _ => self.ring.push_back(byte),
+        }
+    }
+
+    fn tick(&mut self, now_s: f64) {
+        if self.faults.reset_s.is_some_and(|at| now_s >= at) && !self.was_reset {
+            self.was_reset = true;
+            self.reset();
+        }
+        if self.is_held {
+            self.done_s = now_s + self.busy_s;
+        }
+        while self.done_s <= now_s {
+            let Some(line) = self.planner.pop_front() else { break };
+            self.executed.push(line);
+            self.done_s += self.busy_s;
+        }
+        // A line leaves the ring when the planner has room for it.
+        while self.planner.len() < PLANNER {
+            let Some(byte) = self.ring.pop_front() else { break };
+            if byte != b'\n' {
+                self.line.push(byte);
+                continue;
+            }
+            let line = std::mem::take(&mut self.line);
+            if line == b"$I" {
+                self.out.extend(b"[VER:1.1h.20190830:]\r\n[OPT:V,15,128]\r\nok\r\n");
+                continue;
+            }
+            self.lines += 1;
+            if self.faults.refuses == Some(self.lines) || self.is_alarmed {
+                self.answer("error:33");
+                continue;
+            }
+            if self.planner.is_empty() {
+                self.done_s = now_s + self.busy_s;
+            }
+            self.planner.push_back(line);
+            self.answer("ok");
+        }
+    }
+
+    fn say(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.out)
+    }
+
+    fn executed(&self) -> &[Vec<u8>] {
+        &self.executed
+    }
+}
