@@ -103,18 +103,18 @@ fn grbl_carries_out_what_was_planned_whatever_goes_wrong() {
             faults.lost.clear();
         }
     };
-    let done = jobs("grbl", 0..2000, Grbl::new, no_more, |control, _, seed| {
+    let done = jobs("grbl", 0..4000, Grbl::new, no_more, |control, _, seed| {
         assert_eq!(control.overflows, 0, "seed {seed}");
     });
     // A third has no fault at all.
-    assert!(done > 600, "{done}");
+    assert!(done > 1200, "{done}");
 }
 
 #[test]
 fn marlin_makes_good_whatever_gets_lost_or_garbled_in_either_way() {
     let done = jobs(
         "marlin",
-        0..2000,
+        0..4000,
         Marlin::new,
         |faults| faults.refuses = None,
         |_, ended, seed| {
@@ -136,14 +136,14 @@ fn marlin_makes_good_whatever_gets_lost_or_garbled_in_either_way() {
 fn blockwise_transfer_repeats_what_was_refused_and_nothing_else() {
     let done = jobs(
         "heidenhain-fe1",
-        0..2000,
+        0..4000,
         Blockwise::new,
         |faults| faults.reset_s = None,
         |control, ended, seed| {
             assert_eq!(control.is_ended, *ended == Ended::Done, "seed {seed}: {ended:?}");
         },
     );
-    assert!(done > 800, "{done}");
+    assert!(done > 1600, "{done}");
 }
 
 #[test]

@@ -18,6 +18,8 @@ pub(crate) struct Blockwise {
     buffer: VecDeque<Vec<u8>>,
     waiting: Option<Vec<u8>>,
     blocks: u64,
+    /// Blocks that were taken.
+    taken: u64,
     answers: u64,
     done_s: f64,
     busy_s: f64,
@@ -36,6 +38,7 @@ impl Blockwise {
             buffer: VecDeque::new(),
             waiting: None,
             blocks: 0,
+            taken: 0,
             answers: 0,
             done_s: 0.0,
             busy_s,
@@ -64,11 +67,9 @@ impl Blockwise {
             block[at] ^= 0x04;
         }
         let sum = block.iter().fold(0, |sum, byte| sum ^ byte);
-        if sum != check || self.faults.refuses == Some(self.blocks.saturating_sub(1)) {
-            // One that it refuses for good is the same block again the next time.
-            if self.faults.refuses == Some(self.blocks.saturating_sub(1)) {
-                self.blocks -= 1;
-            }
+        // The same block is refused however often it comes.
+        let is_refused = block[0] == 0x02 && self.faults.refuses == Some(self.taken + 1);
+        if sum != check || is_refused {
             return self.answer(0x15);
         }
         match block[0] {
@@ -77,7 +78,10 @@ impl Blockwise {
                 self.was_opened = true;
                 self.answer(0x06);
             }
-            _ => self.waiting = Some(block[1..block.len() - 1].to_vec()),
+            _ => {
+                self.taken += 1;
+                self.waiting = Some(block[1..block.len() - 1].to_vec());
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Grbl 1.1: every line is answered by `ok` or `error:N`; lines are sent ahead as long as their bytes fit the receive buffer.
 //!
 //! The control says in `[OPT:…,blocks,bytes]` how large its buffers are and in `<…|Bf:blocks,bytes>` how much of them is free (Grbl 1.1, interface).
-//! One answer too many must not make the buffer overflow, so the longest line under way is kept free; one that got lost shows
+//! Answers too many must not make the buffer overflow, so room for the longest line under way is kept free twice; one that got lost shows
 //! when the control is idle and has nothing in its buffers: it may have been a refusal, so the job ends there.
 
 use std::collections::VecDeque;
@@ -23,6 +23,8 @@ const ASK_EVERY: Duration = Duration::from_millis(250);
 const LONGEST_ANSWER: usize = 1024;
 /// After a refusal, this long without a word means that everything was answered.
 const QUIET: Duration = Duration::from_millis(500);
+/// So many answers too many, until the control is asked next, do not make its buffer overflow.
+const SURPLUS: usize = 2;
 /// What the control leaves of a buffer.
 const MARGIN: usize = 8;
 
@@ -65,6 +67,7 @@ struct Grbl {
     sure: u64,
     /// The line that was refused, and what the control said.
     refusal: (u64, String),
+    refused_at: Duration,
     /// Answers beyond those to the lines that were sent.
     surplus: u64,
 }
@@ -88,6 +91,7 @@ impl Grbl {
             acknowledged: 0,
             sure: 0,
             refusal: (0, String::new()),
+            refused_at: Duration::ZERO,
             surplus: 0,
         }
     }
@@ -124,7 +128,16 @@ impl Grbl {
                     wire.push_urgent(HOLD);
                     self.state = State::Refusing;
                     self.refusal = (number, format!("error:{code}"));
+                    self.refused_at = self.last_heard;
                 }
+            } else if self.state != State::Refusing {
+                wire.push_urgent(HOLD);
+                self.lost(
+                    &format!(
+                        "the control has refused a line with error:{code}, and answered more lines than were sent"
+                    ),
+                    events,
+                );
             }
         } else if let Some(code) = text.strip_prefix("ALARM:") {
             self.lost(&format!("the control stands in alarm {code}"), events);
@@ -158,10 +171,10 @@ impl Grbl {
         }
     }
 
-    /// Which line was refused is sure when all that were sent have one answer each.
-    fn refused(&mut self, events: &mut Vec<Event>) {
+    /// Which line was refused is sure when all that were sent were taken and have one answer each.
+    fn refused(&mut self, is_taken: bool, events: &mut Vec<Event>) {
         let (number, said) = std::mem::take(&mut self.refusal);
-        if self.surplus == 0 && self.in_flight.is_empty() {
+        if is_taken && self.surplus == 0 && self.in_flight.is_empty() {
             self.state = State::Over;
             events.push(Event::Refused(number, said));
         } else {
@@ -190,6 +203,11 @@ impl Grbl {
             return;
         }
         if self.state == State::Refusing {
+            // While the axes are held, lines may wait for the planner without an answer.
+            let is_taken = self.buffer.zip(free_bytes).is_some_and(|(buffer, free)| free >= buffer);
+            if self.in_flight.is_empty() || is_taken {
+                self.refused(is_taken, events);
+            }
             return;
         }
         if let (Some(buffer), Some(free)) = (self.buffer, free_bytes)
@@ -241,7 +259,7 @@ impl Dialogue for Grbl {
     }
 
     fn has_room(&self, length: usize) -> bool {
-        let spare = self.in_flight.iter().map(|(_, length, _)| *length).max().unwrap_or(0);
+        let spare = SURPLUS * self.in_flight.iter().map(|(_, length, _)| *length).max().unwrap_or(0);
         let fits = self.in_flight.is_empty() || self.bytes + length + 1 + spare <= self.window.1;
         self.state == State::Open && self.in_flight.len() < self.window.0 && fits
     }
@@ -285,9 +303,10 @@ impl Dialogue for Grbl {
             return;
         }
         if self.state == State::Refusing {
-            let quiet = now.saturating_sub(self.last_heard);
-            if quiet > QUIET && self.in_flight.is_empty() || quiet > self.patience {
-                self.refused(events);
+            if now.saturating_sub(self.refused_at) > self.patience {
+                self.refused(false, events);
+            } else if now.saturating_sub(self.last_heard) > QUIET && now.saturating_sub(self.last_asked) > QUIET {
+                self.ask(now, wire);
             }
             return;
         }
