@@ -28,9 +28,9 @@ pub struct Stretch {
     pub source_lines: [u32; 2],
     /// How long the axes stand still in it, s.
     pub starved_s: f64,
-    /// Lines per second that the motion needs there, and that the link gives.
+    /// Lines per second that the motion needs there.
     pub needed_per_s: f64,
-    /// The same that the link gives.
+    /// Lines per second that the link gives there.
     pub given_per_s: f64,
 }
 

@@ -1,5 +1,7 @@
 //! One line on its way to a control.
 
+use std::time::Duration;
+
 use crate::geometry::AXIS_COUNT;
 
 /// A line that is frozen: nothing of it changes any more.
@@ -19,6 +21,17 @@ pub struct Line {
     pub busy_s: f64,
 }
 
+/// No block takes longer: eleven days.
+const LONGEST: Duration = Duration::from_secs(1_000_000);
+
+impl Line {
+    /// How long the control is busy with it; nothing where that is no time.
+    #[must_use]
+    pub fn busy(&self) -> Duration {
+        Duration::try_from_secs_f64(self.busy_s).unwrap_or_default().min(LONGEST)
+    }
+}
+
 /// The checksum of bytes (CRC-32 of ISO/IEC 8802-3), by which a line of a journal is known again.
 #[must_use]
 pub fn crc32(bytes: &[u8]) -> u32 {
@@ -30,10 +43,18 @@ pub fn crc32(bytes: &[u8]) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::crc32;
+    use super::*;
 
     #[test]
     fn the_check_value_of_the_catalogue_of_checksums() {
         assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+    }
+
+    #[test]
+    fn what_is_no_time_takes_none() {
+        let busy = |busy_s| Line { busy_s, ..Line::default() }.busy();
+        assert_eq!(busy(0.5), Duration::from_millis(500));
+        assert_eq!([f64::NAN, -1.0, f64::INFINITY].map(busy), [Duration::ZERO; 3]);
+        assert_eq!(busy(1e9), LONGEST);
     }
 }

@@ -50,7 +50,7 @@ pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Resul
     let mut out: Vec<Result<Vec<Change>, String>> = found.findings.iter().map(sound).collect();
     while let Some(number) = leaning(found, scene, &out) {
         if let Some(one) = out.get_mut(number) {
-            *one = Err("it is only right together with findings that are not corrected: alone it would make the readings worse".into());
+            *one = Err("it is only right together with findings that are not corrected: alone it may make the machine worse; measure what tells those from their rivals".into());
         }
     }
     out

@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire};
+use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
 /// What profiles call it.
 pub(super) const PROTOCOL: Protocol = Protocol {
@@ -114,14 +114,9 @@ impl Dialogue for Block {
     }
 
     fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String> {
-        if line.text.len() > self.longest_line {
-            return Err(format!("it has {} characters, the control takes {}", line.text.len(), self.longest_line));
-        }
-        if let Some(byte) = line.text.iter().find(|byte| !(b' '..=b'~').contains(*byte)) {
-            return Err(format!("the byte {byte:#04x} is a character of the transfer"));
-        }
+        check_text(&line.text, self.longest_line, &[])?;
         let bytes = self.frame(STX, &line.text);
-        self.under_way = Some((line.number, bytes, Duration::from_secs_f64(line.busy_s.clamp(0.0, 1e6))));
+        self.under_way = Some((line.number, bytes, line.busy()));
         self.push(now, wire);
         Ok(())
     }

@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire};
+use super::{Answers, Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
 /// What profiles call it.
 pub(super) const PROTOCOL: Protocol =
@@ -19,8 +19,6 @@ const HOLD: &[u8] = b"!";
 const RESET: &[u8] = &[0x18];
 /// While lines are under way the control is asked where it stands this often.
 const ASK_EVERY: Duration = Duration::from_millis(250);
-/// Answers are no longer than this.
-const LONGEST_ANSWER: usize = 1024;
 /// After a refusal, this long without a word means that everything was answered.
 const QUIET: Duration = Duration::from_millis(500);
 /// So many answers too many, until the control is asked next, do not make its buffer overflow.
@@ -55,7 +53,7 @@ struct Grbl {
     /// Number, bytes, how long it takes.
     in_flight: VecDeque<(u64, usize, Duration)>,
     bytes: usize,
-    heard: Vec<u8>,
+    heard: Answers,
     last_heard: Duration,
     last_asked: Duration,
     /// How often it was asked without an answer.
@@ -83,7 +81,7 @@ impl Grbl {
             patience: profile.answer_within,
             in_flight: VecDeque::new(),
             bytes: 0,
-            heard: Vec::new(),
+            heard: Answers::default(),
             last_heard: Duration::ZERO,
             last_asked: Duration::ZERO,
             asked: 0,
@@ -265,35 +263,22 @@ impl Dialogue for Grbl {
     }
 
     fn send(&mut self, line: &Line, _now: Duration, wire: &mut Wire) -> Result<(), String> {
-        if line.text.len() > self.longest_line {
-            return Err(format!("it has {} characters, the control takes {}", line.text.len(), self.longest_line));
-        }
-        let is_refused = |byte: &&u8| !(b' '..=b'~').contains(*byte) || self.refused.contains(*byte);
-        if let Some(byte) = line.text.iter().find(is_refused) {
-            return Err(format!("the control takes the byte {byte:#04x} out of the stream"));
-        }
+        check_text(&line.text, self.longest_line, &self.refused)?;
         wire.push(&line.text);
         wire.push(b"\n");
         let length = line.text.len() + 1;
         self.bytes += length;
         self.idle = 0;
-        self.in_flight.push_back((line.number, length, Duration::from_secs_f64(line.busy_s.clamp(0.0, 1e6))));
+        self.in_flight.push_back((line.number, length, line.busy()));
         Ok(())
     }
 
     fn hear(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         self.last_heard = now;
-        for &byte in bytes {
-            if byte != b'\n' && byte != b'\r' {
-                // What has no end is no answer.
-                if self.heard.len() < LONGEST_ANSWER {
-                    self.heard.push(byte);
-                }
-                continue;
-            }
-            let answer = std::mem::take(&mut self.heard);
+        let mut rest = bytes;
+        while let Some(answer) = self.heard.next(&mut rest) {
             if self.state != State::Over {
-                self.answer(String::from_utf8_lossy(&answer).trim(), wire, events);
+                self.answer(&answer, wire, events);
             }
         }
     }

@@ -8,7 +8,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire};
+use super::{Answers, Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
 /// What profiles call it.
 pub(super) const PROTOCOL: Protocol = Protocol {
@@ -21,8 +21,6 @@ pub(super) const PROTOCOL: Protocol = Protocol {
 const RING: usize = 64;
 /// Silence before a line is sent again on demand.
 const QUIET: Duration = Duration::from_millis(60);
-/// Answers are no longer than this.
-const LONGEST_ANSWER: usize = 1024;
 /// The largest number of a line: that of a signed word of 32 bits.
 const LAST_NUMBER: u64 = i32::MAX as u64;
 /// Answered when all moves are done: only then the job is.
@@ -67,7 +65,7 @@ struct Marlin {
     /// What is sent again when nothing more comes until then.
     again: Option<(u64, Duration)>,
     repeats: u32,
-    heard: Vec<u8>,
+    heard: Answers,
     last_heard: Duration,
 }
 
@@ -87,7 +85,7 @@ impl Marlin {
             demanded: None,
             again: None,
             repeats: 0,
-            heard: Vec::new(),
+            heard: Answers::default(),
             last_heard: Duration::ZERO,
         }
     }
@@ -196,17 +194,11 @@ impl Dialogue for Marlin {
     }
 
     fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String> {
-        if line.text.len() > self.longest_line {
-            return Err(format!("it has {} characters, the control takes {}", line.text.len(), self.longest_line));
-        }
-        let is_refused = |byte: &&u8| !(b' '..=b'~').contains(*byte) || self.refused.contains(*byte);
-        if let Some(byte) = line.text.iter().find(is_refused) {
-            return Err(format!("the byte {byte:#04x} means something else to the control"));
-        }
+        check_text(&line.text, self.longest_line, &self.refused)?;
         if line.number != self.current || line.number > LAST_NUMBER {
             return Err(format!("it is not the next one, which is {}", self.current));
         }
-        let busy = Duration::from_secs_f64(line.busy_s.clamp(0.0, 1e6));
+        let busy = line.busy();
         self.keep(Sent { number: line.number, bytes: frame(line.number, &line.text), busy });
         self.push(now, wire);
         Ok(())
@@ -214,16 +206,10 @@ impl Dialogue for Marlin {
 
     fn hear(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         self.last_heard = now;
-        for &byte in bytes {
-            if byte != b'\n' && byte != b'\r' {
-                if self.heard.len() < LONGEST_ANSWER {
-                    self.heard.push(byte);
-                }
-                continue;
-            }
-            let answer = std::mem::take(&mut self.heard);
+        let mut rest = bytes;
+        while let Some(answer) = self.heard.next(&mut rest) {
             if self.state != State::Over {
-                self.answer(String::from_utf8_lossy(&answer).trim(), now, wire, events);
+                self.answer(&answer, now, wire, events);
             }
         }
     }
