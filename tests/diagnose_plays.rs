@@ -31,6 +31,7 @@ fn circle(seed: u64, error: impl Fn([f64; 2]) -> [f64; 2]) -> String {
 
 #[test]
 fn plays_of_two_axes_are_no_turn_of_a_carriage() {
+    let mut inside = 0;
     for seed in 1..=8 {
         // 5 and 3 µm between the senses.
         let table = circle(seed, |[x, y]| [2.5 * x, -1.5 * y]);
@@ -42,7 +43,11 @@ fn plays_of_two_axes_are_no_turn_of_a_carriage() {
         assert_eq!(names, ["backlash EXX", "backlash EYY"], "seed {seed}: {report:#}");
         for (one, truth) in all.iter().zip([5.0, 3.0]) {
             let [value, u95] = ["value", "u95"].map(|key| number(one, key));
-            assert!((value.abs() - truth).abs() < 1.5 * u95 && one["correctable"] == "program", "seed {seed}: {one:#}");
+            assert_eq!(one["correctable"], "program", "seed {seed}: {one:#}");
+            assert!(u95 < 1.0, "seed {seed}: {one:#}");
+            inside += u32::from((value.abs() - truth).abs() < u95);
         }
     }
+    // Of sixteen that are each within their interval by 95 %, three or more miss theirs with a chance of 4 %.
+    assert!(inside >= 14, "{inside} of 16");
 }

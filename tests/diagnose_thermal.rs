@@ -254,8 +254,9 @@ fn rates_of_random_walks_and_drifts() {
     // deviation of 0.12 µm/K at most, 17 times less: all 40 could be told. The search, which has to find the noise as well, reaches 34.
     assert!(matched.len() <= 2 && hidden.len() <= 8, "{matched:?} {hidden:?}");
     // Bodies follow each other: T_spindle with a lag of 2112 s says what T_head does with 438 s but for χ² of 5 to 12 (seed 8, and 9 to 11 for seed 22; the
-    // size and zeros free), which no search tells. Others differ by 20 to 50 and should be told (seeds 10 and 19): the bounds say what is reached.
-    most(Bench::DriftRuns, 38, [12, 20]);
-    most(Bench::DriftRuns, 39, [10, 20]);
-    most(Bench::HotCold, 40, [17, 20]);
+    // size and zeros free), which no search tells. Others differ by 20 to 50 and should be told (seeds 10 and 19): 13, 11 and 17 of 20 are reached, so this
+    // fails here until they are.
+    most(Bench::DriftRuns, 38, [18, 20]);
+    most(Bench::DriftRuns, 39, [18, 20]);
+    most(Bench::HotCold, 40, [18, 20]);
 }
