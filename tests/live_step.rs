@@ -62,10 +62,10 @@ fn live(text: &str, machine: &Machine, doses: &mut dyn Doses, now: impl Fn(usize
         Ok(element)
     });
     let corrector = Corrector::new(elements, machine, &base, Options::default());
-    let mut live = Live::new(corrector, machine, &base, &Options::default());
+    let mut live = Live::new(machine, &base, &Options::default());
     let mut pieces = Vec::new();
-    while let Some(output) = live.next(now(pieces.len()).then_some(&hot), doses) {
-        if let Output::Piece(piece) = output.unwrap() {
+    for output in corrector {
+        if let Output::Piece(piece) = live.apply(output.unwrap(), now(pieces.len()).then_some(&hot), doses) {
             pieces.push(piece);
         }
     }

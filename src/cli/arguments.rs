@@ -232,27 +232,9 @@ pub(super) enum RotaryChoice {
     Hold,
 }
 
-/// `ncfix fix`.
+/// How a program is corrected.
 #[derive(Clone, Debug, Args)]
-pub(super) struct FixArguments {
-    /// Part program; - for standard input
-    #[arg(value_name = "IN")]
-    pub(super) input: PathBuf,
-    /// Corrected program; - for standard output
-    #[arg(short, long, value_name = "OUT", required_unless_present = "in_place")]
-    pub(super) output: Option<PathBuf>,
-    /// Overwrite IN and keep the original as IN.bak (IN.bak1 … where that exists)
-    #[arg(long, conflicts_with = "output")]
-    pub(super) in_place: bool,
-    #[command(flatten)]
-    /// Which machine.
-    pub(super) machine: MachineChoice,
-    #[command(flatten)]
-    /// The condition of the machine.
-    pub(super) state: StateChoice,
-    #[command(flatten)]
-    /// How the program is executed.
-    pub(super) program: ProgramChoice,
+pub(super) struct CorrectionChoice {
     /// Largest deviation of an emitted piece from the exactly corrected path, with its unit
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(super) tolerance: f64,
@@ -280,6 +262,32 @@ pub(super) struct FixArguments {
     /// Refuse corrections beyond this, with its unit
     #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
     pub(super) max_correction: f64,
+}
+
+/// `ncfix fix`.
+#[derive(Clone, Debug, Args)]
+pub(super) struct FixArguments {
+    /// Part program; - for standard input
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// Corrected program; - for standard output
+    #[arg(short, long, value_name = "OUT", required_unless_present = "in_place")]
+    pub(super) output: Option<PathBuf>,
+    /// Overwrite IN and keep the original as IN.bak (IN.bak1 … where that exists)
+    #[arg(long, conflicts_with = "output")]
+    pub(super) in_place: bool,
+    #[command(flatten)]
+    /// Which machine.
+    pub(super) machine: MachineChoice,
+    #[command(flatten)]
+    /// The condition of the machine.
+    pub(super) state: StateChoice,
+    #[command(flatten)]
+    /// How the program is executed.
+    pub(super) program: ProgramChoice,
+    #[command(flatten)]
+    /// How it is corrected.
+    pub(super) correction: CorrectionChoice,
     /// Print the report as one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,
@@ -367,6 +375,7 @@ mod tests {
     fn fix_is_the_default_command() {
         let Command::Fix(fix) = parse("ncfix a.mpf -o b.mpf --step 20mm").unwrap() else { panic!("no fix") };
         assert_eq!((fix.input, fix.output), ("a.mpf".into(), Some("b.mpf".into())));
+        let fix = fix.correction;
         assert_eq!((fix.tolerance, fix.step, fix.max_correction), (0.001, Some(20.0), 0.2));
         let Command::Fix(fix) = parse("ncfix fix a.mpf --in-place").unwrap() else { panic!("no fix") };
         assert!(fix.in_place && fix.output.is_none());

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use super::arguments::{ArcChoice, FiveAxisChoice, FixArguments, FrameChoice, RapidChoice, RotaryChoice};
+use super::arguments::FixArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::is_standard_stream;
@@ -12,19 +12,17 @@ use super::output::{Spool, Target};
 use super::program::{self, Opened, Running};
 use super::state;
 use super::stop::Stop;
+use super::writing::Writing;
 use super::{print, tell};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::emit;
 use crate::exec::RapidOrder;
 use crate::geometry::AXES;
-use crate::path::{self, Corrector, Increments, Prediction};
+use crate::path::{self, Corrector, Prediction};
 use crate::report::correction::Correction;
 use crate::report::json;
 use crate::source::{Source, Span};
 use crate::units::{um_from_mm, urad_from_rad};
-
-/// Distance of the samples of the predicted error along the path, mm.
-const SAMPLE_MM: f64 = 1.0;
 
 /// Corrects a program.
 pub(super) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
@@ -91,7 +89,7 @@ impl<'a> Job<'a> {
         }
         let own = (!arguments.in_place).then_some(&arguments.input);
         program::protect(&self.target, chosen.files.iter().chain(own), findings);
-        if let Some(increment_mm) = arguments.increment {
+        if let Some(increment_mm) = arguments.correction.increment {
             chosen.machine.control.increment_mm = increment_mm;
         }
         let opened = program::open(&self.source, &arguments.program, Some(&chosen), findings)?;
@@ -122,34 +120,11 @@ impl<'a> Job<'a> {
         let arguments = self.arguments;
         let machine = &chosen.machine;
         let model = chosen.model();
-        let dialect = opened.dialect.name;
-        let entry = emit::entry(dialect)
-            .ok_or_else(|| Stop::Usage(format!("programs in the dialect '{dialect}' cannot be written")))?;
-        let options = path::Options { turns: entry.turns, ..options(arguments) };
-        if options.frame == path::OutputFrame::Machine && !entry.has_machine_frame {
-            return Err(Stop::Usage(format!(
-                "in the dialect '{dialect}' not every motion can be written in machine coordinates; leave out --frame machine \
-                 and --five-axis axes"
-            )));
-        }
-        let writer_options = emit::WriterOptions {
-            names: machine.written_names(),
-            increments: Increments::new(&machine.control),
-            frame: options.frame,
-            crlf: has_crlf(self.source.bytes()),
-            last_block_number: machine.control.last_block_number,
-            stamp: emit::Stamp {
-                machine: machine.name.clone(),
-                model: chosen.hash.clone(),
-                state: chosen.state.clone(),
-                source: machine_choice::short_hash([self.source.bytes()]),
-                is_demo: chosen.is_demo,
-            },
-        };
-        let mut writer = (entry.create)(&writer_options)
-            .ok_or_else(|| Stop::Usage(format!("programs in the dialect '{dialect}' cannot be written")))?;
+        let start = arguments.program.start;
+        let writing = Writing::new(&arguments.correction, start, opened.dialect.name, chosen, self.source.bytes())?;
+        let mut writer = writing.writer()?;
         let running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
-        let mut corrector = Corrector::new(running, machine, &model, options);
+        let mut corrector = Corrector::new(running, machine, &model, writing.options.clone());
         // Findings are few: the execution and the corrector both stop after a hundred.
         let mut found = Vec::new();
         let written = emit::emit(&mut corrector, writer.as_mut(), spool.writer(), |finding| found.push(finding));
@@ -162,20 +137,15 @@ impl<'a> Job<'a> {
             findings.add(corrected_before(stamped), sources);
         }
         note(corrector.prediction(), running, report);
-        let rotary = rotary(arguments);
+        let rotary = writing.options.rotary;
         let left = path::remaining(machine, &chosen.errors, &chosen.condition, corrector.poses(), rotary);
         report.remaining = left.iter().map(remaining).collect();
         Ok(())
     }
 }
 
-/// Whether the lines of a program end with CR LF.
-fn has_crlf(bytes: &[u8]) -> bool {
-    bytes.iter().position(|&byte| byte == b'\n').is_some_and(|at| bytes[..at].ends_with(b"\r"))
-}
-
 /// The finding for a program that carries a stamp; it points at the name in the stamp.
-fn corrected_before(source: &Source) -> Diagnostic {
+pub(super) fn corrected_before(source: &Source) -> Diagnostic {
     const NAME: &[u8] = b"ncfix";
     let is_name = |window: &[u8]| window.eq_ignore_ascii_case(NAME);
     let at = source.bytes().windows(NAME.len()).position(is_name).unwrap_or(0);
@@ -185,43 +155,6 @@ fn corrected_before(source: &Source) -> Diagnostic {
         "this program was corrected before",
         "correct the original program",
     )
-}
-
-/// The options of the correction.
-fn options(arguments: &FixArguments) -> path::Options {
-    path::Options {
-        tolerance_mm: arguments.tolerance,
-        subdivision: arguments.step.map_or(path::Subdivision::Adaptive, path::Subdivision::Step),
-        arcs: match arguments.arcs {
-            ArcChoice::Keep => path::Arcs::Keep,
-            ArcChoice::Chords => path::Arcs::Chords,
-        },
-        rapids: match arguments.rapids {
-            RapidChoice::Ends => path::Rapids::Ends,
-            RapidChoice::None => path::Rapids::None,
-            RapidChoice::All => path::Rapids::All,
-        },
-        frame: match (arguments.frame, arguments.five_axis) {
-            (FrameChoice::Work, FiveAxisChoice::Tcp) => path::OutputFrame::Work,
-            _ => path::OutputFrame::Machine,
-        },
-        five_axis: match arguments.five_axis {
-            FiveAxisChoice::Tcp => path::FiveAxis::Tcp,
-            FiveAxisChoice::Axes => path::FiveAxis::Axes,
-        },
-        max_correction_mm: arguments.max_correction,
-        rotary: rotary(arguments),
-        sample_mm: SAMPLE_MM,
-        start: arguments.program.start,
-        ..path::Options::default()
-    }
-}
-
-fn rotary(arguments: &FixArguments) -> path::Rotary {
-    match arguments.rotary {
-        RotaryChoice::Correct => path::Rotary::Correct,
-        RotaryChoice::Hold => path::Rotary::Hold,
-    }
 }
 
 /// What is left of a source, in the units of reports.

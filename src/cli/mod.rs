@@ -44,6 +44,7 @@ mod stop;
 mod support_file;
 mod value;
 mod verify;
+mod writing;
 
 pub use exit_code::ExitCode;
 

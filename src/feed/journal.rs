@@ -5,8 +5,10 @@
 //! ```text
 //! ncfix journal 1
 //! # program 5a1e… part.mpf
-//! 0 F 12 9c41f00a 37 X+0.0123 Z-0.0040      frozen: number, CRC-32 of the text, line of the source, what the second step adds (mm, degrees)
+//! 0 F 12 9c41f00a 37 51 X+0.0123 Z-0.0040   frozen: number, CRC-32 of the text, line of the source, element of the corrected program, what the
+//!                                           second step adds (mm, degrees)
 //! 31 A 12                                   acknowledged, with all before it
+//! 35 X 10                                   carried out, with all before it
 //! 32 R 12                                   sent again
 //! 40 E the control was reset                how it ended
 //! ```
@@ -14,6 +16,7 @@
 //! A last line without its end was being written when the program died; it is no record. Records reach the disk in groups: what the operating system
 //! has taken survives the death of the program at once, and that of the computer as soon as the group was written through.
 
+use std::collections::VecDeque;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::time::Duration;
@@ -91,18 +94,6 @@ impl<S: Store> Journal<S> {
         self.store.sync()
     }
 
-    /// Writes through what is due.
-    ///
-    /// # Errors
-    /// Those of the file.
-    pub fn tick(&mut self, now: Duration) -> io::Result<()> {
-        if !self.is_synced && now.saturating_sub(self.synced) >= GROUP {
-            self.store.sync()?;
-            (self.synced, self.is_synced) = (now, true);
-        }
-        Ok(())
-    }
-
     fn write(&mut self, now: Duration, text: &str) -> io::Result<()> {
         self.line.clear();
         let _ = writeln!(self.line, "{} {text}", now.as_millis());
@@ -118,7 +109,7 @@ impl<S: Store> Journal<S> {
 
 impl<S: Store> Record for Journal<S> {
     fn frozen(&mut self, line: &Line, now: Duration) -> io::Result<()> {
-        let mut text = format!("F {} {:08x} {}", line.number, crc32(&line.text), line.source_line);
+        let mut text = format!("F {} {:08x} {} {}", line.number, crc32(&line.text), line.source_line, line.element);
         for axis in AXES {
             let offset = line.offset[axis.slot()];
             if offset != 0.0 {
@@ -135,10 +126,35 @@ impl<S: Store> Record for Journal<S> {
             Event::Repeated(number) => self.write(now, &format!("R {number}")),
             Event::Stalled => self.write(now, "W no answer in time"),
             Event::Said(text) => self.write(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
-            Event::Executed(_) | Event::Paused(_) | Event::Refused(..) | Event::Lost(_) => Ok(()),
+            Event::Executed(number) => self.write(now, &format!("X {number}")),
+            Event::Paused(_) | Event::Refused(..) | Event::Lost(_) => Ok(()),
         }
     }
+
+    fn tick(&mut self, now: Duration) -> io::Result<()> {
+        if !self.is_synced && now.saturating_sub(self.synced) >= GROUP {
+            self.store.sync()?;
+            (self.synced, self.is_synced) = (now, true);
+        }
+        Ok(())
+    }
 }
+
+/// A line as a journal has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Frozen {
+    /// Its number in the transfer.
+    pub number: u64,
+    /// The checksum of its text.
+    pub crc: u32,
+    /// Line of the source.
+    pub source_line: u32,
+    /// Element of the corrected program.
+    pub element: u64,
+}
+
+/// Acknowledged lines that are kept: more than any control holds.
+const KEPT: u64 = 1024;
 
 /// What a journal says of a job.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -149,10 +165,10 @@ pub struct Told {
     pub frozen: u64,
     /// The last line that was acknowledged: it and all before it were taken.
     pub acknowledged: u64,
-    /// The checksums of the lines behind the last that was acknowledged, by number.
-    pub open: Vec<(u64, u32)>,
-    /// Line of the source of the last that was frozen.
-    pub source_line: u32,
+    /// The last line that was carried out, where the control said so.
+    pub executed: u64,
+    /// The lines behind the last that was acknowledged, and the last before them, in order.
+    pub lines: VecDeque<Frozen>,
     /// How it ended; `None` where the program died.
     pub ended: Option<String>,
 }
@@ -186,21 +202,30 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
             ("F", Some(line_number)) => {
                 let crc = rest_words.next().and_then(|word| u32::from_str_radix(word, 16).ok());
                 let source_line = rest_words.next().and_then(|word| word.parse().ok());
-                let (Some(crc), Some(source_line)) = (crc, source_line) else {
+                let element = rest_words.next().and_then(|word| word.parse().ok());
+                let (Some(crc), Some(source_line), Some(element)) = (crc, source_line, element) else {
                     return fault("a frozen line without checksum or place");
                 };
                 if line_number != told.frozen + 1 {
                     return fault("a frozen line that does not follow the one before it");
                 }
-                (told.frozen, told.source_line) = (line_number, source_line);
-                told.open.push((line_number, crc));
+                told.frozen = line_number;
+                told.lines.push_back(Frozen { number: line_number, crc, source_line, element });
             }
             ("A", Some(line_number)) => {
                 if line_number > told.frozen {
                     return fault("an answer to a line that was not sent");
                 }
                 told.acknowledged = told.acknowledged.max(line_number);
-                told.open.retain(|(open, _)| *open > line_number);
+                while told.lines.front().is_some_and(|line| line.number + KEPT < told.acknowledged) {
+                    told.lines.pop_front();
+                }
+            }
+            ("X", Some(line_number)) => {
+                if line_number > told.frozen {
+                    return fault("a line was carried out that was not sent");
+                }
+                told.executed = told.executed.max(line_number);
             }
             ("E", _) => told.ended = Some(rest.to_owned()),
             ("R" | "W", _) => {}
@@ -219,6 +244,7 @@ mod tests {
             number,
             text: format!("G1 X{number}").into_bytes(),
             source_line: 40 + number as u32,
+            element: 2 * number,
             ..Line::default()
         };
         line.offset[2] = -0.004;
@@ -233,13 +259,14 @@ mod tests {
             journal.frozen(&line(number), at(number)).unwrap();
         }
         journal.event(&Event::Acknowledged(2), at(9)).unwrap();
+        journal.event(&Event::Executed(1), at(10)).unwrap();
         journal.event(&Event::Repeated(3), at(10)).unwrap();
         let text = String::from_utf8(journal.into_store()).unwrap();
-        assert!(text.contains("3 F 3 ") && text.contains(" 43 Z-0.0040\n"), "{text}");
+        assert!(text.contains("3 F 3 ") && text.contains(" 43 6 Z-0.0040\n"), "{text}");
         let told = read(&text).unwrap();
-        assert_eq!((told.frozen, told.acknowledged, told.source_line), (5, 2, 45));
-        assert_eq!(told.open.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [3, 4, 5]);
-        assert_eq!(told.open[0].1, crc32(b"G1 X3"));
+        assert_eq!((told.frozen, told.acknowledged, told.executed), (5, 2, 1));
+        assert_eq!(told.lines.iter().map(|line| line.number).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
+        assert_eq!(told.lines[2], Frozen { number: 3, crc: crc32(b"G1 X3"), source_line: 43, element: 6 });
         assert_eq!((told.head[0].0.as_str(), told.ended.as_deref()), ("program", None));
         // Died in the middle of a record: whatever the place, the records before it stay.
         for end in text.find("1 F").unwrap()..text.len() {
@@ -252,7 +279,7 @@ mod tests {
     fn what_is_no_journal_is_refused_with_its_line() {
         assert_eq!(read("").unwrap_err().0, 1);
         assert_eq!(read("G1 X0\n").unwrap_err().0, 1);
-        let twice = format!("{FIRST}\n0 F 1 00000000 1\n1 F 1 00000000 1\n");
+        let twice = format!("{FIRST}\n0 F 1 00000000 1 1\n1 F 1 00000000 1 1\n");
         assert_eq!(read(&twice).unwrap_err().0, 3);
         assert_eq!(read(&format!("{FIRST}\n0 A 7\n")).unwrap_err().0, 2);
     }

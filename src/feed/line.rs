@@ -13,6 +13,8 @@ pub struct Line {
     pub text: Vec<u8>,
     /// Line of the source from which it comes, from 1; 0 for none.
     pub source_line: u32,
+    /// Number of the piece or other element of the corrected program from which it comes, from 1; the same whenever the program is run.
+    pub element: u64,
     /// What was added to the axes by the second step, mm or rad.
     pub offset: [f64; AXIS_COUNT],
     /// The same as the model asks for.

@@ -11,7 +11,7 @@ const CHUNK: usize = 4096;
 /// Reads of one step: a control that talks without end does not keep lines from being sent.
 const MOST_READS: usize = 16;
 
-/// Where bytes go and come from. Nothing here waits.
+/// Where bytes go and come from. Nothing here waits but [`Port::wait`].
 pub trait Port {
     /// Reads what has come; 0 where there is nothing now.
     ///
@@ -28,6 +28,11 @@ pub trait Port {
     /// Bytes that the system has taken and not sent, where it says so.
     fn queued(&mut self) -> Option<usize> {
         None
+    }
+
+    /// Waits until something has come, or for so long.
+    fn wait(&mut self, most: Duration) {
+        std::thread::sleep(most);
     }
 }
 
@@ -63,6 +68,14 @@ pub trait Record {
     /// # Errors
     /// It cannot be written down.
     fn event(&mut self, event: &Event, now: Duration) -> io::Result<()>;
+
+    /// Time has passed.
+    ///
+    /// # Errors
+    /// What was written down before did not last.
+    fn tick(&mut self, _now: Duration) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// How a transfer ended.
@@ -180,6 +193,7 @@ impl<'a> Sender<'a> {
                 self.take_events(now, note)?;
             }
         }
+        self.record.tick(now)?;
         self.progress.in_flight = self.dialogue.in_flight();
         self.progress.bytes = self.wire.sent();
         if self.ended.is_none() && self.is_closed && self.wire.is_empty() && self.dialogue.is_done(&self.wire) {

@@ -7,7 +7,6 @@
 
 use std::sync::Arc;
 
-use crate::diagnostic::Diagnostic;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector, ROTARY_AXES};
 use crate::machine::{Machine, State};
 use crate::model::{Model, Solve};
@@ -61,9 +60,8 @@ pub struct Applied {
     pub time_s: f64,
 }
 
-/// Adds the second step to a stream of pieces.
-pub struct Live<'a, I> {
-    outputs: I,
+/// Adds the second step to pieces, one after the other in the order of the program.
+pub struct Live<'a> {
     machine: &'a Machine,
     placer: Placer<'a>,
     /// Where the first step has brought the axes, and where they should be.
@@ -77,16 +75,12 @@ pub struct Live<'a, I> {
     applied: Applied,
 }
 
-impl<'a, I> Live<'a, I>
-where
-    I: Iterator<Item = Result<Output, Diagnostic>>,
-{
-    /// Begins one over pieces that were corrected by `base` with the same options.
+impl<'a> Live<'a> {
+    /// Begins one for pieces that were corrected by `base` with the same options.
     #[must_use]
-    pub fn new(outputs: I, machine: &'a Machine, base: &'a Model, options: &Options) -> Self {
+    pub fn new(machine: &'a Machine, base: &'a Model, options: &Options) -> Self {
         let start = options.start;
         Live {
-            outputs,
             machine,
             placer: Placer::new(machine, base, options),
             command: start.unwrap_or(AxisVector::ZERO),
@@ -99,40 +93,30 @@ where
         }
     }
 
-    /// The pieces, for what they know beside them.
-    pub fn outputs(&self) -> &I {
-        &self.outputs
-    }
-
     /// What was made of the last piece.
     pub fn applied(&self) -> &Applied {
         &self.applied
     }
 
-    /// The next output, with what `now` asks for; without it with what was applied last.
-    pub fn next(&mut self, now: Option<&Model>, doses: &mut dyn Doses) -> Option<Result<Output, Diagnostic>> {
-        let output = match self.outputs.next()? {
-            Ok(output) => output,
-            Err(finding) => return Some(Err(finding)),
+    /// The next output of the first step, with what `now` asks for; without it with what was applied last.
+    pub fn apply(&mut self, output: Output, now: Option<&Model>, doses: &mut dyn Doses) -> Output {
+        let element = match output {
+            Output::Piece(piece) => return Output::Piece(self.shift(piece, now, doses)),
+            Output::Element(element) => element,
         };
-        Some(Ok(match output {
-            Output::Piece(piece) => Output::Piece(self.shift(piece, now, doses)),
-            Output::Element(element) => {
-                match &element.kind {
-                    Kind::Setup(setup) => {
-                        let [old, new] = [&self.placer.setup.frame, &setup.frame];
-                        if old.linear() != new.linear() && !self.placer.is_machine_frame() {
-                            // The words of all axes mean something else.
-                            self.written = AxisSet::EMPTY;
-                        }
-                        self.placer.set_up(Arc::clone(setup), &self.sent, &mut self.counts, &mut self.written);
-                    }
-                    Kind::Dwell(Dwell::Seconds(seconds)) => self.waited_s += seconds.max(0.0),
-                    _ => self.written = self.written.difference(lost_axes(&element, self.machine)),
+        match &element.kind {
+            Kind::Setup(setup) => {
+                let [old, new] = [&self.placer.setup.frame, &setup.frame];
+                if old.linear() != new.linear() && !self.placer.is_machine_frame() {
+                    // The words of all axes mean something else.
+                    self.written = AxisSet::EMPTY;
                 }
-                Output::Element(element)
+                self.placer.set_up(Arc::clone(setup), &self.sent, &mut self.counts, &mut self.written);
             }
-        }))
+            Kind::Dwell(Dwell::Seconds(seconds)) => self.waited_s += seconds.max(0.0),
+            _ => self.written = self.written.difference(lost_axes(&element, self.machine)),
+        }
+        Output::Element(element)
     }
 
     fn shift(&mut self, piece: Piece, now: Option<&Model>, doses: &mut dyn Doses) -> Piece {
