@@ -39,6 +39,7 @@
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
 //! | [`feed`] | links as data, dialogues as pure machines, window, dosing | G-code, kinematics |
+//! | [`drip`] | from corrected pieces to lines of a link: second step, dosing, text | links, files |
 //! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
 //! | [`cli`] | one file per command; the only room that opens files | — |
 //!
@@ -78,6 +79,7 @@ pub mod csv;
 pub mod diagnose;
 pub mod diagnostic;
 pub mod dialect;
+pub mod drip;
 pub mod emit;
 pub mod exec;
 pub mod feed;
@@ -88,6 +90,7 @@ pub mod model;
 pub mod numeric;
 pub mod path;
 pub mod report;
+pub mod sense;
 pub mod snc;
 pub mod source;
 pub mod syntax;

@@ -29,6 +29,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("emit", &["dialect", "path", "snc", "geometry", "machine"]),
     // The machine for the reader of TOML only.
     ("feed", &["geometry", "machine"]),
+    ("drip", &["feed", "dialect", "emit", "path", "snc", "model", "machine", "geometry"]),
     ("report", &["geometry", "path", "emit", "machine", "model", "snc"]),
     (
         "cli",
@@ -46,6 +47,8 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "path",
             "emit",
             "feed",
+            "drip",
+            "sense",
             "report",
         ],
     ),

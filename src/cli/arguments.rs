@@ -3,6 +3,7 @@
 mod calibrate;
 mod diagnose;
 mod examples;
+mod feed;
 mod figures;
 mod load;
 mod machine;
@@ -14,6 +15,7 @@ mod steps;
 
 pub(super) use calibrate::CalibrateArguments;
 pub(super) use diagnose::DiagnoseArguments;
+pub(super) use feed::{FeedArguments, ResumeArguments};
 pub(super) use figures::FiguresArguments;
 pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
@@ -130,6 +132,12 @@ pub(super) enum Command {
     /// Select the sensors of temperature that tell the drift of a machine
     #[command(after_help = sensors::AFTER_HELP)]
     Sensors(SensorsArguments),
+    /// Send a program to the control line by line, corrected for the temperatures of the moment
+    #[command(after_help = feed::AFTER_HELP)]
+    Feed(Box<FeedArguments>),
+    /// Show how a transfer that was broken off can be taken up again, and do it
+    #[command(after_help = feed::RESUME_HELP)]
+    Resume(ResumeArguments),
     /// Plan a measurement: the poses, and the program that runs them
     #[command(after_help = plan::AFTER_HELP)]
     Plan(Box<PlanArguments>),

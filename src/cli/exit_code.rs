@@ -13,6 +13,14 @@ pub enum ExitCode {
     NotUnderstood = 3,
     /// Understood but refused: any other finding with an E code. Nothing was written.
     Refused = 4,
+    /// A link that cannot be opened or is gone.
+    Link = 5,
+    /// The control has refused a line, was reset or stands in an alarm.
+    Control = 6,
+    /// Sensors of temperature stayed bad, and the file says that the transfer ends then.
+    Sensor = 7,
+    /// A person stopped it.
+    Interrupted = 130,
 }
 
 impl ExitCode {

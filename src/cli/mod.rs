@@ -16,6 +16,7 @@ mod diagnosed_report;
 mod exit_code;
 mod explain;
 mod extended;
+mod feed;
 mod figures;
 mod findings;
 mod fix;
@@ -34,6 +35,7 @@ mod presets;
 mod program;
 mod progress;
 mod repeated;
+mod resume;
 mod select;
 mod sensors;
 mod simulate;
@@ -71,6 +73,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             complain(&sentence);
             ExitCode::Usage
         }
+        Err(Stop::Ended(code, sentence)) => {
+            complain(&sentence);
+            code
+        }
     }
 }
 
@@ -86,6 +92,8 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Diagnose(arguments) => diagnose::run(arguments),
         Command::Sensors(arguments) => sensors::run(arguments),
         Command::Load(arguments) => load::run(arguments),
+        Command::Feed(arguments) => feed::run(arguments),
+        Command::Resume(arguments) => resume::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
         Command::Calibrate(arguments) => calibrate::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments),

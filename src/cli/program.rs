@@ -162,6 +162,11 @@ impl<'a> Running<'a> {
         Running { execution, progress: Progress::new(), loaded, length }
     }
 
+    /// The same without a progress line.
+    pub(super) fn silent(self) -> Self {
+        Running { progress: Progress::hidden(), ..self }
+    }
+
     /// The main program and every subprogram read so far, for drawing findings.
     pub(super) fn sources(&self) -> &[Source] {
         self.execution.sources()

@@ -30,6 +30,11 @@ impl Progress {
         Progress { is_wanted, is_shown: false, notes: 0, offset: 0, next: Instant::now() + SILENT }
     }
 
+    /// One that never shows.
+    pub(super) fn hidden() -> Progress {
+        Progress { is_wanted: false, ..Progress::new() }
+    }
+
     /// Notes that `blocks` were executed and that the current one starts at byte `offset` of the `length` of the main program;
     /// without an offset it is in a subprogram.
     pub(super) fn note(&mut self, blocks: u64, offset: Option<u32>, length: usize) {

@@ -4,6 +4,8 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
+use super::exit_code::ExitCode;
+
 /// Ends a command at once.
 #[derive(Debug)]
 pub(super) enum Stop {
@@ -11,6 +13,8 @@ pub(super) enum Stop {
     ReaderGone,
     /// A sentence for the person; exit status 2.
     Usage(String),
+    /// The same with a status of its own.
+    Ended(ExitCode, String),
 }
 
 impl Stop {
@@ -39,7 +43,7 @@ impl fmt::Display for Stop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Stop::ReaderGone => f.write_str("the reader of standard output went away"),
-            Stop::Usage(sentence) => f.write_str(sentence),
+            Stop::Usage(sentence) | Stop::Ended(_, sentence) => f.write_str(sentence),
         }
     }
 }

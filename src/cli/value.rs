@@ -33,6 +33,12 @@ pub(super) fn percent(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "write a number above 0 and up to 50 with %, for example 1%".to_owned())
 }
 
+/// A time above zero, s.
+pub(super) fn positive_seconds(text: &str) -> Result<f64, String> {
+    let value = text.parse::<f64>().ok().filter(|value| *value > 0.0 && *value <= 86_400.0);
+    value.ok_or_else(|| "write a number of seconds above 0 and up to 86400".to_owned())
+}
+
 /// A difference of temperature above zero.
 pub(super) fn kelvin(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|value| (0.0..=100.0).contains(value) && *value > 0.0);

@@ -1,7 +1,7 @@
 //! The register of finding codes: every code once, with its title and the long text that `ncfix explain` prints.
 //!
 //! Groups: `E01` what was written (syntax), `E02` what it means (execution), `E03` safety and machine limits,
-//! `E04` machine file and error model, `E05` state of the machine, `E06` measured data; `W…` the same groups as warnings. Codes are stable:
+//! `E04` machine file and error model, `E05` state of the machine, `E06` measured data, `E07` links; `W…` the same groups as warnings. Codes are stable:
 //! one that is no longer used stays retired. A test demands a sample file that provokes each code. The file is long because it holds them all.
 
 use std::fmt;
@@ -340,6 +340,20 @@ model has none for the component (EXXb, or for a reading of a length EBXb too, w
 of Student says with an error of 0.1 %. Each cycle must go both ways. Take \"drift\" out of free and let the machine warm up before, measure faster, or take the
 reversal out of the model where there is none.";
 
+    NOT_FOR_LINK = "E0701" "line that the link cannot take"
+"A line of the corrected program is too long for the control at the other end of the link, or has a character that means something else there: Grbl takes
+! ? ~ out of the stream wherever they stand. Nothing was sent. Leave out blanks, numbers of blocks and comments, or choose a larger --tolerance or
+--increment where corrected numbers are too long.";
+    STARVED = "E0702" "the link cannot keep up with the motion"
+"The control would stand still and wait for lines: the axes stop in mid-cut and leave marks. The finding says where, how many lines a second the motion
+needs there and how many the link gives. Choose a higher baud rate on both sides, a larger --tolerance (fewer lines), leave out numbers of blocks, or write the
+program with `ncfix IN -o OUT` and load it into the control. --allow-starvation sends it all the same.";
+    UNFINISHED_JOB = "E0703" "journal of an unfinished job"
+"The journal of this transfer is there already, and says that the job was broken off: lines were sent that may have been carried out or not. It is not
+overwritten. Look at `ncfix resume JOURNAL`, or remove the journal, or give another one with --journal.";
+    OTHER_JOB = "E0704" "not the job that was broken off"
+"A job can only be taken up again with the program, the machine file, the state and the version with which it began: with others the lines that were sent cannot
+be told from those that were not, and the correction would jump. Nothing was sent.";
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"
@@ -440,4 +454,8 @@ readings, weights that follow the noise, or unknowns that move far.";
 pulse of some minutes, a first cycle before the machine had settled, a step of all that follows, single readings far from all others, steps of a display. The
 message says in which rows and why this is thought, and the help what follows: what is at fault is left out of the search for causes, or counts with a zero
 or noise of its own. The file stays as it is. In data held out rows stay in, so that nobody chooses what the judge sees.";
+    STARVING = "W0701" "the link is late in places"
+"In some places the control waits a little for lines (E0702 says what that means), less than what forbids the transfer.";
+    SERIAL_SETTINGS = "W0702" "port with other settings, or a name that changes"
+"The port did not take all settings of the profile, or its name depends on the order in which adapters were plugged in.";
 }

@@ -31,8 +31,12 @@ pub enum Dose {
     },
     /// Be there at once: a way on which nothing is cut.
     Whole,
-    /// Leave it exactly as it is: arcs, moves that are not corrected.
+    /// Follow what the way asks for and approach nothing: sensors are in doubt.
+    Follow,
+    /// Leave it exactly as it is: arcs.
     Hold,
+    /// Take it away: a move that is not corrected.
+    Release,
 }
 
 impl Default for Limits {
@@ -63,6 +67,11 @@ impl Dosing {
         match dose {
             Dose::Hold => {}
             Dose::Whole => self.applied = *now,
+            Dose::Release => self.applied = [0.0; AXIS_COUNT],
+            Dose::Follow => {
+                let step = |slot: usize| self.applied[slot] + now[slot] - before[slot];
+                self.applied = std::array::from_fn(step);
+            }
             Dose::Step { way_mm, time_s } => {
                 let limits = &self.limits;
                 let share = |limit: f64, of: f64| if limit.is_infinite() { limit } else { limit * of.max(0.0) };

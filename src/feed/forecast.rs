@@ -118,7 +118,9 @@ impl Forecaster {
         let takes_s = bytes as f64 / self.link.characters_per_s + self.link.answer_s;
         let there_s = from_s + takes_s;
         let number = self.forecast.lines + 1;
-        let starved_s = if number > 1 { (there_s - self.control_s).max(0.0) } else { 0.0 };
+        // Before what takes no time nothing stands still that was moving.
+        let is_wanted = number > 1 && busy_s > 0.0;
+        let starved_s = if is_wanted { (there_s - self.control_s).max(0.0) } else { 0.0 };
         let done_s = self.control_s.max(there_s) + busy_s;
         if self.was_full && busy_s > 0.0 {
             let at_work = self.waiting.iter().filter(|(done, _)| *done > there_s).count();

@@ -48,6 +48,12 @@ impl Store for std::fs::File {
     }
 }
 
+impl<S: Store> Store for &mut S {
+    fn sync(&mut self) -> io::Result<()> {
+        (**self).sync()
+    }
+}
+
 impl Store for Vec<u8> {
     fn sync(&mut self) -> io::Result<()> {
         Ok(())
@@ -88,6 +94,7 @@ impl<S: Store> Journal<S> {
             Ended::Done => "done".to_owned(),
             Ended::Stopped => "stopped".to_owned(),
             Ended::Lost(why) => format!("lost: {why}"),
+            Ended::Fault(why) => format!("fault: {why}"),
             Ended::Refused(number, said) => format!("refused {number}: {said}"),
         };
         self.write(now, &format!("E {}", text.replace(['\n', '\r'], " ")))?;

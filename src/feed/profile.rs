@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::machine::file::{MachineFile, Section, nearest};
 use crate::source::Source;
 
-use super::dialogue::PROTOCOLS;
+use super::dialogue::{PROTOCOLS, check_text};
 
 /// Names and texts of the profiles that are shipped.
 pub const PROFILES: &[(&str, &str)] = &[
@@ -70,6 +70,8 @@ pub struct Window {
     pub bytes: usize,
     /// Bytes in the queue of the system, at most: what is there can no longer be held back.
     pub system_bytes: usize,
+    /// Lines that the control holds beyond those: it has answered them and has not carried them out.
+    pub planned: usize,
 }
 
 /// What frames lines and programs.
@@ -119,6 +121,8 @@ pub struct Profile {
     pub is_upper_case: bool,
     /// Bytes that no line may have: they mean something else on this link.
     pub refused: Vec<u8>,
+    /// How long an answer takes, s.
+    pub answer_s: f64,
     /// Without an answer for so long beyond what a block takes, the control is asked, or the line is sent again.
     pub answer_within: Duration,
     /// How often a line is sent again, at most.
@@ -128,6 +132,14 @@ pub struct Profile {
 }
 
 impl Profile {
+    /// Whether a line can go over the link.
+    ///
+    /// # Errors
+    /// A sentence that says why not.
+    pub fn check(&self, text: &[u8]) -> Result<(), String> {
+        check_text(text, self.longest_line, &self.refused)
+    }
+
     /// Reads a profile.
     ///
     /// # Errors
@@ -176,11 +188,12 @@ impl Profile {
             frame.trailer = bytes(section, "trailer").unwrap_or_default();
         });
         // Five lines: the buffer of the control of Spaan (1995), ch. 7.
-        let mut window = Window { lines: 5, bytes: 512, system_bytes: 64 };
+        let mut window = Window { lines: 5, bytes: 512, system_bytes: 64, planned: 0 };
         own("window", &mut |section| {
             let at_least_one = |value: Option<u32>| value.map(|value| value.max(1) as usize);
             window.lines = at_least_one(section.integer("lines")).unwrap_or(window.lines);
             window.bytes = at_least_one(section.integer("bytes")).unwrap_or(window.bytes);
+            window.planned = section.integer("planned").map_or(window.planned, |value| value as usize);
             window.system_bytes = at_least_one(section.integer("system_bytes")).unwrap_or(window.system_bytes);
         });
         let (mut longest_line, mut is_upper_case, mut refused) = (256, false, Vec::new());
@@ -189,12 +202,15 @@ impl Profile {
             is_upper_case = section.boolean("upper_case").unwrap_or(false);
             refused = bytes(section, "refused").unwrap_or_default();
         });
+        let mut answer_s = 0.0;
         let (mut answer_within, mut most_repeats, mut avoids_controls) = (Duration::from_secs(10), 3, false);
         own("answer", &mut |section| {
             let positive = |value: f64| value > 0.0 && value <= 3600.0;
             if let Some(seconds) = section.number_where("within_s", "a time above 0 and up to 3600", positive) {
                 answer_within = Duration::from_secs_f64(seconds);
             }
+            let is_time = |value: f64| (0.0..=60.0).contains(&value);
+            answer_s = section.number_where("typical_s", "a time from 0 to 60", is_time).unwrap_or(answer_s);
             most_repeats = section.integer("repeats").unwrap_or(most_repeats);
             avoids_controls = section.boolean("avoid_control_characters").unwrap_or(false);
         });
@@ -213,6 +229,7 @@ impl Profile {
             longest_line,
             is_upper_case,
             refused,
+            answer_s,
             answer_within,
             most_repeats,
             avoids_controls,

@@ -89,7 +89,12 @@ pub enum Ended {
     Lost(String),
     /// The control has refused a line: its number and what the control said.
     Refused(u64, String),
+    /// The next line may not be sent: why. What was sent before is under way.
+    Fault(String),
 }
+
+/// What a reason begins with where the link is gone.
+pub const GONE: &str = "the link is gone";
 
 /// Where a transfer stands.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -162,6 +167,12 @@ impl<'a> Sender<'a> {
     #[must_use]
     pub fn wants_to_write(&self) -> bool {
         !self.wire.next(1).is_empty()
+    }
+
+    /// Whether the window has room for lines that are not ready yet.
+    #[must_use]
+    pub fn is_hungry(&self) -> bool {
+        !self.is_closed && !self.is_supplied && self.dialogue.is_open() && self.dialogue.has_room(1)
     }
 
     /// Does what can be done now. Returns how it ended; `None` while it goes on. `note` gets what happens.
@@ -266,7 +277,7 @@ impl<'a> Sender<'a> {
                         continue;
                     }
                     Supplied::Fault(why) => {
-                        self.ended = Some(Ended::Lost(why));
+                        self.ended = Some(Ended::Fault(why));
                         break;
                     }
                 },
@@ -307,5 +318,5 @@ impl<'a> Sender<'a> {
 }
 
 fn gone(error: &io::Error) -> String {
-    format!("the link is gone: {error}; look at the cable, the adapter and disturbances by drives")
+    format!("{GONE}: {error}; look at the cable, the adapter and disturbances by drives")
 }

@@ -7,6 +7,7 @@ pub mod compared;
 pub mod correction;
 pub mod diagnosis;
 mod excerpt;
+pub mod feed;
 pub mod figures;
 pub mod json;
 pub mod load;

@@ -116,7 +116,7 @@ impl Answers {
 }
 
 /// Whether a text can go over a link: not too long, printed characters only, and none that means something else there.
-fn check_text(text: &[u8], longest: usize, refused: &[u8]) -> Result<(), String> {
+pub(super) fn check_text(text: &[u8], longest: usize, refused: &[u8]) -> Result<(), String> {
     if text.len() > longest {
         return Err(format!(
             "it has {} characters, the control takes {longest}; leave out blanks, numbers of blocks and comments",

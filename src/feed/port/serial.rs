@@ -88,9 +88,9 @@ fn lasting_name(name: &str) -> Option<String> {
         return None;
     }
     let links = std::fs::read_dir(BY_ID).ok()?.flatten().map(|entry| entry.path());
-    links.filter(|link| link.canonicalize().is_ok_and(|target| target == device)).find_map(|link| {
-        Some(link.to_str()?.to_owned())
-    })
+    links
+        .filter(|link| link.canonicalize().is_ok_and(|target| target == device))
+        .find_map(|link| Some(link.to_str()?.to_owned()))
 }
 
 /// A byte with the bit that makes its ones even or odd.

@@ -1,0 +1,121 @@
+//! The file of a journal: only ever added to, written through to the disk by a thread of its own, so that a slow disk delays no line.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::thread;
+
+use crate::cli::findings::Findings;
+use crate::cli::input::is_standard_stream;
+use crate::cli::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::feed::{Store, read_journal};
+
+/// A file that another thread writes through.
+pub(super) struct Book {
+    file: File,
+    ask: SyncSender<()>,
+    fault: Arc<Mutex<Option<io::Error>>>,
+}
+
+/// Where the journal of a job lies.
+///
+/// # Errors
+/// Where it has no name.
+pub(super) fn path(input: &Path, given: Option<&Path>) -> Result<PathBuf, Stop> {
+    if let Some(given) = given {
+        return Ok(given.to_path_buf());
+    }
+    if is_standard_stream(input) {
+        return Err(Stop::Usage("a program from standard input needs --journal".into()));
+    }
+    let mut name = input.as_os_str().to_owned();
+    name.push(".journal");
+    Ok(PathBuf::from(name))
+}
+
+/// Looks whether a journal may be written there: that of a job that ended well gives way, any other file does not.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(super) fn check(path: &Path, findings: &mut Findings) -> Result<(), Stop> {
+    let text = match std::fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(Stop::file("read", path, &error)),
+    };
+    let shown = path.display();
+    let (message, help) = match read_journal(&text) {
+        Ok(told) if told.ended.as_deref() == Some("done") => return Ok(()),
+        Ok(told) => (
+            format!(
+                "{shown} is the journal of a job that was broken off: {} lines sent, {} acknowledged",
+                told.frozen, told.acknowledged
+            ),
+            format!("look at `ncfix resume {shown}`, or remove it, or give another one with --journal"),
+        ),
+        Err(_) => (format!("{shown} is there and is no journal"), "give another file with --journal".to_owned()),
+    };
+    findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, help), &[]);
+    Ok(())
+}
+
+impl Book {
+    /// Begins a journal, in place of that of a job that is done, which is kept as `….old`.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub(super) fn create(path: &Path) -> Result<Book, Stop> {
+        let fault = |error: &io::Error| Stop::file("write", path, error);
+        if path.exists() {
+            let mut old = path.as_os_str().to_owned();
+            old.push(".old");
+            std::fs::rename(path, PathBuf::from(old)).map_err(|error| fault(&error))?;
+        }
+        let file = OpenOptions::new().append(true).create_new(true).open(path).map_err(|error| fault(&error))?;
+        let second = file.try_clone().map_err(|error| fault(&error))?;
+        let (ask, asked) = sync_channel::<()>(1);
+        let shared = Arc::new(Mutex::new(None));
+        let to = Arc::clone(&shared);
+        thread::spawn(move || {
+            while asked.recv().is_ok() {
+                if let Err(error) = second.sync_data()
+                    && let Ok(mut fault) = to.lock()
+                {
+                    *fault = Some(error);
+                }
+            }
+        });
+        Ok(Book { file, ask, fault: shared })
+    }
+
+    /// Writes through and waits for it.
+    pub(super) fn close(&mut self) -> io::Result<()> {
+        self.file.sync_data()
+    }
+}
+
+impl Write for Book {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Store for Book {
+    fn sync(&mut self) -> io::Result<()> {
+        if let Some(error) = self.fault.lock().ok().and_then(|mut fault| fault.take()) {
+            return Err(error);
+        }
+        match self.ask.try_send(()) {
+            // One that waits is enough.
+            Ok(()) | Err(TrySendError::Full(())) => Ok(()),
+            Err(TrySendError::Disconnected(())) => Err(io::Error::other("the journal is not written through any more")),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! What a transfer is about: the program, the machine, the link, the sensors.
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::arguments::FeedArguments;
+use crate::cli::findings::Findings;
+use crate::cli::fix::corrected_before;
+use crate::cli::input;
+use crate::cli::machine_choice::{self, Chosen};
+use crate::cli::program::{self, Opened};
+use crate::cli::state;
+use crate::cli::stop::Stop;
+use crate::cli::writing::Writing;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::dialect::Dialect;
+use crate::drip::Settings;
+use crate::emit;
+use crate::feed::{PROFILES, Profile};
+use crate::source::{FileId, Source};
+
+/// What a transfer is about.
+pub(in crate::cli) struct Job {
+    pub(in crate::cli) source: Source,
+    pub(in crate::cli) chosen: Chosen,
+    pub(in crate::cli) profile: Profile,
+    pub(in crate::cli) writing: Writing,
+    pub(in crate::cli) dialect: &'static Dialect,
+    pub(in crate::cli) settings: Settings,
+}
+
+impl Job {
+    /// Reads what the arguments name; `None` where findings forbid to go on.
+    ///
+    /// # Errors
+    /// Where a file cannot be read, or the program cannot be written.
+    pub(in crate::cli) fn new(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<Job>, Stop> {
+        let profile = profile(&arguments.link, findings)?;
+        let source = program::read(&arguments.input)?;
+        let Some(mut chosen) = machine_choice::choose(&arguments.machine, &arguments.input, findings)? else {
+            return Ok(None);
+        };
+        let is_read = match arguments.sensors {
+            // What the state does not say, sensors will.
+            Some(_) => state::read(&arguments.state, &mut chosen, findings)?,
+            None => state::apply(&arguments.state, &mut chosen, findings)?,
+        };
+        if emit::is_stamped(source.bytes()) {
+            findings.add(corrected_before(&source), std::slice::from_ref(&source));
+        }
+        if let Some(increment_mm) = arguments.correction.increment {
+            chosen.machine.control.increment_mm = increment_mm;
+        }
+        let Some(profile) = profile.filter(|_| is_read && !findings.has_errors()) else { return Ok(None) };
+        let Some(opened) = program::open(&source, &arguments.program, Some(&chosen), findings)? else {
+            return Ok(None);
+        };
+        let start = arguments.program.start;
+        let writing = Writing::new(&arguments.correction, start, opened.dialect.name, &chosen, source.bytes())?;
+        let settings = Settings {
+            limits: arguments.dosing.limits(),
+            rapids_only: arguments.dosing.rapids_only,
+            is_upper_case: profile.is_upper_case,
+        };
+        Ok(Some(Job { source, chosen, profile, writing, settings, dialect: opened.dialect }))
+    }
+
+    /// The program once more from its beginning.
+    ///
+    /// # Errors
+    /// None that [`Job::new`] would not have met.
+    pub(super) fn open(&self, arguments: &FeedArguments) -> Result<Opened, Stop> {
+        let opened = program::open(&self.source, &arguments.program, Some(&self.chosen), &mut Findings::default())?;
+        opened.ok_or_else(|| Stop::Usage("the program has changed".into()))
+    }
+}
+
+/// A profile that is shipped, or that of a file.
+fn profile(link: &str, findings: &mut Findings) -> Result<Option<Profile>, Stop> {
+    let shipped = PROFILES.iter().find(|(name, _)| name.eq_ignore_ascii_case(link));
+    let source = match shipped {
+        Some((name, text)) => Source::new(FileId(0), name, text.as_bytes().to_vec())
+            .map_err(|_| Stop::Usage(format!("the profile {name} is too large")))?,
+        None if Path::new(link).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) => {
+            input::read(&PathBuf::from(link), FileId(0))?
+        }
+        None => {
+            let names: Vec<&str> = PROFILES.iter().map(|(name, _)| *name).collect();
+            return Err(Stop::Usage(format!(
+                "there is no link '{link}'; write one of {}, or a profile file (.toml)",
+                names.join(", ")
+            )));
+        }
+    };
+    match Profile::read(&source) {
+        Ok(profile) => Ok(Some(profile)),
+        Err(found) => {
+            findings.extend(found, &[source]);
+            Ok(None)
+        }
+    }
+}
+
+/// Says that sensors of the model are missing.
+pub(super) fn missing(names: &[String]) -> Diagnostic {
+    let message = format!(
+        "neither the sensors nor the state have a temperature of {}, and the error model needs it",
+        names.join(", ")
+    );
+    Diagnostic::nowhere(
+        Code::MISSING_SENSOR,
+        message,
+        "add it to the file of --sensors, or correct its name in the machine file",
+    )
+}

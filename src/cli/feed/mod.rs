@@ -1,0 +1,116 @@
+//! `ncfix feed`: sends a program to a control line by line, corrected for the temperatures of the moment.
+//!
+//! The program is run twice. The first time ([`survey`]) nothing is sent: all findings come up, every line is held against the link, and the forecast is
+//! made. The second time a thread of its own executes and corrects ([`source`]), another one looks at the temperatures ([`thermal`]), and the main one
+//! adds the second step, sends and listens ([`drive`]).
+
+mod book;
+mod drive;
+mod job;
+mod meter;
+mod show;
+mod source;
+mod survey;
+mod thermal;
+
+use std::path::Path;
+
+use super::arguments::FeedArguments;
+use super::exit_code::ExitCode;
+use super::findings::Findings;
+use super::stop::Stop;
+use super::{input, print, tell};
+use crate::feed::port;
+use crate::report::feed::Before;
+use crate::report::json;
+use crate::sense::{Config, Panel};
+use crate::source::FileId;
+
+pub(super) use drive::Begin;
+pub(super) use job::Job;
+pub(super) use survey::{Step, walk};
+
+/// Sends a program.
+pub(super) fn run(arguments: &FeedArguments) -> Result<ExitCode, Stop> {
+    let mut findings = Findings::default();
+    let prepared = prepare(arguments, &mut findings);
+    let (job, before) = match prepared {
+        Ok(Some((job, mut before))) => {
+            before.diagnostics = findings.json();
+            (job, before)
+        }
+        Ok(None) => {
+            findings.draw();
+            tell(&format!("{}; nothing was sent\n", findings.count()));
+            return Ok(findings.exit_code());
+        }
+        Err(stop) => {
+            findings.draw();
+            return Err(stop);
+        }
+    };
+    findings.draw();
+    if arguments.json {
+        print(&json::line(&before).map_err(Stop::Usage)?)?;
+    } else if arguments.dry_run {
+        print(&before.table())?;
+    } else {
+        tell(&before.table());
+    }
+    if findings.has_errors() {
+        tell(&format!("{}; nothing was sent\n", findings.count()));
+        return Ok(findings.exit_code());
+    }
+    if arguments.dry_run {
+        return Ok(ExitCode::Done);
+    }
+    let begin = Begin { words: std::env::args().skip(1).collect(), ..Begin::default() };
+    send(arguments, job, &before, &begin)
+}
+
+/// Opens the port and sends.
+///
+/// # Errors
+/// Where the port cannot be opened, or the journal not be written.
+pub(super) fn send(arguments: &FeedArguments, job: Job, before: &Before, begin: &Begin) -> Result<ExitCode, Stop> {
+    let name = arguments.port.as_deref().ok_or_else(|| Stop::Usage("--port is missing".into()))?;
+    let opened = port::open(name, &job.profile).map_err(|sentence| Stop::Ended(ExitCode::Link, sentence))?;
+    drive::run(arguments, job, opened, before, begin)
+}
+
+/// Reads everything and walks through the program; `None` where findings forbid to send it.
+///
+/// # Errors
+/// Where a file cannot be read, or the program cannot be written.
+pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<(Job, Before)>, Stop> {
+    let Some(job) = Job::new(arguments, findings)? else { return Ok(None) };
+    let before = survey::run(arguments, &job, findings)?;
+    Ok(before.map(|before| (job, before)))
+}
+
+/// Opens the sensors of a job; `None` where there are none, or findings forbid it.
+fn panel(arguments: &FeedArguments, job: &Job, findings: &mut Findings) -> Result<Option<Panel>, Stop> {
+    let needed = job.chosen.errors.sensors();
+    let Some(path) = &arguments.sensors else { return Ok(None) };
+    let source = input::read(path, FileId(0))?;
+    let fault = |found, findings: &mut Findings| {
+        findings.extend(found, std::slice::from_ref(&source));
+        Ok(None)
+    };
+    let config = match Config::read(&source) {
+        Ok(config) => config,
+        Err(found) => return fault(found, findings),
+    };
+    let is_known = |name: &str| {
+        config.channels.iter().any(|channel| channel.name == name) || job.chosen.condition.trace(name).is_some()
+    };
+    let lacking: Vec<String> = needed.into_iter().filter(|name| !is_known(name)).map(str::to_owned).collect();
+    if !lacking.is_empty() {
+        findings.add(job::missing(&lacking), &[]);
+        return Ok(None);
+    }
+    match Panel::open(&config, path.parent().unwrap_or(Path::new("."))) {
+        Ok(panel) => Ok(Some(panel)),
+        Err(found) => fault(found, findings),
+    }
+}

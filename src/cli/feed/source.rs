@@ -1,0 +1,198 @@
+//! Where the lines of a transfer come from: a thread executes and corrects, the second step is added when a line is asked for.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError};
+
+use crate::cli::arguments::FeedArguments;
+use crate::cli::program::{Opened, Running};
+use crate::drip::Lines;
+use crate::exec::RapidOrder;
+use crate::feed::{Line, Supplied, Supply};
+use crate::geometry::AXES;
+use crate::model::Model;
+use crate::path::{Corrector, Output};
+use crate::units::um_from_mm;
+
+use super::job::Job;
+use super::thermal::Thermal;
+
+/// Outputs that are made beforehand: enough to cover the longest search for an arc, few enough to forget quickly.
+pub(super) const AHEAD: usize = 256;
+
+/// Elements that are passed over in one go.
+const MOST_PASSED: usize = 256;
+
+/// What the thread hands over.
+pub(super) enum Made {
+    /// The next output of the first step.
+    Output(Box<Output>),
+    /// It has failed where the survey had not.
+    Fault(String),
+    /// The program has ended.
+    End,
+}
+
+/// Executes and corrects until the program ends, or nobody wants it any more.
+pub(super) fn produce(arguments: &FeedArguments, job: &Job, model: &Model, opened: Opened, to: &SyncSender<Made>) {
+    let machine = &job.chosen.machine;
+    let running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All).silent();
+    for output in Corrector::new(running, machine, model, job.writing.options.clone()) {
+        let made = match output {
+            Ok(output) => Made::Output(Box::new(output)),
+            Err(finding) if finding.is_error() => Made::Fault(finding.message),
+            Err(_) => continue,
+        };
+        if to.send(made).is_err() {
+            return;
+        }
+    }
+    // Nobody left to hear it is no fault.
+    let _ = to.send(Made::End);
+}
+
+/// The lines of a job.
+pub(super) struct Source<'a> {
+    made: Receiver<Made>,
+    lines: Lines<'a>,
+    thermal: &'a Thermal,
+    /// Elements that are taken without being sent, up to this one.
+    skip: u64,
+    /// What goes out before the first line, and that line meanwhile.
+    first: VecDeque<Line>,
+    held: Option<Line>,
+    max_shift_mm: f64,
+    warn_shift_mm: f64,
+    passed: u64,
+    is_over: bool,
+    /// Whether a shift beyond the limit for a warning was met: how far, and the line of the source.
+    pub(super) warned: Option<(String, u32)>,
+    /// How long the control is busy with what was supplied, s.
+    pub(super) busy_s: f64,
+    number: u64,
+}
+
+impl<'a> Source<'a> {
+    /// Begins behind the element `skip`, with some lines before.
+    pub(super) fn new(
+        arguments: &FeedArguments,
+        made: Receiver<Made>,
+        lines: Lines<'a>,
+        thermal: &'a Thermal,
+        (skip, first): (u64, &[String]),
+    ) -> Self {
+        let line = |text: &String| Line { text: text.clone().into_bytes(), element: skip, ..Line::default() };
+        Source {
+            made,
+            lines,
+            thermal,
+            skip,
+            first: first.iter().map(line).collect(),
+            held: None,
+            max_shift_mm: arguments.dosing.max_shift,
+            warn_shift_mm: arguments.dosing.warn_shift,
+            passed: 0,
+            is_over: false,
+            warned: None,
+            busy_s: 0.0,
+            number: 0,
+        }
+    }
+
+    /// Holds what temperatures ask for against the limits.
+    fn judge(&mut self, line: &Line) -> Result<(), String> {
+        let largest = AXES
+            .into_iter()
+            .filter(|axis| !axis.is_rotary())
+            .map(|axis| (axis, line.target[axis.slot()]))
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let Some((axis, shift_mm)) = largest else { return Ok(()) };
+        let said = || format!("temperatures ask for {:+.1} µm in {axis}", um_from_mm(shift_mm));
+        // What is no number is beyond every limit.
+        if !(shift_mm.abs() <= self.max_shift_mm) {
+            let limit = um_from_mm(self.max_shift_mm);
+            return Err(format!(
+                "{} at line {} of the source, more than {limit} µm (--max-shift); look at the sensors and the model",
+                said(),
+                line.source_line
+            ));
+        }
+        if shift_mm.abs() > self.warn_shift_mm && self.warned.is_none() {
+            self.warned = Some((said(), line.source_line));
+        }
+        Ok(())
+    }
+
+    fn supply(&mut self, mut line: Line) -> Supplied {
+        if let Err(why) = self.judge(&line) {
+            return Supplied::Fault(why);
+        }
+        self.number += 1;
+        line.number = self.number;
+        self.busy_s += line.busy().as_secs_f64();
+        Supplied::Line(line)
+    }
+}
+
+impl Source<'_> {
+    /// The next line that is to be sent.
+    fn advance(&mut self) -> Result<Line, Supplied> {
+        // What is passed over takes time too, and somebody may press a key meanwhile.
+        for _ in 0..MOST_PASSED {
+            while let Some(line) = self.lines.next() {
+                if line.element > self.skip {
+                    return Ok(line);
+                }
+            }
+            if self.is_over {
+                return Err(Supplied::End);
+            }
+            match self.made.try_recv() {
+                Ok(Made::Output(output)) => {
+                    self.passed += 1;
+                    // What is passed over is not dosed: the first way that is sent begins without.
+                    let now = if self.passed > self.skip { self.thermal.now() } else { Now::default() };
+                    if let Err(finding) = self.lines.take(*output, now.model.as_ref(), now.is_frozen) {
+                        return Err(Supplied::Fault(finding.message));
+                    }
+                }
+                Ok(Made::Fault(why)) => return Err(Supplied::Fault(why)),
+                Ok(Made::End) => {
+                    self.lines.finish();
+                    self.is_over = true;
+                }
+                Err(TryRecvError::Empty) => return Err(Supplied::NotYet),
+                Err(TryRecvError::Disconnected) => {
+                    return Err(Supplied::Fault("the execution of the program has broken off".into()));
+                }
+            }
+        }
+        Err(Supplied::NotYet)
+    }
+}
+
+impl Supply for Source<'_> {
+    fn next(&mut self) -> Supplied {
+        let line = match self.held.take().map_or_else(|| self.advance(), Ok) {
+            Ok(line) => line,
+            Err(other) => return other,
+        };
+        // The way there goes out when the first line is ready.
+        match self.first.pop_front() {
+            Some(first) => {
+                self.held = Some(line);
+                self.supply(first)
+            }
+            None => self.supply(line),
+        }
+    }
+}
+
+/// The model of the moment.
+#[derive(Clone, Default)]
+pub(super) struct Now {
+    /// It; `None` without sensors.
+    pub(super) model: Option<Arc<Model>>,
+    /// Whether sensors are in doubt.
+    pub(super) is_frozen: bool,
+}

@@ -1,0 +1,169 @@
+//! The first run of a program that is fed: all findings, every line held against the link, the forecast.
+
+use crate::cli::arguments::FeedArguments;
+use crate::cli::findings::Findings;
+use crate::cli::machine_choice::short_hash;
+use crate::cli::program::Running;
+use crate::cli::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::drip::Lines;
+use crate::emit;
+use crate::exec::RapidOrder;
+use crate::feed::{Forecaster, Line, Link, port};
+use crate::path::{Corrector, Output};
+use crate::report::feed::{Before, Late};
+use crate::source::Source;
+
+use super::job::Job;
+
+/// Lines that the link cannot take are shown up to so many.
+const MOST_SHOWN: usize = 20;
+/// The control may stand still for so much of the motion before that is an error.
+const MOST_STARVED: f64 = 0.01;
+/// And for so long, s.
+const LEAST_STARVED_S: f64 = 0.5;
+
+/// Runs the program without sending anything; `None` where findings forbid it.
+///
+/// # Errors
+/// Where it cannot be written.
+pub(in crate::cli) fn run(
+    arguments: &FeedArguments,
+    job: &Job,
+    findings: &mut Findings,
+) -> Result<Option<Before>, Stop> {
+    let profile = &job.profile;
+    let link = Link {
+        characters_per_s: port::characters_per_s(arguments.port.as_deref().unwrap_or_default(), profile),
+        answer_s: profile.answer_s,
+        lines: profile.window.lines + profile.window.planned,
+        // Lines that were answered take no bytes of the window.
+        bytes: if profile.window.planned > 0 { usize::MAX } else { profile.window.bytes },
+    };
+    let mut forecaster = Forecaster::new(link);
+    let end_of_block = profile.frame.end_of_block.len();
+    let mut refused = Vec::new();
+    let program = walk(arguments, job, findings, &mut |step| {
+        let Step::Line(line) = step else { return };
+        if let Err(why) = profile.check(&line.text)
+            && refused.len() < MOST_SHOWN
+        {
+            refused.push(not_for_link(line, &why));
+        }
+        forecaster.line(line.text.len() + end_of_block, line.source_line, line.busy_s);
+    })?;
+    findings.extend(refused, &[]);
+    if findings.has_errors() {
+        return Ok(None);
+    }
+    let forecast = forecaster.finish();
+    if forecast.lines == 0 {
+        return Err(Stop::Usage("the program has no line that could be sent".into()));
+    }
+    let late = |stretch: &crate::feed::Stretch| Late {
+        source_lines: stretch.source_lines,
+        starved_s: stretch.starved_s,
+        needed_per_s: stretch.needed_per_s,
+        given_per_s: stretch.given_per_s,
+    };
+    let per_line_s = forecast.motion_s / forecast.lines as f64;
+    let before = Before {
+        schema: 1,
+        event: "forecast",
+        program,
+        lines: forecast.lines,
+        bytes: forecast.bytes,
+        motion_s: forecast.motion_s,
+        total_s: forecast.total_s,
+        starved_s: forecast.starved_s,
+        lowest: forecast.lowest,
+        frozen_s: per_line_s * link.lines.min(usize::try_from(forecast.lines).unwrap_or(usize::MAX)) as f64,
+        late: forecast.stretches.iter().map(late).collect(),
+        diagnostics: Vec::new(),
+    };
+    judge(arguments, &before, findings);
+    Ok(Some(before))
+}
+
+/// What comes up while a program is walked through.
+pub(in crate::cli) enum Step<'a> {
+    /// The next element, before its lines.
+    Element(&'a Output),
+    /// A line.
+    Line(&'a Line),
+}
+
+/// Executes and corrects a program without temperatures; behind an error without lines, so that all findings come up. Returns the hash of all of its files.
+///
+/// # Errors
+/// Where it cannot be written.
+pub(in crate::cli) fn walk(
+    arguments: &FeedArguments,
+    job: &Job,
+    findings: &mut Findings,
+    look: &mut dyn FnMut(Step<'_>),
+) -> Result<String, Stop> {
+    let machine = &job.chosen.machine;
+    let model = job.chosen.model();
+    let opened = job.open(arguments)?;
+    let running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
+    let mut corrector = Corrector::new(running, machine, &model, job.writing.options.clone());
+    let mut lines = Lines::new(machine, &model, &job.writing.options, job.writing.writer()?, job.settings);
+    let mut found = Vec::new();
+    let mut is_good = true;
+    for output in &mut corrector {
+        match output {
+            Ok(output) if is_good => {
+                look(Step::Element(&output));
+                if let Err(finding) = lines.take(output, None, false) {
+                    is_good = false;
+                    found.push(finding);
+                }
+                while let Some(line) = lines.next() {
+                    look(Step::Line(&line));
+                }
+            }
+            Ok(_) => {}
+            Err(finding) => {
+                is_good &= !finding.is_error();
+                found.push(finding);
+            }
+        }
+    }
+    lines.finish();
+    while let Some(line) = lines.next() {
+        look(Step::Line(&line));
+    }
+    let sources = corrector.elements().sources();
+    findings.extend(found, sources);
+    for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
+        findings.add(crate::cli::fix::corrected_before(stamped), sources);
+    }
+    Ok(short_hash(sources.iter().map(Source::bytes)))
+}
+
+/// Whether the link keeps up.
+fn judge(arguments: &FeedArguments, before: &Before, findings: &mut Findings) {
+    let Some(worst) = before.late.first() else { return };
+    let [first, last] = worst.source_lines;
+    let message = format!(
+        "the control will stand still for {:.1} s of {:.1} s; lines {first} to {last} of the source need {:.0} lines/s, the link gives {:.0}",
+        before.starved_s, before.total_s, worst.needed_per_s, worst.given_per_s
+    );
+    let is_much = before.starved_s > LEAST_STARVED_S.max(MOST_STARVED * before.motion_s);
+    let help = "choose a higher baud rate, a larger --tolerance or no numbers of blocks, or load the corrected program into the control";
+    let (code, help) = if is_much && !arguments.allow_starvation {
+        (Code::STARVED, format!("{help}; --allow-starvation sends it all the same"))
+    } else {
+        (Code::STARVING, help.to_owned())
+    };
+    findings.add(Diagnostic::nowhere(code, message, help), &[]);
+}
+
+fn not_for_link(line: &Line, why: &str) -> Diagnostic {
+    let text = String::from_utf8_lossy(&line.text);
+    let message = format!("line {} of the source becomes '{text}': {why}", line.source_line);
+    let help =
+        "change the program there, choose a larger --increment for shorter numbers, or another profile with --link";
+    Diagnostic::nowhere(Code::NOT_FOR_LINK, message, help)
+}

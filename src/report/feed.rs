@@ -1,0 +1,295 @@
+//! What a transfer says: the forecast, where it stands, how it ended. Sentences for people, JSON lines for programs.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::json::Finding;
+use super::number::{duration, grouped};
+
+/// A stretch of lines in which the control waits for the link.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Late {
+    /// First and last line of the source.
+    pub source_lines: [u32; 2],
+    /// How long the axes stand still in it.
+    pub starved_s: f64,
+    /// Lines a second that the motion needs there.
+    pub needed_per_s: f64,
+    /// Lines a second that the link gives there.
+    pub given_per_s: f64,
+}
+
+/// Before the start.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Before {
+    /// Version of this object.
+    pub schema: u32,
+    /// `forecast`.
+    pub event: &'static str,
+    /// Hash of the program and of all that it calls.
+    pub program: String,
+    /// Lines.
+    pub lines: u64,
+    /// Bytes with their ends.
+    pub bytes: u64,
+    /// How long the motion takes if nothing is late.
+    pub motion_s: f64,
+    /// How long it takes over this link.
+    pub total_s: f64,
+    /// How long the axes stand still for want of lines.
+    pub starved_s: f64,
+    /// The fewest lines that wait in the control.
+    pub lowest: Option<usize>,
+    /// How long a change of temperature takes until it counts: the lines that are frozen.
+    pub frozen_s: f64,
+    /// The worst places.
+    pub late: Vec<Late>,
+    /// Findings.
+    pub diagnostics: Vec<Finding>,
+}
+
+impl Before {
+    /// The table for people.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut out = String::new();
+        let _ = writeln!(
+            out,
+            "lines        {} ({} bytes), {} of motion",
+            grouped(self.lines),
+            grouped(self.bytes),
+            duration(self.motion_s)
+        );
+        let lowest = self.lowest.map_or(String::new(), |lowest| format!("; lowest fill of the control {lowest} lines"));
+        if self.starved_s > 0.0 {
+            let _ = writeln!(
+                out,
+                "link         late: the axes stand still for {} of {}{lowest}",
+                duration(self.starved_s),
+                duration(self.total_s)
+            );
+        } else {
+            let _ = writeln!(out, "link         keeps up{lowest}");
+        }
+        for late in self.late.iter().take(5) {
+            let [first, last] = late.source_lines;
+            let _ = writeln!(
+                out,
+                "             lines {first}–{last} of the source need {:.0} lines/s, the link gives {:.0}: {} late",
+                late.needed_per_s,
+                late.given_per_s,
+                duration(late.starved_s)
+            );
+        }
+        let _ = writeln!(
+            out,
+            "frozen       {} of motion lies in the window and no longer changes",
+            duration(self.frozen_s)
+        );
+        out
+    }
+}
+
+/// Where a transfer stands, or how it ended.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Status {
+    /// Version of this object.
+    pub schema: u32,
+    /// `status` or `end`.
+    pub event: &'static str,
+    /// Time since the start.
+    pub time_s: f64,
+    /// Lines in all.
+    pub lines: u64,
+    /// Lines that were sent.
+    pub sent: u64,
+    /// Lines that the control has acknowledged.
+    pub acknowledged: u64,
+    /// Lines that it has carried out, where it says so.
+    pub executed: Option<u64>,
+    /// Lines under way.
+    pub window: usize,
+    /// Their bytes.
+    pub window_bytes: usize,
+    /// The fewest lines under way since the window was full.
+    pub lowest: Option<usize>,
+    /// Share of the link that is used, %; `null` where it has no speed of its own.
+    pub link_percent: Option<f64>,
+    /// Lines that were sent again.
+    pub repeats: u64,
+    /// Times without an answer.
+    pub stalls: u64,
+    /// What temperatures have added to the axes of the last line: `X_um`, `C_urad`.
+    pub applied: BTreeMap<String, f64>,
+    /// What they ask for.
+    pub target: BTreeMap<String, f64>,
+    /// Age of the oldest reading of a sensor.
+    pub sensor_age_s: Option<f64>,
+    /// What is wrong with the sensors.
+    pub sensors: Option<String>,
+    /// How long it takes until the end.
+    pub eta_s: Option<f64>,
+    /// From an answer to the bytes of the next line, µs: half of them, 99 of 100, the longest.
+    pub delay_us: Option<[f64; 3]>,
+    /// How it ended: `done`, `stopped`, `lost`, `refused`, `held`.
+    pub ended: Option<&'static str>,
+    /// What people should read.
+    pub message: Option<String>,
+    /// Line of the source of the last line.
+    pub source_line: u32,
+}
+
+impl Status {
+    /// One line for a terminal.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let mut out = format!("line {} of {}", grouped(self.acknowledged), grouped(self.lines));
+        let lowest = self.lowest.map_or(String::new(), |lowest| format!(" (lowest {lowest})"));
+        let _ = write!(out, ", {} sent, window {}{lowest}", grouped(self.sent), self.window);
+        if let Some(percent) = self.link_percent {
+            let _ = write!(out, ", link {percent:.0} %");
+        }
+        for (key, target) in &self.target {
+            let applied = self.applied.get(key).copied().unwrap_or(0.0);
+            let (axis, unit) = key.split_once('_').unwrap_or((key, ""));
+            let unit = if unit == "um" { "µm" } else { "µrad" };
+            let _ = write!(out, ", {axis} {applied:+.1}→{target:+.1} {unit}");
+        }
+        if let Some(age) = self.sensor_age_s {
+            let _ = write!(out, ", sensors {age:.0} s old");
+        }
+        if let Some(sensors) = &self.sensors {
+            let _ = write!(out, " ({sensors})");
+        }
+        if let Some(eta) = self.eta_s {
+            let _ = write!(out, ", {} left", duration(eta));
+        }
+        out
+    }
+
+    /// How it ended, for people.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut out = String::new();
+        let _ = writeln!(
+            out,
+            "lines        {} of {} acknowledged, {} sent, in {}",
+            grouped(self.acknowledged),
+            grouped(self.lines),
+            grouped(self.sent),
+            duration(self.time_s)
+        );
+        if let Some(executed) = self.executed {
+            let _ = writeln!(out, "carried out  {}", grouped(executed));
+        }
+        if let Some(lowest) = self.lowest {
+            let _ = writeln!(out, "lowest fill  {lowest} lines");
+        }
+        if let Some([median, most, longest]) = self.delay_us {
+            let _ = writeln!(
+                out,
+                "delay        {median:.0} µs in the middle, {most:.0} µs of 99 %, {longest:.0} µs at most"
+            );
+        }
+        if self.repeats + self.stalls > 0 {
+            let _ = writeln!(out, "trouble      {} lines sent again, {} times no answer", self.repeats, self.stalls);
+        }
+        out
+    }
+}
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Said {
+    /// Version of this object.
+    pub schema: u32,
+    /// `said`, `stalled`, `paused`, `repeated`, `sensors`, `shift`, `port`.
+    pub event: &'static str,
+    /// Time since the start.
+    pub time_s: f64,
+    /// The line that it is about.
+    pub line: Option<u64>,
+    /// In words.
+    pub message: String,
+}
+
+/// How a job that was broken off is taken up again.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Plan {
+    /// Version of this object.
+    pub schema: u32,
+    /// Its number: another journal or another place has another one.
+    pub plan: String,
+    /// The part program.
+    pub program: String,
+    /// How the job ended; `null` where the program that sent it died.
+    pub ended: Option<String>,
+    /// The last line that the control has acknowledged, and its line in the source.
+    pub acknowledged: u64,
+    /// The same in the source.
+    pub acknowledged_line: Option<u32>,
+    /// The last line that was carried out for sure.
+    pub executed: u64,
+    /// The same in the source.
+    pub executed_line: Option<u32>,
+    /// The last line that may have been sent.
+    pub sent: u64,
+    /// The same in the source.
+    pub sent_line: Option<u32>,
+    /// Line of the source at which it begins again.
+    pub source_line: u32,
+    /// Whether that is the beginning of the program.
+    pub is_beginning: bool,
+    /// Why it is: behind this line of the source the state of the control cannot be rebuilt.
+    pub unsure_line: Option<u32>,
+    /// The tool that must be in the spindle.
+    pub tool: Option<String>,
+    /// What is sent before.
+    pub before: Vec<String>,
+    /// The first lines of the program that are sent.
+    pub first: Vec<String>,
+    /// The port.
+    pub port: String,
+}
+
+impl Plan {
+    /// The plan for people.
+    #[must_use]
+    pub fn table(&self, journal: &str) -> String {
+        let mut out = String::new();
+        let in_source = |line: Option<u32>| line.map_or(String::new(), |line| format!(" (line {line} of the source)"));
+        let ended = self.ended.as_deref().unwrap_or("the sending program died");
+        let _ = writeln!(out, "job           {}, broken off: {ended}", self.program);
+        let _ = writeln!(out, "carried out   up to {}{} for sure", self.executed, in_source(self.executed_line));
+        let _ = writeln!(out, "acknowledged  up to {}{}", self.acknowledged, in_source(self.acknowledged_line));
+        if self.sent > self.executed {
+            let [from, to] = [self.executed + 1, self.sent];
+            let _ = writeln!(
+                out,
+                "unknown       {from} to {to}{}: carried out, in part, or not",
+                in_source(self.sent_line)
+            );
+        }
+        let place = if self.is_beginning { ", the beginning" } else { ", a rapid move above all that is machined" };
+        let _ = writeln!(out, "begins again  at line {} of the source{place}", self.source_line);
+        if let Some(line) = self.unsure_line {
+            let _ = writeln!(out, "              (behind line {line} the state of the control cannot be rebuilt)");
+        }
+        if let Some(tool) = &self.tool {
+            let _ = writeln!(out, "tool          {tool} must be in the spindle");
+        }
+        for (name, lines) in [("before it", &self.before), ("then", &self.first)] {
+            for (number, line) in lines.iter().enumerate() {
+                let _ = writeln!(out, "{:<14}{line}", if number == 0 { name } else { "" });
+            }
+        }
+        let _ = writeln!(
+            out,
+            "\nHome the machine, clear its alarms, look whether the zero point still holds, and see that the first moves are free. Then:\n  ncfix resume {journal} --confirm {}",
+            self.plan
+        );
+        out
+    }
+}
