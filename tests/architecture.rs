@@ -29,6 +29,8 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("emit", &["dialect", "path", "snc", "geometry", "machine"]),
     // The machine for the reader of TOML only.
     ("feed", &["geometry", "machine"]),
+    // The machine for the reader of TOML and for logs of temperatures only.
+    ("sense", &["machine"]),
     ("report", &["geometry", "path", "emit", "machine", "model", "snc"]),
     (
         "cli",
@@ -46,6 +48,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "path",
             "emit",
             "feed",
+            "sense",
             "report",
         ],
     ),
