@@ -39,9 +39,10 @@
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
 //! | [`feed`] | links as data, dialogues as pure machines, window, dosing | G-code, kinematics |
+//! | [`sense`] | live sensors: sources in threads, what is believed of their values | programs, models |
 //! | [`drip`] | from corrected pieces to lines of a link: second step, dosing, text | links, files |
 //! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
-//! | [`cli`] | one file per command; the only room that opens files | — |
+//! | [`cli`] | one file per command; the only room that opens files, but for the sources of sensors | — |
 //!
 //! # To add something
 //!
@@ -60,6 +61,7 @@
 //! | a kind of measurement | `measure/kind/x.rs`: columns, unknowns, equations; a row in `docs/calibrate.md` | [`measure::kind::KINDS`] |
 //! | a cause | `diagnose/cause/x.rs`: what makes it, what shows it, its columns | [`diagnose::cause::CAUSES`] |
 //! | a link | `links/x.toml` | [`feed::PROFILES`] |
+//! | a source of live readings | `sense/source/x.rs`; a part of `docs/sensors.md` | [`sense::SOURCES`] |
 //! | a kind of dialogue | `feed/dialogue/x.rs`: a pure machine | [`feed::PROTOCOLS`] |
 //! | a preset of parameters | `model/preset/x.rs` | [`model::preset::PRESETS`] |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |

@@ -30,6 +30,8 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     // The machine for the reader of TOML only.
     ("feed", &["geometry", "machine"]),
     ("drip", &["feed", "dialect", "emit", "path", "snc", "model", "machine", "geometry"]),
+    // The machine for the reader of TOML and for logs of temperatures only.
+    ("sense", &["machine"]),
     ("report", &["geometry", "path", "emit", "machine", "model", "snc"]),
     (
         "cli",

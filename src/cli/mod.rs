@@ -1,4 +1,4 @@
-//! The command line: one file per command. The only room that opens files.
+//! The command line: one file per command. The only room that opens files, but for the sources of sensors.
 //!
 //! [`run`] reads the arguments and ends with an [`ExitCode`]. A command returns findings through `findings`, draws what `report`
 //! makes of them on standard error, and writes results through `output`, completely or not at all.
@@ -46,6 +46,7 @@ mod stop;
 mod support_file;
 mod value;
 mod verify;
+mod watch;
 mod writing;
 
 pub use exit_code::ExitCode;

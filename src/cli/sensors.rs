@@ -10,7 +10,7 @@ use super::machine_choice::Chosen;
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
-use super::{deliver, input, machine_choice};
+use super::{deliver, input, machine_choice, watch};
 use crate::calibrate::sensors::data::{self, Run};
 use crate::calibrate::sensors::{Options, Selection, select, text};
 use crate::diagnostic::{Code, Diagnostic};
@@ -22,6 +22,9 @@ use crate::source::{FileId, Source};
 
 /// Selects.
 pub(super) fn run(arguments: &SensorsArguments) -> Result<ExitCode, Stop> {
+    if arguments.watch {
+        return watch::run(arguments);
+    }
     let goes_out = arguments.output.as_deref().is_some_and(is_standard_stream);
     if arguments.json && goes_out {
         return Err(Stop::Usage("--json and the drift cannot both go to standard output; give -o a file".into()));

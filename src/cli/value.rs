@@ -1,5 +1,7 @@
 //! Values of options: lengths with units, skip levels, a start position.
 
+use std::time::Duration;
+
 use crate::geometry::{Axis, AxisVector, Vector};
 use crate::machine::{Load, State};
 use crate::units::parse_length_mm;
@@ -33,10 +35,10 @@ pub(super) fn percent(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "write a number above 0 and up to 50 with %, for example 1%".to_owned())
 }
 
-/// A time above zero, s.
-pub(super) fn positive_seconds(text: &str) -> Result<f64, String> {
-    let value = text.parse::<f64>().ok().filter(|value| *value > 0.0 && *value <= 86_400.0);
-    value.ok_or_else(|| "write a number of seconds above 0 and up to 86400".to_owned())
+/// A time above zero, up to a year.
+pub(super) fn seconds(text: &str) -> Result<Duration, String> {
+    let value = text.parse::<f64>().ok().filter(|value| *value > 0.0 && *value <= 366.0 * 86_400.0);
+    value.map(Duration::from_secs_f64).ok_or_else(|| "write a number of seconds above 0, for example 60".to_owned())
 }
 
 /// A difference of temperature above zero.

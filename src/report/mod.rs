@@ -25,3 +25,4 @@ pub mod shares;
 pub mod steps;
 pub mod svg;
 pub mod terminal;
+pub mod watch;

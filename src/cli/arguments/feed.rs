@@ -1,6 +1,7 @@
 //! The arguments of `ncfix feed`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 
@@ -74,8 +75,8 @@ pub(in crate::cli) struct FeedArguments {
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct DosingChoice {
     /// Seconds between two looks at the temperatures
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = value::positive_seconds)]
-    pub(in crate::cli) every: f64,
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = value::seconds)]
+    pub(in crate::cli) every: Duration,
     /// The zero point of the workpiece is set in the condition in which the job begins: drift counts from there
     #[arg(long, conflicts_with = "zero_time", requires = "sensors")]
     pub(in crate::cli) zero_now: bool,

@@ -15,13 +15,18 @@ workpiece. A column with the letter of an axis (mm, deg) gives the places at whi
 For each number of sensors the best ones are found by exact search. The number is the smallest that tells the independent run (--verify; without it \
 the last third of every run, which is held back) as well as any, within one standard error.
 
+With --watch the argument is the file of live sensors (docs/sensors.md): their values are read and shown, with age and state, until Ctrl-C or for \
+--for seconds. Exit status 4 where one of them is not good at the end.
+
 Examples:
+  ncfix sensors S.toml --watch
+  ncfix sensors S.toml --watch --for 3600 --log warm.csv
   ncfix sensors warm1.csv warm2.csv --machine mill.toml --verify other_day.csv --lags -o drift.toml";
 
 /// `ncfix sensors`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct SensorsArguments {
-    /// Tables of temperatures and displacements
+    /// Tables of temperatures and displacements; with --watch the file of live sensors
     #[arg(value_name = "DATA.csv", required = true)]
     pub(in crate::cli) data: Vec<PathBuf>,
     #[command(flatten)]
@@ -30,7 +35,7 @@ pub(in crate::cli) struct SensorsArguments {
     /// Runs that were not learned from; may be given several times
     #[arg(long, value_name = "RUN.csv")]
     pub(in crate::cli) verify: Vec<PathBuf>,
-    /// Log of temperatures with the same clock, where DATA.csv has none
+    /// Log of temperatures with the same clock, where DATA.csv has none; with --watch the log to write
     #[arg(long, value_name = "LOG.csv")]
     pub(in crate::cli) log: Option<PathBuf>,
     /// The largest number of sensors
@@ -45,7 +50,13 @@ pub(in crate::cli) struct SensorsArguments {
     /// File to write, with drift entries for the machine file; - for standard output
     #[arg(short, long, value_name = "DRIFT.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
-    /// Print one JSON object on standard output
+    /// Print one JSON object on standard output; with --watch one for each poll, a line each
     #[arg(long)]
     pub(in crate::cli) json: bool,
+    /// Read live sensors and show them
+    #[arg(long, conflicts_with_all = ["machine", "setup", "verify", "most", "lags", "ridge", "output"])]
+    pub(in crate::cli) watch: bool,
+    /// End after so many seconds
+    #[arg(long = "for", value_name = "SECONDS", requires = "watch", value_parser = value::seconds)]
+    pub(in crate::cli) duration: Option<std::time::Duration>,
 }

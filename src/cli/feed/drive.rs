@@ -62,8 +62,7 @@ pub(super) fn run(
     let mut show = Show::new(arguments.json);
     let thermal = match panel {
         Some(panel) => {
-            let every = Duration::from_secs_f64(arguments.dosing.every);
-            let thermal = Thermal::start(&job, panel, every, arguments.dosing.zero_now, started);
+            let thermal = Thermal::start(&job, panel, arguments.dosing.every, arguments.dosing.zero_now, started);
             if let Some(code) = wait_for_sensors(&thermal, &keys, &mut show, started)? {
                 return Ok(code);
             }

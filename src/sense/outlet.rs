@@ -1,0 +1,151 @@
+//! Where a source puts what it reads: a bounded box that nobody waits for.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Condvar, Mutex, PoisonError, TryLockError};
+use std::time::{Duration, Instant, SystemTime};
+
+use super::monitor::{Fault, Told};
+
+/// Readings that wait to be taken; of more the oldest are lost.
+const MOST_WAITING: usize = 4096;
+/// Clocks of two computers differ by so much without a fault.
+const CLOCKS_DIFFER: Duration = Duration::from_secs(60);
+
+/// A reading on its way.
+#[derive(Clone, Debug)]
+pub(super) struct Sample {
+    pub(super) channel: usize,
+    pub(super) told: Told,
+    /// When it came.
+    came: Instant,
+    /// How old it was then.
+    age: Duration,
+}
+
+impl Sample {
+    /// How long ago it was read.
+    pub(super) fn age(&self) -> Duration {
+        self.came.elapsed() + self.age
+    }
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    waiting: Mutex<VecDeque<Sample>>,
+    is_over: Mutex<bool>,
+    ends: Condvar,
+}
+
+/// The end that a source has.
+#[derive(Debug)]
+pub struct Outlet {
+    shared: Arc<Shared>,
+    channels: Vec<usize>,
+}
+
+/// The end that the panel has; the source is told to end when it is dropped.
+#[derive(Debug)]
+pub(super) struct Inlet(Arc<Shared>);
+
+/// Both ends of a new box.
+pub(super) fn box_of(channels: &[usize]) -> (Outlet, Inlet) {
+    let shared = Arc::new(Shared::default());
+    (Outlet { shared: Arc::clone(&shared), channels: channels.to_vec() }, Inlet(shared))
+}
+
+/// What a reading says once its time is known, and how old it is.
+#[must_use]
+pub(super) fn aged(told: Told, stamp: Option<SystemTime>, now: SystemTime) -> (Told, Duration) {
+    let Some(stamp) = stamp else { return (told, Duration::ZERO) };
+    match (now.duration_since(stamp), &told) {
+        (Ok(age), _) => (told, age),
+        (Err(ahead), Told::Value(_)) if ahead.duration() > CLOCKS_DIFFER => {
+            // Such a value would never grow old.
+            let why = format!("its time is {:.0} s in the future; compare the clocks", ahead.duration().as_secs_f64());
+            (Told::Nothing(Fault::Clock, why), Duration::ZERO)
+        }
+        (Err(_), _) => (told, Duration::ZERO),
+    }
+}
+
+impl Outlet {
+    /// Hands a reading over; `stamp` is when it was read, now where it is not known.
+    pub fn tell(&self, channel: usize, told: Told, stamp: Option<SystemTime>) {
+        let (told, age) = aged(told, stamp, SystemTime::now());
+        let mut waiting = self.shared.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        if waiting.len() >= MOST_WAITING {
+            waiting.pop_front();
+        }
+        waiting.push_back(Sample { channel, told, came: Instant::now(), age });
+    }
+
+    /// Says that none of the channels has a value, and why.
+    pub fn fail(&self, fault: Fault, why: &str) {
+        for &channel in &self.channels {
+            self.tell(channel, Told::Nothing(fault, why.to_owned()), None);
+        }
+    }
+
+    /// Waits; `false` where the source has to end.
+    #[must_use]
+    pub fn wait(&self, time: Duration) -> bool {
+        let is_over = self.shared.is_over.lock().unwrap_or_else(PoisonError::into_inner);
+        let waited = self.shared.ends.wait_timeout_while(is_over, time, |is_over| !*is_over);
+        !*waited.unwrap_or_else(PoisonError::into_inner).0
+    }
+
+    /// Whether the source has to end.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        *self.shared.is_over.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Inlet {
+    /// What has come; nothing where the source is just putting something in.
+    pub(super) fn take(&self, into: &mut Vec<Sample>) {
+        match self.0.waiting.try_lock() {
+            Ok(mut waiting) => into.extend(waiting.drain(..)),
+            Err(TryLockError::Poisoned(poisoned)) => into.extend(poisoned.into_inner().drain(..)),
+            Err(TryLockError::WouldBlock) => {}
+        }
+    }
+}
+
+impl Drop for Inlet {
+    fn drop(&mut self) {
+        *self.0.is_over.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.0.ends.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_box_is_bounded_and_keeps_the_newest() {
+        let (outlet, inlet) = box_of(&[0]);
+        for value in 0..MOST_WAITING + 10 {
+            outlet.tell(0, Told::Value(value as f64), None);
+        }
+        let mut samples = Vec::new();
+        inlet.take(&mut samples);
+        assert_eq!(samples.len(), MOST_WAITING);
+        assert_eq!(samples.last().unwrap().told, Told::Value((MOST_WAITING + 9) as f64));
+        assert!(outlet.wait(Duration::ZERO));
+        drop(inlet);
+        assert!(!outlet.wait(Duration::from_secs(60)) && outlet.is_over());
+    }
+
+    #[test]
+    fn a_reading_of_the_future_is_none() {
+        let now = SystemTime::UNIX_EPOCH + Duration::from_secs(2_000_000_000);
+        let value = || Told::Value(21.0);
+        assert_eq!(aged(value(), None, now), (value(), Duration::ZERO));
+        let second = Duration::from_secs(1);
+        assert_eq!(aged(value(), Some(now - 90 * second), now), (value(), 90 * second));
+        assert_eq!(aged(value(), Some(now + 30 * second), now), (value(), Duration::ZERO));
+        assert!(matches!(aged(value(), Some(now + 3600 * second), now).0, Told::Nothing(Fault::Clock, _)));
+    }
+}
