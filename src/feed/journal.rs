@@ -7,6 +7,7 @@
 //! # program 5a1e… part.mpf
 //! 0 F 12 9c41f00a 37 X+0.0123 Z-0.0040      frozen: number, CRC-32 of the text, line of the source, what the second step adds (mm, degrees)
 //! 31 A 12                                   acknowledged, with all before it
+//! 31 L 12                                   left, with all before it, over a link without answers
 //! 32 R 12                                   sent again
 //! 40 E the control was reset                how it ended
 //! ```
@@ -132,6 +133,7 @@ impl<S: Store> Record for Journal<S> {
     fn event(&mut self, event: &Event, now: Duration) -> io::Result<()> {
         match event {
             Event::Acknowledged(number) => self.write(now, &format!("A {number}")),
+            Event::Left(number) => self.write(now, &format!("L {number}")),
             Event::Repeated(number) => self.write(now, &format!("R {number}")),
             Event::Stalled => self.write(now, "W no answer in time"),
             Event::Said(text) => self.write(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
@@ -149,6 +151,8 @@ pub struct Told {
     pub frozen: u64,
     /// The last line that was acknowledged: it and all before it were taken.
     pub acknowledged: u64,
+    /// The last line that left over a link without answers: it and as many before it as the control's buffer holds may not have been carried out.
+    pub left: u64,
     /// The checksums of the lines behind the last that was acknowledged, by number.
     pub open: Vec<(u64, u32)>,
     /// Line of the source of the last that was frozen.
@@ -202,6 +206,12 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
                 told.acknowledged = told.acknowledged.max(line_number);
                 told.open.retain(|(open, _)| *open > line_number);
             }
+            ("L", Some(line_number)) => {
+                if line_number > told.frozen {
+                    return fault("a line that has left and was not sent");
+                }
+                told.left = told.left.max(line_number);
+            }
             ("E", _) => told.ended = Some(rest.to_owned()),
             ("R" | "W", _) => {}
             _ => return fault("a record of an unknown kind"),
@@ -233,11 +243,12 @@ mod tests {
             journal.frozen(&line(number), at(number)).unwrap();
         }
         journal.event(&Event::Acknowledged(2), at(9)).unwrap();
+        journal.event(&Event::Left(4), at(9)).unwrap();
         journal.event(&Event::Repeated(3), at(10)).unwrap();
         let text = String::from_utf8(journal.into_store()).unwrap();
         assert!(text.contains("3 F 3 ") && text.contains(" 43 Z-0.0040\n"), "{text}");
         let told = read(&text).unwrap();
-        assert_eq!((told.frozen, told.acknowledged, told.source_line), (5, 2, 45));
+        assert_eq!((told.frozen, told.acknowledged, told.left, told.source_line), (5, 2, 4, 45));
         assert_eq!(told.open.iter().map(|(number, _)| *number).collect::<Vec<_>>(), [3, 4, 5]);
         assert_eq!(told.open[0].1, crc32(b"G1 X3"));
         assert_eq!((told.head[0].0.as_str(), told.ended.as_deref()), ("program", None));
@@ -255,5 +266,6 @@ mod tests {
         let twice = format!("{FIRST}\n0 F 1 00000000 1\n1 F 1 00000000 1\n");
         assert_eq!(read(&twice).unwrap_err().0, 3);
         assert_eq!(read(&format!("{FIRST}\n0 A 7\n")).unwrap_err().0, 2);
+        assert_eq!(read(&format!("{FIRST}\n0 L 7\n")).unwrap_err().0, 2);
     }
 }
