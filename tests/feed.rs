@@ -3,7 +3,7 @@
 use ncfix::feed::{Ended, Event, PROFILES, PROTOCOLS, Profile, Sender};
 use ncfix::source::{FileId, Source};
 
-use super::controls::{self, Blockwise, Cable, Control, Faults, Grbl, Marlin, Notes, Planned};
+use super::controls::{self, Blockwise, Cable, Control, Faults, Grbl, Marlin, Notes, Planned, Reader, Rsh};
 use super::plant::random::Random;
 
 fn profile(name: &str) -> Profile {
@@ -168,4 +168,172 @@ fn an_answer_that_got_lost_may_have_been_a_refusal() {
     let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
     assert!(matches!(&ended, Ended::Lost(why) if why.contains("an answer was lost")), "{ended:?}");
     assert!(!notes.events.contains(&Event::Acknowledged(30)));
+}
+
+/// Transfers to readers with faults; returns how many had everything carried out.
+fn readers(name: &str, reserve: usize, seeds: std::ops::Range<u64>) -> usize {
+    let profile = profile(name);
+    let mut whole = 0;
+    for seed in seeds {
+        let mut random = Random::new(seed, "job");
+        let (count, busy_s) = (20 + random.below(60), random.between(0.001, 0.2));
+        let mut faults = faults(seed, 8);
+        (faults.refuses, faults.latency_s) = (None, random.between(0.0, 0.002));
+        faults.characters_per_s = profile.serial.characters_per_s();
+        faults.tells_queue = random.unit() < 0.5;
+        let is_lost = !faults.lost.is_empty();
+        let is_garbled = !faults.garbled.is_empty();
+        let is_cut = faults.reset_s.is_some() || faults.unplugged_s.is_some();
+        let mut notes = Notes::default();
+        let mut planned = Planned::new(count, busy_s);
+        let mut reader = Reader::new(&faults, busy_s, reserve, seed);
+        reader.is_reading = profile.frame.start.is_empty();
+        let mut cable = Cable::new(reader, faults, seed);
+        let mut sender = sender(&profile, &mut notes);
+        let ended = controls::run_with_patience(&mut sender, &mut cable, &mut planned, 3);
+        let progress = sender.progress().clone();
+        drop(sender);
+        let (control, executed) = (&cable.control, cable.control.executed());
+        // No gap, no repeat: the beginning of what was planned. Whether a reset cut it short this link does not tell.
+        assert!(planned.lines.starts_with(executed), "seed {seed}: {ended:?}");
+        assert_eq!(notes.frozen, planned.lines[..notes.frozen.len()], "seed {seed}");
+        assert_eq!(progress.acknowledged, 0, "seed {seed}");
+        // What was carried out has left, and what has left was frozen.
+        let left = progress.left as usize;
+        assert!(left <= notes.frozen.len(), "seed {seed}");
+        if ended == Ended::Done {
+            assert!(executed.len() <= left, "seed {seed}");
+            assert_eq!(left, count, "seed {seed}");
+        }
+        // Too much comes only where an XOFF got lost, and then the control stands.
+        assert!(control.overflows == 0 || is_lost, "seed {seed}: {ended:?}");
+        if !is_lost && !is_garbled && !is_cut {
+            assert_eq!((&ended, executed.len()), (&Ended::Done, count), "seed {seed}");
+            assert_eq!(progress.stalls, 0, "seed {seed}");
+        }
+        // It never goes on blind: where it did not end well it was said that nothing moves, that the control was reset or that the cable is drawn.
+        let is_told = match &ended {
+            Ended::Done => true,
+            Ended::Lost(why) if why.contains("as was asked for") => progress.stalls >= 3,
+            Ended::Lost(why) => is_cut && (why.contains("reset (SYN)") || why.contains("the link is gone")),
+            _ => false,
+        };
+        assert!(is_told, "seed {seed}: {ended:?}");
+        whole += usize::from(executed.len() == count);
+    }
+    whole
+}
+
+#[test]
+fn readers_get_every_byte_whatever_happens_to_those_that_hold_the_flow() {
+    // So much room is left when they say XOFF: what is handed over, and what goes out until it is heard.
+    let whole = readers("fanuc-rs232", 24, 0..2000) + readers("siemens-v24", 120, 2000..4000);
+    assert!(whole > 2000, "{whole}");
+}
+
+#[test]
+fn an_xon_that_got_lost_is_said_and_nothing_goes_on() {
+    let profile = profile("fanuc-rs232");
+    let rate = profile.serial.characters_per_s();
+    // The second byte that the control says is its first XOFF, the third the XON behind it.
+    let faults = Faults { most_bytes: 64, lost: vec![3], characters_per_s: rate, ..Faults::default() };
+    let (mut notes, mut planned) = (Notes::default(), Planned::new(200, 0.2));
+    let mut reader = Reader::new(&faults, 0.2, 24, 1);
+    reader.asks_again = false;
+    let mut cable = Cable::new(reader, faults, 1);
+    let mut sender = sender(&profile, &mut notes);
+    let ended = controls::run_with_patience(&mut sender, &mut cable, &mut planned, 3);
+    let stalls = sender.progress().stalls;
+    drop(sender);
+    assert!(matches!(&ended, Ended::Lost(why) if why.contains("as was asked for")), "{ended:?}");
+    assert_eq!((stalls, cable.control.asked.contains(&3)), (3, true));
+    // All that came whole was carried out.
+    let executed = cable.control.executed();
+    assert!(executed.len() < 200 && planned.lines.starts_with(executed), "{}", executed.len());
+}
+
+#[test]
+fn linuxcnc_carries_out_one_line_after_the_other() {
+    let profile = profile("linuxcnc");
+    let mut done = 0;
+    for seed in 0..4000 {
+        let mut random = Random::new(seed, "job");
+        let (count, busy_s) = (5 + random.below(20), random.between(0.001, 0.5));
+        let mut faults = faults(seed, count);
+        // Bytes do not get lost there, but somebody may break off what runs.
+        if std::mem::take(&mut faults.lost).pop().is_some() {
+            faults.broken_off_s = Some(random.between(0.5, 4.0));
+        }
+        faults.doubled.clear();
+        faults.garbled.clear();
+        let refused = faults.refuses;
+        let (mut notes, mut planned) = (Notes::default(), Planned::new(count, busy_s));
+        planned.lines[0] = b"M3S500".to_vec();
+        let mut cable = Cable::new(Rsh::new(&faults, busy_s), faults.clone(), seed);
+        let mut sender = sender(&profile, &mut notes);
+        let ended = controls::run(&mut sender, &mut cable, &mut planned);
+        let progress = sender.progress().clone();
+        drop(sender);
+        let executed = cable.control.executed();
+        assert!(planned.lines.starts_with(executed), "seed {seed}: {ended:?}");
+        let acknowledged = progress.acknowledged as usize;
+        assert_eq!(progress.executed.unwrap_or(0), progress.acknowledged, "seed {seed}");
+        // What is acknowledged is done; the one behind it may be.
+        assert!(acknowledged <= executed.len() && executed.len() <= acknowledged + 1, "seed {seed}: {ended:?}");
+        match &ended {
+            Ended::Done => assert_eq!(executed.len(), count, "seed {seed}"),
+            Ended::Refused(number, said) => {
+                assert_eq!(Some(*number), refused, "seed {seed}");
+                assert!(said.contains("positive limit"), "seed {seed}: {said}");
+                assert_eq!(acknowledged as u64 + 1, *number, "seed {seed}");
+            }
+            Ended::Lost(why) => {
+                let is_expected = why.contains("the link is gone") && faults.unplugged_s.is_some()
+                    || why.contains("went off") && faults.reset_s.is_some()
+                    || why.contains("machine is off") && faults.reset_s.is_some()
+                    || why.contains("the spindle stands") && faults.reset_s.is_some()
+                    || why.contains("it does not go to MDI") && faults.reset_s.is_some()
+                    || why.contains("somebody has broken it off") && faults.broken_off_s.is_some();
+                assert!(is_expected, "seed {seed}: {ended:?}");
+            }
+            Ended::Stopped => panic!("seed {seed}"),
+        }
+        done += usize::from(ended == Ended::Done);
+    }
+    // More than a third has no fault that matters here.
+    assert!(done > 1600, "{done}");
+}
+
+#[test]
+fn linuxcnc_that_is_not_ready_gets_no_line() {
+    let profile = profile("linuxcnc");
+    for (change, says) in [
+        (Box::new(|control: &mut Rsh| control.is_on = false) as Box<dyn Fn(&mut Rsh)>, "a person has to switch it on"),
+        (Box::new(|control: &mut Rsh| control.is_homed = false), "when not homed"),
+    ] {
+        let faults = Faults { most_bytes: 64, ..Faults::default() };
+        let (mut notes, mut planned) = (Notes::default(), Planned::new(5, 0.01));
+        let mut control = Rsh::new(&faults, 0.01);
+        change(&mut control);
+        let mut cable = Cable::new(control, faults, 1);
+        let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
+        assert!(matches!(&ended, Ended::Lost(why) if why.contains(says)), "{ended:?}");
+        assert!(notes.frozen.is_empty());
+    }
+}
+
+#[test]
+fn linuxcnc_is_not_asked_for_what_it_cannot_do_in_mdi() {
+    let profile = profile("linuxcnc");
+    for (text, says) in [("M0", "does not stop at M0"), ("O100 CALL", "no O-words"), ("G1 X1 M30\nG1X2", "has ended")] {
+        let faults = Faults { most_bytes: 64, ..Faults::default() };
+        let (mut notes, mut planned) = (Notes::default(), Planned::new(1, 0.01));
+        // A % and a blank line say nothing to it.
+        planned.lines = [b"%".to_vec(), b"".to_vec()].to_vec();
+        planned.lines.extend(text.split('\n').map(|line| line.as_bytes().to_vec()));
+        let mut cable = Cable::new(Rsh::new(&faults, 0.01), faults, 1);
+        let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
+        assert!(matches!(&ended, Ended::Lost(why) if why.contains(says)), "{text}: {ended:?}");
+        assert!(notes.events.contains(&Event::Executed(2)), "{text}");
+    }
 }

@@ -107,7 +107,15 @@ fn check_same(told: &Told, job: &Job, before: &Before, findings: &mut Findings) 
 fn plan(told: &Told, feed: &FeedArguments, job: &Job, journal: &[u8]) -> Result<(Plan, Begin), Stop> {
     // What was acknowledged may still have been in the planner of the control when it was lost.
     let planned = job.profile.window.planned as u64;
-    let sure = told.executed.max(told.acknowledged.saturating_sub(planned));
+    let taken = if told.left == 0 {
+        told.acknowledged.saturating_sub(planned)
+    } else if planned > 0 {
+        told.left.saturating_sub(planned)
+    } else {
+        // How much a control holds that answers nothing is not known.
+        0
+    };
+    let sure = told.executed.max(taken);
     let at = |number: u64| told.lines.iter().find(|line: &&Frozen| line.number == number);
     // Without a record of it nothing but the beginning is sure.
     let until = at(sure + 1).or(at(sure)).map_or(0, |line| line.element);

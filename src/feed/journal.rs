@@ -9,6 +9,7 @@
 //!                                           second step adds (mm, degrees)
 //! 31 A 12                                   acknowledged, with all before it
 //! 35 X 10                                   carried out, with all before it
+//! 31 L 12                                   left, with all before it, over a link without answers
 //! 32 R 12                                   sent again
 //! 40 E the control was reset                how it ended
 //! ```
@@ -130,6 +131,7 @@ impl<S: Store> Record for Journal<S> {
     fn event(&mut self, event: &Event, now: Duration) -> io::Result<()> {
         match event {
             Event::Acknowledged(number) => self.write(now, &format!("A {number}")),
+            Event::Left(number) => self.write(now, &format!("L {number}")),
             Event::Repeated(number) => self.write(now, &format!("R {number}")),
             Event::Stalled => self.write(now, "W no answer in time"),
             Event::Said(text) => self.write(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
@@ -176,6 +178,8 @@ pub struct Told {
     pub executed: u64,
     /// The lines behind the last that was acknowledged, and the last before them, in order.
     pub lines: VecDeque<Frozen>,
+    /// The last line that left over a link without answers: it and as many before it as the control's buffer holds may not have been carried out.
+    pub left: u64,
     /// How it ended; `None` where the program died.
     pub ended: Option<String>,
 }
@@ -234,6 +238,12 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
                 }
                 told.executed = told.executed.max(line_number);
             }
+            ("L", Some(line_number)) => {
+                if line_number > told.frozen {
+                    return fault("a line that has left and was not sent");
+                }
+                told.left = told.left.max(line_number);
+            }
             ("E", _) => told.ended = Some(rest.to_owned()),
             ("R" | "W", _) => {}
             _ => return fault("a record of an unknown kind"),
@@ -267,6 +277,7 @@ mod tests {
         }
         journal.event(&Event::Acknowledged(2), at(9)).unwrap();
         journal.event(&Event::Executed(1), at(10)).unwrap();
+        journal.event(&Event::Left(4), at(9)).unwrap();
         journal.event(&Event::Repeated(3), at(10)).unwrap();
         let text = String::from_utf8(journal.into_store()).unwrap();
         assert!(text.contains("3 F 3 ") && text.contains(" 43 6 Z-0.0040\n"), "{text}");
@@ -274,6 +285,7 @@ mod tests {
         assert_eq!((told.frozen, told.acknowledged, told.executed), (5, 2, 1));
         assert_eq!(told.lines.iter().map(|line| line.number).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
         assert_eq!(told.lines[2], Frozen { number: 3, crc: crc32(b"G1 X3"), source_line: 43, element: 6 });
+        assert_eq!(told.left, 4);
         assert_eq!((told.head[0].0.as_str(), told.ended.as_deref()), ("program", None));
         // Died in the middle of a record: whatever the place, the records before it stay.
         for end in text.find("1 F").unwrap()..text.len() {
@@ -289,5 +301,6 @@ mod tests {
         let twice = format!("{FIRST}\n0 F 1 00000000 1 1\n1 F 1 00000000 1 1\n");
         assert_eq!(read(&twice).unwrap_err().0, 3);
         assert_eq!(read(&format!("{FIRST}\n0 A 7\n")).unwrap_err().0, 2);
+        assert_eq!(read(&format!("{FIRST}\n0 L 7\n")).unwrap_err().0, 2);
     }
 }

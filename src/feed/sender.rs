@@ -81,9 +81,9 @@ pub trait Record {
 /// How a transfer ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ended {
-    /// All lines are acknowledged.
+    /// All lines are acknowledged; on a link without answers: have left.
     Done,
-    /// A person stopped it; all that was sent is acknowledged.
+    /// A person stopped it; all that was sent is acknowledged, or has left.
     Stopped,
     /// It was broken off: why. What was sent and not acknowledged may have been carried out or not.
     Lost(String),
@@ -103,6 +103,8 @@ pub struct Progress {
     pub sent: u64,
     /// Lines that the control has taken.
     pub acknowledged: u64,
+    /// Lines that have left over a link without answers; how many of them wait in the control nobody knows.
+    pub left: u64,
     /// Lines that it has carried out, where it says so.
     pub executed: Option<u64>,
     /// Lines and bytes under way now.
@@ -239,8 +241,11 @@ impl<'a> Sender<'a> {
             self.record.event(&event, now)?;
             note(&event);
             match event {
-                Event::Acknowledged(number) => {
-                    self.progress.acknowledged = self.progress.acknowledged.max(number);
+                Event::Acknowledged(number) | Event::Left(number) => {
+                    let progress = &mut self.progress;
+                    let count =
+                        if matches!(event, Event::Left(_)) { &mut progress.left } else { &mut progress.acknowledged };
+                    *count = (*count).max(number);
                     if let Some(lowest) = &mut self.progress.lowest
                         && !self.is_supplied
                     {
@@ -303,7 +308,9 @@ impl<'a> Sender<'a> {
 
     fn write(&mut self, port: &mut dyn Port) -> io::Result<()> {
         loop {
-            let room = self.system_bytes.saturating_sub(port.queued().unwrap_or(0));
+            let queued = port.queued().unwrap_or(0);
+            self.wire.queue(queued);
+            let room = self.system_bytes.saturating_sub(queued);
             let bytes = self.wire.next(room);
             if bytes.is_empty() {
                 return Ok(());

@@ -9,6 +9,8 @@ pub struct Wire {
     plain: VecDeque<u8>,
     /// Bytes that the port has taken, of both.
     sent: u64,
+    /// Bytes of these that wait in the queue of the system.
+    queued: usize,
     is_paused: bool,
 }
 
@@ -82,6 +84,17 @@ impl Wire {
     pub fn sent(&self) -> u64 {
         self.sent
     }
+
+    /// Notes how many of the bytes that the port has taken wait in the queue of the system.
+    pub fn queue(&mut self, count: usize) {
+        self.queued = count;
+    }
+
+    /// Bytes that have left the queue of the system, as far as it tells of it.
+    #[must_use]
+    pub fn left(&self) -> u64 {
+        self.sent.saturating_sub(self.queued as u64)
+    }
 }
 
 #[cfg(test)]
@@ -101,5 +114,7 @@ mod tests {
         wire.pause(false);
         assert_eq!(wire.next(3), b" X1");
         assert_eq!((wire.waiting(), wire.sent()), (4, 3));
+        wire.queue(2);
+        assert_eq!(wire.left(), 1);
     }
 }

@@ -107,6 +107,8 @@ pub struct Status {
     pub sent: u64,
     /// Lines that the control has acknowledged.
     pub acknowledged: u64,
+    /// Lines that have left over a link without answers.
+    pub left: Option<u64>,
     /// Lines that it has carried out, where it says so.
     pub executed: Option<u64>,
     /// Lines under way.
@@ -145,7 +147,8 @@ impl Status {
     /// One line for a terminal.
     #[must_use]
     pub fn line(&self) -> String {
-        let mut out = format!("line {} of {}", grouped(self.acknowledged), grouped(self.lines));
+        let done = self.left.unwrap_or(self.acknowledged);
+        let mut out = format!("line {} of {}", grouped(done), grouped(self.lines));
         let lowest = self.lowest.map_or(String::new(), |lowest| format!(" (lowest {lowest})"));
         let _ = write!(out, ", {} sent, window {}{lowest}", grouped(self.sent), self.window);
         if let Some(percent) = self.link_percent {
@@ -175,9 +178,10 @@ impl Status {
         let mut out = String::new();
         let _ = writeln!(
             out,
-            "lines        {} of {} acknowledged, {} sent, in {}",
-            grouped(self.acknowledged),
+            "lines        {} of {} {}, {} sent, in {}",
+            grouped(self.left.unwrap_or(self.acknowledged)),
             grouped(self.lines),
+            if self.left.is_some() { "have left" } else { "acknowledged" },
             grouped(self.sent),
             duration(self.time_s)
         );

@@ -5,16 +5,20 @@
 mod block;
 mod grbl;
 mod marlin;
+mod rsh;
+mod tape;
 
 pub(crate) use block::Blockwise;
 pub(crate) use grbl::Grbl;
 pub(crate) use marlin::Marlin;
+pub(crate) use rsh::Rsh;
+pub(crate) use tape::Reader;
 
 use std::collections::VecDeque;
 use std::io;
 use std::time::Duration;
 
-use ncfix::feed::{Ended, Event, Line, Port, Record, Sender, Supplied, Supply};
+use ncfix::feed::{Ended, Event, Halt, Line, Port, Record, Sender, Supplied, Supply};
 
 use super::plant::random::Random;
 
@@ -38,6 +42,12 @@ pub(crate) struct Faults {
     pub(crate) most_bytes: usize,
     /// How long a byte is under way, s.
     pub(crate) latency_s: f64,
+    /// Characters that the line carries in a second; 0 where it is not the limit.
+    pub(crate) characters_per_s: f64,
+    /// Whether the port tells how many bytes wait for the line.
+    pub(crate) tells_queue: bool,
+    /// When somebody breaks off at the control what it does, s.
+    pub(crate) broken_off_s: Option<f64>,
 }
 
 /// A control as the cable sees it.
@@ -58,6 +68,8 @@ pub(crate) struct Cable<C> {
     faults: Faults,
     there: VecDeque<(f64, u8)>,
     back: VecDeque<(f64, u8)>,
+    /// When the line has carried the last byte that it was given.
+    free_s: f64,
     random: Random,
     now_s: f64,
 }
@@ -65,7 +77,7 @@ pub(crate) struct Cable<C> {
 impl<C: Control> Cable<C> {
     pub(crate) fn new(control: C, faults: Faults, seed: u64) -> Cable<C> {
         let random = Random::new(seed, "cable");
-        Cable { control, faults, there: VecDeque::new(), back: VecDeque::new(), random, now_s: 0.0 }
+        Cable { control, faults, there: VecDeque::new(), back: VecDeque::new(), free_s: 0.0, random, now_s: 0.0 }
     }
 
     pub(crate) fn turn_to(&mut self, now_s: f64) {
@@ -103,8 +115,17 @@ impl<C: Control> Port for Cable<C> {
         }
         let most = self.random.below(self.faults.most_bytes + 1);
         let count = bytes.len().min(most);
-        self.there.extend(bytes[..count].iter().map(|byte| (self.now_s + self.faults.latency_s, *byte)));
+        let character_s = if self.faults.characters_per_s > 0.0 { 1.0 / self.faults.characters_per_s } else { 0.0 };
+        for &byte in &bytes[..count] {
+            self.free_s = self.free_s.max(self.now_s) + character_s;
+            self.there.push_back((self.free_s + self.faults.latency_s, byte));
+        }
         Ok(count)
+    }
+
+    fn queued(&mut self) -> Option<usize> {
+        let waits = |at: f64| at - self.faults.latency_s > self.now_s;
+        self.faults.tells_queue.then(|| self.there.iter().filter(|(at, _)| waits(*at)).count())
     }
 }
 
@@ -152,6 +173,16 @@ impl Record for Notes {
 
 /// Turns the clock until the transfer has ended, and on until the control has nothing left to do.
 pub(crate) fn run<C: Control>(sender: &mut Sender<'_>, cable: &mut Cable<C>, planned: &mut Planned) -> Ended {
+    run_with_patience(sender, cable, planned, u64::MAX)
+}
+
+/// The same; a person breaks it off when nothing has moved so many times.
+pub(crate) fn run_with_patience<C: Control>(
+    sender: &mut Sender<'_>,
+    cable: &mut Cable<C>,
+    planned: &mut Planned,
+    most_stalls: u64,
+) -> Ended {
     let mut ticks = Random::new(7, "ticks");
     let mut now_s = 0.0;
     let ended = loop {
@@ -161,6 +192,9 @@ pub(crate) fn run<C: Control>(sender: &mut Sender<'_>, cable: &mut Cable<C>, pla
         let step = sender.step(Duration::from_secs_f64(now_s), cable, planned, &mut |_| ());
         if let Some(ended) = step.unwrap() {
             break ended;
+        }
+        if sender.progress().stalls >= most_stalls {
+            sender.halt(Halt::Abort, Duration::from_secs_f64(now_s));
         }
     };
     for _ in 0..1000 {

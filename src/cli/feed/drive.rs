@@ -212,7 +212,7 @@ impl Drive<'_> {
             let now = self.started.elapsed();
             let before = (self.sender.progress().sent, self.sender.progress().bytes);
             let ended = self.sender.step(now, self.port.as_mut(), supply, &mut |event| {
-                if !matches!(event, Event::Acknowledged(_) | Event::Executed(_)) {
+                if !matches!(event, Event::Acknowledged(_) | Event::Left(_) | Event::Executed(_)) {
                     events.push(event.clone());
                 }
             })?;
@@ -323,7 +323,7 @@ impl Drive<'_> {
             )),
             (Some(Ended::Lost(_)), Some(why)) if self.halted.is_none() => Some(format!(
                 "the job is lost: {why}; {} lines were sent and not acknowledged, and may have been carried out or not",
-                progress.sent.saturating_sub(progress.acknowledged)
+                progress.sent.saturating_sub(progress.acknowledged.max(progress.left))
             )),
             (_, message) => message,
         };
@@ -334,6 +334,7 @@ impl Drive<'_> {
             lines: self.before.lines,
             sent: progress.sent,
             acknowledged: progress.acknowledged,
+            left: (progress.left > 0).then_some(progress.left),
             executed: progress.executed,
             window: progress.in_flight.0,
             window_bytes: progress.in_flight.1,

@@ -65,7 +65,7 @@ impl Show {
             Event::Paused(false) => self.say("paused", now, None, "the control lets the transfer go on".into()),
             Event::Repeated(number) => self.say("repeated", now, Some(*number), format!("line {number} is sent again")),
             // The end says it.
-            Event::Acknowledged(_) | Event::Executed(_) | Event::Refused(..) | Event::Lost(_) => {}
+            Event::Acknowledged(_) | Event::Left(_) | Event::Executed(_) | Event::Refused(..) | Event::Lost(_) => {}
         }
     }
 

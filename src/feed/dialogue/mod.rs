@@ -4,7 +4,10 @@
 
 mod block;
 mod grbl;
+mod linuxcncrsh;
 mod marlin;
+mod mdi;
+mod tape;
 
 use std::time::Duration;
 
@@ -17,6 +20,8 @@ pub enum Event {
     Acknowledged(u64),
     /// The control has carried out this line, and all before it, as far as it says so.
     Executed(u64),
+    /// The last byte of this line, and of all before it, has gone over a link without answers: nobody knows whether the control has carried it out.
+    Left(u64),
     /// The control asks to pause, or to go on.
     Paused(bool),
     /// The control says something of itself that people should read.
@@ -68,10 +73,10 @@ pub trait Dialogue: Send {
     /// What is said behind the last line.
     fn close(&mut self, now: Duration, wire: &mut Wire);
 
-    /// Whether all that was sent is acknowledged and the end was said.
+    /// Whether all that was sent is acknowledged, or has left where nothing is, and the end was said.
     fn is_done(&self, wire: &Wire) -> bool;
 
-    /// Lines and bytes that were sent and not acknowledged.
+    /// Lines and bytes that were sent and not acknowledged; where nothing is, that have not left.
     fn in_flight(&self) -> (usize, usize);
 
     /// What a person asked for. Returns what this does to what the control has, as a sentence; `None` where this dialogue has no word for it.
@@ -90,7 +95,8 @@ pub struct Protocol {
 }
 
 /// All kinds.
-pub const PROTOCOLS: &[Protocol] = &[block::PROTOCOL, grbl::PROTOCOL, marlin::PROTOCOL];
+pub const PROTOCOLS: &[Protocol] =
+    &[block::PROTOCOL, grbl::PROTOCOL, linuxcncrsh::PROTOCOL, marlin::PROTOCOL, tape::PROTOCOL];
 
 /// Answers are no longer than this, bytes; what has no end is none.
 const LONGEST_ANSWER: usize = 1024;

@@ -1,0 +1,398 @@
+//! LinuxCNC over linuxcncrsh: every line is an MDI command, and the next one goes when it is done.
+//!
+//! `set mdi` is answered as soon as it was received; then the control is asked where it stands until it is idle, and `set wait done` says whether the
+//! line was carried out (emcrsh.cc, shcom.cc, emctaskmain.cc of 2.9). More lines could wait in the control, but after an error it throws them away
+//! and takes the next as if nothing had happened: a gap that nobody sees. So one line is under way, and the axes stop between two.
+//!
+//! A person or another program may break a line off at the control, and the answer is then that it is done. This shows where the machine or its mode
+//! changed, where the spindle stands that turned, or where the line took far less time than it can; else it does not show. Nothing here switches the
+//! machine on or homes it: that is for a person who stands before it.
+
+use std::time::Duration;
+
+use super::mdi::{Words, words};
+use super::{Answers, Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
+
+/// What profiles call it.
+pub(super) const PROTOCOL: Protocol =
+    Protocol { name: "linuxcncrsh", title: "MDI, one line after the other (LinuxCNC)", create };
+
+/// Its buffer for one command has 256 bytes and nothing guards its end: so many are left behind `set mdi `.
+const LONGEST: usize = 247;
+/// While a line runs the control is asked where it stands this often.
+const ASK_EVERY: Duration = Duration::from_millis(20);
+/// So many messages are read before the first line and behind each.
+const MOST_MESSAGES: usize = 32;
+/// A line that takes longer than this and is done in a quarter of it was broken off.
+const NOTICED: Duration = Duration::from_secs(1);
+/// Carried out before the first line: nothing but a comment, which shows that MDI is taken.
+const TRIAL: &[u8] = b"(ncfix)";
+/// What is asked when a line is done; the answer to the last one closes the exchange.
+const CHECKS: &[u8] = b"set wait done\r\nget machine\r\nget mode\r\nget spindle 0\r\nget error\r\n";
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// So many of the steps of [`Rsh::ask_step`] were answered.
+    Opening(usize),
+    Open,
+    /// The last line was sent.
+    Closed,
+    /// A person has broken it off.
+    Broken,
+    Over,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Nothing of it is sent: a blank, or a `%`.
+    Nothing,
+    Sent,
+    Running,
+    Checking,
+}
+
+struct UnderWay {
+    number: u64,
+    stage: Stage,
+    length: usize,
+    since: Duration,
+    busy: Duration,
+    words: Words,
+    /// Whether the control has received it, and whether it says that it was carried out.
+    is_received: bool,
+    is_done: bool,
+}
+
+struct Rsh {
+    state: State,
+    passwords: (String, String),
+    longest_line: usize,
+    patience: Duration,
+    under_way: Option<UnderWay>,
+    heard: Answers,
+    last_heard: Duration,
+    asked: Duration,
+    /// Whether the answer to the last question is still to come.
+    is_asked: bool,
+    is_paused: bool,
+    is_on: bool,
+    is_mdi: bool,
+    /// Whether the spindle turns, and whether it turned before the line.
+    turns: (bool, bool),
+    messages: Vec<String>,
+    has_ended: bool,
+}
+
+fn create(profile: &Profile) -> Result<Box<dyn Dialogue>, String> {
+    if profile.window.lines > 1 {
+        return Err("after an error LinuxCNC goes on with the next line: write lines = 1 under [window]".into());
+    }
+    let text = String::from_utf8_lossy(&profile.frame.start).into_owned();
+    let mut words = text.split_ascii_whitespace().map(str::to_owned);
+    let passwords = (words.next().unwrap_or("EMC".into()), words.next().unwrap_or("EMCTOO".into()));
+    Ok(Box::new(Rsh {
+        state: State::Opening(0),
+        passwords,
+        longest_line: profile.longest_line.min(LONGEST),
+        patience: profile.answer_within,
+        under_way: None,
+        heard: Answers::default(),
+        last_heard: Duration::ZERO,
+        asked: Duration::ZERO,
+        is_asked: false,
+        is_paused: false,
+        is_on: false,
+        is_mdi: false,
+        turns: (false, false),
+        messages: Vec::new(),
+        has_ended: false,
+    }))
+}
+
+impl Rsh {
+    fn say(&mut self, text: &[u8], now: Duration, wire: &mut Wire) {
+        wire.push(text);
+        wire.push(b"\r\n");
+        self.last_heard = now;
+    }
+
+    /// The steps before the first line, one after the other; each is asked when the one before it was answered.
+    fn ask_step(&mut self, step: usize, now: Duration, wire: &mut Wire) {
+        self.state = State::Opening(step);
+        let text = match step {
+            0 => format!("hello {} ncfix 1.0", self.passwords.0),
+            1 => "set echo off\r\nset verbose on".to_owned(),
+            2 => format!("set enable {}", self.passwords.1),
+            3 => "get estop".to_owned(),
+            4 => "get machine".to_owned(),
+            5 => "get program_status".to_owned(),
+            6 => "set set_wait received".to_owned(),
+            // What later versions call it.
+            7 => "set wait_mode received".to_owned(),
+            8 => "set mode mdi".to_owned(),
+            // What others have left there is no matter of this job.
+            9 => "get error".to_owned(),
+            _ => {
+                self.send_line(0, TRIAL, Duration::ZERO, now, wire);
+                return;
+            }
+        };
+        self.say(text.as_bytes(), now, wire);
+    }
+
+    /// An answer to a step; what is none is left.
+    fn answer_step(&mut self, step: usize, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        let next = match (step, answer) {
+            (0, _) if answer.starts_with("HELLO ACK") => 1,
+            (0, "HELLO NAK") => return self.lost("it does not take the password: see start in the profile", events),
+            (1, "SET VERBOSE ACK") => 2,
+            (2, "SET ENABLE ACK") => 3,
+            (2, "SET ENABLE NAK") => {
+                return self.lost("it does not take the second password: see start in the profile", events);
+            }
+            (3, "ESTOP OFF") => 4,
+            (3, "ESTOP ON") => return self.lost("emergency stop: a person has to release it at the machine", events),
+            (4, "MACHINE ON") => 5,
+            (4, "MACHINE OFF") => return self.lost("the machine is off: a person has to switch it on", events),
+            (5, "PROGRAM_STATUS IDLE") => 6,
+            (5, _) if answer.starts_with("PROGRAM_STATUS") => {
+                return self.lost("the control carries out something else: wait until it is idle", events);
+            }
+            (6, "SET SET_WAIT ACK") | (7, "SET WAIT_MODE ACK") => 8,
+            (6, "SET NAK" | "SET SET_WAIT NAK") => 7,
+            (7, "SET NAK" | "SET WAIT_MODE NAK") => {
+                return self.lost("it knows neither set_wait nor wait_mode: which LinuxCNC is it?", events);
+            }
+            (8, "SET MODE ACK") => 9,
+            (8, "SET MODE NAK") => return self.lost("it does not go to MDI", events),
+            (9, "ERROR OK") => 10,
+            (9, _) if answer.starts_with("ERROR ") => {
+                if self.messages.len() >= MOST_MESSAGES {
+                    return self.lost("its messages do not end: look at its screen", events);
+                }
+                self.messages.push(String::new());
+                events.push(Event::Said(answer.to_owned()));
+                9
+            }
+            _ => return,
+        };
+        self.ask_step(next, now, wire);
+    }
+
+    fn send_line(&mut self, number: u64, text: &[u8], busy: Duration, now: Duration, wire: &mut Wire) {
+        let words = words(text);
+        self.messages.clear();
+        let stage = if words.is_empty || text.trim_ascii() == b"%" { Stage::Nothing } else { Stage::Sent };
+        if stage == Stage::Sent {
+            let bytes = [b"set mdi ", text].concat();
+            self.say(&bytes, now, wire);
+        }
+        self.turns.1 = self.turns.0;
+        self.is_asked = false;
+        let length = text.len();
+        self.under_way =
+            Some(UnderWay { number, stage, length, since: now, busy, words, is_received: true, is_done: true });
+    }
+
+    fn ask(&mut self, now: Duration, wire: &mut Wire) {
+        wire.push(b"get program_status\r\n");
+        (self.asked, self.is_asked) = (now, true);
+    }
+
+    fn answer(&mut self, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        match answer {
+            "MACHINE ON" | "MACHINE OFF" => self.is_on = answer == "MACHINE ON",
+            _ if answer.starts_with("MODE ") => self.is_mdi = answer == "MODE MDI",
+            _ if answer.starts_with("SPINDLE 0 ") => self.turns.0 = answer != "SPINDLE 0 OFF",
+            _ if answer.starts_with("error:") || answer.starts_with("warning:") => {
+                self.messages.push(answer.to_owned())
+            }
+            _ => {}
+        }
+        let Some(line) = &mut self.under_way else { return };
+        match (line.stage, answer) {
+            (Stage::Sent, "SET MDI ACK") => {
+                line.stage = Stage::Running;
+                self.ask(now, wire);
+            }
+            // It was not received: nothing of it moves.
+            (Stage::Sent, "SET MDI NAK") => {
+                line.is_received = false;
+                line.stage = Stage::Checking;
+                wire.push(CHECKS);
+            }
+            (Stage::Running, "PROGRAM_STATUS IDLE") => {
+                line.stage = Stage::Checking;
+                wire.push(CHECKS);
+                self.pause(false, events);
+            }
+            (Stage::Running, "PROGRAM_STATUS RUNNING" | "PROGRAM_STATUS PAUSED") => {
+                self.is_asked = false;
+                self.pause(answer.ends_with("PAUSED"), events);
+            }
+            (Stage::Checking, "SET WAIT NAK") => line.is_done = false,
+            (Stage::Checking, "ERROR OK") => self.conclude(now, events),
+            (Stage::Checking, _) if answer.starts_with("ERROR ") => {
+                self.messages.push(answer.trim_start_matches("ERROR ").to_owned());
+                if self.messages.len() >= MOST_MESSAGES {
+                    self.conclude(now, events);
+                } else {
+                    wire.push(b"get error\r\n");
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn pause(&mut self, is_paused: bool, events: &mut Vec<Event>) {
+        if std::mem::replace(&mut self.is_paused, is_paused) != is_paused {
+            events.push(Event::Paused(is_paused));
+        }
+    }
+
+    /// All is known that can be known of the line under way.
+    fn conclude(&mut self, now: Duration, events: &mut Vec<Event>) {
+        let Some(line) = self.under_way.take() else { return };
+        let said = std::mem::take(&mut self.messages).join("; ");
+        let which =
+            if line.number == 0 { "before the first line".to_owned() } else { format!("in line {}", line.number) };
+        let before = if line.words.starts_spindle { true } else { self.turns.1 && !line.words.has_other_m };
+        let took = now.saturating_sub(line.since);
+        if !self.is_on {
+            self.lost(&format!("the machine went off {which}. {said}"), events);
+        } else if !self.is_mdi {
+            self.lost(&format!("the mode was changed at the control {which}. {said}"), events);
+        } else if !said.is_empty() || !line.is_received || !line.is_done && !line.words.ends {
+            // The end of a program is answered as an error is, without a message.
+            let said = if said.is_empty() { "no reason is given".to_owned() } else { said };
+            if line.number == 0 {
+                self.lost(&format!("MDI is not taken: {said}. A person has to see to that, by homing for one"), events);
+            } else {
+                self.state = State::Over;
+                events.push(Event::Refused(line.number, said));
+            }
+        } else if before && !line.words.ends && !self.turns.0 {
+            self.lost(&format!("the spindle stands {which}: somebody has broken it off at the control"), events);
+        } else if line.busy > NOTICED && took < line.busy / 4 {
+            let why = "was done much sooner than it can be: somebody has broken it off, or resumed it, at the control";
+            self.lost(&format!("line {} {why}", line.number), events);
+        } else if line.number == 0 {
+            self.state = State::Open;
+        } else {
+            self.has_ended |= line.words.ends;
+            events.push(Event::Acknowledged(line.number));
+            events.push(Event::Executed(line.number));
+        }
+    }
+
+    fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
+        self.state = State::Over;
+        events.push(Event::Lost(why.trim_end_matches([' ', '.']).to_owned()));
+    }
+}
+
+impl Dialogue for Rsh {
+    fn open(&mut self, now: Duration, wire: &mut Wire) {
+        self.ask_step(0, now, wire);
+    }
+
+    fn is_open(&self) -> bool {
+        self.state == State::Open
+    }
+
+    fn has_room(&self, _length: usize) -> bool {
+        self.state == State::Open && self.under_way.is_none()
+    }
+
+    fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String> {
+        check_text(&line.text, self.longest_line, &[])?;
+        let found = words(&line.text);
+        if found.has_o {
+            return Err("linuxcncrsh takes no O-words; write the program flat".into());
+        }
+        if found.stops {
+            // Seen with 2.9: the next line goes on at once.
+            return Err(
+                "in MDI LinuxCNC does not stop at M0, M1 and M60: end the program there and feed the rest later".into(),
+            );
+        }
+        if self.has_ended && !found.is_empty && line.text.trim_ascii() != b"%" {
+            return Err("the program has ended before it, with M2 or M30".into());
+        }
+        self.send_line(line.number, &line.text, line.busy(), now, wire);
+        Ok(())
+    }
+
+    fn hear(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        self.last_heard = now;
+        let mut rest = bytes;
+        while let Some(answer) = self.heard.next(&mut rest) {
+            match self.state {
+                State::Opening(step) if self.under_way.is_none() => self.answer_step(step, &answer, now, wire, events),
+                State::Broken if answer.starts_with("SET ABORT") => {
+                    self.lost("broken off as was asked for; the line under way was carried out in part", events);
+                }
+                State::Opening(_) | State::Open | State::Closed => self.answer(&answer, now, wire, events),
+                State::Broken | State::Over => {}
+            }
+        }
+    }
+
+    fn tick(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        if self.state == State::Over {
+            return;
+        }
+        if self.state == State::Broken && now.saturating_sub(self.last_heard) > self.patience {
+            self.lost("broken off as was asked for, but the control does not answer: stop it there", events);
+            return;
+        }
+        if let Some(line) = &self.under_way {
+            match line.stage {
+                Stage::Nothing => {
+                    events.push(Event::Acknowledged(line.number));
+                    events.push(Event::Executed(line.number));
+                    self.under_way = None;
+                    return;
+                }
+                Stage::Running if !self.is_asked && now.saturating_sub(self.asked) >= ASK_EVERY => self.ask(now, wire),
+                _ => {}
+            }
+        }
+        let is_waiting = self.under_way.is_some() || !matches!(self.state, State::Open | State::Closed);
+        if is_waiting && now.saturating_sub(self.last_heard) > self.patience {
+            // A question more would wait behind those that were asked.
+            events.push(Event::Stalled);
+            self.last_heard = now;
+        }
+    }
+
+    fn close(&mut self, _now: Duration, _wire: &mut Wire) {
+        if self.state == State::Open {
+            self.state = State::Closed;
+        }
+    }
+
+    fn is_done(&self, _wire: &Wire) -> bool {
+        self.state == State::Closed && self.under_way.is_none()
+    }
+
+    fn in_flight(&self) -> (usize, usize) {
+        self.under_way.as_ref().filter(|line| line.number > 0).map_or((0, 0), |line| (1, line.length))
+    }
+
+    fn halt(&mut self, halt: Halt, now: Duration, wire: &mut Wire) -> Option<String> {
+        // What goes behind a command that was begun cannot cut it in two.
+        match halt {
+            Halt::Stop => Some("no further line is sent; the one under way is carried out".into()),
+            Halt::Hold => {
+                self.say(b"set pause", now, wire);
+                Some("the axes stop, the spindle turns; the line under way goes on with resume at the control".into())
+            }
+            Halt::Abort => {
+                self.say(b"set abort", now, wire);
+                self.state = State::Broken;
+                Some("the axes stop in the middle of the line, the spindle is switched off; no line is left in the control".into())
+            }
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! What of a line matters to MDI of LinuxCNC: O-words, stops, ends, the spindle.
+
+/// What a line says that matters here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Words {
+    pub(super) is_empty: bool,
+    pub(super) has_o: bool,
+    /// M0, M1 or M60.
+    pub(super) stops: bool,
+    /// M2 or M30.
+    pub(super) ends: bool,
+    /// M3 or M4.
+    pub(super) starts_spindle: bool,
+    /// Any other M: it may stop the spindle.
+    pub(super) has_other_m: bool,
+}
+
+/// Reads letters and the numbers behind them, outside of comments.
+pub(super) fn words(text: &[u8]) -> Words {
+    let mut words = Words { is_empty: true, ..Words::default() };
+    let (mut letter, mut number, mut is_comment, mut is_first) = (0, String::new(), false, true);
+    let mut take = |letter: u8, number: &str, words: &mut Words| match (letter, number.parse::<f64>().ok()) {
+        // Before anything else, or it is part of a name.
+        (b'N' | b'/' | 0, _) => {}
+        _ if std::mem::take(&mut is_first) && letter == b'O' => words.has_o = true,
+        (b'M', Some(value)) if [0.0, 1.0, 60.0].contains(&value) => words.stops = true,
+        (b'M', Some(value)) if [2.0, 30.0].contains(&value) => words.ends = true,
+        (b'M', Some(value)) if [3.0, 4.0].contains(&value) => words.starts_spindle = true,
+        (b'M', _) => words.has_other_m = true,
+        _ => {}
+    };
+    for byte in text.iter().map(u8::to_ascii_uppercase) {
+        match byte {
+            _ if is_comment => is_comment = byte != b')',
+            b'(' => is_comment = true,
+            b';' => break,
+            b' ' | b'\t' => {}
+            b'0'..=b'9' | b'.' | b'+' | b'-' => number.push(char::from(byte)),
+            _ => {
+                take(letter, &number, &mut words);
+                (letter, number) = (byte, String::new());
+            }
+        }
+        words.is_empty = words.is_empty && byte == b' ';
+    }
+    take(letter, &number, &mut words);
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_read_outside_of_comments() {
+        let of = |text: &str| words(text.as_bytes());
+        assert_eq!(of("G1 X1 (M30 O1) Y2 ; M0"), Words::default());
+        assert!(of("  ").is_empty && of("").is_empty && !of("(a)").is_empty);
+        assert!(of("N10 O100 CALL").has_o && of("o<sub> call").has_o && !of("G1 X[10*COS[30]]").has_o);
+        assert!(of("M 00").stops && of("G0 X1 m1").stops && of("M60").stops && !of("M6").stops && !of("G1 X60").stops);
+        assert!(of("M02").ends && of("m30").ends && !of("M3").ends);
+        assert!(of("S500 M3").starts_spindle && of("M4S1").starts_spindle && of("M5").has_other_m);
+    }
+}

@@ -1,0 +1,259 @@
+//! linuxcncrsh of LinuxCNC 2.9 with MDI behind it, after emcrsh.cc, shcom.cc and emctaskmain.cc and what a real one was seen to say.
+//!
+//! Commands are taken one after the other; one that is sent on to the task takes a tenth of a second. Everything that was heard is echoed until that
+//! is switched off. After an error, and where somebody breaks off, all that waits is thrown away, and the next command is taken as if nothing had
+//! happened. Breaking off stops the spindle and is no error.
+
+use std::collections::VecDeque;
+
+use super::{Control, Faults};
+
+/// How long a command is on its way to the task, s.
+const DELAY_S: f64 = 0.1;
+
+pub(crate) struct Rsh {
+    faults: Faults,
+    line: Vec<u8>,
+    commands: VecDeque<String>,
+    /// Answered when the task has received it.
+    pending: Option<(f64, String)>,
+    waits_until_done: bool,
+    echo: bool,
+    is_linked: bool,
+    is_verbose: bool,
+    is_enabled: bool,
+    pub(crate) is_on: bool,
+    pub(crate) is_homed: bool,
+    mode: &'static str,
+    turns: bool,
+    /// Lines that wait, and the one that runs.
+    queue: VecDeque<(u64, String)>,
+    under_way: Option<(f64, String)>,
+    lines: u64,
+    has_failed: bool,
+    errors: VecDeque<String>,
+    was_broken: bool,
+    was_stopped: bool,
+    busy_s: f64,
+    out: Vec<u8>,
+    executed: Vec<Vec<u8>>,
+}
+
+impl Rsh {
+    pub(crate) fn new(faults: &Faults, busy_s: f64) -> Rsh {
+        Rsh {
+            faults: faults.clone(),
+            line: Vec::new(),
+            commands: VecDeque::new(),
+            pending: None,
+            waits_until_done: false,
+            echo: true,
+            is_linked: false,
+            is_verbose: false,
+            is_enabled: false,
+            is_on: true,
+            is_homed: true,
+            mode: "MANUAL",
+            turns: false,
+            queue: VecDeque::new(),
+            under_way: None,
+            lines: 0,
+            has_failed: false,
+            // Left there by somebody.
+            errors: VecDeque::from(["joint 0 following error".to_owned()]),
+            was_broken: false,
+            was_stopped: false,
+            busy_s,
+            out: Vec::new(),
+            executed: Vec::new(),
+        }
+    }
+
+    fn answer(&mut self, text: &str) {
+        let end = if text.starts_with("SET ") && !text.starts_with("SET NAK") { "\n\r" } else { "\r\n" };
+        self.out.extend(text.bytes().chain(end.bytes()));
+    }
+
+    fn is_idle(&self) -> bool {
+        self.queue.is_empty() && self.under_way.is_none()
+    }
+
+    fn drop_all(&mut self) {
+        self.queue.clear();
+        self.under_way = None;
+    }
+
+    fn fail(&mut self, text: &str) {
+        self.has_failed = true;
+        self.errors.push_back(text.to_owned());
+        self.drop_all();
+    }
+
+    /// What the task makes of a line.
+    fn begin(&mut self, number: u64, text: &str, now_s: f64) {
+        if !self.is_homed {
+            return self.fail("Can't issue MDI command when not homed");
+        }
+        if self.mode != "MDI" {
+            return self.fail("Must be in MDI mode to issue MDI command");
+        }
+        if self.faults.refuses == Some(number) {
+            return self.fail("Linear move on line 0 would exceed X's positive limit");
+        }
+        if text.starts_with('(') {
+            return;
+        }
+        if text.contains("M3") {
+            self.turns = true;
+        }
+        if text.contains("M5") || text.contains("M30") {
+            self.turns = false;
+        }
+        self.under_way = Some((now_s + self.busy_s, text.to_owned()));
+    }
+
+    fn command(&mut self, command: &str, now_s: f64) {
+        let words: Vec<&str> = command.split_ascii_whitespace().collect();
+        let lower: Vec<String> = words.iter().map(|word| word.to_lowercase()).collect();
+        let lower: Vec<&str> = lower.iter().map(String::as_str).collect();
+        match lower.as_slice() {
+            ["hello", ..] => {
+                self.is_linked = words.get(1) == Some(&"EMC");
+                self.answer(if self.is_linked { "HELLO ACK EMCNETSVR 1.1" } else { "HELLO NAK" });
+            }
+            ["get", "error"] => {
+                let text = self.errors.pop_front().unwrap_or("OK".into());
+                self.answer(&format!("ERROR {text}"));
+            }
+            ["get", "estop"] => self.answer("ESTOP OFF"),
+            ["get", "machine"] => self.answer(if self.is_on { "MACHINE ON" } else { "MACHINE OFF" }),
+            ["get", "mode"] => self.answer(&format!("MODE {}", self.mode)),
+            ["get", "spindle", "0"] => self.answer(if self.turns { "SPINDLE 0 FORWARD" } else { "SPINDLE 0 OFF" }),
+            ["get", "program_status"] => {
+                self.answer(if self.is_idle() { "PROGRAM_STATUS IDLE" } else { "PROGRAM_STATUS RUNNING" });
+            }
+            ["get", ..] => panic!("it dies of {command}"),
+            _ if !self.is_linked => self.answer("SET NAK"),
+            ["set", what, rest @ ..] => self.set(what, rest, &words, command, now_s),
+            _ => panic!("{command}"),
+        }
+    }
+
+    fn set(&mut self, what: &str, rest: &[&str], words: &[&str], command: &str, now_s: f64) {
+        let name = what.to_uppercase();
+        let is_taken = match (what, rest) {
+            ("echo", [state]) => {
+                self.echo = *state == "on";
+                true
+            }
+            ("verbose", [state]) => {
+                self.is_verbose = *state == "on";
+                true
+            }
+            ("enable", [_]) => {
+                self.is_enabled = words[2] == "EMCTOO";
+                self.is_enabled
+            }
+            _ if !self.is_enabled => false,
+            ("set_wait", ["received"]) => true,
+            ("wait", ["done"]) => {
+                self.waits_until_done = true;
+                return;
+            }
+            _ if !self.is_on => false,
+            ("mode" | "mdi" | "abort", [first, ..]) => {
+                match what {
+                    "mode" => self.mode = if *first == "mdi" { "MDI" } else { "MANUAL" },
+                    "mdi" => {
+                        assert!(command.len() < 256);
+                        let text = command.split_at(8).1.to_owned();
+                        self.has_failed = false;
+                        let number = if text.starts_with('(') { 0 } else { self.lines + 1 };
+                        self.lines = self.lines.max(number);
+                        self.queue.push_back((number, text));
+                    }
+                    _ => {}
+                }
+                self.pending = Some((now_s + DELAY_S, format!("SET {name} ACK")));
+                return;
+            }
+            ("abort", []) => {
+                self.break_off();
+                self.pending = Some((now_s + DELAY_S, "SET ABORT ACK".into()));
+                return;
+            }
+            _ => false,
+        };
+        if !is_taken || self.is_verbose {
+            self.answer(&format!("SET {name} {}", if is_taken { "ACK" } else { "NAK" }));
+        }
+    }
+
+    fn break_off(&mut self) {
+        self.drop_all();
+        self.turns = false;
+    }
+}
+
+impl Control for Rsh {
+    fn hear(&mut self, byte: u8, now_s: f64) {
+        if self.echo && self.is_linked {
+            self.out.push(byte);
+        }
+        if byte != b'\n' && byte != b'\r' {
+            self.line.push(byte);
+        } else if !self.line.is_empty() {
+            let line = String::from_utf8(std::mem::take(&mut self.line)).unwrap();
+            self.commands.push_back(line);
+        }
+        self.tick(now_s);
+    }
+
+    fn tick(&mut self, now_s: f64) {
+        if self.faults.broken_off_s.is_some_and(|at| now_s >= at) && !self.was_broken {
+            self.was_broken = true;
+            self.break_off();
+        }
+        // Emergency stop.
+        if self.faults.reset_s.is_some_and(|at| now_s >= at) && !self.was_stopped {
+            self.was_stopped = true;
+            self.is_on = false;
+            self.break_off();
+        }
+        if let Some((_, text)) = self.under_way.take_if(|(done_s, _)| *done_s <= now_s) {
+            self.executed.push(text.into_bytes());
+        }
+        while self.under_way.is_none()
+            && let Some((number, text)) = self.queue.pop_front()
+        {
+            self.begin(number, &text, now_s);
+        }
+        loop {
+            if let Some((_, text)) = self.pending.take_if(|(at, _)| *at <= now_s) {
+                self.answer(&text);
+            }
+            if std::mem::take(&mut self.waits_until_done) {
+                if self.has_failed {
+                    self.answer("SET WAIT NAK");
+                } else if self.is_idle() {
+                    self.answer("SET WAIT ACK");
+                } else {
+                    self.waits_until_done = true;
+                }
+            }
+            if self.pending.is_some() || self.waits_until_done {
+                return;
+            }
+            let Some(command) = self.commands.pop_front() else { return };
+            self.command(&command, now_s);
+        }
+    }
+
+    fn say(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.out)
+    }
+
+    fn executed(&self) -> &[Vec<u8>] {
+        &self.executed
+    }
+}
