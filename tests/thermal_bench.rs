@@ -96,6 +96,11 @@ fn load(text: &str) -> (Machine, ErrorModel) {
     machine.unwrap()
 }
 
+/// A machine with the drift that speeds at random have shown, each sensor with a lag.
+pub(crate) fn statistical() -> (Machine, ErrorModel) {
+    load(&learned(&[vec![(0, 525.0), (1, 600.0)]]))
+}
+
 /// What the machine would write down: the sensors of the statistical model; `T_L1` … lower and `T_U1` … upper end of the column, `T_B1` … and
 /// `T_S1` … head at the column and at the spindle, each in the order of the plant.
 pub(crate) fn log_of(samples: &[Sample]) -> Condition {

@@ -107,6 +107,10 @@ impl<'a> Lines<'a> {
         };
         let output = self.live.apply(output, self.model.as_deref(), &mut self.doser);
         let about = self.about(&output);
+        if self.about.element == 0 {
+            // What stands before the first words comes with them.
+            self.about = About { busy_s: 0.0, ..about };
+        }
         self.text.clear();
         self.writer.write(&output, &mut self.text)?;
         if self.cut() {

@@ -289,19 +289,18 @@ impl<'a> Sender<'a> {
             };
             if !self.dialogue.has_room(line.text.len()) {
                 self.pending = Some(line);
-                self.progress.lowest.get_or_insert(usize::MAX);
                 break;
             }
             self.record.frozen(&line, now)?;
             if let Err(why) = self.dialogue.send(&line, now, &mut self.wire) {
-                self.ended = Some(Ended::Lost(format!("line {} cannot be sent: {why}", line.number)));
+                self.ended = Some(Ended::Fault(format!("line {} cannot be sent: {why}", line.number)));
                 break;
             }
             self.progress.sent = line.number;
             self.progress.last = line;
         }
-        if !self.dialogue.has_room(1) {
-            self.progress.lowest.get_or_insert(usize::MAX);
+        if self.dialogue.is_open() && (self.pending.is_some() || !self.dialogue.has_room(1)) {
+            self.progress.lowest.get_or_insert(self.dialogue.in_flight().0);
         }
         Ok(())
     }

@@ -63,7 +63,7 @@ impl Before {
             duration(self.motion_s)
         );
         let lowest = self.lowest.map_or(String::new(), |lowest| format!("; lowest fill of the control {lowest} lines"));
-        if self.starved_s > 0.0 {
+        if !self.late.is_empty() {
             let _ = writeln!(
                 out,
                 "link         late: the axes stand still for {} of {}{lowest}",

@@ -20,6 +20,8 @@ use super::job::Job;
 const MOST_SHOWN: usize = 20;
 /// The control may stand still for so much of the motion before that is an error.
 const MOST_STARVED: f64 = 0.01;
+/// Stretches in which it does so for less are not shown, s.
+const UNNOTICED_S: f64 = 0.05;
 /// And for so long, s.
 const LEAST_STARVED_S: f64 = 0.5;
 
@@ -78,7 +80,7 @@ pub(in crate::cli) fn run(
         starved_s: forecast.starved_s,
         lowest: forecast.lowest,
         frozen_s: per_line_s * link.lines.min(usize::try_from(forecast.lines).unwrap_or(usize::MAX)) as f64,
-        late: forecast.stretches.iter().map(late).collect(),
+        late: forecast.stretches.iter().filter(|stretch| stretch.starved_s >= UNNOTICED_S).map(late).collect(),
         diagnostics: Vec::new(),
     };
     judge(arguments, &before, findings);

@@ -1,0 +1,336 @@
+//! `ncfix feed` and `ncfix resume` as a person uses them: the built program, a pseudo-terminal, a simulated control at its other end.
+
+use std::fs::File;
+use std::io::{Read as _, Write as _};
+use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use serialport::{SerialPort as _, TTYPort};
+
+use super::controls::{Control, Faults, Grbl};
+use super::support::{Shop, machine};
+
+/// Nothing here takes longer.
+const LONG: Duration = Duration::from_secs(60);
+
+/// A simulated control at a pseudo-terminal, in real time.
+struct Bench {
+    name: String,
+    shared: Arc<Mutex<Grbl>>,
+    is_over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Bench {
+    fn new(control: Grbl) -> Bench {
+        let (mut master, slave) = TTYPort::pair().unwrap();
+        let name = slave.name().unwrap();
+        // Its other end is opened by the program under test.
+        drop(slave);
+        master.set_timeout(Duration::from_micros(300)).unwrap();
+        let shared = Arc::new(Mutex::new(control));
+        let is_over = Arc::new(AtomicBool::new(false));
+        let (control, over) = (Arc::clone(&shared), Arc::clone(&is_over));
+        let from = Instant::now();
+        let thread = thread::spawn(move || {
+            let mut bytes = [0; 4096];
+            let mut said: Vec<u8> = Vec::new();
+            while !over.load(Ordering::Relaxed) {
+                // As long as nobody has opened the other end this fails.
+                let count = master.read(&mut bytes).unwrap_or(0);
+                let mut control = control.lock().unwrap();
+                let now_s = from.elapsed().as_secs_f64();
+                bytes[..count].iter().for_each(|byte| control.hear(*byte, now_s));
+                control.tick(now_s);
+                said.extend(control.say());
+                drop(control);
+                if !said.is_empty()
+                    && let Ok(count) = master.write(&said)
+                {
+                    said.drain(..count);
+                }
+                if count == 0 && said.is_empty() {
+                    thread::sleep(Duration::from_micros(100));
+                }
+            }
+        });
+        Bench { name, shared, is_over, thread: Some(thread) }
+    }
+
+    fn executed(&self) -> Vec<String> {
+        let control = self.shared.lock().unwrap();
+        control.executed().iter().map(|line| String::from_utf8(line.clone()).unwrap()).collect()
+    }
+
+    /// Waits until so many lines are carried out.
+    fn wait_for(&self, count: usize) {
+        let from = Instant::now();
+        while self.executed().len() < count {
+            assert!(from.elapsed() < LONG, "{} lines", self.executed().len());
+            thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        self.is_over.store(true, Ordering::Relaxed);
+        let _ = self.thread.take().unwrap().join();
+    }
+}
+
+fn grbl(busy_s: f64) -> Bench {
+    Bench::new(Grbl::new(&Faults::default(), busy_s))
+}
+
+/// Passes over a plate, between them rapid moves above it.
+fn passes(count: usize) -> String {
+    let mut text = "G21 G90 G17 G54\nS2000 M3\nG0 Z50\nG0 X0 Y0\n".to_owned();
+    for pass in 0..count {
+        let y = pass % 50;
+        text += &format!("G0 X0 Y{y}\nG0 Z2\nG1 Z-1 F300\n");
+        for step in 1..=8 {
+            text += &format!("G1 X{} F1200\n", step * 10);
+        }
+        text += "G1 Z2\nG0 Z50\n";
+    }
+    text + "M5\nM30\n"
+}
+
+fn command(shop: &Shop, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ncfix"));
+    command.args(arguments).current_dir(shop.path(".").canonicalize().unwrap()).stdin(Stdio::null());
+    command
+}
+
+fn start(shop: &Shop, arguments: &[&str]) -> Child {
+    let error = File::create(shop.path("stderr")).unwrap();
+    command(shop, arguments).stdout(Stdio::piped()).stderr(error).spawn().unwrap()
+}
+
+/// What the corrected program has, line by line, without stamp, comments and frame.
+fn corrected(shop: &Shop, name: &str, arguments: &[&str]) -> Vec<String> {
+    let mut all = vec![name, "-o", "corrected.ngc"];
+    all.extend(arguments);
+    let run = shop.run(&all);
+    assert_eq!(run.code, 0, "{run:?}");
+    let text = shop.text("corrected.ngc");
+    let lines = text.lines().map(|line| line.split(" (").next().unwrap().trim().to_owned());
+    lines.filter(|line| !line.is_empty() && !line.starts_with('(') && line != "%").collect()
+}
+
+#[test]
+fn a_program_goes_to_the_control_as_it_would_go_into_a_file() {
+    let bench = grbl(0.0002);
+    let shop = Shop::new().file("part.ngc", passes(12));
+    let mill = machine("knee_mill");
+    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name, "--json"]);
+    assert_eq!(run.code, 0, "{run:?}");
+    let planned = corrected(&shop, "part.ngc", &["--machine", &mill]);
+    assert_eq!(bench.executed(), planned);
+    // 12 passes of 13 blocks, 6 others; pieces are at least as many.
+    assert!(planned.len() >= 162, "{}", planned.len());
+    let end: serde_json::Value = serde_json::from_str(run.stdout.lines().last().unwrap()).unwrap();
+    let forecast: serde_json::Value = serde_json::from_str(run.stdout.lines().next().unwrap()).unwrap();
+    assert_eq!((&end["event"], &end["ended"]), (&"end".into(), &"done".into()));
+    assert_eq!((&end["acknowledged"], &forecast["lines"]), (&planned.len().into(), &planned.len().into()));
+    assert!(shop.text("part.ngc.journal").contains(" E done"));
+    // A journal of a job that is done gives way, and is kept.
+    let again = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
+    assert_eq!(again.code, 0, "{again:?}");
+    assert!(shop.path("part.ngc.journal.old").exists());
+    assert!(again.stderr.contains("acknowledged") && again.stderr.contains("lowest fill"), "{}", again.stderr);
+}
+
+#[test]
+fn what_the_link_cannot_take_is_found_before_anything_is_sent() {
+    let bench = grbl(0.001);
+    let profile = "name = \"short\"\nprotocol = \"grbl\"\n[text]\nlongest_line = 12\nrefused = \"?!~\"\n";
+    let shop = Shop::new().file("part.ngc", passes(1)).file("short.toml", profile);
+    let mill = machine("knee_mill");
+    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "short.toml", "--port", &bench.name]);
+    assert_eq!(run.code, 4, "{run:?}");
+    assert!(run.stderr.contains("E0701") && run.stderr.contains("characters"), "{}", run.stderr);
+    assert!(bench.executed().is_empty() && !shop.path("part.ngc.journal").exists());
+    // A program with a fault is not sent either, and all faults come up.
+    let shop = Shop::new().file("bad.ngc", "G0 X1 Y1 Z1\nG1 X5\nG123\nX[1/0]\n");
+    let run = shop.run(&["feed", "bad.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
+    assert!(matches!(run.code, 3 | 4), "{run:?}");
+    assert!(bench.executed().is_empty());
+    let run = shop.run(&["feed", "bad.ngc", "--machine", &mill, "--link", "gerbil", "--port", &bench.name]);
+    assert!(run.code == 2 && run.stderr.contains("there is no link 'gerbil'"), "{run:?}");
+}
+
+#[test]
+fn a_link_that_is_too_slow_is_refused_beforehand() {
+    // 11 bits a character at 9600 Bd: 873 characters a second. Pieces of 1 mm at 3000 mm/min: 50 lines a second of about 18 bytes.
+    let mut text = "G21 G90 G17 G54\nG0 X0 Y0 Z5\n".to_owned();
+    (1..=300).for_each(|k| text += &format!("G1 X{}.{} Y{} F3000\n", k, k % 10, k % 2));
+    let slow = "name = \"slow\"\nprotocol = \"grbl\"\n[serial]\nbaud = 9600\ndata_bits = 7\nparity = \"even\"\nstop_bits = 2\n";
+    let shop = Shop::new().file("part.ngc", text).file("slow.toml", slow);
+    let mill = machine("knee_mill");
+    let arguments = ["feed", "part.ngc", "--machine", &mill, "--link", "slow.toml", "--port", "/dev/ttyS0", "--dry-run"];
+    let run = shop.run(&arguments);
+    assert_eq!(run.code, 4, "{run:?}");
+    assert!(run.stderr.contains("E0702") && run.stderr.contains("lines/s"), "{}", run.stderr);
+    let run = shop.run(&[&arguments[..], &["--allow-starvation"]].concat());
+    assert_eq!(run.code, 0, "{run:?}");
+    assert!(run.stderr.contains("W0701") && run.stdout.contains("late"), "{run:?}");
+    // Over a network it keeps up.
+    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", "tcp:x:1", "--dry-run"]);
+    assert!(run.code == 0 && run.stdout.contains("keeps up"), "{run:?}");
+}
+
+#[test]
+fn a_pseudo_terminal_says_what_it_does_not_take() {
+    let bench = grbl(0.0002);
+    let odd = "name = \"odd\"\nprotocol = \"grbl\"\n[serial]\ndata_bits = 7\nparity = \"even\"\n[window]\nlines = 5\n";
+    let shop = Shop::new().file("part.ngc", passes(1)).file("odd.toml", odd);
+    let mill = machine("knee_mill");
+    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "odd.toml", "--port", &bench.name]);
+    assert!(run.code == 0 && run.stderr.contains("W0702") && run.stderr.contains("7E1"), "{run:?}");
+    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", "/dev/no-such-port"]);
+    assert!(run.code == 5 && run.stderr.contains("/dev/no-such-port"), "{run:?}");
+}
+
+#[test]
+fn a_refusal_a_reset_and_a_cut_cable_have_their_status() {
+    let mill = machine("knee_mill");
+    let refusing = Bench::new(Grbl::new(&Faults { refuses: Some(30), ..Faults::default() }, 0.0005));
+    let shop = Shop::new().file("part.ngc", passes(8));
+    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &refusing.name]);
+    assert!(run.code == 6 && run.stderr.contains("refused line 30"), "{run:?}");
+    let resetting = Bench::new(Grbl::new(&Faults { reset_s: Some(0.8), ..Faults::default() }, 0.05));
+    let shop = Shop::new().file("part.ngc", passes(8));
+    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &resetting.name]);
+    assert!(run.code == 6 && run.stderr.contains("the job is lost"), "{run:?}");
+    let bench = grbl(0.02);
+    let shop = Shop::new().file("part.ngc", passes(8));
+    let mut child = start(&shop, &["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
+    bench.wait_for(10);
+    drop(bench);
+    assert_eq!(child.wait().unwrap().code(), Some(5));
+    assert!(shop.text("stderr").contains("the link is gone"), "{}", shop.text("stderr"));
+}
+
+/// Sends a signal.
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+}
+
+#[test]
+fn the_first_ctrl_c_lets_the_control_run_out_and_the_second_holds_it() {
+    let mill = machine("knee_mill");
+    let bench = grbl(0.02);
+    let shop = Shop::new().file("part.ngc", passes(20));
+    let mut child = start(&shop, &["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
+    bench.wait_for(10);
+    signal(&child, "INT");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let planned = corrected(&shop, "part.ngc", &["--machine", &mill]);
+    let executed = bench.executed();
+    assert!(executed.len() < planned.len() && planned.starts_with(&executed), "{executed:?}");
+    // Every line that was sent was carried out before it ended.
+    assert!(shop.text("part.ngc.journal").contains(&format!("A {}\n", executed.len())));
+    assert!(shop.text("stderr").contains("carries out"), "{}", shop.text("stderr"));
+
+    let bench = grbl(0.2);
+    let shop = Shop::new().file("part.ngc", passes(20));
+    let mut child = start(&shop, &["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
+    bench.wait_for(3);
+    signal(&child, "INT");
+    thread::sleep(Duration::from_millis(100));
+    signal(&child, "INT");
+    let from = Instant::now();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(from.elapsed() < Duration::from_secs(2));
+    let held = bench.executed().len();
+    thread::sleep(Duration::from_millis(600));
+    assert!(bench.executed().len() <= held + 1, "the axes go on");
+    assert!(shop.text("stderr").contains("spindle turns"), "{}", shop.text("stderr"));
+}
+
+#[test]
+fn the_journal_of_a_broken_job_is_not_overwritten() {
+    let mill = machine("knee_mill");
+    let bench = grbl(0.02);
+    let shop = Shop::new().file("part.ngc", passes(20));
+    let arguments = ["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name];
+    let mut child = start(&shop, &arguments);
+    bench.wait_for(10);
+    signal(&child, "KILL");
+    child.wait().unwrap();
+    let before = shop.bytes("part.ngc.journal");
+    let run = shop.run(&arguments);
+    assert!(run.code == 4 && run.stderr.contains("E0703"), "{run:?}");
+    assert_eq!(shop.bytes("part.ngc.journal"), before);
+    let run = shop.run(&[&arguments[..], &["--journal", "part.ngc"]].concat());
+    assert!(run.code == 4 && run.stderr.contains("no journal"), "{run:?}");
+}
+
+/// A job that is killed, and the plan for it.
+fn killed(shop: &Shop, bench: &Bench, mill: &str, after: usize) -> serde_json::Value {
+    let arguments = ["feed", "part.ngc", "--machine", mill, "--link", "grbl", "--port", &bench.name];
+    let mut child = start(shop, &arguments);
+    bench.wait_for(after);
+    signal(&child, "KILL");
+    child.wait().unwrap();
+    // The control carries out what it has.
+    let mut count = 0;
+    while count != bench.executed().len() {
+        count = bench.executed().len();
+        thread::sleep(Duration::from_millis(200));
+    }
+    let run = shop.run(&["resume", "part.ngc.journal", "--json"]);
+    assert_eq!(run.code, 0, "{run:?}");
+    serde_json::from_str(&run.stdout).unwrap()
+}
+
+#[test]
+fn a_killed_job_is_taken_up_again_above_the_part_and_leaves_nothing_out() {
+    let mill = machine("knee_mill");
+    for after in [3, 40, 137, 200] {
+        let bench = grbl(0.005);
+        let shop = Shop::new().file("part.ngc", passes(20));
+        let plan = killed(&shop, &bench, &mill, after);
+        let first = bench.executed();
+        // What the control has carried out lies where the plan says.
+        let [sure, sent] = ["executed", "sent"].map(|key| plan[key].as_u64().unwrap() as usize);
+        assert!(sure <= first.len() && first.len() <= sent, "{sure} {} {sent}", first.len());
+        let number = plan["plan"].as_str().unwrap();
+        let wrong = shop.run(&["resume", "part.ngc.journal", "--confirm", "000000000000"]);
+        assert!(wrong.code == 2 && bench.executed() == first, "{wrong:?}");
+        let run = shop.run(&["resume", "part.ngc.journal", "--confirm", number]);
+        assert_eq!(run.code, 0, "{run:?}");
+        let all = bench.executed();
+        let second = &all[first.len()..];
+        let before: Vec<&str> = plan["before"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
+        let planned = corrected(&shop, "part.ngc", &["--machine", &mill]);
+        assert_eq!(second[..before.len()], before, "the way there");
+        // The rest is the end of the program, and begins where it was carried out for sure.
+        let rest = &second[before.len()..];
+        assert!(planned.ends_with(rest), "{rest:?}");
+        assert!(planned.len() - rest.len() <= sure, "{after}: something was left out");
+        if after >= 40 {
+            assert!(rest.len() < planned.len() && before.iter().any(|line| line.contains("M3")), "{before:?}");
+            assert!(before.contains(&"G0 Z50.") || before.iter().any(|line| line.starts_with("G0 Z5")), "{before:?}");
+        }
+    }
+}
+
+#[test]
+fn what_has_changed_is_not_taken_up_again() {
+    let mill = machine("knee_mill");
+    let bench = grbl(0.01);
+    let shop = Shop::new().file("part.ngc", passes(20));
+    killed(&shop, &bench, &mill, 60);
+    let count = bench.executed().len();
+    std::fs::write(shop.path("part.ngc"), passes(20).replace("S2000", "S2100")).unwrap();
+    let run = shop.run(&["resume", "part.ngc.journal"]);
+    assert!(run.code == 4 && run.stderr.contains("E0704") && run.stderr.contains("the program"), "{run:?}");
+    assert_eq!(bench.executed().len(), count);
+}
