@@ -323,6 +323,27 @@ fn linuxcnc_that_is_not_ready_gets_no_line() {
 }
 
 #[test]
+fn linuxcnc_that_another_client_takes_over_gets_no_further_line() {
+    let profile = profile("linuxcnc");
+    for tenth in 10..60 {
+        let faults = Faults { most_bytes: 64, ..Faults::default() };
+        let (mut notes, mut planned) = (Notes::default(), Planned::new(40, 0.3));
+        let mut control = Rsh::new(&faults, 0.3);
+        control.taken_over_s = Some(f64::from(tenth) / 10.0);
+        let mut cable = Cable::new(control, faults, 1);
+        let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
+        let executed = cable.control.executed();
+        assert!(planned.lines.starts_with(executed) && executed.len() < 40, "{tenth}: {ended:?}");
+        let says = ["took the control over", "second password", "neither set_wait nor wait_mode", "does not go to MDI"];
+        assert!(matches!(&ended, Ended::Lost(why) if says.iter().any(|part| why.contains(part))), "{tenth}: {ended:?}");
+        assert!(
+            executed.is_empty() || matches!(&ended, Ended::Lost(why) if why.contains(says[0])),
+            "{tenth}: {ended:?}"
+        );
+    }
+}
+
+#[test]
 fn linuxcnc_is_not_asked_for_what_it_cannot_do_in_mdi() {
     let profile = profile("linuxcnc");
     for (text, says) in [("M0", "does not stop at M0"), ("O100 CALL", "no O-words"), ("G1 X1 M30\nG1X2", "has ended")] {

@@ -21,7 +21,9 @@ pub(crate) struct Rsh {
     echo: bool,
     is_linked: bool,
     is_verbose: bool,
-    is_enabled: bool,
+    pub(crate) is_enabled: bool,
+    /// When another client takes the control over and breaks off, s.
+    pub(crate) taken_over_s: Option<f64>,
     pub(crate) is_on: bool,
     pub(crate) is_homed: bool,
     mode: &'static str,
@@ -51,6 +53,7 @@ impl Rsh {
             is_linked: false,
             is_verbose: false,
             is_enabled: false,
+            taken_over_s: None,
             is_on: true,
             is_homed: true,
             mode: "MANUAL",
@@ -125,6 +128,7 @@ impl Rsh {
                 let text = self.errors.pop_front().unwrap_or("OK".into());
                 self.answer(&format!("ERROR {text}"));
             }
+            ["get", "enable"] => self.answer(if self.is_enabled { "ENABLE ON" } else { "ENABLE OFF" }),
             ["get", "estop"] => self.answer("ESTOP OFF"),
             ["get", "machine"] => self.answer(if self.is_on { "MACHINE ON" } else { "MACHINE OFF" }),
             ["get", "mode"] => self.answer(&format!("MODE {}", self.mode)),
@@ -212,6 +216,11 @@ impl Control for Rsh {
     fn tick(&mut self, now_s: f64) {
         if self.faults.broken_off_s.is_some_and(|at| now_s >= at) && !self.was_broken {
             self.was_broken = true;
+            self.break_off();
+        }
+        if self.taken_over_s.is_some_and(|at| now_s >= at) {
+            self.taken_over_s = None;
+            self.is_enabled = false;
             self.break_off();
         }
         // Emergency stop.

@@ -10,6 +10,7 @@
 
 use std::time::Duration;
 
+use super::greeting::{self, Reply};
 use super::mdi::{Words, words};
 use super::{Answers, Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
@@ -28,11 +29,11 @@ const NOTICED: Duration = Duration::from_secs(1);
 /// Carried out before the first line: nothing but a comment, which shows that MDI is taken.
 const TRIAL: &[u8] = b"(ncfix)";
 /// What is asked when a line is done; the answer to the last one closes the exchange.
-const CHECKS: &[u8] = b"set wait done\r\nget machine\r\nget mode\r\nget spindle 0\r\nget error\r\n";
+const CHECKS: &[u8] = b"set wait done\r\nget enable\r\nget machine\r\nget mode\r\nget spindle 0\r\nget error\r\n";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
-    /// So many of the steps of [`Rsh::ask_step`] were answered.
+    /// So many of the steps of the greeting were answered.
     Opening(usize),
     Open,
     /// The last line was sent.
@@ -75,12 +76,20 @@ struct Rsh {
     /// Whether the answer to the last question is still to come.
     is_asked: bool,
     is_paused: bool,
-    is_on: bool,
-    is_mdi: bool,
-    /// Whether the spindle turns, and whether it turned before the line.
-    turns: (bool, bool),
+    seen: Seen,
     messages: Vec<String>,
     has_ended: bool,
+}
+
+/// What the control said of itself last.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    is_ours: bool,
+    is_on: bool,
+    is_mdi: bool,
+    turns: bool,
+    /// Whether the spindle turned before the line.
+    turned: bool,
 }
 
 fn create(profile: &Profile) -> Result<Box<dyn Dialogue>, String> {
@@ -101,9 +110,7 @@ fn create(profile: &Profile) -> Result<Box<dyn Dialogue>, String> {
         asked: Duration::ZERO,
         is_asked: false,
         is_paused: false,
-        is_on: false,
-        is_mdi: false,
-        turns: (false, false),
+        seen: Seen::default(),
         messages: Vec::new(),
         has_ended: false,
     }))
@@ -116,67 +123,29 @@ impl Rsh {
         self.last_heard = now;
     }
 
-    /// The steps before the first line, one after the other; each is asked when the one before it was answered.
+    /// Asks the next of the steps before the first line; behind the last of them a trial is carried out.
     fn ask_step(&mut self, step: usize, now: Duration, wire: &mut Wire) {
         self.state = State::Opening(step);
-        let text = match step {
-            0 => format!("hello {} ncfix 1.0", self.passwords.0),
-            1 => "set echo off\r\nset verbose on".to_owned(),
-            2 => format!("set enable {}", self.passwords.1),
-            3 => "get estop".to_owned(),
-            4 => "get machine".to_owned(),
-            5 => "get program_status".to_owned(),
-            6 => "set set_wait received".to_owned(),
-            // What later versions call it.
-            7 => "set wait_mode received".to_owned(),
-            8 => "set mode mdi".to_owned(),
-            // What others have left there is no matter of this job.
-            9 => "get error".to_owned(),
-            _ => {
-                self.send_line(0, TRIAL, Duration::ZERO, now, wire);
-                return;
-            }
-        };
-        self.say(text.as_bytes(), now, wire);
+        match greeting::question(step, &self.passwords) {
+            Some(text) => self.say(text.as_bytes(), now, wire),
+            None => self.send_line(0, TRIAL, Duration::ZERO, now, wire),
+        }
     }
 
-    /// An answer to a step; what is none is left.
     fn answer_step(&mut self, step: usize, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        let next = match (step, answer) {
-            (0, _) if answer.starts_with("HELLO ACK") => 1,
-            (0, "HELLO NAK") => return self.lost("it does not take the password: see start in the profile", events),
-            (1, "SET VERBOSE ACK") => 2,
-            (2, "SET ENABLE ACK") => 3,
-            (2, "SET ENABLE NAK") => {
-                return self.lost("it does not take the second password: see start in the profile", events);
+        match greeting::answer(step, answer) {
+            Reply::Next(next) => self.ask_step(next, now, wire),
+            Reply::Message(_) if self.messages.len() >= MOST_MESSAGES => {
+                self.lost("its messages do not end: look at its screen", events);
             }
-            (3, "ESTOP OFF") => 4,
-            (3, "ESTOP ON") => return self.lost("emergency stop: a person has to release it at the machine", events),
-            (4, "MACHINE ON") => 5,
-            (4, "MACHINE OFF") => return self.lost("the machine is off: a person has to switch it on", events),
-            (5, "PROGRAM_STATUS IDLE") => 6,
-            (5, _) if answer.starts_with("PROGRAM_STATUS") => {
-                return self.lost("the control carries out something else: wait until it is idle", events);
+            Reply::Message(text) => {
+                events.push(Event::Said(text.to_owned()));
+                self.messages.push(text.to_owned());
+                self.ask_step(step, now, wire);
             }
-            (6, "SET SET_WAIT ACK") | (7, "SET WAIT_MODE ACK") => 8,
-            (6, "SET NAK" | "SET SET_WAIT NAK") => 7,
-            (7, "SET NAK" | "SET WAIT_MODE NAK") => {
-                return self.lost("it knows neither set_wait nor wait_mode: which LinuxCNC is it?", events);
-            }
-            (8, "SET MODE ACK") => 9,
-            (8, "SET MODE NAK") => return self.lost("it does not go to MDI", events),
-            (9, "ERROR OK") => 10,
-            (9, _) if answer.starts_with("ERROR ") => {
-                if self.messages.len() >= MOST_MESSAGES {
-                    return self.lost("its messages do not end: look at its screen", events);
-                }
-                self.messages.push(String::new());
-                events.push(Event::Said(answer.to_owned()));
-                9
-            }
-            _ => return,
-        };
-        self.ask_step(next, now, wire);
+            Reply::Refusal(why) => self.lost(why, events),
+            Reply::Other => {}
+        }
     }
 
     fn send_line(&mut self, number: u64, text: &[u8], busy: Duration, now: Duration, wire: &mut Wire) {
@@ -187,7 +156,7 @@ impl Rsh {
             let bytes = [b"set mdi ", text].concat();
             self.say(&bytes, now, wire);
         }
-        self.turns.1 = self.turns.0;
+        self.seen.turned = self.seen.turns;
         self.is_asked = false;
         let length = text.len();
         self.under_way =
@@ -201,9 +170,10 @@ impl Rsh {
 
     fn answer(&mut self, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         match answer {
-            "MACHINE ON" | "MACHINE OFF" => self.is_on = answer == "MACHINE ON",
-            _ if answer.starts_with("MODE ") => self.is_mdi = answer == "MODE MDI",
-            _ if answer.starts_with("SPINDLE 0 ") => self.turns.0 = answer != "SPINDLE 0 OFF",
+            "ENABLE ON" | "ENABLE OFF" => self.seen.is_ours = answer == "ENABLE ON",
+            "MACHINE ON" | "MACHINE OFF" => self.seen.is_on = answer == "MACHINE ON",
+            _ if answer.starts_with("MODE ") => self.seen.is_mdi = answer == "MODE MDI",
+            _ if answer.starts_with("SPINDLE 0 ") => self.seen.turns = answer != "SPINDLE 0 OFF",
             _ if answer.starts_with("error:") || answer.starts_with("warning:") => {
                 self.messages.push(answer.to_owned())
             }
@@ -256,11 +226,13 @@ impl Rsh {
         let said = std::mem::take(&mut self.messages).join("; ");
         let which =
             if line.number == 0 { "before the first line".to_owned() } else { format!("in line {}", line.number) };
-        let before = if line.words.starts_spindle { true } else { self.turns.1 && !line.words.has_other_m };
+        let before = if line.words.starts_spindle { true } else { self.seen.turned && !line.words.has_other_m };
         let took = now.saturating_sub(line.since);
-        if !self.is_on {
+        if !self.seen.is_ours {
+            self.lost(&format!("another client of linuxcncrsh took the control over {which}. {said}"), events);
+        } else if !self.seen.is_on {
             self.lost(&format!("the machine went off {which}. {said}"), events);
-        } else if !self.is_mdi {
+        } else if !self.seen.is_mdi {
             self.lost(&format!("the mode was changed at the control {which}. {said}"), events);
         } else if !said.is_empty() || !line.is_received || !line.is_done && !line.words.ends {
             // The end of a program is answered as an error is, without a message.
@@ -271,7 +243,7 @@ impl Rsh {
                 self.state = State::Over;
                 events.push(Event::Refused(line.number, said));
             }
-        } else if before && !line.words.ends && !self.turns.0 {
+        } else if before && !line.words.ends && !self.seen.turns {
             self.lost(&format!("the spindle stands {which}: somebody has broken it off at the control"), events);
         } else if line.busy > NOTICED && took < line.busy / 4 {
             let why = "was done much sooner than it can be: somebody has broken it off, or resumed it, at the control";

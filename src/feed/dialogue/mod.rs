@@ -4,6 +4,7 @@
 
 mod block;
 mod grbl;
+mod greeting;
 mod linuxcncrsh;
 mod marlin;
 mod mdi;

@@ -353,7 +353,7 @@ mod tests {
         }
         assert!(!events.contains(&Event::Left(1)));
         wire.queue(0);
-        tape.tick(Duration::from_millis(101), &mut wire, &mut events);
+        tape.tick(Duration::from_millis(110), &mut wire, &mut events);
         assert!(events.contains(&Event::Left(1)));
     }
 

@@ -1,0 +1,72 @@
+//! What linuxcncrsh is asked before the first line, one step after the other: passwords, that it is ready, and MDI.
+
+/// What an answer means.
+pub(super) enum Reply<'a> {
+    /// This step is next.
+    Next(usize),
+    /// A message that somebody left there; there may be more.
+    Message(&'a str),
+    /// The job ends here: why.
+    Refusal(&'static str),
+    /// It is no answer to the question.
+    Other,
+}
+
+/// Answers to the steps before the first line that end the job.
+const REFUSALS: &[(usize, &str, &str)] = &[
+    (0, "HELLO NAK", "it does not take the password: see start in the profile"),
+    (2, "SET ENABLE NAK", "it does not take the second password: see start in the profile"),
+    (3, "ESTOP ON", "emergency stop: a person has to release it at the machine"),
+    (4, "MACHINE OFF", "the machine is off: a person has to switch it on"),
+    (5, "PROGRAM_STATUS RUNNING", "the control carries out something else: wait until it is idle"),
+    (
+        5,
+        "PROGRAM_STATUS PAUSED",
+        "the control stands in the middle of something else: let it end or break it off there",
+    ),
+    (7, "SET NAK", "it knows neither set_wait nor wait_mode: which LinuxCNC is it?"),
+    (7, "SET WAIT_MODE NAK", "it knows neither set_wait nor wait_mode, or another client took the control over"),
+    (8, "SET MODE NAK", "it does not go to MDI"),
+];
+
+/// The question of a step; none behind the last.
+pub(super) fn question(step: usize, passwords: &(String, String)) -> Option<String> {
+    let text = match step {
+        0 => return Some(format!("hello {} ncfix 1.0", passwords.0)),
+        1 => "set echo off\r\nset verbose on",
+        2 => return Some(format!("set enable {}", passwords.1)),
+        3 => "get estop",
+        4 => "get machine",
+        5 => "get program_status",
+        6 => "set set_wait received",
+        // What later versions call it.
+        7 => "set wait_mode received",
+        8 => "set mode mdi",
+        // What others have left there is no matter of this job.
+        9 => "get error",
+        _ => return None,
+    };
+    Some(text.to_owned())
+}
+
+/// What an answer to a step means.
+pub(super) fn answer(step: usize, answer: &str) -> Reply<'_> {
+    if let Some((_, _, why)) = REFUSALS.iter().find(|(at, said, _)| (*at, *said) == (step, answer)) {
+        return Reply::Refusal(why);
+    }
+    match (step, answer) {
+        (0, _) if answer.starts_with("HELLO ACK") => Reply::Next(1),
+        (1, "SET VERBOSE ACK")
+        | (2, "SET ENABLE ACK")
+        | (3, "ESTOP OFF")
+        | (4, "MACHINE ON")
+        | (5, "PROGRAM_STATUS IDLE")
+        | (6, "SET NAK" | "SET SET_WAIT NAK")
+        | (7, "SET WAIT_MODE ACK")
+        | (8, "SET MODE ACK")
+        | (9, "ERROR OK") => Reply::Next(step + 1),
+        (6, "SET SET_WAIT ACK") => Reply::Next(8),
+        (9, _) if answer.starts_with("ERROR ") => Reply::Message(answer),
+        _ => Reply::Other,
+    }
+}
