@@ -59,7 +59,18 @@ fn main() -> ExitCode {
     let output = Command::new(env!("CARGO_BIN_EXE_ncfix"))
         .arg("feed")
         .arg(&program)
-        .args(["--machine", machine, "--link", "grbl", "--port", &name, "--json", "--allow-starvation", "--step", "2000mm"])
+        .args([
+            "--machine",
+            machine,
+            "--link",
+            "grbl",
+            "--port",
+            &name,
+            "--json",
+            "--allow-starvation",
+            "--step",
+            "2000mm",
+        ])
         .output()
         .expect("the program runs");
     is_over.store(true, Ordering::Relaxed);

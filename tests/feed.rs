@@ -354,7 +354,7 @@ fn linuxcnc_is_not_asked_for_what_it_cannot_do_in_mdi() {
         planned.lines.extend(text.split('\n').map(|line| line.as_bytes().to_vec()));
         let mut cable = Cable::new(Rsh::new(&faults, 0.01), faults, 1);
         let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
-        assert!(matches!(&ended, Ended::Lost(why) if why.contains(says)), "{text}: {ended:?}");
+        assert!(matches!(&ended, Ended::Fault(why) if why.contains(says)), "{text}: {ended:?}");
         assert!(notes.events.contains(&Event::Executed(2)), "{text}");
     }
 }

@@ -1,6 +1,7 @@
 //! The command line: commands, options and their help.
 
 mod calibrate;
+mod correction;
 mod diagnose;
 mod examples;
 mod feed;
@@ -14,6 +15,7 @@ mod simulate;
 mod steps;
 
 pub(super) use calibrate::CalibrateArguments;
+pub(super) use correction::{ArcChoice, CorrectionChoice, FiveAxisChoice, FrameChoice, RapidChoice, RotaryChoice};
 pub(super) use diagnose::DiagnoseArguments;
 pub(super) use feed::{FeedArguments, ResumeArguments};
 pub(super) use figures::FiguresArguments;
@@ -30,7 +32,7 @@ use std::path::PathBuf;
 
 use clap::builder::NonEmptyStringValueParser;
 use clap::error::ErrorKind;
-use clap::{Args, FromArgMatches as _, Subcommand, ValueEnum};
+use clap::{Args, FromArgMatches as _, Subcommand};
 
 use super::value;
 use crate::geometry::AxisVector;
@@ -186,90 +188,6 @@ pub(super) struct ProgramChoice {
     /// incremental move or an arc
     #[arg(long, value_name = "X0,Y0,Z0", value_parser = value::start, allow_hyphen_values = true)]
     pub(super) start: Option<AxisVector>,
-}
-
-/// Arcs in the output.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum ArcChoice {
-    /// Arcs stay arcs where one fits within the tolerance
-    #[default]
-    Keep,
-    /// Arcs become straight pieces
-    Chords,
-}
-
-/// Rapid moves in the output.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum RapidChoice {
-    /// The end point is corrected, the way is not
-    #[default]
-    Ends,
-    /// Left as they are
-    None,
-    /// Subdivided and corrected like feed moves
-    All,
-}
-
-/// Coordinates of the output.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum FrameChoice {
-    /// In the program's own zero offset
-    #[default]
-    Work,
-    /// Machine coordinates, each block with G153
-    Machine,
-}
-
-/// Five-axis transformations in the output.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum FiveAxisChoice {
-    /// TRAORI stays: positions of the tip in the workpiece
-    #[default]
-    Tcp,
-    /// Positions of the axes in machine coordinates, without TRAORI
-    Axes,
-}
-
-/// Rotary axes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum RotaryChoice {
-    /// Corrected like the linear axes
-    #[default]
-    Correct,
-    /// Left as programmed; only the position of the tip is corrected
-    Hold,
-}
-
-/// How a program is corrected.
-#[derive(Clone, Debug, Args)]
-pub(super) struct CorrectionChoice {
-    /// Largest deviation of an emitted piece from the exactly corrected path, with its unit
-    #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
-    pub(super) tolerance: f64,
-    /// Fixed step along the leading axis instead of subdivision by tolerance, with its unit: 20mm
-    #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
-    pub(super) step: Option<f64>,
-    /// Arcs
-    #[arg(long, value_enum, default_value_t)]
-    pub(super) arcs: ArcChoice,
-    /// Rapid moves
-    #[arg(long, value_enum, default_value_t)]
-    pub(super) rapids: RapidChoice,
-    /// Coordinates of the output
-    #[arg(long, value_enum, default_value_t)]
-    pub(super) frame: FrameChoice,
-    /// Five-axis transformations
-    #[arg(long, value_enum, default_value_t)]
-    pub(super) five_axis: FiveAxisChoice,
-    /// Rotary axes
-    #[arg(long, value_enum, default_value_t)]
-    pub(super) rotary: RotaryChoice,
-    /// Smallest increment of linear axes in the output, with its unit; without it that of the machine file
-    #[arg(long, value_name = "LENGTH", value_parser = value::increment_mm)]
-    pub(super) increment: Option<f64>,
-    /// Refuse corrections beyond this, with its unit
-    #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
-    pub(super) max_correction: f64,
 }
 
 /// `ncfix fix`.

@@ -11,7 +11,7 @@ use crate::dialect::CodeTable;
 use crate::feed::Line;
 use crate::geometry::Axis;
 use crate::path::{Output, Piece};
-use crate::snc::Kind;
+use crate::snc::{FrameWords, Kind};
 
 /// The group of motions, in all tables of codes.
 const MOTION: u8 = 1;
@@ -103,7 +103,7 @@ impl Search {
                 self.stands_mm = Some(piece.command[Axis::Z]);
             }
             Output::Element(element) => {
-                if matches!(element.kind, Kind::Frame(_) | Kind::Verbatim(_)) {
+                if matches!(element.kind, Kind::Frame(FrameWords::Statement(_)) | Kind::Verbatim(_)) {
                     self.unsure.get_or_insert(element.origin.line);
                 } else if matches!(element.kind, Kind::Lost(_)) {
                     self.stands_mm = None;
@@ -152,7 +152,21 @@ impl Search {
 
 impl Told {
     fn note(&mut self, text: &str, codes: &CodeTable) {
+        // Behind another zero offset or tool length the old places mean something else.
+        let shifts = |name: &str| codes.word(name).map(|entry| entry.group);
+        let shifting = [shifts("G54"), shifts("G43")];
         let mut is_elsewhere = false;
+        let mut is_shifted = false;
+        for word in text.split_ascii_whitespace() {
+            let group = codes.word(word).map(|entry| entry.group).filter(|group| *group > 0);
+            let is_new = group.is_some_and(|group| self.codes.get(&group).is_none_or(|old| old != word));
+            is_shifted |= group.is_some() && shifting.contains(&group) && is_new;
+            is_shifted |=
+                word.starts_with(['D', 'H']) && self.values.get(&word.as_bytes()[0]).is_none_or(|old| old != word);
+        }
+        if is_shifted {
+            self.forget_places();
+        }
         for word in text.split_ascii_whitespace() {
             is_elsewhere |= ELSEWHERE.contains(&word);
             if SPINDLE.contains(&word) {

@@ -9,7 +9,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::machine::file::{MachineFile, Section, nearest};
 use crate::source::Source;
 
-use super::dialogue::{PROTOCOLS, check_text};
+use super::dialogue::PROTOCOLS;
 
 /// Names and texts of the profiles that are shipped.
 pub const PROFILES: &[(&str, &str)] = &[
@@ -142,7 +142,8 @@ impl Profile {
     /// # Errors
     /// A sentence that says why not.
     pub fn check(&self, text: &[u8]) -> Result<(), String> {
-        check_text(text, self.longest_line, &self.refused)
+        let protocol = PROTOCOLS.iter().find(|known| known.name == self.protocol);
+        protocol.map_or(Ok(()), |protocol| (protocol.check)(self, text))
     }
 
     /// Reads a profile.

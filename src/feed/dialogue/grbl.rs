@@ -10,8 +10,12 @@ use std::time::Duration;
 use super::{Answers, Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
 /// What profiles call it.
-pub(super) const PROTOCOL: Protocol =
-    Protocol { name: "grbl", title: "ok per line, bytes counted", create: |profile| Ok(Box::new(Grbl::new(profile))) };
+pub(super) const PROTOCOL: Protocol = Protocol {
+    name: "grbl",
+    title: "ok per line, bytes counted",
+    check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
+    create: |profile| Ok(Box::new(Grbl::new(profile))),
+};
 
 /// Status, hold, reset: bytes that the control takes out of the stream at once.
 const STATUS: &[u8] = b"?";

@@ -16,7 +16,7 @@ use super::{Answers, Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check
 
 /// What profiles call it.
 pub(super) const PROTOCOL: Protocol =
-    Protocol { name: "linuxcncrsh", title: "MDI, one line after the other (LinuxCNC)", create };
+    Protocol { name: "linuxcncrsh", title: "MDI, one line after the other (LinuxCNC)", check, create };
 
 /// Its buffer for one command has 256 bytes and nothing guards its end: so many are left behind `set mdi `.
 const LONGEST: usize = 247;
@@ -263,6 +263,26 @@ impl Rsh {
     }
 }
 
+fn check(profile: &Profile, text: &[u8]) -> Result<(), String> {
+    check_words(text, profile.longest_line).map(|_| ())
+}
+
+/// What of a line matters; a sentence where MDI cannot take it.
+fn check_words(text: &[u8], longest_line: usize) -> Result<Words, String> {
+    check_text(text, longest_line, &[])?;
+    let found = words(text);
+    if found.has_o {
+        return Err("linuxcncrsh takes no O-words; write the program flat".into());
+    }
+    if found.stops {
+        // Seen with 2.9: the next line goes on at once.
+        return Err(
+            "in MDI LinuxCNC does not stop at M0, M1 and M60: end the program there and feed the rest later".into()
+        );
+    }
+    Ok(found)
+}
+
 impl Dialogue for Rsh {
     fn open(&mut self, now: Duration, wire: &mut Wire) {
         self.ask_step(0, now, wire);
@@ -277,17 +297,7 @@ impl Dialogue for Rsh {
     }
 
     fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String> {
-        check_text(&line.text, self.longest_line, &[])?;
-        let found = words(&line.text);
-        if found.has_o {
-            return Err("linuxcncrsh takes no O-words; write the program flat".into());
-        }
-        if found.stops {
-            // Seen with 2.9: the next line goes on at once.
-            return Err(
-                "in MDI LinuxCNC does not stop at M0, M1 and M60: end the program there and feed the rest later".into(),
-            );
-        }
+        let found = check_words(&line.text, self.longest_line)?;
         if self.has_ended && !found.is_empty && line.text.trim_ascii() != b"%" {
             return Err("the program has ended before it, with M2 or M30".into());
         }

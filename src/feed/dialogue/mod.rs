@@ -91,6 +91,8 @@ pub struct Protocol {
     pub name: &'static str,
     /// What it is.
     pub title: &'static str,
+    /// Whether a line can go over it; a sentence where not.
+    pub check: fn(&Profile, &[u8]) -> Result<(), String>,
     /// Begins one; a sentence where the profile does not fit it.
     pub create: fn(&Profile) -> Result<Box<dyn Dialogue>, String>,
 }
@@ -123,7 +125,7 @@ impl Answers {
 }
 
 /// Whether a text can go over a link: not too long, printed characters only, and none that means something else there.
-pub(super) fn check_text(text: &[u8], longest: usize, refused: &[u8]) -> Result<(), String> {
+fn check_text(text: &[u8], longest: usize, refused: &[u8]) -> Result<(), String> {
     if text.len() > longest {
         return Err(format!(
             "it has {} characters, the control takes {longest}; leave out blanks, numbers of blocks and comments",

@@ -12,8 +12,12 @@ use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 use crate::feed::profile::Flow;
 
 /// What profiles call it.
-pub(super) const PROTOCOL: Protocol =
-    Protocol { name: "tape", title: "bytes held by XON and XOFF, no answers (tape readers)", create };
+pub(super) const PROTOCOL: Protocol = Protocol {
+    name: "tape",
+    title: "bytes held by XON and XOFF, no answers (tape readers)",
+    check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
+    create,
+};
 
 const NUL: u8 = 0x00;
 const DC2: u8 = 0x12;

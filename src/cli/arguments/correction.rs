@@ -1,0 +1,89 @@
+//! The arguments that say how a program is corrected.
+
+use clap::{Args, ValueEnum};
+
+use super::super::value;
+
+/// Arcs in the output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum ArcChoice {
+    /// Arcs stay arcs where one fits within the tolerance
+    #[default]
+    Keep,
+    /// Arcs become straight pieces
+    Chords,
+}
+
+/// Rapid moves in the output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum RapidChoice {
+    /// The end point is corrected, the way is not
+    #[default]
+    Ends,
+    /// Left as they are
+    None,
+    /// Subdivided and corrected like feed moves
+    All,
+}
+
+/// Coordinates of the output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum FrameChoice {
+    /// In the program's own zero offset
+    #[default]
+    Work,
+    /// Machine coordinates, each block with G153
+    Machine,
+}
+
+/// Five-axis transformations in the output.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum FiveAxisChoice {
+    /// TRAORI stays: positions of the tip in the workpiece
+    #[default]
+    Tcp,
+    /// Positions of the axes in machine coordinates, without TRAORI
+    Axes,
+}
+
+/// Rotary axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum RotaryChoice {
+    /// Corrected like the linear axes
+    #[default]
+    Correct,
+    /// Left as programmed; only the position of the tip is corrected
+    Hold,
+}
+
+/// How a program is corrected.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct CorrectionChoice {
+    /// Largest deviation of an emitted piece from the exactly corrected path, with its unit
+    #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
+    pub(in crate::cli) tolerance: f64,
+    /// Fixed step along the leading axis instead of subdivision by tolerance, with its unit: 20mm
+    #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
+    pub(in crate::cli) step: Option<f64>,
+    /// Arcs
+    #[arg(long, value_enum, default_value_t)]
+    pub(in crate::cli) arcs: ArcChoice,
+    /// Rapid moves
+    #[arg(long, value_enum, default_value_t)]
+    pub(in crate::cli) rapids: RapidChoice,
+    /// Coordinates of the output
+    #[arg(long, value_enum, default_value_t)]
+    pub(in crate::cli) frame: FrameChoice,
+    /// Five-axis transformations
+    #[arg(long, value_enum, default_value_t)]
+    pub(in crate::cli) five_axis: FiveAxisChoice,
+    /// Rotary axes
+    #[arg(long, value_enum, default_value_t)]
+    pub(in crate::cli) rotary: RotaryChoice,
+    /// Smallest increment of linear axes in the output, with its unit; without it that of the machine file
+    #[arg(long, value_name = "LENGTH", value_parser = value::increment_mm)]
+    pub(in crate::cli) increment: Option<f64>,
+    /// Refuse corrections beyond this, with its unit
+    #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
+    pub(in crate::cli) max_correction: f64,
+}
