@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 use ncfix::sense::{Action, Config, Fault, Lines, Panel, Reading, State, Told, Verdict, stamp};
 use ncfix::source::{FileId, Source};
 
+use proptest::prelude::*;
+
 use crate::support::Shop;
 
 pub(crate) fn open(text: &str, base: &Path) -> Panel {
@@ -351,4 +353,24 @@ fn the_command_refuses_what_it_cannot_watch() {
     shop.run(["sensors", "S.toml", "S.toml", "--watch"]).exits(2).says("one file");
     shop.run(["sensors", "S.toml", "--for", "3"]).exits(2);
     shop.run(["sensors", "S.toml", "--watch", "--for", "0"]).exits(2).says("above 0");
+}
+
+proptest! {
+    /// Whatever a source sends: what is told is a finite number or a fault.
+    #[test]
+    fn any_bytes_are_a_number_or_a_fault(
+        lines in prop::collection::vec(prop_oneof![
+            prop::collection::vec(any::<u8>(), 0..60),
+            "[{\\[]?[TU\":=,; 0-9.e+-]{0,30}[}\\]]?".prop_map(String::into_bytes),
+            Just(b"t_s,T_C,U".to_vec()),
+        ], 0..20),
+    ) {
+        let mut reader = Lines::new(&[("T".into(), 0), ("U".into(), 1)], true);
+        for line in &lines {
+            reader.read(line, &mut |channel, told, _| {
+                assert!(channel < 2);
+                assert!(!matches!(told, Told::Value(value) if !value.is_finite()));
+            });
+        }
+    }
 }
