@@ -1,7 +1,8 @@
 //! `ncfix feed` and `ncfix resume` as a person uses them: the built program, a pseudo-terminal, a simulated control at its other end.
 
 use std::fs::File;
-use std::io::{Read as _, Write as _};
+use std::io::{Read, Write};
+use std::net::TcpListener;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -31,16 +32,32 @@ impl Bench {
         // Its other end is opened by the program under test.
         drop(slave);
         master.set_timeout(Duration::from_micros(300)).unwrap();
+        Bench::at(control, name, move || Some(master))
+    }
+
+    /// The same over TCP: of a pseudo-terminal the program under test would inherit this end, too, and no cable could be cut.
+    fn at_tcp(control: Grbl) -> Bench {
+        let server = TcpListener::bind("127.0.0.1:0").unwrap();
+        let name = format!("tcp:{}", server.local_addr().unwrap());
+        Bench::at(control, name, move || {
+            let (stream, _) = server.accept().ok()?;
+            stream.set_read_timeout(Some(Duration::from_micros(300))).ok()?;
+            Some(stream)
+        })
+    }
+
+    fn at<P: Read + Write>(control: Grbl, name: String, open: impl FnOnce() -> Option<P> + Send + 'static) -> Bench {
         let shared = Arc::new(Mutex::new(control));
         let is_over = Arc::new(AtomicBool::new(false));
         let (control, over) = (Arc::clone(&shared), Arc::clone(&is_over));
         let from = Instant::now();
         let thread = thread::spawn(move || {
+            let mut port = open().unwrap();
             let mut bytes = [0; 4096];
             let mut said: Vec<u8> = Vec::new();
             while !over.load(Ordering::Relaxed) {
                 // As long as nobody has opened the other end this fails.
-                let count = master.read(&mut bytes).unwrap_or(0);
+                let count = port.read(&mut bytes).unwrap_or(0);
                 let mut control = control.lock().unwrap();
                 let now_s = from.elapsed().as_secs_f64();
                 bytes[..count].iter().for_each(|byte| control.hear(*byte, now_s));
@@ -48,7 +65,7 @@ impl Bench {
                 said.extend(control.say());
                 drop(control);
                 if !said.is_empty()
-                    && let Ok(count) = master.write(&said)
+                    && let Ok(count) = port.write(&said)
                 {
                     said.drain(..count);
                 }
@@ -208,7 +225,7 @@ fn a_refusal_a_reset_and_a_cut_cable_have_their_status() {
     let shop = Shop::new().file("part.ngc", passes(8));
     let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &resetting.name]);
     assert!(run.code == 6 && run.stderr.contains("the job is lost"), "{run:?}");
-    let bench = grbl(0.02);
+    let bench = Bench::at_tcp(Grbl::new(&Faults::default(), 0.02));
     let shop = Shop::new().file("part.ngc", passes(8));
     let mut child = start(&shop, &["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
     bench.wait_for(10);

@@ -115,6 +115,7 @@ mod rs274_splines;
 mod saved_data;
 mod sense;
 mod sense_files;
+#[cfg(all(feature = "modbus", feature = "mqtt", feature = "mtconnect"))]
 mod sense_network;
 mod sensors;
 mod singularity;

@@ -134,7 +134,8 @@ impl Watch {
         let up = if self.drawn_lines > 0 { format!("\u{1b}[{}A", self.drawn_lines) } else { String::new() };
         self.drawn_lines = page.lines().count();
         let lines: String = page.lines().map(|line| format!("\u{1b}[K{line}\n")).collect();
-        print(&format!("{up}{lines}\u{1b}[J"))
+        // A line that is wider than the terminal is cut, not folded: the table keeps its height.
+        print(&format!("\u{1b}[?7l{up}{lines}\u{1b}[J\u{1b}[?7h"))
     }
 }
 

@@ -194,11 +194,12 @@ impl Monitor {
             self.bad_since_s.get_or_insert(now_s);
             return;
         };
-        let age_s = now_s - good_s;
-        if self.fault.is_none() && age_s > self.channel.max_age.as_secs_f64() {
+        let most_s = self.channel.max_age.as_secs_f64();
+        if self.fault.is_none() && now_s - good_s > most_s {
             self.fault = Some(Fault::Silent);
-            self.note = format!("nothing for {age_s:.0} s");
-            self.bad_since_s.get_or_insert(now_s);
+            self.note = format!("nothing for more than {most_s} s");
+            // When it became too old, not when that was seen: the same job says the same.
+            self.bad_since_s.get_or_insert(good_s + most_s);
         }
     }
 

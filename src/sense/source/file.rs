@@ -60,7 +60,7 @@ impl Plan for Settings {
         Ok(if self.is_value {
             polled(Whole { path, lines }, poll)
         } else {
-            polled(Tail { path, lines, splitter: Splitter::default(), open: None }, poll)
+            polled(Tail { path, lines, splitter: Splitter::default(), open: None, looked: SystemTime::now() }, poll)
         })
     }
 }
@@ -104,6 +104,8 @@ struct Tail {
     splitter: Splitter,
     /// The file, which one it is, and how far it has been read.
     open: Option<(File, Identity, u64)>,
+    /// When it was looked at last.
+    looked: SystemTime,
 }
 
 /// Which file it is, where the system says.
@@ -149,12 +151,15 @@ impl Tail {
             // It was cut short and is begun again.
             return Ok(());
         }
+        // What is new was written since the last look, whatever the clock of another computer says of it.
+        let (before, now) = (std::mem::replace(&mut self.looked, SystemTime::now()), SystemTime::now());
+        let written = file.metadata()?.modified().unwrap_or(now).max(before).min(now);
         let mut bytes = vec![0; 1 << 14];
         for _ in 0..MOST_AT_ONCE / bytes.len() {
             let count = file.read(&mut bytes)?;
             *done += count as u64;
             let lines = &mut self.lines;
-            let mut tell = |channel, told, stamp| outlet.tell(channel, told, stamp);
+            let mut tell = |channel, told, stamp: Option<_>| outlet.tell(channel, told, stamp.or(Some(written)));
             self.splitter.take(bytes.get(..count).unwrap_or_default(), &mut |line| lines.read(line, &mut tell));
             if count < bytes.len() {
                 break;

@@ -45,6 +45,7 @@ absent!(mtconnect, "an MTConnect agent");
 
 use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 use crate::diagnostic::Code;
@@ -52,6 +53,9 @@ use crate::machine::file::Section;
 
 use super::monitor::{Fault, Told};
 use super::outlet::Outlet;
+
+/// Reads the section of a source and what its channels have for it; findings go into the sections.
+pub type Read = fn(&mut Section<'_>, &mut [Wanted<'_>]) -> Option<Arc<dyn Plan>>;
 
 /// A kind of source.
 #[derive(Clone, Copy)]
@@ -65,7 +69,7 @@ pub struct Kind {
     /// Whether it reads standard input, which there is one of.
     pub is_standard_input: bool,
     /// Reads its keys, and those that its channels have for it.
-    pub read: fn(&mut Section<'_>, &mut [Wanted<'_>]) -> Option<std::sync::Arc<dyn Plan>>,
+    pub read: Read,
 }
 
 impl fmt::Debug for Kind {

@@ -98,10 +98,12 @@ impl Clocked for Player {
         let is_over = self.next == self.points.len();
         let last_s = self.points.last().map_or(0.0, |&(at_s, ..)| at_s);
         let before_s = self.points.iter().rev().map(|&(at_s, ..)| at_s).find(|&at_s| at_s < last_s).unwrap_or(last_s);
-        if is_over && !self.is_told && now_s > last_s + (last_s - before_s) {
+        let over_s = last_s + (last_s - before_s);
+        if is_over && !self.is_told && now_s > over_s {
             self.is_told = true;
+            let at = Duration::try_from_secs_f64(over_s).unwrap_or_default();
             let told = Told::Nothing(Fault::Disconnected, "the log is over".into());
-            self.channels.iter().for_each(|&channel| hear(channel, &told, now));
+            self.channels.iter().for_each(|&channel| hear(channel, &told, at));
         }
     }
 }
