@@ -35,7 +35,7 @@ feed() {
 if [ -z "${NCFIX_FEED:-}" ]; then
     if [ "$profile" = release ]; then cargo build --locked --release --quiet; else cargo build --locked --quiet; fi
     ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
-    if ! "$ncfix" feed --help >/dev/null 2>&1; then
+    if ! "$ncfix" --help | grep -qE "^ +feed "; then
         echo "not run: this ncfix cannot feed"
         exit 0
     fi
