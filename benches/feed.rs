@@ -1,6 +1,8 @@
 //! How fast the built program feeds: a pseudo-terminal whose other end acknowledges at once. Lines a second and the delay from an answer to the next line,
 //! as `ncfix feed --json` reports them. With `--test` a short program, without figures to hold.
 
+#![allow(clippy::print_stdout, reason = "figures are what a bench is for")]
+
 use std::io::{Read as _, Write as _};
 use std::process::{Command, ExitCode};
 use std::sync::Arc;

@@ -67,12 +67,12 @@ impl Supply for Experiment<'_> {
     fn next(&mut self) -> Supplied {
         self.look();
         loop {
-            if let Some(line) = self.lines.next() {
+            if let Some(line) = self.lines.pop() {
                 return Supplied::Line(line);
             }
             let Some(output) = self.outputs.get(self.next) else {
                 self.lines.finish();
-                return self.lines.next().map_or(Supplied::End, Supplied::Line);
+                return self.lines.pop().map_or(Supplied::End, Supplied::Line);
             };
             self.next += 1;
             self.lines.take(output.clone(), self.model.as_ref(), false).unwrap();

@@ -129,7 +129,7 @@ impl<'a> Lines<'a> {
     }
 
     /// The next line that is ready.
-    pub fn next(&mut self) -> Option<Line> {
+    pub fn pop(&mut self) -> Option<Line> {
         self.ready.pop_front()
     }
 

@@ -109,7 +109,7 @@ impl<'a> Source<'a> {
         let Some((axis, shift_mm)) = largest else { return Ok(()) };
         let said = || format!("temperatures ask for {:+.1} µm in {axis}", um_from_mm(shift_mm));
         // What is no number is beyond every limit.
-        if !(shift_mm.abs() <= self.max_shift_mm) {
+        if shift_mm.is_nan() || shift_mm.abs() > self.max_shift_mm {
             let limit = um_from_mm(self.max_shift_mm);
             return Err(format!(
                 "{} at line {} of the source, more than {limit} µm (--max-shift); look at the sensors and the model",
@@ -136,16 +136,16 @@ impl<'a> Source<'a> {
 
 impl Source<'_> {
     /// The next line that is to be sent.
-    fn advance(&mut self) -> Result<Line, Supplied> {
+    fn advance(&mut self) -> Supplied {
         // What is passed over takes time too, and somebody may press a key meanwhile.
         for _ in 0..MOST_PASSED {
-            while let Some(line) = self.lines.next() {
+            while let Some(line) = self.lines.pop() {
                 if line.element > self.skip {
-                    return Ok(line);
+                    return Supplied::Line(line);
                 }
             }
             if self.is_over {
-                return Err(Supplied::End);
+                return Supplied::End;
             }
             match self.made.try_recv() {
                 Ok(Made::Output(output)) => {
@@ -153,30 +153,28 @@ impl Source<'_> {
                     // What is passed over is not dosed: the first way that is sent begins without.
                     let now = if self.passed > self.skip { self.thermal.now() } else { Now::default() };
                     if let Err(finding) = self.lines.take(*output, now.model.as_ref(), now.is_frozen) {
-                        return Err(Supplied::Fault(finding.message));
+                        return Supplied::Fault(finding.message);
                     }
                 }
-                Ok(Made::Fault(why)) => return Err(Supplied::Fault(why)),
+                Ok(Made::Fault(why)) => return Supplied::Fault(why),
                 Ok(Made::End) => {
                     self.lines.finish();
                     self.is_over = true;
                 }
-                Err(TryRecvError::Empty) => return Err(Supplied::NotYet),
+                Err(TryRecvError::Empty) => return Supplied::NotYet,
                 Err(TryRecvError::Disconnected) => {
-                    return Err(Supplied::Fault("the execution of the program has broken off".into()));
+                    return Supplied::Fault("the execution of the program has broken off".into());
                 }
             }
         }
-        Err(Supplied::NotYet)
+        Supplied::NotYet
     }
 }
 
 impl Supply for Source<'_> {
     fn next(&mut self) -> Supplied {
-        let line = match self.held.take().map_or_else(|| self.advance(), Ok) {
-            Ok(line) => line,
-            Err(other) => return other,
-        };
+        let next = self.held.take().map_or_else(|| self.advance(), Supplied::Line);
+        let Supplied::Line(line) = next else { return next };
         // The way there goes out when the first line is ready.
         match self.first.pop_front() {
             Some(first) => {

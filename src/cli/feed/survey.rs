@@ -121,7 +121,7 @@ pub(in crate::cli) fn walk(
                     is_good = false;
                     found.push(finding);
                 }
-                while let Some(line) = lines.next() {
+                while let Some(line) = lines.pop() {
                     look(Step::Line(&line));
                 }
             }
@@ -133,7 +133,7 @@ pub(in crate::cli) fn walk(
         }
     }
     lines.finish();
-    while let Some(line) = lines.next() {
+    while let Some(line) = lines.pop() {
         look(Step::Line(&line));
     }
     let sources = corrector.elements().sources();
