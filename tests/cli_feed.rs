@@ -355,3 +355,109 @@ fn what_has_changed_is_not_taken_up_again() {
     assert!(run.code == 4 && run.stderr.contains("E0704") && run.stderr.contains("the program"), "{run:?}");
     assert_eq!(bench.executed().len(), count);
 }
+
+/// The knee mill with a head that grows by 3 µm/K downwards.
+fn warm_mill() -> String {
+    let text = std::fs::read_to_string(machine("knee_mill")).unwrap();
+    text + "\n[[drift]]\ndirection = \"Z\"\nsensors = [{ name = \"T_head\", um_per_K = -3 }]\n"
+}
+
+/// What the second step added to Z, by line, µm, and the texts of the lines.
+fn added_um(journal: &str, lines: &[String]) -> Vec<(f64, String)> {
+    let frozen = journal.lines().filter(|line| line.split(' ').nth(1) == Some("F"));
+    let value = |line: &str| {
+        let word = line.split(' ').find_map(|word| word.strip_prefix('Z'));
+        word.map_or(0.0, |value| 1e3 * value.parse::<f64>().unwrap())
+    };
+    frozen.zip(lines).map(|(line, text)| (value(line), text.clone())).collect()
+}
+
+#[test]
+fn a_head_that_warms_up_is_followed_in_doses() {
+    let bench = grbl(0.01);
+    // 1 K in half a minute, played sixty times as fast: 2 K/s, which is what the rate is held against.
+    let log: String = (0..60).map(|k| format!("{},{}\n", 30 * k, 20 + k)).collect();
+    let sensors = "range_C = [0, 90]\nmax_rate_K_per_min = 300\n[source.log]\nkind = \"replay\"\npath = \"warm.csv\"\nspeed = 60\n\
+                   [channel.T_head]\nsource = \"log\"\n";
+    let shop = Shop::new()
+        .file("part.ngc", passes(20))
+        .file("warm.csv", "t_s,T_head_C\n".to_owned() + &log)
+        .file("s.toml", sensors)
+        .file("mill.toml", warm_mill());
+    let arguments =
+        ["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--port", &bench.name, "--sensors", "s.toml"];
+    let run = shop.run(&[&arguments[..], &["--every", "0.1", "--warn-shift", "5um", "--json"]].concat());
+    assert_eq!(run.code, 0, "{run:?}");
+    assert!(run.stdout.contains("\"event\":\"shift\""), "{run:?}");
+    let executed = bench.executed();
+    let added = added_um(&shop.text("part.ngc.journal"), &executed);
+    let cold = corrected(&shop, "part.ngc", &["--machine", "mill.toml"]);
+    assert_eq!((added.len(), executed.len()), (cold.len(), cold.len()));
+    let height = |line: &str| line.split(' ').find_map(|word| word.strip_prefix('Z')?.parse::<f64>().ok());
+    let (mut last, mut motion) = (0.0, "");
+    for ((um, line), cold) in added.iter().zip(&cold) {
+        if line.starts_with("G0") || line.starts_with("G1") {
+            motion = &line[..2];
+        }
+        // Each line went out with what the journal says: both are rounded to 0.1 µm.
+        if let (Some(warm), Some(cold)) = (height(line), height(cold)) {
+            assert!((1e3 * (warm - cold) - um).abs() < 0.11, "{line}: {um} µm, without {cold}");
+        }
+        // 1 µm a block and no more where something is cut.
+        assert!(motion != "G1" || (um - last).abs() < 1.0 + 1e-6, "{line}: from {last} to {um} µm");
+        last = *um;
+    }
+    // 20 passes of 13 lines and 10 ms: about 2.6 s, 5 K, 16 µm; a loaded computer takes longer.
+    assert!(last > 6.0, "{last} µm");
+    // Rapid moves only: on the way in the part it stays.
+    let bench = grbl(0.01);
+    let arguments =
+        ["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--port", &bench.name, "--sensors", "s.toml"];
+    let run = shop.run(&[&arguments[..], &["--every", "0.1", "--rapids-only", "--zero-now"]].concat());
+    assert_eq!(run.code, 0, "{run:?}");
+    let added = added_um(&shop.text("part.ngc.journal"), &bench.executed());
+    let steps = added.windows(2).filter(|pair| pair[1].1.starts_with("G1") && pair[0].0 != pair[1].0).count();
+    assert!(steps == 0 && added.last().unwrap().0 > 3.0, "{added:?}");
+    // More than is allowed ends it.
+    let bench = grbl(0.01);
+    let arguments =
+        ["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--port", &bench.name, "--sensors", "s.toml"];
+    let run = shop.run(&[&arguments[..], &["--every", "0.1", "--max-shift", "4um"]].concat());
+    assert!(run.code == 4 && run.stderr.contains("--max-shift"), "{run:?}");
+}
+
+#[test]
+fn a_sensor_that_falls_silent_is_held_and_then_ends_the_job() {
+    let bench = grbl(0.02);
+    let sensors = "poll_s = 0.1\nmax_age_s = 0.5\nact_after_s = 0.5\naction = \"stop\"\nconfirm = 1\nmedian = 1\n\
+                   [source.head]\nkind = \"file\"\nmode = \"value\"\npath = \"head\"\n[channel.T_head]\nsource = \"head\"\n";
+    let shop = Shop::new().file("part.ngc", passes(40)).file("s.toml", sensors).file("mill.toml", warm_mill());
+    let arguments =
+        ["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--port", &bench.name, "--sensors", "s.toml"];
+    let is_warm = Arc::new(AtomicBool::new(true));
+    let (writes, path) = (Arc::clone(&is_warm), shop.path("head"));
+    let probe = thread::spawn(move || {
+        while writes.load(Ordering::Relaxed) {
+            std::fs::write(&path, "24.0\n").unwrap();
+            thread::sleep(Duration::from_millis(50));
+        }
+    });
+    let mut child = start(&shop, &[&arguments[..], &["--every", "0.1"]].concat());
+    bench.wait_for(5);
+    is_warm.store(false, Ordering::Relaxed);
+    probe.join().unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(7), "{}", shop.text("stderr"));
+    let said = shop.text("stderr");
+    assert!(said.contains("sensors are in doubt") && said.contains("T_head"), "{said}");
+    let executed = bench.executed();
+    let added = added_um(&shop.text("part.ngc.journal"), &executed);
+    // It was 24 °C, and never anything else: 12 µm from the first rapid move on.
+    assert!(added.iter().skip(4).all(|(um, _)| (um - 12.0).abs() < 0.11), "{added:?}");
+    // A model that needs a sensor which nobody reads is refused.
+    let shop = Shop::new()
+        .file("part.ngc", passes(1))
+        .file("s.toml", sensors.replace("T_head", "T_bed"))
+        .file("mill.toml", warm_mill());
+    let run = shop.run(&arguments);
+    assert!(run.code == 4 && run.stderr.contains("E0501"), "{run:?}");
+}

@@ -29,6 +29,8 @@ use super::thermal::{Standing, Thermal};
 const IDLE: Duration = Duration::from_millis(5);
 /// The same where bytes wait for the port, or lines for the execution.
 const BUSY: Duration = Duration::from_micros(200);
+/// Sensors that have said nothing for so long before the start are not there.
+const FIRST_READING: Duration = Duration::from_secs(180);
 /// What goes out last, a hold, has so long to leave.
 const LAST: Duration = Duration::from_millis(500);
 
@@ -182,6 +184,13 @@ fn wait_for_sensors(
                 return Err(Stop::Ended(ExitCode::Sensor, message));
             }
         };
+        if started.elapsed() > FIRST_READING {
+            let message = format!(
+                "{said}, for {} s: look at `ncfix sensors … --watch`; nothing was sent",
+                FIRST_READING.as_secs()
+            );
+            return Err(Stop::Ended(ExitCode::Sensor, message));
+        }
         show.waiting(&said, started.elapsed());
         if keys.pressed() {
             return Err(Stop::Ended(ExitCode::Interrupted, "stopped before the start; nothing was sent".into()));
