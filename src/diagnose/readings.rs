@@ -148,7 +148,7 @@ pub(super) fn doing(
     let mut columns = Vec::new();
     let mut place = 0..0;
     for &own in taken {
-        let of = field.candidates.get(own).map(|one| field.columns(one)).unwrap_or_default();
+        let of = field.columns_of(own);
         if own == number {
             place = columns.len()..columns.len() + of.len();
         }

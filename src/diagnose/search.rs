@@ -8,13 +8,14 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::numeric::Series;
+use crate::numeric::{Gain, Series};
 
 use super::cancel::Triangle;
 use super::cause::{Candidate, Effect, Term, motion};
+use super::known::{Starts, Tables};
 use super::price::Price;
 use super::scene::{NO_ROW, Scene, Through};
-use super::score::{Layout, Scores};
+use super::score::{Layout, Scores, State};
 use super::seek::Seek;
 
 /// Terms at most.
@@ -46,6 +47,8 @@ pub(super) struct Field<'s, 'a> {
     pub(super) bows: Range<usize>,
     pub(super) factors: HashMap<Through, Arc<Vec<f64>>>,
     layout: Arc<Layout>,
+    tables: Tables,
+    starts: Starts,
     pub(super) seek: Seek,
     /// How many candidates there are to choose from, those of sweeps too.
     pub(super) tried: usize,
@@ -61,7 +64,7 @@ pub(super) struct Taken {
 }
 
 /// How readings count.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Weights {
     /// 1/σ, 0 for those that do not count.
     pub(super) items: Vec<f64>,
@@ -81,8 +84,9 @@ impl<'s, 'a> Field<'s, 'a> {
         for through in of_candidates.chain(seek.places()) {
             factors.entry(through).or_insert_with(|| Arc::new(scene.factors(through)));
         }
-        let layout = Arc::new(Layout::new(scene, &candidates));
-        Field { scene, candidates, bows, factors, layout, seek, tried }
+        let tables = Tables::default();
+        let layout = Arc::new(Layout::new(scene, &candidates, &tables));
+        Field { scene, candidates, bows, factors, layout, tables, starts: Starts::default(), seek, tried }
     }
 
     /// Adds what is sought by what is left.
@@ -123,6 +127,12 @@ impl<'s, 'a> Field<'s, 'a> {
             let mut column = vec![0.0; self.scene.items.len()];
             for (through, weight) in parts {
                 let Some(factors) = self.factors.get(through) else { continue };
+                if let Some(table) = self.layout.table(weight).cloned().or_else(|| self.tables.get(weight)) {
+                    for ((value, factor), item) in column.iter_mut().zip(factors.iter()).zip(&self.scene.items) {
+                        *value += factor * table.get(item.row).copied().unwrap_or(0.0);
+                    }
+                    continue;
+                }
                 let mut at = (NO_ROW, 0.0);
                 for ((value, factor), item) in column.iter_mut().zip(factors.iter()).zip(&self.scene.items) {
                     if *factor != 0.0 {
@@ -138,19 +148,33 @@ impl<'s, 'a> Field<'s, 'a> {
         candidate.columns.iter().map(sum).collect()
     }
 
+    /// The columns of the candidate of a number that was taken: what it weighs is kept.
+    pub(super) fn columns_of(&self, number: usize) -> Vec<Vec<f64>> {
+        let Some(one) = self.candidates.get(number) else { return Vec::new() };
+        for (_, weight) in one.columns.iter().flatten() {
+            if self.layout.table(weight).is_none() && self.tables.get(weight).is_none() {
+                self.tables.put(weight, Arc::new(self.scene.rows.iter().map(|row| weight.of(row)).collect()));
+            }
+        }
+        self.columns(one)
+    }
+
     /// A regression with the unknowns of the set-ups and some candidates in it.
     pub(super) fn series(&self, weights: &Weights, taken: &[usize], memory: f64) -> Series {
-        let mut series = Series::new(&weights.series, &weights.items, memory);
-        for column in self.unknowns() {
-            series.take(&column);
-        }
+        let mut series = self.starts.series(weights, memory, || {
+            let mut series = Series::new(&weights.series, &weights.items, memory);
+            for column in self.unknowns() {
+                series.take(&column);
+            }
+            let values: Vec<f64> = self.scene.items.iter().map(|item| item.left).collect();
+            series.set_values(&values);
+            series
+        });
         for &number in taken {
-            for column in self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default() {
+            for column in self.columns_of(number) {
                 series.take(&column);
             }
         }
-        let values: Vec<f64> = self.scene.items.iter().map(|item| item.left).collect();
-        series.set_values(&values);
         series
     }
 
@@ -166,24 +190,40 @@ impl<'s, 'a> Field<'s, 'a> {
         columns
     }
 
-    /// What each candidate would gain; candidates that say nothing of their own have rank 0.
-    pub(super) fn gains(&self, series: &Series) -> Vec<crate::numeric::Gain> {
-        self.gains_of(series, &mut Scores::new(&self.layout, self.scene, &self.factors, series))
+    /// What each candidate would gain beside a series with the unknowns of the set-ups and some candidates; those that say nothing of their own have
+    /// rank 0.
+    pub(super) fn gains(&self, weights: &Weights, series: &Series) -> Vec<Gain> {
+        self.gains_of(series, &mut self.scores(weights, series.memory()))
     }
 
-    /// The same with the scores of a series to which columns were added since.
-    fn gains_of(&self, series: &Series, scores: &mut Scores<'_>) -> Vec<crate::numeric::Gain> {
-        let mut gains = scores.gains(series);
+    /// All candidates beside the unknowns of the set-ups.
+    fn scores(&self, weights: &Weights, memory: f64) -> [Scores; 2] {
+        let start = self.series(weights, &[], memory);
+        let state = self.starts.state(weights, memory, || {
+            let mut scores = Scores::new(&self.layout, self.scene, &self.factors, &start);
+            scores.gains(&start);
+            scores.state()
+        });
         let later = self.candidates.get(self.layout.count()..).unwrap_or_default();
-        let layout = Layout::new(self.scene, later);
+        let layout = Arc::new(Layout::new(self.scene, later, &self.tables));
+        [
+            Scores::at(&self.layout, self.scene, &self.factors, State::clone(&state)),
+            Scores::new(&layout, self.scene, &self.factors, &start),
+        ]
+    }
+
+    /// The same with the scores of a series to which columns were added since, and of candidates that came since then.
+    fn gains_of(&self, series: &Series, scores: &mut [Scores; 2]) -> Vec<Gain> {
+        let mut gains: Vec<Gain> = scores.iter_mut().flat_map(|scores| scores.gains(series)).collect();
+        let later = self.candidates.get(gains.len()..).unwrap_or_default();
+        let layout = Arc::new(Layout::new(self.scene, later, &self.tables));
         gains.extend(Scores::new(&layout, self.scene, &self.factors, series).gains(series));
         gains
     }
 
     /// Readings less what candidates do whose amounts some of them give.
     pub(super) fn left_with(&self, train: &Weights, taken: &[usize]) -> Vec<f64> {
-        let columns: Vec<Vec<f64>> =
-            taken.iter().filter_map(|&k| self.candidates.get(k)).flat_map(|one| self.columns(one)).collect();
+        let columns: Vec<Vec<f64>> = taken.iter().flat_map(|&number| self.columns_of(number)).collect();
         let (amounts, _) = self.series(train, &[], 0.0).amounts(&columns);
         let mut values: Vec<f64> = self.scene.items.iter().map(|item| item.left).collect();
         for (column, amount) in columns.iter().zip(&amounts) {
@@ -231,12 +271,11 @@ impl<'s, 'a> Field<'s, 'a> {
         let mut series = self.series(weights, &[], 0.0);
         let mut triangle = Triangle::new(&series);
         for &number in kept {
-            let columns = self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default();
+            let columns = self.columns_of(number);
             triangle.take(&mut series, number, &columns);
         }
         let count = series.count() as f64;
-        let layout = Arc::clone(&self.layout);
-        let mut scores = Scores::new(&layout, self.scene, &self.factors, &series);
+        let mut scores = self.scores(weights, 0.0);
         while taken.len() < MOST.max(kept.len() + MORE) {
             let freedom = count - series.rank() as f64;
             let squares = series.squares();
@@ -271,7 +310,7 @@ impl<'s, 'a> Field<'s, 'a> {
                 break;
             };
             let number = match best.filter(|(_, number)| self.is_unnamed(*number)) {
-                Some((worth, _)) => self.named_instead(&series, &open, price, worth).unwrap_or(number),
+                Some((worth, _)) => self.named_instead((&series, &scores), &open, price, worth).unwrap_or(number),
                 None => number,
             };
             // Of what was sought only one that was taken stays, and of others what is better than they are.
@@ -291,7 +330,7 @@ impl<'s, 'a> Field<'s, 'a> {
                 }
                 None => number,
             };
-            let columns = self.columns(&self.candidates[number]);
+            let columns = self.columns_of(number);
             triangle.take(&mut series, number, &columns);
             taken.push(number);
         }
@@ -313,14 +352,20 @@ impl<'s, 'a> Field<'s, 'a> {
     }
 
     /// The first of two causes with names that together explain what one without explains.
-    fn named_instead(&self, series: &Series, open: &[(f64, usize)], price: Price, worth: f64) -> Option<usize> {
+    fn named_instead(
+        &self,
+        (series, scores): (&Series, &[Scores; 2]),
+        open: &[(f64, usize)],
+        price: Price,
+        worth: f64,
+    ) -> Option<usize> {
         let named = open.iter().filter(|(_, number)| !self.is_unnamed(*number));
         let &(own, first) = named.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let mut beside = series.clone();
         self.candidates.get(first).map(|one| self.columns(one))?.iter().for_each(|column| {
             beside.take(column);
         });
-        let gains = self.gains(&beside);
+        let gains = self.gains_of(&beside, &mut scores.clone());
         let others = gains.iter().enumerate().filter(|(number, _)| *number != first && !self.is_unnamed(*number));
         let others = others.filter(|(number, gain)| gain.rank > 0 && !self.is_again(*number, &[first]));
         let next = others.map(|(_, gain)| price.worth(beside.squares(), gain)).fold(0.0, f64::max);
