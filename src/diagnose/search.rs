@@ -89,6 +89,21 @@ impl<'s, 'a> Field<'s, 'a> {
         Field { scene, candidates, bows, factors, layout, tables, starts: Starts::default(), seek, tried }
     }
 
+    /// Without candidates: what set-ups take is all that is asked of it.
+    pub(super) fn bare(scene: &'s Scene<'a>) -> Field<'s, 'a> {
+        Field {
+            scene,
+            candidates: Vec::new(),
+            bows: 0..0,
+            factors: HashMap::new(),
+            layout: Arc::default(),
+            tables: Tables::default(),
+            starts: Starts::default(),
+            seek: Seek::default(),
+            tried: 0,
+        }
+    }
+
     /// Adds what is sought by what is left.
     fn seek(&mut self, series: &Series, weights: &Weights) {
         let left = series.unwhitened(series.left());
