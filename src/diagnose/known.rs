@@ -13,9 +13,12 @@ const ROOM: usize = 1 << 24;
 /// Regressions that are kept, at most: the whole, what is used without a part, each with its memory and without.
 const STARTS: usize = 4;
 
+/// A weight, and what it is by row.
+type Table = (Weight, Arc<Vec<f64>>);
+
 /// Weights by row of candidates that were taken.
 #[derive(Debug, Default)]
-pub(super) struct Tables(Mutex<HashMap<usize, (Weight, Arc<Vec<f64>>)>>);
+pub(super) struct Tables(Mutex<HashMap<usize, Table>>);
 
 impl Tables {
     /// `None` where it is not known.
