@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::cause::Weight;
-use super::score::State;
-use super::search::Weights;
-use crate::numeric::Series;
+use super::score::{Layout, Scores, State};
+use super::search::{Field, Weights};
+use crate::numeric::{Gain, Series};
 
 /// Numbers in tables that are kept, at most.
 const ROOM: usize = 1 << 24;
@@ -81,6 +81,50 @@ impl Starts {
         let out = of(&mut start);
         all.push(start);
         Some(out)
+    }
+}
+
+impl Field<'_, '_> {
+    /// The columns of the candidate of a number that was taken: what it weighs is kept.
+    pub(super) fn columns_of(&self, number: usize) -> Vec<Vec<f64>> {
+        let Some(one) = self.candidates.get(number) else { return Vec::new() };
+        for (_, weight) in one.columns.iter().flatten() {
+            if self.layout.table(weight).is_none() && self.tables.get(weight).is_none() {
+                self.tables.put(weight, Arc::new(self.scene.rows.iter().map(|row| weight.of(row)).collect()));
+            }
+        }
+        self.columns(one)
+    }
+
+    /// What each candidate would gain beside a series with the unknowns of the set-ups and some candidates; those that say nothing of their own have
+    /// rank 0.
+    pub(super) fn gains(&self, weights: &Weights, series: &Series) -> Vec<Gain> {
+        self.gains_of(series, &mut self.scores(weights, series.memory()))
+    }
+
+    /// All candidates beside the unknowns of the set-ups.
+    pub(super) fn scores(&self, weights: &Weights, memory: f64) -> [Scores; 2] {
+        let start = self.series(weights, &[], memory);
+        let state = self.starts.state(weights, memory, || {
+            let mut scores = Scores::new(&self.layout, self.scene, &self.factors, &start);
+            scores.gains(&start);
+            scores.state()
+        });
+        let later = self.candidates.get(self.layout.count()..).unwrap_or_default();
+        let layout = Arc::new(Layout::new(self.scene, later, &self.tables));
+        [
+            Scores::at(&self.layout, self.scene, &self.factors, State::clone(&state)),
+            Scores::new(&layout, self.scene, &self.factors, &start),
+        ]
+    }
+
+    /// The same with the scores of a series to which columns were added since, and of candidates that came since then.
+    pub(super) fn gains_of(&self, series: &Series, scores: &mut [Scores; 2]) -> Vec<Gain> {
+        let mut gains: Vec<Gain> = scores.iter_mut().flat_map(|scores| scores.gains(series)).collect();
+        let later = self.candidates.get(gains.len()..).unwrap_or_default();
+        let layout = Arc::new(Layout::new(self.scene, later, &self.tables));
+        gains.extend(Scores::new(&layout, self.scene, &self.factors, series).gains(series));
+        gains
     }
 }
 

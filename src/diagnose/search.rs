@@ -8,14 +8,14 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::numeric::{Gain, Series};
+use crate::numeric::Series;
 
 use super::cancel::Triangle;
 use super::cause::{Candidate, Effect, Term, motion};
 use super::known::{Starts, Tables};
 use super::price::Price;
 use super::scene::{NO_ROW, Scene, Through};
-use super::score::{Layout, Scores, State};
+use super::score::{Layout, Scores};
 use super::seek::Seek;
 
 /// Terms at most.
@@ -46,9 +46,9 @@ pub(super) struct Field<'s, 'a> {
     /// Those that only groups have: bows beside a location that has their slope.
     pub(super) bows: Range<usize>,
     pub(super) factors: HashMap<Through, Arc<Vec<f64>>>,
-    layout: Arc<Layout>,
-    tables: Tables,
-    starts: Starts,
+    pub(super) layout: Arc<Layout>,
+    pub(super) tables: Tables,
+    pub(super) starts: Starts,
     pub(super) seek: Seek,
     /// How many candidates there are to choose from, those of sweeps too.
     pub(super) tried: usize,
@@ -163,17 +163,6 @@ impl<'s, 'a> Field<'s, 'a> {
         candidate.columns.iter().map(sum).collect()
     }
 
-    /// The columns of the candidate of a number that was taken: what it weighs is kept.
-    pub(super) fn columns_of(&self, number: usize) -> Vec<Vec<f64>> {
-        let Some(one) = self.candidates.get(number) else { return Vec::new() };
-        for (_, weight) in one.columns.iter().flatten() {
-            if self.layout.table(weight).is_none() && self.tables.get(weight).is_none() {
-                self.tables.put(weight, Arc::new(self.scene.rows.iter().map(|row| weight.of(row)).collect()));
-            }
-        }
-        self.columns(one)
-    }
-
     /// A regression with the unknowns of the set-ups and some candidates in it.
     pub(super) fn series(&self, weights: &Weights, taken: &[usize], memory: f64) -> Series {
         let mut series = self.starts.series(weights, memory, || {
@@ -203,37 +192,6 @@ impl<'s, 'a> Field<'s, 'a> {
             }
         }
         columns
-    }
-
-    /// What each candidate would gain beside a series with the unknowns of the set-ups and some candidates; those that say nothing of their own have
-    /// rank 0.
-    pub(super) fn gains(&self, weights: &Weights, series: &Series) -> Vec<Gain> {
-        self.gains_of(series, &mut self.scores(weights, series.memory()))
-    }
-
-    /// All candidates beside the unknowns of the set-ups.
-    fn scores(&self, weights: &Weights, memory: f64) -> [Scores; 2] {
-        let start = self.series(weights, &[], memory);
-        let state = self.starts.state(weights, memory, || {
-            let mut scores = Scores::new(&self.layout, self.scene, &self.factors, &start);
-            scores.gains(&start);
-            scores.state()
-        });
-        let later = self.candidates.get(self.layout.count()..).unwrap_or_default();
-        let layout = Arc::new(Layout::new(self.scene, later, &self.tables));
-        [
-            Scores::at(&self.layout, self.scene, &self.factors, State::clone(&state)),
-            Scores::new(&layout, self.scene, &self.factors, &start),
-        ]
-    }
-
-    /// The same with the scores of a series to which columns were added since, and of candidates that came since then.
-    fn gains_of(&self, series: &Series, scores: &mut [Scores; 2]) -> Vec<Gain> {
-        let mut gains: Vec<Gain> = scores.iter_mut().flat_map(|scores| scores.gains(series)).collect();
-        let later = self.candidates.get(gains.len()..).unwrap_or_default();
-        let layout = Arc::new(Layout::new(self.scene, later, &self.tables));
-        gains.extend(Scores::new(&layout, self.scene, &self.factors, series).gains(series));
-        gains
     }
 
     /// Readings less what candidates do whose amounts some of them give.
