@@ -20,6 +20,8 @@ const ALIKE: f64 = 0.95;
 /// Some rows on circles.
 #[derive(Clone, Debug)]
 pub(super) struct Circles {
+    /// Of all rows.
+    pub(super) places: circle::Places,
     rows: Vec<usize>,
     /// Numbers of chords that the angles tell from fewer.
     counts: std::ops::Range<u32>,
@@ -45,7 +47,8 @@ pub(super) struct Lobes {
 
 impl Circles {
     pub(super) fn new(scene: &Scene<'_>) -> Option<Circles> {
-        let circle::Places { angles, radii, planes } = circle::places(scene)?;
+        let all = circle::places(scene)?;
+        let circle::Places { angles, radii, planes } = &all;
         let at = |values: &Values, row: &Row| {
             values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN)
         };
@@ -53,7 +56,7 @@ impl Circles {
             .rows
             .iter()
             .enumerate()
-            .map(|(place, row)| (place, at(&angles, row), at(&radii, row)))
+            .map(|(place, row)| (place, at(angles, row), at(radii, row)))
             .filter(|(_, angle, radius)| angle.is_finite() && radius.is_finite())
             .enumerate()
             // Neighbours stay together: every so many rows alone one number of chords looks like another.
@@ -61,31 +64,36 @@ impl Circles {
             .map(|(_, place)| place)
             .collect();
         // Lengths may be unknowns of set-ups: what all of a circle have says nothing.
-        let setup = |place: usize| scene.rows.get(place).map_or((0, 0), |row| (row.set, row.setup));
+        let mut numbers: HashMap<(usize, usize), usize> = HashMap::new();
+        let mut setup = |place: usize| {
+            let next = numbers.len();
+            *numbers.entry(scene.rows.get(place).map_or((0, 0), |row| (row.set, row.setup))).or_insert(next)
+        };
+        let setups: Vec<usize> = places.iter().map(|one| setup(one.0)).collect();
         let most = told(places.iter().map(|(_, angle, _)| *angle));
         let counts = CHORDS.start..CHORDS.end.min(most);
         let chords = counts
             .clone()
             .map(|count| {
                 let within = |(_, angle, radius): &(usize, f64, f64)| radius * circle::chord(*angle, count);
-                let mut means: HashMap<(usize, usize), (f64, f64)> = HashMap::new();
-                for one in &places {
-                    let mean = means.entry(setup(one.0)).or_default();
+                let mut means = vec![(0.0, 0.0); numbers.len()];
+                for (one, &setup) in places.iter().zip(&setups) {
+                    let mean: &mut (f64, f64) = &mut means[setup];
                     *mean = (mean.0 + within(one), mean.1 + 1.0);
                 }
-                let mean = |place| means.get(&setup(place)).map_or(0.0, |(sum, count)| sum / count);
-                places.iter().map(|one| within(one) - mean(one.0)).collect()
+                let mean = |(sum, count): (f64, f64)| sum / count;
+                places.iter().zip(&setups).map(|(one, &setup)| within(one) - mean(means[setup])).collect()
             })
             .collect();
         let angles: Vec<(usize, f64)> = places
             .iter()
-            .map(|&(place, angle, _)| (scene.rows.get(place).map_or(0, |row| at(&planes, row) as usize), angle))
+            .map(|&(place, angle, _)| (scene.rows.get(place).map_or(0, |row| at(planes, row) as usize), angle))
             .collect();
         let mut planes: Vec<usize> = angles.iter().map(|(plane, _)| *plane).collect();
         planes.sort_unstable();
         planes.dedup();
         let rows = places.into_iter().map(|(place, ..)| place).collect();
-        Some(Circles { rows, counts, chords, angles, planes, most: LOBES.end.min(most) })
+        Some(Circles { places: all, rows, counts, chords, angles, planes, most: LOBES.end.min(most) })
     }
 
     /// How many candidates that are.

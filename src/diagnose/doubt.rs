@@ -196,29 +196,22 @@ impl Field<'_, '_> {
     /// Lobes that go round with the angle of circles and explain as much with no more unknowns: they are no errors of axes.
     fn lobes_instead(&self, series: &Series, one: &Candidate, needed: f64) -> Option<Doubt> {
         let most = one.columns.len() / 2;
-        let mut planes: Vec<usize> = circle::places(self.scene)
-            .filter(|_| most > 0)?
-            .planes
-            .iter()
-            .flatten()
-            .filter(|plane| plane.is_finite())
-            .map(|&plane| plane as usize)
-            .collect();
+        let places = if most > 0 { circle::places(self.scene)? } else { return None };
+        let mut planes: Vec<usize> =
+            places.planes.iter().flatten().filter(|plane| plane.is_finite()).map(|&plane| plane as usize).collect();
         planes.sort_unstable();
         planes.dedup();
-        let found = LOBES.flat_map(|count| {
+        let mut found = LOBES.flat_map(|count| {
             let with = |planes: &[usize], are_alike| {
-                let one = circle::lobes(self.scene, planes, count, are_alike)?;
-                let gain = series.gain(&self.columns(&one)).squares;
-                Some((gain, one))
+                let one = circle::lobes(&places, planes, count, are_alike);
+                (series.gain(&self.columns(&one)).squares, one)
             };
-            let mut each: Vec<(f64, usize)> =
-                planes.iter().filter_map(|&plane| Some((with(&[plane], true)?.0, plane))).collect();
+            let mut each: Vec<(f64, usize)> = planes.iter().map(|&plane| (with(&[plane], true).0, plane)).collect();
             each.sort_by(|a, b| b.0.total_cmp(&a.0));
             let some: Vec<usize> = each.into_iter().take(most).map(|(_, plane)| plane).collect();
             [with(&planes, true), with(&some, false)]
         });
-        let (_, lobes) = found.flatten().find(|(gain, _)| *gain >= needed)?;
+        let (_, lobes) = found.find(|(gain, _)| *gain >= needed)?;
         let count = lobes.constant.map_or(0.0, |(count, _)| count);
         Some(Doubt {
             rivals: vec![format!("{count} lobes over the angle of circles ({})", lobes.parameter)],

@@ -277,7 +277,7 @@ impl Does {
         let mut columns = Vec::new();
         let mut own = 0..0;
         for &number in judged {
-            let of = field.candidates.get(number).map(|one| field.columns(one)).unwrap_or_default();
+            let of = field.columns_of(number);
             if number == term {
                 own = columns.len()..columns.len() + of.len();
             }
@@ -326,7 +326,7 @@ fn stand_ins(
     if selected.contains(&term) {
         return vec![term];
     }
-    let columns = |number: usize| field.candidates.get(number).map(|one| field.columns(one)).unwrap_or_default();
+    let columns = |number: usize| field.columns_of(number);
     let mut series = field.series(weights, &[], 0.0);
     series.set_values(does);
     let whole = series.squares();

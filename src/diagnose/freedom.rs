@@ -39,7 +39,9 @@ impl Order {
         if square <= 0.0 {
             return Vec::new();
         }
-        let rows: Vec<Vec<f64>> = self.0.iter().map(|places| places.iter().map(at).collect()).collect();
+        let row = |places: &Vec<usize>| places.iter().map(at).collect::<Vec<f64>>();
+        // What belongs to one set-up is nothing in most series.
+        let rows: Vec<Vec<f64>> = self.0.iter().map(row).filter(|row| row.iter().any(|value| *value != 0.0)).collect();
         let product = |h: usize| -> f64 { rows.iter().map(|row| dot(row, row.get(h..).unwrap_or_default())).sum() };
         (1..=most).map(|h| product(h) / square).collect()
     }

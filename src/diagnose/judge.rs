@@ -8,7 +8,7 @@ use super::score::in_parts;
 use super::search::{Field, Taken, Weights};
 use crate::geometry::AXIS_COUNT;
 use crate::model::ErrorName;
-use crate::numeric::{Series, fisher};
+use crate::numeric::{LeaveOut, Series, fisher};
 
 /// Positions that differ by less than one part in so many, mm or rad, are one.
 const FINE: f64 = 1e3;
@@ -23,7 +23,7 @@ impl Field<'_, '_> {
         let order = Order::new(weights);
         let memory = self.memory(weights, taken);
         let of_noise = order.correlations(self.series(weights, taken, memory).left());
-        let columns = self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default();
+        let columns = self.columns_of(number);
         let series = self.series(weights, others, memory);
         inflation(&order, &of_noise, &series, &columns)
     }
@@ -54,7 +54,7 @@ impl Field<'_, '_> {
         let poses = self.poses(weights);
         let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
         let memory = self.memory(weights, taken);
-        let columns = self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default();
+        let columns = self.columns_of(number);
         let gain = self.series(weights, &others, memory).gain(&columns).squares;
         let rest = poses.squares(self.series(weights, taken, memory).left());
         let freedom = poses.0.len() as f64 - UNKNOWNS;
@@ -68,13 +68,7 @@ impl Field<'_, '_> {
     /// The memory of what is left with some candidates.
     pub(super) fn memory(&self, weights: &Weights, taken: &[usize]) -> f64 {
         let plain = self.series(weights, taken, 0.0);
-        let left: Vec<f64> = plain
-            .left()
-            .iter()
-            .zip(&weights.items)
-            .map(|(left, weight)| if *weight > 0.0 { left / weight } else { 0.0 })
-            .collect();
-        plain.memory_of(&left)
+        memory_of(weights, &plain, plain.left())
     }
 
     /// Takes out what does not stand beside the others, the weakest first; `note` gets it.
@@ -89,26 +83,33 @@ impl Field<'_, '_> {
         let is_wave =
             |number: &usize| self.candidates.get(*number).is_some_and(|one| one.cause.effect == Effect::Periodic);
         let poses = taken.iter().any(is_wave).then(|| self.poses(weights));
+        let mut columns: Vec<Vec<Vec<f64>>> = taken.iter().map(|&number| self.columns_of(number)).collect();
+        let plain = LeaveOut::new(self.series(weights, &[], 0.0), &columns);
+        // Which of all that were taken is still there.
+        let mut open: Vec<usize> = (0..taken.len()).collect();
         loop {
-            let memory = self.memory(weights, &taken);
-            let whole = self.series(weights, &taken, memory);
+            let memory = memory_of(weights, plain.whole(), &plain.left(&open));
+            let all = LeaveOut::new(self.series(weights, &[], memory), &columns);
+            let whole = all.whole();
             let of_noise = order.correlations(whole.left());
-            let judged = in_parts(&taken, &|&number: &usize| {
-                let others: Vec<usize> = taken.iter().copied().filter(|&other| other != number).collect();
-                let series = self.series(weights, &others, memory);
-                let columns = self.columns(&self.candidates[number]);
-                let gain = series.gain(&columns);
-                let mut inflation = inflation(&order, &of_noise, &series, &columns);
+            let places: Vec<usize> = (0..taken.len()).collect();
+            let judged = in_parts(&places, &|&place: &usize| {
+                let number = taken[place];
+                let others: Vec<usize> = places.iter().copied().filter(|&other| other != place).collect();
+                let beside = all.beside(place, &others);
+                let gain = beside.gain;
+                let of_column = |column: Vec<f64>| order.inflation(&of_noise, &column);
+                let mut inflation = all.own(&beside).map(of_column).fold(1.0, f64::max);
                 let mut count = f64::INFINITY;
                 if let Some(poses) = poses.as_ref().filter(|_| is_wave(&number)) {
-                    let own = poses.inflation(whole.left(), &columns);
+                    let own = poses.inflation(whole.left(), &columns[place]);
                     inflation = inflation.max(own.times);
                     count = own.count;
                 }
                 // Readings that wander together are as good as fewer that do not.
-                let freedom =
-                    (series.count() as f64 / inflation - (series.rank() + gain.rank) as f64).min(count).max(1.0);
-                let rest = (series.squares() - gain.squares).max(0.0) / series.count() as f64;
+                let readings = whole.count() as f64;
+                let freedom = (readings / inflation - (beside.rank + gain.rank) as f64).min(count).max(1.0);
+                let rest = (beside.squares - gain.squares).max(0.0) / readings;
                 let ratio = (gain.squares / gain.rank.max(1) as f64) / (rest * inflation);
                 let chance = fisher::exceeded(ratio, gain.rank as f64, freedom) * self.tried as f64;
                 Taken { candidate: number, chance: chance.min(1.0) }
@@ -118,12 +119,21 @@ impl Field<'_, '_> {
                 Some(weakest) if weakest.chance > limit => {
                     note(weakest);
                     let out = weakest.candidate;
-                    taken.retain(|&number| number != out);
+                    let place = taken.iter().position(|&number| number == out).unwrap_or(0);
+                    taken.remove(place);
+                    columns.remove(place);
+                    open.remove(place);
                 }
                 _ => return judged,
             }
         }
     }
+}
+
+/// The memory of what is left, whitened without one.
+fn memory_of(weights: &Weights, plain: &Series, left: &[f64]) -> f64 {
+    let of = |(left, weight): (&f64, &f64)| if *weight > 0.0 { left / weight } else { 0.0 };
+    plain.memory_of(&left.iter().zip(&weights.items).map(of).collect::<Vec<f64>>())
 }
 
 /// Axes in thousandths of a mm or a rad, the tool, which value, which component.

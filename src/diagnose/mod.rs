@@ -29,6 +29,7 @@ mod group;
 mod held;
 mod jackknife;
 mod judge;
+mod known;
 mod mimic;
 mod noise;
 mod parts;

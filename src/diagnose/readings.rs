@@ -148,7 +148,7 @@ pub(super) fn doing(
     let mut columns = Vec::new();
     let mut place = 0..0;
     for &own in taken {
-        let of = field.candidates.get(own).map(|one| field.columns(one)).unwrap_or_default();
+        let of = field.columns_of(own);
         if own == number {
             place = columns.len()..columns.len() + of.len();
         }
@@ -172,7 +172,7 @@ pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
 #[must_use]
 pub fn freedom_of(scene: &Scene<'_>, used: usize) -> [usize; 2] {
     let (weights, _) = weights(scene, used);
-    let field = Field::new(scene, Vec::new());
+    let field = Field::bare(scene);
     let of_rows = counts(scene, &weights).len();
     [of_rows, field.series(&weights, &[], 0.0).rank()]
 }
@@ -181,7 +181,7 @@ pub fn freedom_of(scene: &Scene<'_>, used: usize) -> [usize; 2] {
 /// uncertainty of each reading, so that lengths and angles count alike; readings that are far from the others do not count.
 #[must_use]
 pub fn levels(scene: &Scene<'_>, used: usize) -> [f64; 2] {
-    let field = Field::new(scene, Vec::new());
+    let field = Field::bare(scene);
     let (used, held_out) = weights(scene, used);
     let values: Vec<f64> = scene.items.iter().map(|item| item.left).collect();
     [used, held_out].map(|mut weights| {

@@ -118,7 +118,7 @@ impl Rejections {
 pub(super) fn tried(field: &Field<'_, '_>, weights: &Weights, taken: &[usize], memory: f64) -> Vec<Tried> {
     let series = field.series(weights, taken, memory);
     let whole = series.squares();
-    let gains = field.gains(&series);
+    let gains = field.gains(weights, &series);
     let of = |cause: &'static Cause| {
         let own = || field.candidates.iter().enumerate().filter(|(_, one)| std::ptr::eq(one.cause, cause));
         let open = own().filter(|(number, _)| !taken.contains(number));

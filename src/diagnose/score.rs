@@ -9,6 +9,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::cause::{Candidate, Weight};
+use super::known::Tables;
 use super::scene::{NO_ROW, Scene, Through};
 use crate::numeric::sums::{dot, dot_of_three};
 use crate::numeric::{Gain, Series};
@@ -30,15 +31,17 @@ type Column = Vec<usize>;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Layout {
     places: Vec<Through>,
-    weights: Vec<Vec<f64>>,
+    weights: Vec<Arc<Vec<f64>>>,
+    /// Number of each of these by its key.
+    numbers: HashMap<usize, usize>,
     /// Weight and place: many columns are in several candidates.
     pairs: Vec<(usize, usize)>,
     columns: Vec<Vec<Column>>,
 }
 
 impl Layout {
-    /// Takes candidates apart; weights that are shared are computed once.
-    pub(super) fn new(scene: &Scene<'_>, candidates: &[Candidate]) -> Layout {
+    /// Takes candidates apart; weights that are shared are computed once, those that are known not at all.
+    pub(super) fn new(scene: &Scene<'_>, candidates: &[Candidate], known: &Tables) -> Layout {
         let mut places = Vec::new();
         let mut place_numbers: HashMap<Through, usize> = HashMap::new();
         let mut closures: Vec<&Weight> = Vec::new();
@@ -64,15 +67,22 @@ impl Layout {
         let mut of_parts = of_parts.iter().map(|pair| pair_numbers.get(pair).copied().unwrap_or(0));
         let mut of_column = |column: &Vec<(Through, Weight)>| of_parts.by_ref().take(column.len()).collect();
         let columns = candidates.iter().map(|one| one.columns.iter().map(&mut of_column).collect()).collect();
-        let tables = |part: &[&Weight]| -> Vec<Vec<f64>> {
-            part.iter().map(|weight| scene.rows.iter().map(|row| weight.of(row)).collect()).collect()
+        let table = |weight: &&Weight| {
+            let of_rows = || Arc::new(scene.rows.iter().map(|row| weight.of(row)).collect());
+            known.get(weight).unwrap_or_else(of_rows)
         };
+        let tables = |part: &[&Weight]| -> Vec<Arc<Vec<f64>>> { part.iter().map(table).collect() };
         let share = closures.len().div_ceil(WORKERS).max(1);
         let weights = std::thread::scope(|scope| {
             let workers: Vec<_> = closures.chunks(share).map(|part| scope.spawn(move || tables(part))).collect();
             workers.into_iter().flat_map(|worker| worker.join().unwrap_or_default()).collect()
         });
-        Layout { places, weights, pairs: pair_numbers.into_keys().collect(), columns }
+        Layout { places, weights, numbers: weight_numbers, pairs: pair_numbers.into_keys().collect(), columns }
+    }
+
+    /// A weight by row, where it is one of those of its candidates, which live as long.
+    pub(super) fn table(&self, weight: &Weight) -> Option<&Arc<Vec<f64>>> {
+        self.weights.get(*self.numbers.get(&weight.key())?)
     }
 
     /// How many candidates it has.
@@ -88,29 +98,45 @@ struct Own {
     squares: Vec<f64>,
 }
 
-/// The state of all candidates beside a basis.
-#[derive(Debug)]
-pub(super) struct Scores<'l> {
-    layout: &'l Layout,
-    factors: Vec<Arc<Vec<f64>>>,
-    rows: Vec<usize>,
-    row_count: usize,
+/// What all candidates are beside a basis, and how many columns that has.
+#[derive(Clone, Debug, Default)]
+pub(super) struct State {
     own: Vec<Own>,
     seen: usize,
 }
 
-impl<'l> Scores<'l> {
-    /// Nothing is taken yet.
-    pub(super) fn new(
-        layout: &'l Layout,
+/// All candidates beside a basis.
+#[derive(Clone, Debug)]
+pub(super) struct Scores {
+    layout: Arc<Layout>,
+    factors: Vec<Arc<Vec<f64>>>,
+    rows: Vec<usize>,
+    row_count: usize,
+    state: State,
+}
+
+impl Scores {
+    /// In a state that was reached before.
+    pub(super) fn at(
+        layout: &Arc<Layout>,
         scene: &Scene<'_>,
         factors: &HashMap<Through, Arc<Vec<f64>>>,
-        series: &Series,
-    ) -> Scores<'l> {
+        state: State,
+    ) -> Scores {
         let nothing = Arc::new(vec![0.0; scene.items.len()]);
         let factors = layout.places.iter().map(|place| Arc::clone(factors.get(place).unwrap_or(&nothing))).collect();
         let rows = scene.items.iter().map(|item| item.row).collect();
-        let mut scores = Scores { layout, factors, rows, row_count: scene.rows.len(), own: Vec::new(), seen: 0 };
+        Scores { layout: Arc::clone(layout), factors, rows, row_count: scene.rows.len(), state }
+    }
+
+    /// Nothing is taken yet.
+    pub(super) fn new(
+        layout: &Arc<Layout>,
+        scene: &Scene<'_>,
+        factors: &HashMap<Through, Arc<Vec<f64>>>,
+        series: &Series,
+    ) -> Scores {
+        let mut scores = Scores::at(layout, scene, factors, State::default());
         // Without memory the products of columns at one place are sums over rows as well.
         let squares: Vec<Vec<f64>> = if series.memory() == 0.0 {
             let counted = |factors: &Arc<Vec<f64>>| {
@@ -127,8 +153,13 @@ impl<'l> Scores<'l> {
             Vec::new()
         };
         let first = |columns: &Vec<Column>| scores.first(columns, series, &squares);
-        scores.own = in_parts(&layout.columns, &first);
+        scores.state.own = in_parts(&layout.columns, &first);
         scores
+    }
+
+    /// What was reached.
+    pub(super) fn state(self) -> State {
+        self.state
     }
 
     fn first(&self, columns: &[Column], series: &Series, squares: &[Vec<f64>]) -> Own {
@@ -247,17 +278,25 @@ impl<'l> Scores<'l> {
     /// What each candidate would gain beside the basis of a series, which only grows from one call to the next.
     pub(super) fn gains(&mut self, series: &Series) -> Vec<Gain> {
         let of = |products: &[f64], column: &Column| -> f64 { column.iter().filter_map(|&k| products.get(k)).sum() };
-        let fresh = series.basis().get(self.seen..).unwrap_or_default();
-        let all: Vec<&[f64]> = fresh.iter().map(Vec::as_slice).chain([series.left()]).collect();
+        let fresh = series.basis().get(self.state.seen..).unwrap_or_default();
+        if self.layout.columns.is_empty() {
+            self.state.seen = series.basis().len();
+            return Vec::new();
+        }
+        let count = fresh.len() + 1;
+        let at = |k: usize| match fresh.get(k) {
+            Some(direction) => series.unwhitened(&direction.whole(self.rows.len())),
+            None => series.unwhitened(series.left()),
+        };
         let mut of_left = Vec::new();
-        for (number, some) in all.chunks(AT_ONCE).enumerate() {
-            let some: Vec<Vec<f64>> = some.iter().map(|direction| series.unwhitened(direction)).collect();
+        for first in (0..count).step_by(AT_ONCE) {
+            let some: Vec<Vec<f64>> = (first..count.min(first + AT_ONCE)).map(at).collect();
             for (k, products) in self.products(&some).into_iter().enumerate() {
-                if number * AT_ONCE + k == fresh.len() {
+                if first + k == fresh.len() {
                     of_left = products;
                     break;
                 }
-                for (columns, own) in self.layout.columns.iter().zip(&mut self.own) {
+                for (columns, own) in self.layout.columns.iter().zip(&mut self.state.own) {
                     let shares: Vec<f64> = columns.iter().map(|column| of(&products, column)).collect();
                     let count = shares.len();
                     for (place, product) in own.products.iter_mut().enumerate() {
@@ -266,8 +305,8 @@ impl<'l> Scores<'l> {
                 }
             }
         }
-        self.seen = series.basis().len();
-        let candidates = self.layout.columns.iter().zip(&self.own);
+        self.state.seen = series.basis().len();
+        let candidates = self.layout.columns.iter().zip(&self.state.own);
         candidates
             .map(|(columns, own)| gain(own, columns.iter().map(|column| of(&of_left, column)).collect()))
             .collect()

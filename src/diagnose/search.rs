@@ -12,6 +12,7 @@ use crate::numeric::Series;
 
 use super::cancel::Triangle;
 use super::cause::{Candidate, Effect, Term, motion};
+use super::known::{Starts, Tables};
 use super::price::Price;
 use super::scene::{NO_ROW, Scene, Through};
 use super::score::{Layout, Scores};
@@ -45,7 +46,9 @@ pub(super) struct Field<'s, 'a> {
     /// Those that only groups have: bows beside a location that has their slope.
     pub(super) bows: Range<usize>,
     pub(super) factors: HashMap<Through, Arc<Vec<f64>>>,
-    layout: Arc<Layout>,
+    pub(super) layout: Arc<Layout>,
+    pub(super) tables: Tables,
+    pub(super) starts: Starts,
     pub(super) seek: Seek,
     /// How many candidates there are to choose from, those of sweeps too.
     pub(super) tried: usize,
@@ -61,7 +64,7 @@ pub(super) struct Taken {
 }
 
 /// How readings count.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Weights {
     /// 1/σ, 0 for those that do not count.
     pub(super) items: Vec<f64>,
@@ -81,8 +84,24 @@ impl<'s, 'a> Field<'s, 'a> {
         for through in of_candidates.chain(seek.places()) {
             factors.entry(through).or_insert_with(|| Arc::new(scene.factors(through)));
         }
-        let layout = Arc::new(Layout::new(scene, &candidates));
-        Field { scene, candidates, bows, factors, layout, seek, tried }
+        let tables = Tables::default();
+        let layout = Arc::new(Layout::new(scene, &candidates, &tables));
+        Field { scene, candidates, bows, factors, layout, tables, starts: Starts::default(), seek, tried }
+    }
+
+    /// Without candidates: what set-ups take is all that is asked of it.
+    pub(super) fn bare(scene: &'s Scene<'a>) -> Field<'s, 'a> {
+        Field {
+            scene,
+            candidates: Vec::new(),
+            bows: 0..0,
+            factors: HashMap::new(),
+            layout: Arc::default(),
+            tables: Tables::default(),
+            starts: Starts::default(),
+            seek: Seek::default(),
+            tried: 0,
+        }
     }
 
     /// Adds what is sought by what is left.
@@ -123,6 +142,12 @@ impl<'s, 'a> Field<'s, 'a> {
             let mut column = vec![0.0; self.scene.items.len()];
             for (through, weight) in parts {
                 let Some(factors) = self.factors.get(through) else { continue };
+                if let Some(table) = self.layout.table(weight).cloned().or_else(|| self.tables.get(weight)) {
+                    for ((value, factor), item) in column.iter_mut().zip(factors.iter()).zip(&self.scene.items) {
+                        *value += factor * table.get(item.row).copied().unwrap_or(0.0);
+                    }
+                    continue;
+                }
                 let mut at = (NO_ROW, 0.0);
                 for ((value, factor), item) in column.iter_mut().zip(factors.iter()).zip(&self.scene.items) {
                     if *factor != 0.0 {
@@ -140,17 +165,20 @@ impl<'s, 'a> Field<'s, 'a> {
 
     /// A regression with the unknowns of the set-ups and some candidates in it.
     pub(super) fn series(&self, weights: &Weights, taken: &[usize], memory: f64) -> Series {
-        let mut series = Series::new(&weights.series, &weights.items, memory);
-        for column in self.unknowns() {
-            series.take(&column);
-        }
+        let mut series = self.starts.series(weights, memory, || {
+            let mut series = Series::new(&weights.series, &weights.items, memory);
+            for column in self.unknowns() {
+                series.take(&column);
+            }
+            let values: Vec<f64> = self.scene.items.iter().map(|item| item.left).collect();
+            series.set_values(&values);
+            series
+        });
         for &number in taken {
-            for column in self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default() {
+            for column in self.columns_of(number) {
                 series.take(&column);
             }
         }
-        let values: Vec<f64> = self.scene.items.iter().map(|item| item.left).collect();
-        series.set_values(&values);
         series
     }
 
@@ -166,24 +194,9 @@ impl<'s, 'a> Field<'s, 'a> {
         columns
     }
 
-    /// What each candidate would gain; candidates that say nothing of their own have rank 0.
-    pub(super) fn gains(&self, series: &Series) -> Vec<crate::numeric::Gain> {
-        self.gains_of(series, &mut Scores::new(&self.layout, self.scene, &self.factors, series))
-    }
-
-    /// The same with the scores of a series to which columns were added since.
-    fn gains_of(&self, series: &Series, scores: &mut Scores<'_>) -> Vec<crate::numeric::Gain> {
-        let mut gains = scores.gains(series);
-        let later = self.candidates.get(self.layout.count()..).unwrap_or_default();
-        let layout = Layout::new(self.scene, later);
-        gains.extend(Scores::new(&layout, self.scene, &self.factors, series).gains(series));
-        gains
-    }
-
     /// Readings less what candidates do whose amounts some of them give.
     pub(super) fn left_with(&self, train: &Weights, taken: &[usize]) -> Vec<f64> {
-        let columns: Vec<Vec<f64>> =
-            taken.iter().filter_map(|&k| self.candidates.get(k)).flat_map(|one| self.columns(one)).collect();
+        let columns: Vec<Vec<f64>> = taken.iter().flat_map(|&number| self.columns_of(number)).collect();
         let (amounts, _) = self.series(train, &[], 0.0).amounts(&columns);
         let mut values: Vec<f64> = self.scene.items.iter().map(|item| item.left).collect();
         for (column, amount) in columns.iter().zip(&amounts) {
@@ -231,12 +244,11 @@ impl<'s, 'a> Field<'s, 'a> {
         let mut series = self.series(weights, &[], 0.0);
         let mut triangle = Triangle::new(&series);
         for &number in kept {
-            let columns = self.candidates.get(number).map(|one| self.columns(one)).unwrap_or_default();
+            let columns = self.columns_of(number);
             triangle.take(&mut series, number, &columns);
         }
         let count = series.count() as f64;
-        let layout = Arc::clone(&self.layout);
-        let mut scores = Scores::new(&layout, self.scene, &self.factors, &series);
+        let mut scores = self.scores(weights, 0.0);
         while taken.len() < MOST.max(kept.len() + MORE) {
             let freedom = count - series.rank() as f64;
             let squares = series.squares();
@@ -271,7 +283,7 @@ impl<'s, 'a> Field<'s, 'a> {
                 break;
             };
             let number = match best.filter(|(_, number)| self.is_unnamed(*number)) {
-                Some((worth, _)) => self.named_instead(&series, &open, price, worth).unwrap_or(number),
+                Some((worth, _)) => self.named_instead((&series, &scores), &open, price, worth).unwrap_or(number),
                 None => number,
             };
             // Of what was sought only one that was taken stays, and of others what is better than they are.
@@ -291,7 +303,7 @@ impl<'s, 'a> Field<'s, 'a> {
                 }
                 None => number,
             };
-            let columns = self.columns(&self.candidates[number]);
+            let columns = self.columns_of(number);
             triangle.take(&mut series, number, &columns);
             taken.push(number);
         }
@@ -313,14 +325,20 @@ impl<'s, 'a> Field<'s, 'a> {
     }
 
     /// The first of two causes with names that together explain what one without explains.
-    fn named_instead(&self, series: &Series, open: &[(f64, usize)], price: Price, worth: f64) -> Option<usize> {
+    fn named_instead(
+        &self,
+        (series, scores): (&Series, &[Scores; 2]),
+        open: &[(f64, usize)],
+        price: Price,
+        worth: f64,
+    ) -> Option<usize> {
         let named = open.iter().filter(|(_, number)| !self.is_unnamed(*number));
         let &(own, first) = named.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let mut beside = series.clone();
         self.candidates.get(first).map(|one| self.columns(one))?.iter().for_each(|column| {
             beside.take(column);
         });
-        let gains = self.gains(&beside);
+        let gains = self.gains_of(&beside, &mut scores.clone());
         let others = gains.iter().enumerate().filter(|(number, _)| *number != first && !self.is_unnamed(*number));
         let others = others.filter(|(number, gain)| gain.rank > 0 && !self.is_again(*number, &[first]));
         let next = others.map(|(_, gain)| price.worth(beside.squares(), gain)).fold(0.0, f64::max);

@@ -34,8 +34,8 @@ const TIPS: [Through; 3] = [Through::Tip(0), Through::Tip(1), Through::Tip(2)];
 /// Factors of places by reading.
 pub(super) type Factors = HashMap<Through, Arc<Vec<f64>>>;
 
-/// All of it.
-#[derive(Clone, Debug)]
+/// All of it; nothing by default.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Seek {
     sweeps: Vec<(Axis, Sweep)>,
     time: Option<Clock>,
@@ -161,9 +161,9 @@ impl Seek {
             let place = Through::Reading(false);
             let information = information(place);
             let sums = by_row(products(place));
-            out.extend(circles.best(&sums, &information).and_then(|count| circle::chords(scene, count)));
+            out.extend(circles.best(&sums, &information).map(|count| circle::chords(&circles.places, count)));
             let lobes = circles.best_lobes(&sums, &information).into_iter();
-            out.extend(lobes.filter_map(|one| circle::lobes(scene, &one.planes, one.count, one.are_alike)));
+            out.extend(lobes.map(|one| circle::lobes(&circles.places, &one.planes, one.count, one.are_alike)));
         }
         out
     }

@@ -26,7 +26,7 @@ pub(super) fn shares(field: &Field<'_, '_>, weights: &Weights, taken: &[usize]) 
     let mut columns: Vec<Vec<f64>> = Vec::new();
     let mut owners: Vec<usize> = Vec::new();
     for (owner, &number) in taken.iter().enumerate() {
-        for column in field.candidates.get(number).map(|one| field.columns(one)).unwrap_or_default() {
+        for column in field.columns_of(number) {
             series.set_values(&column);
             columns.push(unit(series.left()));
             owners.push(owner);

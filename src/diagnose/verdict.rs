@@ -310,7 +310,7 @@ fn class(
     noise: f64,
 ) -> Vec<usize> {
     let series = field.series(weights, others, memory);
-    let gains = field.gains(&series);
+    let gains = field.gains(weights, &series);
     let own = gains.get(number).map_or(0.0, |gain| gain.squares);
     let mut rivals: Vec<(f64, usize)> = gains
         .iter()

@@ -2,6 +2,7 @@
 
 pub mod fisher;
 pub mod least_squares;
+mod leave_out;
 pub mod normal;
 mod series;
 pub mod stepwise;
@@ -9,5 +10,6 @@ pub mod student;
 pub mod sums;
 
 pub use least_squares::{RANK_LIMIT, Solution, System};
+pub use leave_out::{Beside, LeaveOut};
 pub use normal::{Normal, Step};
-pub use series::{Gain, Series};
+pub use series::{Direction, Gain, Series};

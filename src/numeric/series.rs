@@ -5,15 +5,16 @@
 //! known without solving anything.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::sums::dot;
 
 /// A column of which less than this share of its length is left beside the others says nothing of its own.
-const DEPENDENT: f64 = 1e-6;
+pub(super) const DEPENDENT: f64 = 1e-6;
 /// Where this share of the length is left, rounding leaves nothing that counts.
-const CLEAR: f64 = 0.1;
+pub(super) const CLEAR: f64 = 0.1;
 /// Memory beyond this is a random walk, of which one long row is left.
 const MOST_MEMORY: f64 = 0.98;
 
@@ -21,13 +22,18 @@ const MOST_MEMORY: f64 = 0.98;
 #[derive(Clone, Debug)]
 pub struct Series {
     /// The row before each one in its series.
-    before: Vec<Option<usize>>,
-    weights: Vec<f64>,
+    before: Arc<Vec<Option<usize>>>,
+    weights: Arc<Vec<f64>>,
     memory: f64,
-    basis: Vec<Vec<f64>>,
-    /// Between which rows each column of the basis is not zero: those of one set-up are short.
-    spans: Vec<Range<usize>>,
+    basis: Vec<Arc<Direction>>,
     left: Vec<f64>,
+}
+
+/// A column of a basis: of unit length, whitened, and zero but for some rows that follow each other; what belongs to one set-up is short.
+#[derive(Clone, Debug)]
+pub struct Direction {
+    first: usize,
+    values: Vec<f64>,
 }
 
 /// What columns explain beside those of the basis.
@@ -54,11 +60,10 @@ impl Series {
                 })
                 .collect();
         Series {
-            before,
-            weights: weights.to_vec(),
+            before: Arc::new(before),
+            weights: Arc::new(weights.to_vec()),
             memory: memory.clamp(0.0, MOST_MEMORY),
             basis: Vec::new(),
-            spans: Vec::new(),
             left: vec![0.0; series.len()],
         }
     }
@@ -87,7 +92,7 @@ impl Series {
     pub fn set_values(&mut self, values: &[f64]) {
         self.left = self.whitened(values);
         for direction in &self.basis {
-            take_out(&mut self.left, direction);
+            direction.take_out_of(&mut self.left);
         }
     }
 
@@ -98,18 +103,23 @@ impl Series {
 
     /// Takes a column into the basis. Returns what it is of each column of the basis, at last of its own, and what is explained by this one.
     pub fn take_with_shares(&mut self, column: &[f64]) -> Option<(Vec<f64>, f64)> {
-        let mut shares = vec![0.0; self.basis.len()];
-        let (direction, own) = self.direction(column, &[], &mut shares)?;
-        shares.push(own);
-        let explained = take_out(&mut self.left, &direction);
-        self.spans.push(span(&direction));
-        self.basis.push(direction);
-        Some((shares, explained))
+        let (taken, shares) = self.take_by_shares(column);
+        taken.map(|explained| (shares, explained))
     }
 
-    /// The columns of the basis: at right angles to each other, of unit length, whitened.
+    /// Takes a column into the basis if it says something of its own. Returns what is explained by it then, and what it is of each column of the basis.
+    pub(super) fn take_by_shares(&mut self, column: &[f64]) -> (Option<f64>, Vec<f64>) {
+        let mut shares = vec![0.0; self.basis.len()];
+        let Some((direction, own)) = self.direction(column, &[], &mut shares) else { return (None, shares) };
+        shares.push(own);
+        let explained = direction.take_out_of(&mut self.left);
+        self.basis.push(Arc::new(direction));
+        (Some(explained), shares)
+    }
+
+    /// The columns of the basis, at right angles to each other.
     #[must_use]
-    pub fn basis(&self) -> &[Vec<f64>] {
+    pub fn basis(&self) -> &[Arc<Direction>] {
         &self.basis
     }
 
@@ -167,11 +177,11 @@ impl Series {
     /// What columns would explain beside those of the basis.
     #[must_use]
     pub fn gain(&self, columns: &[Vec<f64>]) -> Gain {
-        let mut own: Vec<Vec<f64>> = Vec::new();
+        let mut own: Vec<Direction> = Vec::new();
         let mut squares = 0.0;
         for column in columns {
             if let Some((direction, _)) = self.direction(column, &own, &mut []) {
-                squares += dot(&direction, &self.left).powi(2);
+                squares += direction.dot(&self.left).powi(2);
                 own.push(direction);
             }
         }
@@ -183,19 +193,20 @@ impl Series {
     #[must_use]
     pub fn amounts(&self, columns: &[Vec<f64>]) -> (Vec<f64>, DMatrix<f64>) {
         // Each column by the directions that it and those before it have of their own: a triangle.
-        let mut own: Vec<Vec<f64>> = Vec::new();
+        let mut own: Vec<Direction> = Vec::new();
         let mut places = Vec::new();
         let mut triangle: Vec<Vec<f64>> = Vec::new();
         for (place, column) in columns.iter().enumerate() {
-            let Some((direction, _)) = self.direction(column, &own, &mut []) else { continue };
+            let mut shares = vec![0.0; self.basis.len() + own.len()];
+            let Some((direction, length)) = self.direction(column, &own, &mut shares) else { continue };
             own.push(direction);
-            let whitened = self.whitened(column);
-            triangle.push(own.iter().map(|direction| dot(direction, &whitened)).collect());
+            shares.push(length);
+            triangle.push(shares.split_off(self.basis.len()));
             places.push(place);
         }
         let count = places.len();
         let upper = DMatrix::from_fn(count, count, |row, column| triangle[column].get(row).copied().unwrap_or(0.0));
-        let right = DVector::from_iterator(count, own.iter().map(|direction| dot(direction, &self.left)));
+        let right = DVector::from_iterator(count, own.iter().map(|direction| direction.dot(&self.left)));
         let mut amounts = vec![0.0; columns.len()];
         let mut covariance = DMatrix::zeros(columns.len(), columns.len());
         let identity = DMatrix::identity(count, count);
@@ -215,26 +226,30 @@ impl Series {
     }
 
     /// The part of a column at right angles to the basis and to others, of unit length, and its length; `shares` gets what the column is of those of
-    /// the basis.
-    fn direction(&self, column: &[f64], others: &[Vec<f64>], shares: &mut [f64]) -> Option<(Vec<f64>, f64)> {
-        let mut direction = self.whitened(column);
-        let length = dot(&direction, &direction).sqrt();
+    /// the basis and of the others.
+    fn direction(&self, column: &[f64], others: &[Direction], shares: &mut [f64]) -> Option<(Direction, f64)> {
+        let mut rest = self.whitened(column);
+        let length = dot(&rest, &rest).sqrt();
         if !(length.is_finite() && length > 0.0) {
             return None;
         }
         let mut own = length;
+        let mut span = span(&rest);
         // Twice where little is left: what rounding leaves of the first time.
         for _ in 0..2 {
-            for (place, (other, span)) in self.basis.iter().zip(&self.spans).enumerate() {
-                let amount = take_out_of(&mut direction, other, span);
+            for (place, other) in self.basis.iter().map(Arc::as_ref).chain(others).enumerate() {
+                // What is zero wherever the other is not has none of it.
+                if span.start.max(other.first) >= span.end.min(other.end()) {
+                    continue;
+                }
+                let amount = other.take_out_of(&mut rest);
+                span = span.start.min(other.first)..span.end.max(other.end());
                 if let Some(share) = shares.get_mut(place) {
                     *share += amount;
                 }
             }
-            for other in others {
-                take_out(&mut direction, other);
-            }
-            own = dot(&direction, &direction).sqrt();
+            let part = rest.get(span.clone()).unwrap_or_default();
+            own = dot(part, part).sqrt();
             if own > CLEAR * length {
                 break;
             }
@@ -242,8 +257,8 @@ impl Series {
         if own < DEPENDENT * length {
             return None;
         }
-        direction.iter_mut().for_each(|value| *value /= own);
-        Some((direction, own))
+        let part = rest.get(span.clone()).unwrap_or_default();
+        Some((Direction { first: span.start, values: part.iter().map(|value| value / own).collect() }, own))
     }
 
     /// Memory of residuals that are not whitened: the correlation of neighbours in the series.
@@ -268,16 +283,35 @@ fn span(column: &[f64]) -> Range<usize> {
     first..last
 }
 
-fn take_out_of(from: &mut [f64], direction: &[f64], span: &Range<usize>) -> f64 {
-    match (from.get_mut(span.clone()), direction.get(span.clone())) {
-        (Some(from), Some(direction)) => take_out(from, direction),
-        _ => 0.0,
+impl Direction {
+    fn end(&self) -> usize {
+        self.first + self.values.len()
     }
-}
 
-/// Returns how much it was.
-fn take_out(from: &mut [f64], direction: &[f64]) -> f64 {
-    let amount = dot(from, direction);
-    from.iter_mut().zip(direction).for_each(|(value, part)| *value -= amount * part);
-    amount
+    /// All of it, for so many rows.
+    #[must_use]
+    pub fn whole(&self, rows: usize) -> Vec<f64> {
+        let mut out = vec![0.0; rows];
+        self.add(1.0, &mut out);
+        out
+    }
+
+    /// Its product with a column.
+    #[must_use]
+    pub fn dot(&self, column: &[f64]) -> f64 {
+        dot(&self.values, column.get(self.first..).unwrap_or_default())
+    }
+
+    /// Adds so much of it to a column.
+    pub(super) fn add(&self, amount: f64, to: &mut [f64]) {
+        let to = to.get_mut(self.first..).unwrap_or_default();
+        to.iter_mut().zip(&self.values).for_each(|(value, part)| *value += amount * part);
+    }
+
+    /// Takes it out of a column. Returns how much it was.
+    fn take_out_of(&self, from: &mut [f64]) -> f64 {
+        let amount = self.dot(from);
+        self.add(-amount, from);
+        amount
+    }
 }

@@ -51,14 +51,14 @@ def ready(shell):
 
 
 def program(count, path, bad):
-    """Every move is relative and has its own length: a line that is missing or comes twice is seen in the position at the end."""
+    """Every move has a length of its own; where the last ones of each axis lead is where they are at the end."""
     end = [0.0, 0.0, 0.0]
     with open(path, "w", encoding="ascii") as file:
         file.write("G21 G17 G90 G94\nG0 X0 Y0 Z0\nM3 S500\nG91\n")
         for k in range(count):
             if k == bad:
-                # A radius that fits no circle.
-                file.write("G2 X1 Y1 R0.1 F6000\n")
+                # Beyond the limits of the simulator, which the machine file does not know.
+                file.write("G1 X900 F6000\n")
                 continue
             axis = k % 3
             micrometres = (k * k % 997 + 1) * (1 if end[axis] < 1 else -1)

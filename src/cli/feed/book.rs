@@ -36,7 +36,8 @@ pub(super) fn path(input: &Path, given: Option<&Path>) -> Result<PathBuf, Stop> 
     Ok(PathBuf::from(name))
 }
 
-/// Looks whether a journal may be written there: that of a job that ended well gives way, any other file does not.
+/// Looks whether a journal may be written there: that of a job that ended well, or of which no line was
+/// sent, gives way; any other file does not.
 ///
 /// # Errors
 /// Where the file cannot be read.
@@ -48,7 +49,7 @@ pub(super) fn check(path: &Path, findings: &mut Findings) -> Result<(), Stop> {
     };
     let shown = path.display();
     let (message, help) = match read_journal(&text) {
-        Ok(told) if told.ended.as_deref() == Some("done") => return Ok(()),
+        Ok(told) if told.ended.as_deref() == Some("done") || told.frozen == 0 => return Ok(()),
         Ok(told) => (
             format!(
                 "{shown} is the journal of a job that was broken off: {} lines sent, {} acknowledged",

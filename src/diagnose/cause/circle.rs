@@ -139,15 +139,15 @@ fn cup(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
 }
 
 /// A circle of so many chords with a corner at zero.
-pub(in crate::diagnose) fn chords(scene: &Scene<'_>, count: u32) -> Option<Candidate> {
-    let Places { angles, radii, .. } = places(scene)?;
+pub(in crate::diagnose) fn chords(places: &Places, count: u32) -> Candidate {
+    let Places { angles, radii, .. } = places.clone();
     let shape = Weight::new(move |row| {
         let at = |values: &Values| values.get(row.set).and_then(|own| own.get(row.number)).copied().unwrap_or(f64::NAN);
         chord(at(&angles), count) * at(&radii)
     });
     let mut one = Candidate::one(&CHORDS, "", Through::Reading(false), shape).driven_by(&[&"X", &"Y", &"Z"]);
     one.constant = Some((f64::from(count), "chords"));
-    Some(one)
+    one
 }
 
 /// By how much a chord is inside a circle of radius one.
@@ -159,10 +159,10 @@ pub(in crate::diagnose) fn chord(angle: f64, count: u32) -> f64 {
 
 /// So many lobes over the angle of circles whose planes are at right angles to some directions (0, 1, 2). Those of a plane may turn against those of
 /// another; where they are alike all planes have the same.
-pub(in crate::diagnose) fn lobes(scene: &Scene<'_>, still: &[usize], count: u32, are_alike: bool) -> Option<Candidate> {
-    let Places { angles, planes, .. } = places(scene)?;
+pub(in crate::diagnose) fn lobes(places: &Places, still: &[usize], count: u32, are_alike: bool) -> Candidate {
+    let Places { angles, planes, .. } = places;
     let wave = |some: &[usize], of: fn(f64) -> f64| {
-        let (angles, planes, some) = (Arc::clone(&angles), Arc::clone(&planes), some.to_vec());
+        let (angles, planes, some) = (Arc::clone(angles), Arc::clone(planes), some.to_vec());
         Weight::new(move |row| {
             let at = |values: &Values| values.get(row.set).and_then(|own| own.get(row.number)).copied();
             let is_in = at(&planes).is_some_and(|plane| some.iter().any(|&own| plane == own as f64));
@@ -180,5 +180,5 @@ pub(in crate::diagnose) fn lobes(scene: &Scene<'_>, still: &[usize], count: u32,
     let mut found = Candidate::one(&LOBES, names.concat(), through, Weight::new(|_| 0.0)).driven_by(&drivers);
     found.columns = waves.map(|wave| vec![(through, wave)]).collect();
     found.constant = Some((f64::from(count), "lobes"));
-    Some(found)
+    found
 }

@@ -75,7 +75,7 @@ enum Form {
 }
 
 /// All that may be looked for in the readings of a scene.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Empirical {
     drivers: Vec<Driver>,
     /// Where shapes come in.
