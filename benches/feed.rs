@@ -55,7 +55,7 @@ fn main() -> ExitCode {
     let folder = std::env::temp_dir().join(format!("ncfix-feed-{}", std::process::id()));
     let program = folder.join("part.ngc");
     let mut text = "G21 G90 G17 G54\nG0 X0 Y0 Z5\nF3000\n".to_owned();
-    (1..=count).for_each(|k| text += &format!("G1 X{}.{:03} Y{}\n", k % 400, k % 1000, k % 300));
+    (1..=count).for_each(|k| text += &format!("G1 X{}.{:03} Y{}\n", k % 200, k % 1000, k % 100));
     std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(&program, text)).expect("a folder for the program");
     let machine = concat!(env!("CARGO_MANIFEST_DIR"), "/samples/machines/knee_mill.toml");
     let output = Command::new(env!("CARGO_BIN_EXE_ncfix"))

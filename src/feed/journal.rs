@@ -65,6 +65,7 @@ impl Store for Vec<u8> {
 #[derive(Debug)]
 pub struct Journal<S> {
     store: S,
+    /// Records that the operating system does not have yet.
     line: String,
     synced: Duration,
     is_synced: bool,
@@ -98,20 +99,22 @@ impl<S: Store> Journal<S> {
             Ended::Fault(why) => format!("fault: {why}"),
             Ended::Refused(number, said) => format!("refused {number}: {said}"),
         };
-        self.write(now, &format!("E {}", text.replace(['\n', '\r'], " ")))?;
+        self.note(now, &format!("E {}", text.replace(['\n', '\r'], " ")));
+        self.settle()?;
         self.store.sync()
     }
 
-    fn write(&mut self, now: Duration, text: &str) -> io::Result<()> {
-        self.line.clear();
+    fn note(&mut self, now: Duration, text: &str) {
         let _ = writeln!(self.line, "{} {text}", now.as_millis());
-        self.is_synced = false;
-        self.store.write_all(self.line.as_bytes())
     }
 
     /// What it is written into.
-    pub fn into_store(self) -> S {
-        self.store
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn into_store(mut self) -> io::Result<S> {
+        self.settle()?;
+        Ok(self.store)
     }
 }
 
@@ -125,19 +128,30 @@ impl<S: Store> Record for Journal<S> {
                 let _ = write!(text, " {axis}{shown:+.DECIMALS$}");
             }
         }
-        self.write(now, &text)
+        self.note(now, &text);
+        Ok(())
     }
 
     fn event(&mut self, event: &Event, now: Duration) -> io::Result<()> {
         match event {
-            Event::Acknowledged(number) => self.write(now, &format!("A {number}")),
-            Event::Left(number) => self.write(now, &format!("L {number}")),
-            Event::Repeated(number) => self.write(now, &format!("R {number}")),
-            Event::Stalled => self.write(now, "W no answer in time"),
-            Event::Said(text) => self.write(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
-            Event::Executed(number) => self.write(now, &format!("X {number}")),
-            Event::Paused(_) | Event::Refused(..) | Event::Lost(_) => Ok(()),
+            Event::Acknowledged(number) => self.note(now, &format!("A {number}")),
+            Event::Left(number) => self.note(now, &format!("L {number}")),
+            Event::Repeated(number) => self.note(now, &format!("R {number}")),
+            Event::Stalled => self.note(now, "W no answer in time"),
+            Event::Said(text) => self.note(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
+            Event::Executed(number) => self.note(now, &format!("X {number}")),
+            Event::Paused(_) | Event::Refused(..) | Event::Lost(_) => {}
         }
+        Ok(())
+    }
+
+    fn settle(&mut self) -> io::Result<()> {
+        if !self.line.is_empty() {
+            self.is_synced = false;
+            self.store.write_all(self.line.as_bytes())?;
+            self.line.clear();
+        }
+        Ok(())
     }
 
     fn tick(&mut self, now: Duration) -> io::Result<()> {
@@ -279,7 +293,7 @@ mod tests {
         journal.event(&Event::Executed(1), at(10)).unwrap();
         journal.event(&Event::Left(4), at(9)).unwrap();
         journal.event(&Event::Repeated(3), at(10)).unwrap();
-        let text = String::from_utf8(journal.into_store()).unwrap();
+        let text = String::from_utf8(journal.into_store().unwrap()).unwrap();
         assert!(text.contains("3 F 3 ") && text.contains(" 43 6 Z-0.0040\n"), "{text}");
         let told = read(&text).unwrap();
         assert_eq!((told.frozen, told.acknowledged, told.executed), (5, 2, 1));

@@ -69,6 +69,14 @@ pub trait Record {
     /// It cannot be written down.
     fn event(&mut self, event: &Event, now: Duration) -> io::Result<()>;
 
+    /// What was noted is written down, before any byte goes out that it is about.
+    ///
+    /// # Errors
+    /// It cannot be written down: then nothing is sent.
+    fn settle(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+
     /// Time has passed.
     ///
     /// # Errors
@@ -201,11 +209,13 @@ impl<'a> Sender<'a> {
         self.take_events(now, note)?;
         if self.ended.is_none() {
             self.fill(now, supply)?;
+            self.record.settle()?;
             if let Err(error) = self.write(port) {
                 self.events.push(Event::Lost(gone(&error)));
                 self.take_events(now, note)?;
             }
         }
+        self.record.settle()?;
         self.record.tick(now)?;
         self.progress.in_flight = self.dialogue.in_flight();
         self.progress.bytes = self.wire.sent();
