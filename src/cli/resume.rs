@@ -15,13 +15,19 @@ use crate::report::feed::{Before, Plan};
 use crate::report::json;
 use crate::source::FileId;
 
-/// Lines of the program that the plan shows.
+/// Moves of the program that the plan shows, with the lines between them.
 const SHOWN: usize = 3;
+const MOST_SHOWN: usize = 40;
 
 /// Shows the plan, or carries it out.
 pub(super) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop> {
     let source = input::read(&arguments.journal, FileId(0))?;
     let shown = arguments.journal.display();
+    if let Ok(file) = std::fs::File::open(&arguments.journal)
+        && matches!(file.try_lock_shared(), Err(std::fs::TryLockError::WouldBlock))
+    {
+        return Err(Stop::Usage(format!("the job of {shown} is still running")));
+    }
     let text = String::from_utf8_lossy(source.bytes()).into_owned();
     let told = read_journal(&text).map_err(|(line, why)| Stop::Usage(format!("{shown}:{line}: {why}")))?;
     if told.ended.as_deref() == Some("done") {
@@ -103,6 +109,11 @@ fn check_same(told: &Told, job: &Job, before: &Before, findings: &mut Findings) 
     }
 }
 
+/// Whether a line names an axis.
+fn is_move(text: &[u8]) -> bool {
+    text.split(|&byte| byte == b' ').any(|word| word.first().is_some_and(|letter| b"XYZABCUVW".contains(letter)))
+}
+
 /// Where the job is taken up again.
 fn plan(told: &Told, feed: &FeedArguments, job: &Job, journal: &[u8]) -> Result<(Plan, Begin), Stop> {
     // What was acknowledged may still have been in the planner of the control when it was lost.
@@ -126,7 +137,8 @@ fn plan(told: &Told, feed: &FeedArguments, job: &Job, journal: &[u8]) -> Result<
             highest_mm = highest_mm.max(cuts_at_mm(output).unwrap_or(f64::NEG_INFINITY));
         }
     })?;
-    let mut search = Search::new(job.dialect.codes(), highest_mm, until);
+    let mut search =
+        Search::new(job.dialect.codes(), highest_mm, until, at(told.frozen).map_or(0, |line| line.element));
     walk(feed, job, &mut ignored, &mut |step| match step {
         Step::Element(output) => search.element(output),
         Step::Line(line) => search.line(line),
@@ -135,11 +147,14 @@ fn plan(told: &Told, feed: &FeedArguments, job: &Job, journal: &[u8]) -> Result<
     let place = search.finish();
     let (skip, lines) = place.as_ref().map_or((0, Vec::new()), |place| (place.element - 1, place.lines.clone()));
     let mut first = Vec::new();
+    let mut moves = 0;
     walk(feed, job, &mut ignored, &mut |step| {
         if let Step::Line(line) = step
             && line.element > skip
-            && first.len() < SHOWN
+            && moves < SHOWN
+            && first.len() < MOST_SHOWN
         {
+            moves += usize::from(is_move(&line.text));
             first.push((line.source_line, String::from_utf8_lossy(&line.text).into_owned()));
         }
     })?;

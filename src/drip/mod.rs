@@ -16,7 +16,7 @@ use crate::feed::{Limits, Line};
 use crate::geometry::{AXIS_COUNT, AxisVector};
 use crate::machine::Machine;
 use crate::model::Model;
-use crate::path::{Live, Options, Output};
+use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Live, ON_THE_SPOT, Options, Output};
 use crate::snc::{Dwell, Element, Kind};
 
 use doser::Doser;
@@ -153,7 +153,7 @@ impl<'a> Lines<'a> {
     fn cut(&mut self) -> bool {
         let mut is_first = true;
         for text in self.text.split(|&byte| byte == b'\n') {
-            let text = text.trim_ascii();
+            let text = without_mark(text.trim_ascii());
             if text.is_empty() || text == b"%" || is_stamped(text) {
                 continue;
             }
@@ -177,6 +177,35 @@ impl<'a> Lines<'a> {
     }
 }
 
+/// A line without the mark of a piece that was added.
+fn without_mark(text: &[u8]) -> &[u8] {
+    let Some(at) = text.iter().rposition(|byte| b";(".contains(byte)) else { return text };
+    let (words, comment) = text.split_at(at);
+    let comment: Vec<u8> = comment.iter().copied().filter(|byte| !b";() ".contains(byte)).collect();
+    let is_mark = [CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT].iter().any(|mark| mark.as_bytes() == comment);
+    if is_mark { words.trim_ascii_end() } else { text }
+}
+
 fn slots(vector: &AxisVector) -> [f64; AXIS_COUNT] {
     crate::geometry::AXES.map(|axis| vector[axis])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_of_added_pieces_stay_at_home_and_words_do_not() {
+        for (line, left) in [
+            ("X1 Y2 ;+", "X1 Y2"),
+            ("G1 X1 (+~)", "G1 X1"),
+            ("X1 ; +", "X1"),
+            ("; ~", ""),
+            ("X=IC(5)", "X=IC(5)"),
+            ("G1 X1", "G1 X1"),
+            ("M3 (a+)", "M3 (a+)"),
+        ] {
+            assert_eq!(without_mark(line.as_bytes()), left.as_bytes(), "{line}");
+        }
+    }
 }

@@ -53,9 +53,13 @@ pub struct Search {
     codes: &'static CodeTable,
     /// No place behind this element.
     until: u64,
+    /// The last element that may have been carried out.
+    sent: u64,
     /// The highest place of the tool at which something is machined, mm of Z.
     highest_mm: f64,
     told: Told,
+    /// What it was told at the best place.
+    at_best: Told,
     stands_mm: Option<f64>,
     element: u64,
     pending: Option<u64>,
@@ -75,14 +79,17 @@ pub fn cuts_at_mm(output: &Output) -> Option<f64> {
 }
 
 impl Search {
-    /// Begins one in a program that machines no higher than that; nothing behind the element `until` is taken.
+    /// Begins one in a program that machines no higher than that; nothing behind the element `until` is taken, and nothing
+    /// behind the element `sent` has been carried out.
     #[must_use]
-    pub fn new(codes: &'static CodeTable, highest_mm: f64, until: u64) -> Search {
+    pub fn new(codes: &'static CodeTable, highest_mm: f64, until: u64, sent: u64) -> Search {
         Search {
             codes,
             until,
+            sent,
             highest_mm,
             told: Told::default(),
+            at_best: Told::default(),
             stands_mm: None,
             element: 0,
             pending: None,
@@ -103,7 +110,12 @@ impl Search {
                 self.stands_mm = Some(piece.command[Axis::Z]);
             }
             Output::Element(element) => {
-                if matches!(element.kind, Kind::Frame(FrameWords::Statement(_)) | Kind::Verbatim(_)) {
+                let is_unknown = match &element.kind {
+                    Kind::Frame(FrameWords::Statement(_)) => true,
+                    Kind::Verbatim(text) => !is_plain(text, self.codes),
+                    _ => false,
+                };
+                if is_unknown {
                     self.unsure.get_or_insert(element.origin.line);
                 } else if matches!(element.kind, Kind::Lost(_)) {
                     self.stands_mm = None;
@@ -130,17 +142,22 @@ impl Search {
             self.pending = None;
             if let Some(lines) = self.told.lines(self.is_numbered) {
                 let tool = self.told.values.get(&b'T').cloned();
+                self.at_best = self.told.clone();
                 self.best = Some(Place { element, source_line: line.source_line, lines, tool, first: text.clone() });
             }
         }
         self.is_numbered |= text.starts_with('N');
-        self.told.note(&text, self.codes);
+        if line.element <= self.sent {
+            self.told.note(&text, self.codes);
+        }
     }
 
-    /// The last safe place; `None` where only the beginning is.
+    /// The last safe place; `None` where only the beginning is: also where the control was told something behind it of which nothing is known before it, an
+    /// axis, a zero offset, the coolant: how it stood then nobody has said.
     #[must_use]
     pub fn finish(self) -> Option<Place> {
-        self.best
+        let is_known = self.at_best.knows(&self.told);
+        self.best.filter(|_| is_known)
     }
 
     /// The line of the source behind which the state of the control cannot be rebuilt.
@@ -150,7 +167,26 @@ impl Search {
     }
 }
 
+/// Whether a text is codes of groups and plain numbers only.
+fn is_plain(text: &[u8], codes: &CodeTable) -> bool {
+    String::from_utf8_lossy(text).split_ascii_whitespace().all(|word| match codes.word(word) {
+        Some(entry) => entry.group > 0,
+        None => {
+            let (letter, value) = word.split_at_checked(1).unwrap_or((word, ""));
+            b"XYZABCUVWFSTDH".contains(&letter.as_bytes().first().copied().unwrap_or(0)) && value.parse::<f64>().is_ok()
+        }
+    })
+}
+
 impl Told {
+    /// Whether all is known of which another one speaks.
+    fn knows(&self, other: &Told) -> bool {
+        other.codes.keys().all(|group| self.codes.contains_key(group))
+            && other.values.keys().all(|address| self.values.contains_key(address))
+            && (self.spindle.is_some() || other.spindle.is_none())
+            && (self.coolant.is_some() || other.coolant.is_none())
+    }
+
     fn note(&mut self, text: &str, codes: &CodeTable) {
         // Behind another zero offset or tool length the old places mean something else.
         let shifts = |name: &str| codes.word(name).map(|entry| entry.group);
@@ -213,8 +249,12 @@ impl Told {
         let spindle: Vec<&str> = [place(&b'S'), self.spindle.as_deref()].into_iter().flatten().collect();
         let mut out = vec![codes.join(" "), spindle.join(" ")];
         out.extend(self.coolant.clone());
+        // Up first; nothing turns while something moves across.
         out.push(format!("G0 {z}"));
-        out.push(format!("G0 {x} {y} {}", others.join(" ")).trim_end().to_owned());
+        if !others.is_empty() {
+            out.push(format!("G0 {}", others.join(" ")));
+        }
+        out.push(format!("G0 {x} {y}"));
         let motion = self.motion.as_deref().filter(|motion| !matches!(*motion, "G0" | "G00"));
         out.push([motion, place(&b'F')].into_iter().flatten().collect::<Vec<_>>().join(" "));
         out.retain(|line| !line.is_empty());
@@ -251,5 +291,23 @@ mod tests {
         assert_eq!(told(&["G0 X1. Y2. Z3.", "T4 M6", "G0 Z5."]).lines(false), None);
         assert_eq!(told(&["G0 X1. Y2. Z3.", "G53 G0 Z0."]).lines(false), None);
         assert!(told(&["T4 M6", "G0 X1. Y2. Z3."]).lines(false).is_some());
+    }
+
+    #[test]
+    fn what_was_told_later_must_have_been_told_before() {
+        let before = told(&["G90 G54 S100 M3", "G0 X1. Y2. Z3."]);
+        assert!(before.knows(&before));
+        for later in ["G0 A90", "M8", "G18", "G43 H1", "T4"] {
+            assert!(!before.knows(&told(&["G90 G54 S100 M3", "G0 X1. Y2. Z3.", later])), "{later}");
+        }
+        // Another of the same group is known.
+        assert!(before.knows(&told(&["G91 G55 S100 M4", "G0 X1. Y2. Z3."])));
+    }
+
+    #[test]
+    fn plain_words_can_be_told_again() {
+        let codes = dialect::find("rs274").unwrap().codes();
+        assert!(is_plain(b"G43 H12", codes) && is_plain(b"G64", codes));
+        assert!(!is_plain(b"G92 X1", codes) && !is_plain(b"ADIS=0.5", codes));
     }
 }

@@ -291,7 +291,8 @@ impl Plan {
         }
         let _ = writeln!(
             out,
-            "\nHome the machine, clear its alarms, look whether the zero point still holds, and see that the first moves are free. Then:\n  ncfix resume {journal} --confirm {}",
+            "\nReset the control, so that its codes are those with which the job began; home the machine, look whether the zero point still holds, and see that\nthe first moves are free{}. Then:\n  ncfix resume {journal} --confirm {}",
+            if self.is_beginning { ": nothing lifts the tool before them, do that by hand" } else { "" },
             self.plan
         );
         out

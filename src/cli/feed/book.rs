@@ -76,6 +76,8 @@ impl Book {
             std::fs::rename(path, PathBuf::from(old)).map_err(|error| fault(&error))?;
         }
         let file = OpenOptions::new().append(true).create_new(true).open(path).map_err(|error| fault(&error))?;
+        // As long as it is held nobody takes the job up again.
+        file.try_lock().map_err(|error| Stop::Usage(format!("cannot lock {}: {error}", path.display())))?;
         let second = file.try_clone().map_err(|error| fault(&error))?;
         let (ask, asked) = sync_channel::<()>(1);
         let shared = Arc::new(Mutex::new(None));

@@ -39,6 +39,12 @@ impl Job {
         let Some(mut chosen) = machine_choice::choose(&arguments.machine, &arguments.input, findings)? else {
             return Ok(None);
         };
+        if chosen.is_demo && !arguments.dry_run {
+            return Err(Stop::Usage(
+                "the embedded demo machine is nobody's: give --machine, or put the machine file beside the program"
+                    .into(),
+            ));
+        }
         let is_read = match arguments.sensors {
             // What the state does not say, sensors will.
             Some(_) => state::read(&arguments.state, &mut chosen, findings)?,

@@ -49,6 +49,8 @@ enum State {
 struct Grbl {
     state: State,
     window: (usize, usize),
+    /// Blocks that its planner holds beyond those.
+    planned: usize,
     /// Size of the receive buffer, where the control has told it.
     buffer: Option<usize>,
     refused: Vec<u8>,
@@ -79,6 +81,7 @@ impl Grbl {
         Grbl {
             state: State::Greeting,
             window: (profile.window.lines, profile.window.bytes),
+            planned: profile.window.planned,
             buffer: None,
             refused: profile.refused.clone(),
             longest_line: profile.longest_line,
@@ -226,7 +229,12 @@ impl Grbl {
         // Twice: the first report may be older than the last bytes.
         if self.idle >= 2 {
             match self.in_flight.back() {
-                None => self.sure = self.acknowledged,
+                None => {
+                    if self.sure < self.acknowledged {
+                        events.push(Event::Executed(self.acknowledged));
+                    }
+                    self.sure = self.acknowledged;
+                }
                 // It may have been a refusal: then a line was left out, and nobody knows which.
                 Some((last, _, _)) => {
                     let why = format!(
@@ -332,11 +340,15 @@ impl Dialogue for Grbl {
     fn halt(&mut self, halt: Halt, _now: Duration, wire: &mut Wire) -> Option<String> {
         let lines = self.in_flight.len();
         match halt {
-            Halt::Stop => Some(format!("no further line is sent; the control carries out the {lines} that it has")),
+            Halt::Stop => Some(format!(
+                "no further line is sent; the control carries out the {lines} that it has not answered and up to {} in its planner",
+                self.planned
+            )),
             Halt::Hold => {
                 wire.push_urgent(HOLD);
                 Some(format!(
-                    "the axes stop, the spindle turns; {lines} lines stay in the control and go on with cycle start (~)"
+                    "the axes stop, the spindle turns; {lines} lines that were not answered and up to {} in the planner stay in the control and go on with cycle start (~)",
+                    self.planned
                 ))
             }
             Halt::Abort => {

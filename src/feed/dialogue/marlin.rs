@@ -127,6 +127,9 @@ impl Marlin {
         } else if self.current > self.taken && self.last_line.is_none_or(|last| self.current <= last) {
             self.taken = self.current;
             events.push(Event::Acknowledged(self.current));
+        } else if self.last_line.is_some_and(|last| self.current > last) && self.taken > 0 {
+            // The answer to the wait for all moves.
+            events.push(Event::Executed(self.taken));
         }
         self.current += 1;
         self.push(now, wire);
@@ -165,6 +168,10 @@ impl Marlin {
             self.lost("the control was reset", events);
         } else if text.contains("kill() called") || text.contains("Printer halted") || text == "!!" {
             self.lost(&format!("the control has stopped itself: {text}"), events);
+        } else if text.starts_with("echo:Unknown command") && self.is_under_way && self.state != State::Opening {
+            // It would pass over a zero offset or a tool length and go on.
+            self.state = State::Over;
+            events.push(Event::Refused(self.current, text.to_owned()));
         } else if !text.is_empty() && !text.contains("busy:") {
             events.push(Event::Said(text.to_owned()));
         }
