@@ -132,7 +132,7 @@ fn start(shop: &Shop, arguments: &[&str]) -> Child {
 fn corrected(shop: &Shop, name: &str, arguments: &[&str]) -> Vec<String> {
     let mut all = vec![name, "-o", "corrected.ngc"];
     all.extend(arguments);
-    let run = shop.run(&all);
+    let run = shop.run(all);
     assert_eq!(run.code, 0, "{run:?}");
     let text = shop.text("corrected.ngc");
     let lines = text.lines().map(|line| line.split(" (").next().unwrap().trim().to_owned());
@@ -144,7 +144,7 @@ fn a_program_goes_to_the_control_as_it_would_go_into_a_file() {
     let bench = grbl(0.0002);
     let shop = Shop::new().file("part.ngc", passes(12));
     let mill = machine("knee_mill");
-    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name, "--json"]);
+    let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name, "--json"]);
     assert_eq!(run.code, 0, "{run:?}");
     let planned = corrected(&shop, "part.ngc", &["--machine", &mill]);
     assert_eq!(bench.executed(), planned);
@@ -156,7 +156,7 @@ fn a_program_goes_to_the_control_as_it_would_go_into_a_file() {
     assert_eq!((&end["acknowledged"], &forecast["lines"]), (&planned.len().into(), &planned.len().into()));
     assert!(shop.text("part.ngc.journal").contains(" E done"));
     // A journal of a job that is done gives way, and is kept.
-    let again = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
+    let again = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
     assert_eq!(again.code, 0, "{again:?}");
     assert!(shop.path("part.ngc.journal.old").exists());
     assert!(again.stderr.contains("acknowledged") && again.stderr.contains("lowest fill"), "{}", again.stderr);
@@ -168,16 +168,16 @@ fn what_the_link_cannot_take_is_found_before_anything_is_sent() {
     let profile = "name = \"short\"\nprotocol = \"grbl\"\n[text]\nlongest_line = 12\nrefused = \"?!~\"\n";
     let shop = Shop::new().file("part.ngc", passes(1)).file("short.toml", profile);
     let mill = machine("knee_mill");
-    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "short.toml", "--port", &bench.name]);
+    let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "short.toml", "--port", &bench.name]);
     assert_eq!(run.code, 4, "{run:?}");
     assert!(run.stderr.contains("E0701") && run.stderr.contains("characters"), "{}", run.stderr);
     assert!(bench.executed().is_empty() && !shop.path("part.ngc.journal").exists());
     // A program with a fault is not sent either, and all faults come up.
     let shop = Shop::new().file("bad.ngc", "G0 X1 Y1 Z1\nG1 X5\nG123\nX[1/0]\n");
-    let run = shop.run(&["feed", "bad.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
+    let run = shop.run(["feed", "bad.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
     assert!(matches!(run.code, 3 | 4), "{run:?}");
     assert!(bench.executed().is_empty());
-    let run = shop.run(&["feed", "bad.ngc", "--machine", &mill, "--link", "gerbil", "--port", &bench.name]);
+    let run = shop.run(["feed", "bad.ngc", "--machine", &mill, "--link", "gerbil", "--port", &bench.name]);
     assert!(run.code == 2 && run.stderr.contains("there is no link 'gerbil'"), "{run:?}");
 }
 
@@ -191,14 +191,14 @@ fn a_link_that_is_too_slow_is_refused_beforehand() {
     let mill = machine("knee_mill");
     let arguments =
         ["feed", "part.ngc", "--machine", &mill, "--link", "slow.toml", "--port", "/dev/ttyS0", "--dry-run"];
-    let run = shop.run(&arguments);
+    let run = shop.run(arguments);
     assert_eq!(run.code, 4, "{run:?}");
     assert!(run.stderr.contains("E0702") && run.stderr.contains("lines/s"), "{}", run.stderr);
-    let run = shop.run(&[&arguments[..], &["--allow-starvation"]].concat());
+    let run = shop.run([&arguments[..], &["--allow-starvation"]].concat());
     assert_eq!(run.code, 0, "{run:?}");
     assert!(run.stderr.contains("W0701") && run.stdout.contains("late"), "{run:?}");
     // Over a network it keeps up.
-    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", "tcp:x:1", "--dry-run"]);
+    let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", "tcp:x:1", "--dry-run"]);
     assert!(run.code == 0 && run.stdout.contains("keeps up"), "{run:?}");
 }
 
@@ -208,9 +208,9 @@ fn a_pseudo_terminal_says_what_it_does_not_take() {
     let odd = "name = \"odd\"\nprotocol = \"grbl\"\n[serial]\ndata_bits = 7\nparity = \"even\"\n[window]\nlines = 5\n";
     let shop = Shop::new().file("part.ngc", passes(1)).file("odd.toml", odd);
     let mill = machine("knee_mill");
-    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "odd.toml", "--port", &bench.name]);
+    let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "odd.toml", "--port", &bench.name]);
     assert!(run.code == 0 && run.stderr.contains("W0702") && run.stderr.contains("7E1"), "{run:?}");
-    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", "/dev/no-such-port"]);
+    let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", "/dev/no-such-port"]);
     assert!(run.code == 5 && run.stderr.contains("/dev/no-such-port"), "{run:?}");
 }
 
@@ -219,11 +219,11 @@ fn a_refusal_a_reset_and_a_cut_cable_have_their_status() {
     let mill = machine("knee_mill");
     let refusing = Bench::new(Grbl::new(&Faults { refuses: Some(30), ..Faults::default() }, 0.0005));
     let shop = Shop::new().file("part.ngc", passes(8));
-    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &refusing.name]);
+    let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &refusing.name]);
     assert!(run.code == 6 && run.stderr.contains("refused line 30"), "{run:?}");
     let resetting = Bench::new(Grbl::new(&Faults { reset_s: Some(0.8), ..Faults::default() }, 0.05));
     let shop = Shop::new().file("part.ngc", passes(8));
-    let run = shop.run(&["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &resetting.name]);
+    let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &resetting.name]);
     assert!(run.code == 6 && run.stderr.contains("the job is lost"), "{run:?}");
     let bench = Bench::at_tcp(Grbl::new(&Faults::default(), 0.02));
     let shop = Shop::new().file("part.ngc", passes(8));
@@ -283,10 +283,10 @@ fn the_journal_of_a_broken_job_is_not_overwritten() {
     signal(&child, "KILL");
     child.wait().unwrap();
     let before = shop.bytes("part.ngc.journal");
-    let run = shop.run(&arguments);
+    let run = shop.run(arguments);
     assert!(run.code == 4 && run.stderr.contains("E0703"), "{run:?}");
     assert_eq!(shop.bytes("part.ngc.journal"), before);
-    let run = shop.run(&[&arguments[..], &["--journal", "part.ngc"]].concat());
+    let run = shop.run([&arguments[..], &["--journal", "part.ngc"]].concat());
     assert!(run.code == 4 && run.stderr.contains("no journal"), "{run:?}");
 }
 
@@ -303,7 +303,7 @@ fn killed(shop: &Shop, bench: &Bench, mill: &str, after: usize) -> serde_json::V
         count = bench.executed().len();
         thread::sleep(Duration::from_millis(200));
     }
-    let run = shop.run(&["resume", "part.ngc.journal", "--json"]);
+    let run = shop.run(["resume", "part.ngc.journal", "--json"]);
     assert_eq!(run.code, 0, "{run:?}");
     serde_json::from_str(&run.stdout).unwrap()
 }
@@ -320,9 +320,9 @@ fn a_killed_job_is_taken_up_again_above_the_part_and_leaves_nothing_out() {
         let [sure, sent] = ["executed", "sent"].map(|key| plan[key].as_u64().unwrap() as usize);
         assert!(sure <= first.len() && first.len() <= sent, "{sure} {} {sent}", first.len());
         let number = plan["plan"].as_str().unwrap();
-        let wrong = shop.run(&["resume", "part.ngc.journal", "--confirm", "000000000000"]);
+        let wrong = shop.run(["resume", "part.ngc.journal", "--confirm", "000000000000"]);
         assert!(wrong.code == 2 && bench.executed() == first, "{wrong:?}");
-        let run = shop.run(&["resume", "part.ngc.journal", "--confirm", number]);
+        let run = shop.run(["resume", "part.ngc.journal", "--confirm", number]);
         assert_eq!(run.code, 0, "{run:?}");
         let all = bench.executed();
         let second = &all[first.len()..];
@@ -351,7 +351,7 @@ fn what_has_changed_is_not_taken_up_again() {
     killed(&shop, &bench, &mill, 60);
     let count = bench.executed().len();
     std::fs::write(shop.path("part.ngc"), passes(20).replace("S2000", "S2100")).unwrap();
-    let run = shop.run(&["resume", "part.ngc.journal"]);
+    let run = shop.run(["resume", "part.ngc.journal"]);
     assert!(run.code == 4 && run.stderr.contains("E0704") && run.stderr.contains("the program"), "{run:?}");
     assert_eq!(bench.executed().len(), count);
 }
@@ -386,7 +386,7 @@ fn a_head_that_warms_up_is_followed_in_doses() {
         .file("mill.toml", warm_mill());
     let arguments =
         ["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--port", &bench.name, "--sensors", "s.toml"];
-    let run = shop.run(&[&arguments[..], &["--every", "0.1", "--warn-shift", "5um", "--json"]].concat());
+    let run = shop.run([&arguments[..], &["--every", "0.1", "--warn-shift", "5um", "--json"]].concat());
     assert_eq!(run.code, 0, "{run:?}");
     assert!(run.stdout.contains("\"event\":\"shift\""), "{run:?}");
     let executed = bench.executed();
@@ -413,7 +413,7 @@ fn a_head_that_warms_up_is_followed_in_doses() {
     let bench = grbl(0.01);
     let arguments =
         ["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--port", &bench.name, "--sensors", "s.toml"];
-    let run = shop.run(&[&arguments[..], &["--every", "0.1", "--rapids-only", "--zero-now"]].concat());
+    let run = shop.run([&arguments[..], &["--every", "0.1", "--rapids-only", "--zero-now"]].concat());
     assert_eq!(run.code, 0, "{run:?}");
     let added = added_um(&shop.text("part.ngc.journal"), &bench.executed());
     let steps = added.windows(2).filter(|pair| pair[1].1.starts_with("G1") && pair[0].0 != pair[1].0).count();
@@ -422,7 +422,7 @@ fn a_head_that_warms_up_is_followed_in_doses() {
     let bench = grbl(0.01);
     let arguments =
         ["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--port", &bench.name, "--sensors", "s.toml"];
-    let run = shop.run(&[&arguments[..], &["--every", "0.1", "--max-shift", "4um"]].concat());
+    let run = shop.run([&arguments[..], &["--every", "0.1", "--max-shift", "4um"]].concat());
     assert!(run.code == 4 && run.stderr.contains("--max-shift"), "{run:?}");
 }
 
@@ -458,6 +458,6 @@ fn a_sensor_that_falls_silent_is_held_and_then_ends_the_job() {
         .file("part.ngc", passes(1))
         .file("s.toml", sensors.replace("T_head", "T_bed"))
         .file("mill.toml", warm_mill());
-    let run = shop.run(&arguments);
+    let run = shop.run(arguments);
     assert!(run.code == 4 && run.stderr.contains("E0501"), "{run:?}");
 }
