@@ -356,6 +356,31 @@ fn what_has_changed_is_not_taken_up_again() {
     assert_eq!(bench.executed().len(), count);
 }
 
+#[test]
+fn another_link_other_sensors_and_a_lost_zero_are_not_taken_up_again() {
+    let bench = grbl(0.01);
+    let profile = "name = \"own\"\nprotocol = \"grbl\"\n[window]\nlines = 5\n";
+    let sensors = "[source.log]\nkind = \"replay\"\npath = \"warm.csv\"\n[channel.T_head]\nsource = \"log\"\n";
+    let shop = Shop::new()
+        .file("part.ngc", passes(20))
+        .file("own.toml", profile)
+        .file("warm.csv", "t_s,T_head_C\n0,20\n600,21\n")
+        .file("s.toml", sensors)
+        .file("mill.toml", warm_mill());
+    let arguments = ["feed", "part.ngc", "--machine", "mill.toml", "--link", "own.toml", "--port", &bench.name];
+    let mut child = start(&shop, &[&arguments[..], &["--sensors", "s.toml", "--zero-now"]].concat());
+    bench.wait_for(30);
+    signal(&child, "KILL");
+    child.wait().unwrap();
+    let run = shop.run(["resume", "part.ngc.journal"]);
+    assert!(run.code == 4 && run.stderr.matches("E0704").count() == 1 && run.stderr.contains("--zero-now"), "{run:?}");
+    std::fs::write(shop.path("own.toml"), profile.replace('5', "6")).unwrap();
+    std::fs::write(shop.path("s.toml"), format!("{sensors}range_C = [0, 50]\n")).unwrap();
+    let run = shop.run(["resume", "part.ngc.journal"]);
+    assert!(run.code == 4 && run.stderr.matches("E0704").count() == 3, "{run:?}");
+    assert!(run.stderr.contains("profile of the link") && run.stderr.contains("file of the sensors"), "{run:?}");
+}
+
 /// The knee mill with a head that grows by 3 µm/K downwards.
 fn warm_mill() -> String {
     let text = std::fs::read_to_string(machine("knee_mill")).unwrap();
@@ -424,6 +449,9 @@ fn a_head_that_warms_up_is_followed_in_doses() {
         ["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--port", &bench.name, "--sensors", "s.toml"];
     let run = shop.run([&arguments[..], &["--every", "0.1", "--max-shift", "4um"]].concat());
     assert!(run.code == 4 && run.stderr.contains("--max-shift"), "{run:?}");
+    // No line is cut in two: all that were sent were carried out.
+    let journal = shop.text("part.ngc.journal");
+    assert_eq!(journal.lines().filter(|line| line.split(' ').nth(1) == Some("F")).count(), bench.executed().len());
 }
 
 #[test]

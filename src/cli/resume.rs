@@ -44,6 +44,11 @@ pub(super) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop> {
         return Ok(findings.exit_code());
     };
     check_same(&told, &job, &before, &mut findings);
+    if feed.dosing.zero_now {
+        let message = "drift counts from the condition in which the job began (--zero-now), which is gone";
+        let help = "set the zero point of the workpiece anew, and feed what is left as a job of its own";
+        findings.add(Diagnostic::nowhere(Code::OTHER_JOB, message, help), &[]);
+    }
     if findings.has_errors() {
         findings.draw();
         tell(&format!("{}; nothing was sent\n", findings.count()));
@@ -98,7 +103,8 @@ fn check_same(told: &Told, job: &Job, before: &Before, findings: &mut Findings) 
         ("the program, or one that it calls,", first("program"), before.program.as_str()),
         ("the machine file", first("machine"), job.chosen.hash.as_str()),
         ("the state of the machine", first("state"), state.as_str()),
-        ("the link", head(told, "link").to_owned(), job.profile.name.as_str()),
+        ("the profile of the link", first("link"), job.link_hash.as_str()),
+        ("the file of the sensors", first("sensors"), job.sensors_hash.as_str()),
         ("the version of ncfix", first("version"), env!("CARGO_PKG_VERSION")),
     ] {
         if was != is {

@@ -97,7 +97,7 @@ pub enum Ended {
     Lost(String),
     /// The control has refused a line: its number and what the control said.
     Refused(u64, String),
-    /// The next line may not be sent: why. What was sent before is under way.
+    /// The next line may not be sent: why. What was sent before is acknowledged, or has left.
     Fault(String),
 }
 
@@ -142,6 +142,8 @@ pub struct Sender<'a> {
     is_supplied: bool,
     is_stopped: bool,
     is_closed: bool,
+    /// Why no further line may be sent.
+    fault: Option<String>,
     ended: Option<Ended>,
     progress: Progress,
     events: Vec<Event>,
@@ -161,6 +163,7 @@ impl<'a> Sender<'a> {
             is_supplied: false,
             is_stopped: false,
             is_closed: false,
+            fault: None,
             ended: None,
             progress: Progress::default(),
             events: Vec::new(),
@@ -220,7 +223,8 @@ impl<'a> Sender<'a> {
         self.progress.in_flight = self.dialogue.in_flight();
         self.progress.bytes = self.wire.sent();
         if self.ended.is_none() && self.is_closed && self.wire.is_empty() && self.dialogue.is_done(&self.wire) {
-            self.ended = Some(if self.is_stopped { Ended::Stopped } else { Ended::Done });
+            let by_person = if self.is_stopped { Ended::Stopped } else { Ended::Done };
+            self.ended = Some(self.fault.take().map_or(by_person, Ended::Fault));
         }
         Ok(self.ended.clone())
     }
@@ -273,6 +277,12 @@ impl<'a> Sender<'a> {
         Ok(())
     }
 
+    /// No further line may be sent. Those before it run out: a line that has begun to leave is not cut in two.
+    fn stop_for(&mut self, why: String) {
+        self.fault.get_or_insert(why);
+        self.is_stopped = true;
+    }
+
     /// Freezes lines as long as the window has room.
     fn fill(&mut self, now: Duration, supply: &mut dyn Supply) -> io::Result<()> {
         while self.dialogue.is_open() && !self.is_closed {
@@ -292,8 +302,8 @@ impl<'a> Sender<'a> {
                         continue;
                     }
                     Supplied::Fault(why) => {
-                        self.ended = Some(Ended::Fault(why));
-                        break;
+                        self.stop_for(why);
+                        continue;
                     }
                 },
             };
@@ -303,8 +313,8 @@ impl<'a> Sender<'a> {
             }
             self.record.frozen(&line, now)?;
             if let Err(why) = self.dialogue.send(&line, now, &mut self.wire) {
-                self.ended = Some(Ended::Fault(format!("line {} cannot be sent: {why}", line.number)));
-                break;
+                self.stop_for(format!("line {} cannot be sent: {why}", line.number));
+                continue;
             }
             self.progress.sent = line.number;
             self.progress.last = line;

@@ -63,17 +63,26 @@ pub(super) fn check(path: &Path, findings: &mut Findings) -> Result<(), Stop> {
     Ok(())
 }
 
+/// A name beside a journal that no file has.
+fn kept(path: &Path) -> PathBuf {
+    let name = |number: Option<u32>| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(".old");
+        name.push(number.map_or(String::new(), |number| number.to_string()));
+        PathBuf::from(name)
+    };
+    std::iter::once(None).chain((1..).map(Some)).map(name).find(|name| !name.exists()).unwrap_or_else(|| name(None))
+}
+
 impl Book {
-    /// Begins a journal, in place of that of a job that is done, which is kept as `….old`.
+    /// Begins a journal, in place of that of a job that is done or taken up again, which is kept as `….old`, `….old1` ….
     ///
     /// # Errors
     /// Where it cannot be written.
     pub(super) fn create(path: &Path) -> Result<Book, Stop> {
         let fault = |error: &io::Error| Stop::file("write", path, error);
         if path.exists() {
-            let mut old = path.as_os_str().to_owned();
-            old.push(".old");
-            std::fs::rename(path, PathBuf::from(old)).map_err(|error| fault(&error))?;
+            std::fs::rename(path, kept(path)).map_err(|error| fault(&error))?;
         }
         let file = OpenOptions::new().append(true).create_new(true).open(path).map_err(|error| fault(&error))?;
         // As long as it is held nobody takes the job up again.

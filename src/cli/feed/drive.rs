@@ -65,9 +65,7 @@ pub(super) fn run(
     let thermal = match panel {
         Some(panel) => {
             let thermal = Thermal::start(&job, panel, arguments.dosing.every, arguments.dosing.zero_now, started);
-            if let Some(code) = wait_for_sensors(&thermal, &keys, &mut show, started)? {
-                return Ok(code);
-            }
+            wait_for_sensors(&thermal, &keys, &mut show, started)?;
             thermal
         }
         None => Thermal::default(),
@@ -131,7 +129,8 @@ fn head(arguments: &FeedArguments, job: &Job, before: &Before, begin: &Begin) ->
         ("program", format!("{} {}", before.program, arguments.input.display())),
         ("machine", format!("{} {}", job.chosen.hash, job.chosen.machine.name)),
         ("state", job.chosen.state.clone().unwrap_or_default()),
-        ("link", job.profile.name.clone()),
+        ("link", format!("{} {}", job.link_hash, job.profile.name)),
+        ("sensors", job.sensors_hash.clone()),
         ("port", arguments.port.clone().unwrap_or_default()),
         ("lines", before.lines.to_string()),
     ];
@@ -166,17 +165,12 @@ impl Keys {
     }
 }
 
-/// Waits until every sensor has said something; a status where the job ends before.
-fn wait_for_sensors(
-    thermal: &Thermal,
-    keys: &Keys,
-    show: &mut Show,
-    started: Instant,
-) -> Result<Option<ExitCode>, Stop> {
+/// Waits until every sensor has said something.
+fn wait_for_sensors(thermal: &Thermal, keys: &Keys, show: &mut Show, started: Instant) -> Result<(), Stop> {
     loop {
         let (standing, _) = thermal.standing();
         let said = match standing {
-            Standing::Good if thermal.now().model.is_some() => return Ok(None),
+            Standing::Good if thermal.now().model.is_some() => return Ok(()),
             Standing::Good => "reading temperatures".to_owned(),
             Standing::Waiting(names) => format!("waiting for the first reading of {names}"),
             Standing::Frozen(why) | Standing::Stop(why) | Standing::Hold(why) => {
@@ -317,24 +311,23 @@ impl Drive<'_> {
         let left_s = (self.before.motion_s - supply.busy_s).max(0.0);
         // What is sent is nearly what is done; it is as slow as it has been.
         let pace = if supply.busy_s > 0.0 { (elapsed_s / supply.busy_s).max(1.0) } else { 1.0 };
-        let [word, message] = match ended {
-            None => [None, None],
-            Some(Ended::Done) => [Some("done"), None],
-            Some(Ended::Stopped) => [Some("stopped"), self.halted.as_ref().map(|(_, _, said)| said.as_str())],
-            Some(Ended::Lost(why)) => [Some(if self.halted.is_some() { "held" } else { "lost" }), Some(why.as_str())],
-            Some(Ended::Refused(_, said)) => [Some("refused"), Some(said.as_str())],
-            Some(Ended::Fault(why)) => [Some("fault"), Some(why.as_str())],
-        }
-        .map(|text| text.map(str::to_owned));
-        let message = match (ended, message) {
-            (Some(Ended::Refused(number, _)), Some(said)) => Some(format!(
-                "the control has refused line {number}: {said}; lines behind it that it has may still run"
-            )),
-            (Some(Ended::Lost(_)), Some(why)) if self.halted.is_none() => Some(format!(
-                "the job is lost: {why}; {} lines were sent and not acknowledged, and may have been carried out or not",
-                progress.sent.saturating_sub(progress.acknowledged.max(progress.left))
-            )),
-            (_, message) => message,
+        let (word, message) = match ended {
+            None => (None, None),
+            Some(Ended::Done) => (Some("done"), None),
+            Some(Ended::Stopped) => (Some("stopped"), self.halted.as_ref().map(|(_, _, said)| said.clone())),
+            Some(Ended::Lost(why)) if self.halted.is_some() => (Some("held"), Some(why.clone())),
+            Some(Ended::Lost(why)) => {
+                let open = progress.sent.saturating_sub(progress.acknowledged.max(progress.left));
+                let what = "lines were sent and not acknowledged, and may have been carried out or not";
+                (Some("lost"), Some(format!("the job is lost: {why}; {open} {what}")))
+            }
+            Some(Ended::Refused(number, said)) => {
+                let rest = "lines behind it that it has may still run";
+                (Some("refused"), Some(format!("the control has refused line {number}: {said}; {rest}")))
+            }
+            Some(Ended::Fault(why)) => {
+                (Some("fault"), Some(format!("no further line was sent: {why}; what was sent before has run out")))
+            }
         };
         Status {
             schema: 1,
@@ -363,15 +356,7 @@ impl Drive<'_> {
             },
             eta_s: ended.is_none().then_some(left_s * pace),
             delay_us: self.meter.microseconds(),
-            ended: match word.as_deref() {
-                Some("done") => Some("done"),
-                Some("stopped") => Some("stopped"),
-                Some("held") => Some("held"),
-                Some("refused") => Some("refused"),
-                Some("fault") => Some("fault"),
-                Some(_) => Some("lost"),
-                None => None,
-            },
+            ended: word,
             message,
             source_line: progress.last.source_line,
         }

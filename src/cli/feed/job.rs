@@ -6,7 +6,7 @@ use crate::cli::arguments::FeedArguments;
 use crate::cli::findings::Findings;
 use crate::cli::fix::corrected_before;
 use crate::cli::input;
-use crate::cli::machine_choice::{self, Chosen};
+use crate::cli::machine_choice::{self, Chosen, short_hash};
 use crate::cli::program::{self, Opened};
 use crate::cli::state;
 use crate::cli::stop::Stop;
@@ -23,6 +23,9 @@ pub(in crate::cli) struct Job {
     pub(in crate::cli) source: Source,
     pub(in crate::cli) chosen: Chosen,
     pub(in crate::cli) profile: Profile,
+    /// Hash of the profile's text, and of the file of the sensors.
+    pub(in crate::cli) link_hash: String,
+    pub(in crate::cli) sensors_hash: String,
     pub(in crate::cli) writing: Writing,
     pub(in crate::cli) dialect: &'static Dialect,
     pub(in crate::cli) settings: Settings,
@@ -34,7 +37,11 @@ impl Job {
     /// # Errors
     /// Where a file cannot be read, or the program cannot be written.
     pub(in crate::cli) fn new(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<Job>, Stop> {
-        let profile = profile(&arguments.link, findings)?;
+        let (profile, link_hash) = profile(&arguments.link, findings)?;
+        let sensors_hash = match &arguments.sensors {
+            Some(path) => short_hash([input::read(path, FileId(0))?.bytes()]),
+            None => String::new(),
+        };
         let source = program::read(&arguments.input)?;
         let Some(mut chosen) = machine_choice::choose(&arguments.machine, &arguments.input, findings)? else {
             return Ok(None);
@@ -67,7 +74,7 @@ impl Job {
             rapids_only: arguments.dosing.rapids_only,
             is_upper_case: profile.is_upper_case,
         };
-        Ok(Some(Job { source, chosen, profile, writing, settings, dialect: opened.dialect }))
+        Ok(Some(Job { source, chosen, profile, link_hash, sensors_hash, writing, settings, dialect: opened.dialect }))
     }
 
     /// The program once more from its beginning.
@@ -80,8 +87,8 @@ impl Job {
     }
 }
 
-/// A profile that is shipped, or that of a file.
-fn profile(link: &str, findings: &mut Findings) -> Result<Option<Profile>, Stop> {
+/// A profile that is shipped, or that of a file, and the hash of its text.
+fn profile(link: &str, findings: &mut Findings) -> Result<(Option<Profile>, String), Stop> {
     let shipped = PROFILES.iter().find(|(name, _)| name.eq_ignore_ascii_case(link));
     let source = match shipped {
         Some((name, text)) => Source::new(FileId(0), name, text.as_bytes().to_vec())
@@ -97,11 +104,12 @@ fn profile(link: &str, findings: &mut Findings) -> Result<Option<Profile>, Stop>
             )));
         }
     };
+    let hash = short_hash([source.bytes()]);
     match Profile::read(&source) {
-        Ok(profile) => Ok(Some(profile)),
+        Ok(profile) => Ok((Some(profile), hash)),
         Err(found) => {
             findings.extend(found, &[source]);
-            Ok(None)
+            Ok((None, hash))
         }
     }
 }

@@ -110,7 +110,7 @@ impl Watch {
         let age = self.panel.channels().filter_map(|reading| reading.age).max();
         let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
         // What was good stays in force as long as something is in doubt.
-        shared.now.is_frozen = matches!(standing, Standing::Frozen(_));
+        shared.now.is_frozen = standing != Standing::Good;
         if model.is_some() {
             shared.now.model = model;
         }
