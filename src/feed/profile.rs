@@ -15,6 +15,7 @@ use super::dialogue::PROTOCOLS;
 pub const PROFILES: &[(&str, &str)] = &[
     ("fanuc-rs232", include_str!("../../links/fanuc-rs232.toml")),
     ("grbl", include_str!("../../links/grbl.toml")),
+    ("grblhal", include_str!("../../links/grblhal.toml")),
     ("grundig-v24", include_str!("../../links/grundig-v24.toml")),
     ("haas", include_str!("../../links/haas.toml")),
     ("heidenhain-fe1", include_str!("../../links/heidenhain-fe1.toml")),

@@ -53,6 +53,9 @@ pub enum Supplied {
 pub trait Supply {
     /// The next line; never waits.
     fn next(&mut self) -> Supplied;
+
+    /// Nothing waits now: time for what takes time before the next line.
+    fn look_ahead(&mut self) {}
 }
 
 /// Where it is written down what happens.
@@ -219,6 +222,7 @@ impl<'a> Sender<'a> {
             }
         }
         self.record.settle()?;
+        supply.look_ahead();
         self.record.tick(now)?;
         self.progress.in_flight = self.dialogue.in_flight();
         self.progress.bytes = self.wire.sent();
@@ -246,6 +250,9 @@ impl<'a> Sender<'a> {
                 break;
             }
             self.dialogue.hear(heard, now, &mut self.wire, &mut self.events);
+            if count < CHUNK {
+                break;
+            }
         }
         Ok(())
     }
@@ -326,6 +333,10 @@ impl<'a> Sender<'a> {
     }
 
     fn write(&mut self, port: &mut dyn Port) -> io::Result<()> {
+        // To ask the system costs as much as to write.
+        if self.wire.is_empty() && self.wire.queued() == 0 {
+            return Ok(());
+        }
         loop {
             let queued = port.queued().unwrap_or(0);
             self.wire.queue(queued);
@@ -339,6 +350,9 @@ impl<'a> Sender<'a> {
                 return Ok(());
             }
             self.wire.took(count);
+            if self.wire.next(1).is_empty() {
+                return Ok(());
+            }
         }
     }
 }

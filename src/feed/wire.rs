@@ -57,6 +57,8 @@ impl Wire {
         let count = count.min(queue.len());
         queue.drain(..count);
         self.sent += count as u64;
+        // Until the system says otherwise.
+        self.queued += count;
     }
 
     /// Bytes of lines that the port has not taken.
@@ -88,6 +90,12 @@ impl Wire {
     /// Notes how many of the bytes that the port has taken wait in the queue of the system.
     pub fn queue(&mut self, count: usize) {
         self.queued = count;
+    }
+
+    /// Bytes that wait in the queue of the system: what it said, and what it has taken since.
+    #[must_use]
+    pub fn queued(&self) -> usize {
+        self.queued
     }
 
     /// Bytes that have left the queue of the system, as far as it tells of it.

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError};
+use std::time::{Duration, Instant};
 
 use crate::cli::arguments::FeedArguments;
 use crate::cli::program::{Opened, Running};
@@ -17,16 +18,20 @@ use crate::units::um_from_mm;
 use super::job::Job;
 use super::thermal::Thermal;
 
-/// Outputs that are made beforehand: enough to cover the longest search for an arc, few enough to forget quickly.
-pub(super) const AHEAD: usize = 256;
+/// Batches that are made beforehand: enough to cover the longest search for an arc, few enough to forget quickly.
+pub(super) const AHEAD: usize = 4;
+/// Outputs of a batch: to wake the other thread for each costs more than to make it.
+const BATCH: usize = 64;
+/// What was made waits no longer than this for others.
+const BATCH_WITHIN: Duration = Duration::from_millis(1);
 
 /// Elements that are passed over in one go.
 const MOST_PASSED: usize = 256;
 
 /// What the thread hands over.
 pub(super) enum Made {
-    /// The next output of the first step.
-    Output(Box<Output>),
+    /// The next outputs of the first step.
+    Outputs(Vec<Output>),
     /// It has failed where the survey had not.
     Fault(String),
     /// The program has ended.
@@ -37,23 +42,37 @@ pub(super) enum Made {
 pub(super) fn produce(arguments: &FeedArguments, job: &Job, model: &Model, opened: Opened, to: &SyncSender<Made>) {
     let machine = &job.chosen.machine;
     let running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All).silent();
+    let mut last = Made::End;
+    let mut batch = Vec::with_capacity(BATCH);
+    let mut begun = Instant::now();
     for output in Corrector::new(running, machine, model, job.writing.options.clone()) {
-        let made = match output {
-            Ok(output) => Made::Output(Box::new(output)),
-            Err(finding) if finding.is_error() => Made::Fault(finding.message),
+        match output {
+            Ok(output) => batch.push(output),
+            Err(finding) if finding.is_error() => {
+                last = Made::Fault(finding.message);
+                break;
+            }
             Err(_) => continue,
-        };
-        if to.send(made).is_err() {
-            return;
+        }
+        if batch.len() >= BATCH || begun.elapsed() > BATCH_WITHIN {
+            let full = std::mem::replace(&mut batch, Vec::with_capacity(BATCH));
+            if to.send(Made::Outputs(full)).is_err() {
+                return;
+            }
+            begun = Instant::now();
         }
     }
     // Nobody left to hear it is no fault.
-    let _ = to.send(Made::End);
+    let _ = to.send(Made::Outputs(batch));
+    let _ = to.send(last);
 }
 
 /// The lines of a job.
 pub(super) struct Source<'a> {
     made: Receiver<Made>,
+    batch: std::vec::IntoIter<Output>,
+    /// How the execution ended, behind the last batch.
+    ended: Option<Result<(), String>>,
     lines: Lines<'a>,
     thermal: &'a Thermal,
     /// Elements that are taken without being sent, up to this one.
@@ -84,6 +103,8 @@ impl<'a> Source<'a> {
         let line = |text: &String| Line { text: text.clone().into_bytes(), element: skip, ..Line::default() };
         Source {
             made,
+            batch: Vec::new().into_iter(),
+            ended: None,
             lines,
             thermal,
             skip,
@@ -135,6 +156,22 @@ impl<'a> Source<'a> {
 }
 
 impl Source<'_> {
+    /// Looks for the next batch.
+    fn receive(&mut self) {
+        if self.batch.len() > 0 || self.ended.is_some() {
+            return;
+        }
+        match self.made.try_recv() {
+            Ok(Made::Outputs(batch)) => self.batch = batch.into_iter(),
+            Ok(Made::Fault(why)) => self.ended = Some(Err(why)),
+            Ok(Made::End) => self.ended = Some(Ok(())),
+            Err(TryRecvError::Empty) => {}
+            Err(TryRecvError::Disconnected) => {
+                self.ended = Some(Err("the execution of the program has broken off".into()));
+            }
+        }
+    }
+
     /// The next line that is to be sent.
     fn advance(&mut self) -> Supplied {
         // What is passed over takes time too, and somebody may press a key meanwhile.
@@ -147,23 +184,23 @@ impl Source<'_> {
             if self.is_over {
                 return Supplied::End;
             }
-            match self.made.try_recv() {
-                Ok(Made::Output(output)) => {
-                    self.passed += 1;
-                    // What is passed over is not dosed: the first way that is sent begins without.
-                    let now = if self.passed > self.skip { self.thermal.now() } else { Now::default() };
-                    if let Err(finding) = self.lines.take(*output, now.model.as_ref(), now.is_frozen) {
-                        return Supplied::Fault(finding.message);
-                    }
+            if let Some(output) = self.batch.next() {
+                self.passed += 1;
+                // What is passed over is not dosed: the first way that is sent begins without.
+                let now = if self.passed > self.skip { self.thermal.now() } else { Now::default() };
+                if let Err(finding) = self.lines.take(output, now.model.as_ref(), now.is_frozen) {
+                    return Supplied::Fault(finding.message);
                 }
-                Ok(Made::Fault(why)) => return Supplied::Fault(why),
-                Ok(Made::End) => {
+                continue;
+            }
+            self.receive();
+            match &self.ended {
+                None if self.batch.len() == 0 => return Supplied::NotYet,
+                None => {}
+                Some(Err(why)) => return Supplied::Fault(why.clone()),
+                Some(Ok(())) => {
                     self.lines.finish();
                     self.is_over = true;
-                }
-                Err(TryRecvError::Empty) => return Supplied::NotYet,
-                Err(TryRecvError::Disconnected) => {
-                    return Supplied::Fault("the execution of the program has broken off".into());
                 }
             }
         }
@@ -183,6 +220,10 @@ impl Supply for Source<'_> {
             }
             None => self.supply(line),
         }
+    }
+
+    fn look_ahead(&mut self) {
+        self.receive();
     }
 }
 
