@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Feeds a job of several hundred lines to the simulator of LinuxCNC over linuxcncrsh and reads back where its axes are.
-# Ends well where LinuxCNC is not there and cannot be installed. Usage: tests/real/linuxcnc.sh [release|debug]
+# Ends well where LinuxCNC is not there and cannot be installed. Usage: tests/real/linuxcnc.sh [release|debug]; NCFIX_BIN: a program that is built already.
 # NCFIX_FEED: another program to feed with, called with the name of the link, the port and the file.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -29,8 +29,11 @@ feed() {
     fi
 }
 if [ -z "${NCFIX_FEED:-}" ]; then
-    if [ "$profile" = release ]; then cargo build --locked --release --quiet; else cargo build --locked --quiet; fi
-    ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
+    ncfix=${NCFIX_BIN:-}
+    if [ -z "$ncfix" ]; then
+        if [ "$profile" = release ]; then cargo build --locked --release --quiet; else cargo build --locked --quiet; fi
+        ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
+    fi
     if ! "$ncfix" --help | grep -qE "^ +feed "; then
         echo "not run: this ncfix cannot feed"
         exit 0

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Reads messages of a mosquitto broker with `ncfix sensors --watch`. Ends well where it is not there and cannot be installed.
-# Usage: tests/real/mosquitto.sh [release|debug]
+# Usage: tests/real/mosquitto.sh [release|debug]; NCFIX_BIN: a program that is built already.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 profile=${1:-debug}
@@ -19,8 +19,11 @@ if ! has_mosquitto; then
     echo "not compared: mosquitto (Debian packages mosquitto, mosquitto-clients) is not installed here and cannot be"
     exit 0
 fi
-if [ "$profile" = release ]; then cargo build --locked --release --quiet; else cargo build --locked --quiet; fi
-ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
+ncfix=${NCFIX_BIN:-}
+if [ -z "$ncfix" ]; then
+    if [ "$profile" = release ]; then cargo build --locked --release --quiet; else cargo build --locked --quiet; fi
+    ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
+fi
 
 port=18883
 printf 'ncfix:secret\n' >"$folder/passwords"

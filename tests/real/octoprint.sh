@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Feeds OctoPrint's virtual printer (Marlin) over a pseudo-terminal, with the errors that it can simulate: what it carries out is what was planned.
-# Ends well where it cannot be installed. Usage: tests/real/octoprint.sh [release|debug]
+# Ends well where it cannot be installed. Usage: tests/real/octoprint.sh [release|debug]; NCFIX_BIN: a program that is built already.
 # NCFIX_FEED: another program to feed with, called with the name of the link, the port and the file. NCFIX_OCTOPRINT: a folder with its environment.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -33,8 +33,11 @@ feed() {
     fi
 }
 if [ -z "${NCFIX_FEED:-}" ]; then
-    if [ "$profile" = release ]; then cargo build --locked --release --quiet; else cargo build --locked --quiet; fi
-    ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
+    ncfix=${NCFIX_BIN:-}
+    if [ -z "$ncfix" ]; then
+        if [ "$profile" = release ]; then cargo build --locked --release --quiet; else cargo build --locked --quiet; fi
+        ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
+    fi
     if ! "$ncfix" --help | grep -qE "^ +feed "; then
         echo "not run: this ncfix cannot feed"
         exit 0
@@ -45,7 +48,7 @@ for k in $(seq 300); do echo "G1 X$((k % 90)).$((k % 10)) Y$((k * 7 % 90)) F6000
 
 job() {
     echo "== $1"
-    rm -f "$folder/port" "$folder"/*.journal*
+    rm -f "$folder/port" "$folder/ready" "$folder"/*.journal*
     "$venv/bin/python" tests/real/virtual_printer.py "$folder/port" "$2" "$folder/record" >"$folder/ready" &
     printer=$!
     for _ in $(seq 100); do

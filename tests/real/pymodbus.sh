@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Reads a Modbus server of pymodbus with `ncfix sensors --watch`. Ends well where it is not there and cannot be installed.
-# Usage: tests/real/pymodbus.sh [release|debug]
+# Usage: tests/real/pymodbus.sh [release|debug]; NCFIX_BIN: a program that is built already.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 profile=${1:-debug}
@@ -17,8 +17,11 @@ if ! "$python" -c 'import pymodbus' 2>/dev/null; then
         exit 0
     fi
 fi
-if [ "$profile" = release ]; then cargo build --locked --release --quiet; else cargo build --locked --quiet; fi
-ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
+ncfix=${NCFIX_BIN:-}
+if [ -z "$ncfix" ]; then
+    if [ "$profile" = release ]; then cargo build --locked --release --quiet; else cargo build --locked --quiet; fi
+    ncfix="${CARGO_TARGET_DIR:-target}/$profile/ncfix"
+fi
 
 port=15502
 "$python" tests/real/modbus_server.py "$port" >"$folder/server.log" 2>&1 &
