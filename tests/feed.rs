@@ -296,7 +296,7 @@ fn linuxcnc_carries_out_one_line_after_the_other() {
                     || why.contains("somebody has broken it off") && faults.broken_off_s.is_some();
                 assert!(is_expected, "seed {seed}: {ended:?}");
             }
-            Ended::Stopped | Ended::Fault(_) => panic!("seed {seed}: {ended:?}"),
+            Ended::Stopped | Ended::Held(_) | Ended::Fault(_) => panic!("seed {seed}: {ended:?}"),
         }
         done += usize::from(ended == Ended::Done);
     }

@@ -346,7 +346,7 @@ reversal out of the model where there is none.";
 --increment where corrected numbers are too long.";
     STARVED = "E0702" "the link cannot keep up with the motion"
 "The control would stand still and wait for lines: the axes stop in mid-cut and leave marks. The finding says where, how many lines a second the motion
-needs there and how many the link gives. Choose a higher baud rate on both sides, a larger --tolerance (fewer lines), leave out numbers of blocks, or write the
+needs there and how many come. A link that takes line by line stops the axes at the end of each. Choose a higher baud rate on both sides, a larger --tolerance (fewer lines), leave out numbers of blocks, or write the
 program with `ncfix IN -o OUT` and load it into the control. --allow-starvation sends it all the same.";
     UNFINISHED_JOB = "E0703" "journal of an unfinished job"
 "The journal of this transfer is there already, and says that the job was broken off: lines were sent that may have been carried out or not. It is not

@@ -30,7 +30,7 @@ pub struct Stretch {
     pub starved_s: f64,
     /// Lines per second that the motion needs there.
     pub needed_per_s: f64,
-    /// Lines per second that the link gives there.
+    /// Lines per second that come there.
     pub given_per_s: f64,
 }
 
@@ -79,7 +79,6 @@ pub struct Forecaster {
 struct Open {
     stretch: Stretch,
     motion_s: f64,
-    link_s: f64,
 }
 
 impl Forecaster {
@@ -127,7 +126,7 @@ impl Forecaster {
             let lowest = self.forecast.lowest.get_or_insert(usize::MAX);
             *lowest = (*lowest).min(at_work);
         }
-        self.note(number, source_line, (starved_s, busy_s, takes_s));
+        self.note(number, source_line, (starved_s, busy_s));
         self.waiting.push_back((done_s, bytes));
         self.waiting_bytes += bytes;
         (self.link_s, self.control_s) = (there_s, done_s);
@@ -139,15 +138,16 @@ impl Forecaster {
         forecast.starved_s += starved_s;
     }
 
-    fn note(&mut self, number: u64, source_line: u32, (starved_s, busy_s, takes_s): (f64, f64, f64)) {
+    fn note(&mut self, number: u64, source_line: u32, (starved_s, busy_s): (f64, f64)) {
         let is_late = starved_s > UNNOTICED_S;
         if let Some(open) = &mut self.current {
             if number - open.stretch.lines[1] <= APART {
                 open.motion_s += busy_s;
-                open.link_s += takes_s;
                 if is_late {
                     open.stretch.lines[1] = number;
-                    open.stretch.source_lines[1] = source_line;
+                    // Loops and subprograms go back.
+                    let [first, last] = &mut open.stretch.source_lines;
+                    (*first, *last) = ((*first).min(source_line), (*last).max(source_line));
                     open.stretch.starved_s += starved_s;
                 }
                 return;
@@ -157,7 +157,7 @@ impl Forecaster {
         if is_late {
             let stretch =
                 Stretch { lines: [number; 2], source_lines: [source_line; 2], starved_s, ..Stretch::default() };
-            self.current = Some(Open { stretch, motion_s: busy_s, link_s: takes_s });
+            self.current = Some(Open { stretch, motion_s: busy_s });
         }
     }
 
@@ -166,7 +166,8 @@ impl Forecaster {
         let mut stretch = open.stretch;
         let count = (stretch.lines[1] - stretch.lines[0] + 1) as f64;
         let per_s = |seconds: f64| if seconds > 0.0 { count / seconds } else { f64::INFINITY };
-        (stretch.needed_per_s, stretch.given_per_s) = (per_s(open.motion_s), per_s(open.link_s));
+        (stretch.needed_per_s, stretch.given_per_s) =
+            (per_s(open.motion_s), per_s(open.motion_s + open.stretch.starved_s));
         let stretches = &mut self.forecast.stretches;
         let place = stretches.partition_point(|other| other.starved_s >= stretch.starved_s);
         stretches.insert(place, stretch);
@@ -224,5 +225,7 @@ mod tests {
         let link = Link { characters_per_s: f64::INFINITY, answer_s: 0.02, lines: 1, bytes: 512 };
         let found = forecast(link, 200, 20, 0.025);
         assert!((found.total_s - 200.0 * 0.045).abs() < 1e-6, "{found:?}");
+        let [stretch] = found.stretches.as_slice() else { panic!("{found:?}") };
+        assert!((stretch.needed_per_s - 40.0).abs() < 0.1 && (stretch.given_per_s - 22.2).abs() < 0.1, "{stretch:?}");
     }
 }

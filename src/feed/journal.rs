@@ -96,6 +96,7 @@ impl<S: Store> Journal<S> {
             Ended::Done => "done".to_owned(),
             Ended::Stopped => "stopped".to_owned(),
             Ended::Lost(why) => format!("lost: {why}"),
+            Ended::Held(why) => format!("held: {why}"),
             Ended::Fault(why) => format!("fault: {why}"),
             Ended::Refused(number, said) => format!("refused {number}: {said}"),
         };
@@ -139,8 +140,9 @@ impl<S: Store> Record for Journal<S> {
             Event::Repeated(number) => self.note(now, &format!("R {number}")),
             Event::Stalled => self.note(now, "W no answer in time"),
             Event::Said(text) => self.note(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
+            Event::Paused(is_paused) => self.note(now, if *is_paused { "W paused" } else { "W goes on" }),
             Event::Executed(number) => self.note(now, &format!("X {number}")),
-            Event::Paused(_) | Event::Refused(..) | Event::Lost(_) => {}
+            Event::Refused(..) | Event::Lost(_) => {}
         }
         Ok(())
     }
@@ -258,7 +260,17 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
                 }
                 told.left = told.left.max(line_number);
             }
-            ("E", _) => told.ended = Some(rest.to_owned()),
+            ("E", _) => {
+                // Those behind it were answered while the axes were held; what was refused was not done.
+                let refused =
+                    rest.strip_prefix("refused ").and_then(|rest| rest.split(':').next()?.parse::<u64>().ok());
+                if let Some(refused) = refused {
+                    let before = refused.saturating_sub(1);
+                    told.acknowledged = told.acknowledged.min(before);
+                    told.executed = told.executed.min(before);
+                }
+                told.ended = Some(rest.to_owned());
+            }
             ("R" | "W", _) => {}
             _ => return fault("a record of an unknown kind"),
         }

@@ -98,6 +98,8 @@ pub enum Ended {
     Stopped,
     /// It was broken off: why. What was sent and not acknowledged may have been carried out or not.
     Lost(String),
+    /// A person or a sensor had the axes held, or the lines thrown away: why. What was sent may stay in the control.
+    Held(String),
     /// The control has refused a line: its number and what the control said.
     Refused(u64, String),
     /// The next line may not be sent: why. What was sent before is acknowledged, or has left.
@@ -210,6 +212,10 @@ impl<'a> Sender<'a> {
         }
         if let Err(error) = self.hear(now, port) {
             self.events.push(Event::Lost(gone(&error)));
+        }
+        // To ask the system costs as much as to write.
+        if self.wire.queued() > 0 {
+            self.wire.queue(port.queued().unwrap_or(0));
         }
         self.dialogue.tick(now, &mut self.wire, &mut self.events);
         self.take_events(now, note)?;
@@ -333,26 +339,18 @@ impl<'a> Sender<'a> {
     }
 
     fn write(&mut self, port: &mut dyn Port) -> io::Result<()> {
-        // To ask the system costs as much as to write.
-        if self.wire.is_empty() && self.wire.queued() == 0 {
-            return Ok(());
-        }
         loop {
-            let queued = port.queued().unwrap_or(0);
-            self.wire.queue(queued);
-            let room = self.system_bytes.saturating_sub(queued);
+            let room = self.system_bytes.saturating_sub(self.wire.queued());
             let bytes = self.wire.next(room);
             if bytes.is_empty() {
                 return Ok(());
             }
             let count = port.write(bytes)?;
-            if count == 0 {
-                return Ok(());
-            }
             self.wire.took(count);
-            if self.wire.next(1).is_empty() {
+            if count == 0 || self.wire.next(1).is_empty() {
                 return Ok(());
             }
+            self.wire.queue(port.queued().unwrap_or(0));
         }
     }
 }

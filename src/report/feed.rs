@@ -17,7 +17,7 @@ pub struct Late {
     pub starved_s: f64,
     /// Lines a second that the motion needs there.
     pub needed_per_s: f64,
-    /// Lines a second that the link gives there.
+    /// Lines a second that come there.
     pub given_per_s: f64,
 }
 
@@ -42,6 +42,8 @@ pub struct Before {
     pub starved_s: f64,
     /// The fewest lines that wait in the control.
     pub lowest: Option<usize>,
+    /// Whether the next line goes out only when the one before it is done: the axes stand still at the end of each.
+    pub line_by_line: bool,
     /// How long a change of temperature takes until it counts: the lines that are frozen.
     pub frozen_s: f64,
     /// The worst places.
@@ -73,11 +75,14 @@ impl Before {
         } else {
             let _ = writeln!(out, "link         keeps up{lowest}");
         }
+        if self.line_by_line {
+            let _ = writeln!(out, "             line by line: the axes stand still at the end of each");
+        }
         for late in self.late.iter().take(5) {
             let [first, last] = late.source_lines;
             let _ = writeln!(
                 out,
-                "             lines {first}–{last} of the source need {:.0} lines/s, the link gives {:.0}: {} late",
+                "             lines {first}–{last} of the source need {:.0} lines/s, {:.0} come: {} late",
                 late.needed_per_s,
                 late.given_per_s,
                 duration(late.starved_s)

@@ -25,7 +25,7 @@ feed() {
     if [ -n "${NCFIX_FEED:-}" ]; then
         "$NCFIX_FEED" linuxcnc "tcp:127.0.0.1:$port" "$1"
     else
-        "$ncfix" feed "$1" --machine tests/real/machine.toml --port "tcp:127.0.0.1:$port" --link linuxcnc
+        "$ncfix" feed "$1" --machine tests/real/machine.toml --port "tcp:127.0.0.1:$port" --link linuxcnc --allow-starvation
     fi
 }
 if [ -z "${NCFIX_FEED:-}" ]; then

@@ -228,10 +228,11 @@ impl Drive<'_> {
             if let Some(ended) = ended {
                 return Ok(self.code(ended));
             }
+            self.show.tick(now);
             self.watch(thermal, keys, now);
             if let Some((Halt::Hold | Halt::Abort, code, said)) = self.halted.clone() {
                 self.flush(supply)?;
-                return Ok((Ended::Lost(said), code));
+                return Ok((Ended::Held(said), code));
             }
             if let Some((said, line)) = supply.warned.take() {
                 self.show.say("shift", now, None, format!("{said} at line {line} of the source (--warn-shift)"));
@@ -253,7 +254,7 @@ impl Drive<'_> {
             Ended::Stopped => self.halted.as_ref().map_or(ExitCode::Interrupted, |(_, code, _)| *code),
             Ended::Refused(..) => ExitCode::Control,
             Ended::Lost(why) if why.starts_with(crate::feed::GONE) => ExitCode::Link,
-            Ended::Lost(_) => ExitCode::Control,
+            Ended::Lost(_) | Ended::Held(_) => ExitCode::Control,
             Ended::Fault(_) => ExitCode::Refused,
         };
         (ended, code)
@@ -315,15 +316,14 @@ impl Drive<'_> {
             None => (None, None),
             Some(Ended::Done) => (Some("done"), None),
             Some(Ended::Stopped) => (Some("stopped"), self.halted.as_ref().map(|(_, _, said)| said.clone())),
-            Some(Ended::Lost(why)) if self.halted.is_some() => (Some("held"), Some(why.clone())),
+            Some(Ended::Held(why)) => (Some("held"), Some(why.clone())),
             Some(Ended::Lost(why)) => {
                 let open = progress.sent.saturating_sub(progress.acknowledged.max(progress.left));
                 let what = "lines were sent and not acknowledged, and may have been carried out or not";
                 (Some("lost"), Some(format!("the job is lost: {why}; {open} {what}")))
             }
             Some(Ended::Refused(number, said)) => {
-                let rest = "lines behind it that it has may still run";
-                (Some("refused"), Some(format!("the control has refused line {number}: {said}; {rest}")))
+                (Some("refused"), Some(format!("the control has refused line {number}: {said}")))
             }
             Some(Ended::Fault(why)) => {
                 (Some("fault"), Some(format!("no further line was sent: {why}; what was sent before has run out")))

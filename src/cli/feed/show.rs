@@ -16,6 +16,12 @@ use crate::units::{um_from_mm, urad_from_rad};
 const REFRESH: Duration = Duration::from_millis(200);
 const REFRESH_JSON: Duration = Duration::from_secs(1);
 
+/// A control that pauses no longer than this does what controls with small buffers do all the time.
+const LONG_PAUSE: Duration = Duration::from_secs(2);
+/// Of what a control says so many characters are shown, and so many texts; the journal has them all.
+const MOST_CHARACTERS: usize = 200;
+const MOST_TEXTS: u32 = 100;
+
 /// Shows.
 pub(super) struct Show {
     is_json: bool,
@@ -25,11 +31,22 @@ pub(super) struct Show {
     is_drawn: bool,
     /// What is in doubt, so that it is said once.
     frozen: Option<String>,
+    /// Since when the control pauses, and whether that was said.
+    paused: Option<(Duration, bool)>,
+    texts: u32,
 }
 
 impl Show {
     pub(super) fn new(is_json: bool) -> Show {
-        Show { is_json, is_terminal: std::io::stderr().is_terminal(), shown: None, is_drawn: false, frozen: None }
+        Show {
+            is_json,
+            is_terminal: std::io::stderr().is_terminal(),
+            shown: None,
+            is_drawn: false,
+            frozen: None,
+            paused: None,
+            texts: 0,
+        }
     }
 
     /// Whether it is time to show where it stands.
@@ -59,14 +76,43 @@ impl Show {
     /// Shows what has happened on the link.
     pub(super) fn event(&mut self, event: &Event, now: Duration) {
         match event {
-            Event::Said(text) => self.say("said", now, None, format!("the control says: {text}")),
-            Event::Stalled => self.say("stalled", now, None, "no answer in time: it is asked where it is".into()),
-            Event::Paused(true) => self.say("paused", now, None, "the control has paused the transfer".into()),
-            Event::Paused(false) => self.say("paused", now, None, "the control lets the transfer go on".into()),
+            Event::Said(text) => self.said(text, now),
+            Event::Stalled => self.say("stalled", now, None, "nothing was heard for longer than a line takes".into()),
+            Event::Paused(true) => self.paused = Some((now, false)),
+            Event::Paused(false) => {
+                if let Some((_, true)) = self.paused.take() {
+                    self.say("paused", now, None, "the control goes on".into());
+                }
+            }
             Event::Repeated(number) => self.say("repeated", now, Some(*number), format!("line {number} is sent again")),
             // The end says it.
             Event::Acknowledged(_) | Event::Left(_) | Event::Executed(_) | Event::Refused(..) | Event::Lost(_) => {}
         }
+    }
+
+    /// Time has passed.
+    pub(super) fn tick(&mut self, now: Duration) {
+        if let Some((since, is_said @ false)) = &mut self.paused
+            && now.saturating_sub(*since) >= LONG_PAUSE
+        {
+            *is_said = true;
+            self.say("paused", now, None, "the control pauses: somebody there holds it, or its buffer is full".into());
+        }
+    }
+
+    fn said(&mut self, text: &str, now: Duration) {
+        self.texts = self.texts.saturating_add(1);
+        if self.texts > MOST_TEXTS {
+            if self.texts == MOST_TEXTS + 1 {
+                self.say("said", now, None, "the control says more than is shown here; the journal has it".into());
+            }
+            return;
+        }
+        let mut shown: String = text.chars().take(MOST_CHARACTERS).collect();
+        if shown.len() < text.len() {
+            shown.push('…');
+        }
+        self.say("said", now, None, format!("the control says: {shown}"));
     }
 
     /// Sensors are in doubt.

@@ -79,6 +79,7 @@ pub(in crate::cli) fn run(
         total_s: forecast.total_s,
         starved_s: forecast.starved_s,
         lowest: forecast.lowest,
+        line_by_line: link.lines <= 1,
         frozen_s: per_line_s * link.lines.min(usize::try_from(forecast.lines).unwrap_or(usize::MAX)) as f64,
         late: forecast.stretches.iter().filter(|stretch| stretch.starved_s >= UNNOTICED_S).map(late).collect(),
         diagnostics: Vec::new(),
@@ -149,11 +150,19 @@ fn judge(arguments: &FeedArguments, before: &Before, findings: &mut Findings) {
     let Some(worst) = before.late.first() else { return };
     let [first, last] = worst.source_lines;
     let message = format!(
-        "the control will stand still for {:.1} s of {:.1} s; lines {first} to {last} of the source need {:.0} lines/s, the link gives {:.0}",
-        before.starved_s, before.total_s, worst.needed_per_s, worst.given_per_s
+        "the control will stand still for {:.1} s of {:.1} s; lines {first} to {last} of the source need {:.0} lines/s, {:.0} come{}",
+        before.starved_s,
+        before.total_s,
+        worst.needed_per_s,
+        worst.given_per_s,
+        if before.line_by_line { ", as this link takes line by line" } else { "" }
     );
     let is_much = before.starved_s > LEAST_STARVED_S.max(MOST_STARVED * before.motion_s);
-    let help = "choose a higher baud rate, a larger --tolerance or no numbers of blocks, or load the corrected program into the control";
+    let help = if before.line_by_line {
+        "load the corrected program into the control (`ncfix IN -o OUT`), or choose a larger --tolerance for fewer lines"
+    } else {
+        "choose a higher baud rate, a larger --tolerance or no numbers of blocks, or load the corrected program into the control"
+    };
     let (code, help) = if is_much && !arguments.allow_starvation {
         (Code::STARVED, format!("{help}; --allow-starvation sends it all the same"))
     } else {

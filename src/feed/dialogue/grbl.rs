@@ -74,6 +74,8 @@ struct Grbl {
     refused_at: Duration,
     /// Answers beyond those to the lines that were sent.
     surplus: u64,
+    /// Whether somebody at the control holds the axes, or its door is open.
+    is_held: bool,
 }
 
 impl Grbl {
@@ -98,6 +100,7 @@ impl Grbl {
             refusal: (0, String::new()),
             refused_at: Duration::ZERO,
             surplus: 0,
+            is_held: false,
         }
     }
 
@@ -150,8 +153,9 @@ impl Grbl {
             events.push(Event::Said(text.to_owned()));
         } else if !text.is_empty() && self.state != State::Greeting {
             // It may have been a refusal.
+            let shown: String = text.chars().take(80).collect();
             self.lost(
-                &format!("an answer cannot be read: '{text}'; the line that it was for may have been refused"),
+                &format!("an answer cannot be read: '{shown}'; the line that it was for may have been refused"),
                 events,
             );
         }
@@ -181,7 +185,8 @@ impl Grbl {
         let (number, said) = std::mem::take(&mut self.refusal);
         if is_taken && self.surplus == 0 && self.in_flight.is_empty() {
             self.state = State::Over;
-            events.push(Event::Refused(number, said));
+            let what = "the axes are held; cycle start (~) would carry out the lines behind it, a reset (Ctrl-X) throws them away";
+            events.push(Event::Refused(number, format!("{said}; {what}")));
         } else {
             let first = number.saturating_sub(self.surplus.max(1));
             self.lost(&format!("the control has refused line {number}, or one from {first} on, with {said}; not every line has one answer"), events);
@@ -206,6 +211,10 @@ impl Grbl {
         if state.starts_with("Alarm") {
             self.lost("the control stands in an alarm", events);
             return;
+        }
+        let is_held = ["Hold", "Door"].iter().any(|held| state.starts_with(held));
+        if std::mem::replace(&mut self.is_held, is_held) != is_held && self.state != State::Refusing {
+            events.push(Event::Paused(is_held));
         }
         if self.state == State::Refusing {
             // While the axes are held, lines may wait for the planner without an answer.

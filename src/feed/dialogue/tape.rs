@@ -339,6 +339,7 @@ mod tests {
             tape.tick(Duration::from_millis(ms), &mut wire, &mut events);
             sent.extend_from_slice(wire.next(99));
             wire.took(99);
+            wire.queue(0);
             left_ms = left_ms.or(events.contains(&Event::Left(1)).then_some(ms));
         }
         assert_eq!(sent, b"%\nG1X1\n");
