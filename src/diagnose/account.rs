@@ -1,6 +1,6 @@
 //! The readings one by one: what is left of each before and after, and what a finding by itself swings them by.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::fold::counts;
 use super::noise::is_angle;
@@ -46,7 +46,7 @@ impl Account {
 /// where that is most.
 pub(super) fn swing(scene: &Scene<'_>, weights: &Weights, does: &[f64]) -> f64 {
     let of_angles = is_angle(scene);
-    let mut ends: HashMap<(usize, usize, usize), [f64; 2]> = HashMap::new();
+    let mut ends: BTreeMap<(usize, usize, usize), [f64; 2]> = BTreeMap::new();
     for place in counts(scene, weights) {
         let Some(item) = scene.items.get(place).filter(|item| item.row != NO_ROW && item.is_angle == of_angles) else {
             continue;

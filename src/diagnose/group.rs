@@ -10,6 +10,7 @@ use super::cause::{Candidate, Effect, Term};
 use super::gates::LIMIT;
 use super::price::Price;
 use super::scene::Through;
+use super::score::in_parts;
 use super::search::{Field, TIE, Weights};
 use crate::model::ParameterName;
 use crate::model::name::ErrorName;
@@ -28,6 +29,8 @@ const DEGREE: u8 = 3;
 /// nothing is left.
 const OWN: f64 = 1e-2;
 const NOTHING: f64 = 1e-9;
+/// Columns that are looked at together.
+const AT_ONCE: usize = 32;
 /// Candidates at most.
 const MOST: usize = 16;
 
@@ -49,6 +52,24 @@ struct Single {
     candidate: usize,
     /// What it does beside the set-ups, of unit length, whitened.
     does: Vec<f64>,
+}
+
+/// One that was looked at beside the set-ups.
+struct Fresh<'s> {
+    one: &'s Simple,
+    /// As [`Single::does`].
+    does: Vec<f64>,
+    /// Whether more than nothing is left of it.
+    is_seen: bool,
+}
+
+/// A column without its parts along directions, one after the other.
+fn without(mut column: Vec<f64>, directions: &[Vec<f64>]) -> Vec<f64> {
+    for other in directions {
+        let share = dot(&column, other);
+        column.iter_mut().zip(other).for_each(|(value, part)| *value -= share * part);
+    }
+    column
 }
 
 impl Field<'_, '_> {
@@ -155,31 +176,35 @@ impl Field<'_, '_> {
         let mut own: Vec<Vec<f64>> = Vec::new();
         // Components whose slope is that of a location.
         let mut bent: Vec<ErrorName> = Vec::new();
-        for one in self.simple() {
-            // What bends is looked at without its slope: of a line far from zero a square is nearly all slope.
-            let columns = self.candidates.get(one.bow.unwrap_or(one.candidate)).map(|one| self.columns(one));
-            let Some(column) = columns.and_then(|mut all| all.pop()) else { continue };
-            let whitened = series.whitened(&column);
-            let whole = dot(&whitened, &whitened);
-            series.set_values(&column);
-            let mut does = series.left().to_vec();
-            let beside = dot(&does, &does);
-            let length = beside.sqrt();
-            does.iter_mut().for_each(|value| *value /= length);
-            let mut direction = does.clone();
-            for other in &own {
-                let share = dot(&direction, other);
-                direction.iter_mut().zip(other).for_each(|(value, part)| *value -= share * part);
+        for some in self.simple().chunks(AT_ONCE) {
+            let mut fresh: Vec<Fresh<'_>> = Vec::new();
+            for one in some {
+                // What bends is looked at without its slope: of a line far from zero a square is nearly all slope.
+                let columns = self.candidates.get(one.bow.unwrap_or(one.candidate)).map(|one| self.columns(one));
+                let Some(column) = columns.and_then(|mut all| all.pop()) else { continue };
+                let whitened = series.whitened(&column);
+                let whole = dot(&whitened, &whitened);
+                series.set_values(&column);
+                let mut does = series.left().to_vec();
+                let beside = dot(&does, &does);
+                let length = beside.sqrt();
+                does.iter_mut().for_each(|value| *value /= length);
+                fresh.push(Fresh { one, does, is_seen: beside > NOTHING * whole });
             }
-            let rest = dot(&direction, &direction);
-            if !(beside > NOTHING * whole && rest > OWN) {
-                bent.push(one.name);
-                continue;
+            let from = own.len();
+            let directions = in_parts(&fresh, &|fresh: &Fresh<'_>| without(fresh.does.clone(), &own));
+            for (Fresh { one, does, is_seen }, direction) in fresh.into_iter().zip(directions) {
+                let mut direction = without(direction, &own[from..]);
+                let rest = dot(&direction, &direction);
+                if !(is_seen && rest > OWN) {
+                    bent.push(one.name);
+                    continue;
+                }
+                direction.iter_mut().for_each(|value| *value /= rest.sqrt());
+                own.push(direction);
+                let candidate = one.bow.filter(|_| bent.contains(&one.name)).unwrap_or(one.candidate);
+                all.push(Single { name: one.name, degree: one.degree, candidate, does });
             }
-            direction.iter_mut().for_each(|value| *value /= rest.sqrt());
-            own.push(direction);
-            let candidate = one.bow.filter(|_| bent.contains(&one.name)).unwrap_or(one.candidate);
-            all.push(Single { name: one.name, degree: one.degree, candidate, does });
         }
         series.set_values(&[]);
         let squares = dot(&left, &left);
@@ -223,7 +248,10 @@ impl Field<'_, '_> {
 
     /// Takes out what is not worth its price, the most far-fetched first and no degree before higher ones.
     fn pruned(&self, all: Vec<Single>, (left, squares): (&[f64], f64), count: f64) -> Vec<usize> {
-        let products = DMatrix::from_fn(all.len(), all.len(), |k, l| dot(&all[k].does, &all[l].does));
+        let places: Vec<usize> = (0..all.len()).collect();
+        let row = |&k: &usize| -> Vec<f64> { all[..=k].iter().map(|other| dot(&all[k].does, &other.does)).collect() };
+        let rows = in_parts(&places, &row);
+        let products = DMatrix::from_fn(all.len(), all.len(), |k, l| rows[k.max(l)][k.min(l)]);
         let right = DVector::from_fn(all.len(), |k, _| dot(&all[k].does, left));
         let price = Price::new(count, self.tried);
         let mut open: Vec<usize> = (0..all.len()).collect();

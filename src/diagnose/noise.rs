@@ -1,6 +1,6 @@
 //! Noise of the readings, and whether what is left beside it has structure: how many µm, and where.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use crate::geometry::AXES;
 use crate::numeric::fisher;
@@ -155,7 +155,7 @@ struct Repeats {
 }
 
 fn repeats(scene: &Scene<'_>, places: &[usize], at: &dyn Fn(usize) -> f64) -> Option<Repeats> {
-    let mut groups: HashMap<Vec<i64>, Vec<f64>> = HashMap::new();
+    let mut groups: BTreeMap<Vec<i64>, Vec<f64>> = BTreeMap::new();
     for &place in places {
         if let Some(key) = scene.items.get(place).and_then(|item| key(scene, item)) {
             groups.entry(key).or_default().push(at(place));
@@ -199,7 +199,7 @@ fn of_bends(mut sizes: Vec<f64>) -> Option<f64> {
 
 /// Second differences of neighbours, which smooth functions hardly have.
 fn differences(weights: &Weights, places: &[usize], at: &dyn Fn(usize) -> f64) -> f64 {
-    let mut series: HashMap<usize, Vec<f64>> = HashMap::new();
+    let mut series: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for &place in places {
         series.entry(weights.series.get(place).copied().unwrap_or(0)).or_default().push(at(place));
     }

@@ -1,6 +1,6 @@
 //! Readings that count, and what is left of them beside the set-ups.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::fold::counts;
 use super::noise::MEDIAN;
@@ -21,7 +21,7 @@ pub(super) fn weights(scene: &Scene<'_>, used: usize) -> (Weights, Weights) {
         // Each value of a row is a series of its own, and so is every known distance.
         scene.rows.get(item.row).map_or(usize::MAX, |row| row.sequence * 3 + item.value)
     };
-    let mut numbers: HashMap<usize, usize> = HashMap::new();
+    let mut numbers: BTreeMap<usize, usize> = BTreeMap::new();
     let mut ties = 0;
     let series: Vec<usize> = scene
         .items
@@ -105,7 +105,7 @@ pub(super) fn drop_far(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) -
 
 /// Lets readings of files count by their noise, from one reading to the next, where files differ in it by more than what is said of them.
 pub(super) fn even_out(scene: &Scene<'_>, weights: &mut Weights, left: &[f64]) {
-    let mut series: HashMap<(usize, usize), Vec<f64>> = HashMap::new();
+    let mut series: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
     for place in counts(scene, weights) {
         let own = scene.items.get(place).and_then(|item| scene.rows.get(item.row)).map(|row| row.set);
         if let (Some(set), Some(left), Some(weight)) = (own, left.get(place), weights.items.get(place)) {

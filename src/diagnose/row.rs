@@ -1,6 +1,6 @@
 //! What an error may depend on, for every row of a measurement: where the axes stood, how they came there, when, how fast, what else was noted.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisVector};
 use crate::measure::data::{DataSet, Observation};
@@ -61,7 +61,7 @@ pub(super) fn rows(sets: &[DataSet]) -> Vec<Row> {
     let mut rows = Vec::new();
     let mut sequences = 0;
     for (set, data) in sets.iter().enumerate() {
-        let mut known: HashMap<(usize, usize, usize), usize> = HashMap::new();
+        let mut known: BTreeMap<(usize, usize, usize), usize> = BTreeMap::new();
         let from = rows.len();
         for (number, one) in data.observations.iter().enumerate() {
             // Readings of one component are a series of their own.
@@ -100,7 +100,7 @@ fn row(set: usize, number: usize, sequence: usize, one: &Observation) -> Row {
 /// What follows from the rows before and behind: turns, velocities.
 fn move_along(data: &DataSet, rows: &mut [Row]) {
     let feed = data.drivers.iter().find(|driver| driver.name == FEED).map(|driver| driver.values.as_slice());
-    let mut sequences: HashMap<usize, Vec<usize>> = HashMap::new();
+    let mut sequences: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (place, row) in rows.iter().enumerate() {
         sequences.entry(row.sequence).or_default().push(place);
     }

@@ -71,12 +71,7 @@ impl Layout {
             let of_rows = || Arc::new(scene.rows.iter().map(|row| weight.of(row)).collect());
             known.get(weight).unwrap_or_else(of_rows)
         };
-        let tables = |part: &[&Weight]| -> Vec<Arc<Vec<f64>>> { part.iter().map(table).collect() };
-        let share = closures.len().div_ceil(WORKERS).max(1);
-        let weights = std::thread::scope(|scope| {
-            let workers: Vec<_> = closures.chunks(share).map(|part| scope.spawn(move || tables(part))).collect();
-            workers.into_iter().flat_map(|worker| worker.join().unwrap_or_default()).collect()
-        });
+        let weights = in_parts(&closures, &table);
         Layout { places, weights, numbers: weight_numbers, pairs: pair_numbers.into_keys().collect(), columns }
     }
 

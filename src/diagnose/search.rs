@@ -4,7 +4,7 @@
 //! taken: by the memory of what is then left, so that slow noise counts for the little that it tells, and by the number of all that
 //! were tried.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use super::cause::{Candidate, Effect, Term, motion};
 use super::known::{Starts, Tables};
 use super::price::Price;
 use super::scene::{NO_ROW, Scene, Through};
-use super::score::{Layout, Scores};
+use super::score::{Layout, Scores, in_parts};
 use super::seek::Seek;
 
 /// Terms at most.
@@ -80,10 +80,11 @@ impl<'s, 'a> Field<'s, 'a> {
         candidates.extend(if named > 0 { motion::bows(scene) } else { Vec::new() });
         let bows = named..candidates.len();
         let of_candidates = candidates.iter().flat_map(|one| one.columns.iter().flatten()).map(|(through, _)| *through);
-        let mut factors = HashMap::new();
-        for through in of_candidates.chain(seek.places()) {
-            factors.entry(through).or_insert_with(|| Arc::new(scene.factors(through)));
-        }
+        let mut places: Vec<Through> = of_candidates.chain(seek.places()).collect();
+        let mut seen = HashSet::new();
+        places.retain(|&through| seen.insert(through));
+        let of_places = in_parts(&places, &|&through: &Through| Arc::new(scene.factors(through)));
+        let factors = places.into_iter().zip(of_places).collect();
         let tables = Tables::default();
         let layout = Arc::new(Layout::new(scene, &candidates, &tables));
         Field { scene, candidates, bows, factors, layout, tables, starts: Starts::default(), seek, tried }

@@ -1,6 +1,6 @@
 //! Which of several sensors it is: each with its own best time constant, since the ones that are tried first are far apart and suit one by chance.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::cause::Candidate;
 use super::search::{Field, Weights};
@@ -49,7 +49,7 @@ impl Field<'_, '_> {
                 && other.drivers.len() == one.drivers.len()
                 && other.columns.len() == one.columns.len()
         };
-        let mut of_sensors: HashMap<&str, (f64, usize)> = HashMap::new();
+        let mut of_sensors: BTreeMap<&str, (f64, usize)> = BTreeMap::new();
         for &(worth, other) in open {
             let Some(sensor) =
                 self.candidates.get(other).filter(|other| is_rival(other)).and_then(|other| other.sensor.as_deref())

@@ -1,7 +1,7 @@
 //! Tables that have the same readings: rounded, in another order, or at other times. Readings that were taken again at the same places differ by
 //! their noise.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::data::{DataSet, Observation};
 use crate::geometry::AXES;
@@ -33,7 +33,7 @@ pub struct Copied {
 }
 
 /// Readings by place and by what was read there, µm or µrad.
-type Places = HashMap<(Vec<i64>, String), Vec<f64>>;
+type Places = BTreeMap<(Vec<i64>, String), Vec<f64>>;
 
 /// Whether two tables have readings in common that differ by their rounding only, although their noise is larger.
 #[must_use]

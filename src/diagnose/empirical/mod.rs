@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use super::cause::{self, Candidate};
 use super::scene::{NO_ROW, Scene, Through};
+use super::score::in_parts;
 use super::sweep::Sweep;
 use crate::geometry::Axis;
 
@@ -176,14 +177,14 @@ impl Empirical {
         weights: &[f64],
         price: f64,
     ) -> Vec<Candidate> {
-        let mut found: Vec<(f64, Through, Form)> = Vec::new();
         let mut in_use = vec![false; self.row_count];
         for (&row, weight) in self.rows.iter().zip(weights) {
             if let Some(is) = in_use.get_mut(row).filter(|_| *weight > 0.0) {
                 *is = true;
             }
         }
-        for (&place, factors) in self.places.iter().zip(factors) {
+        let places: Vec<(Through, &Arc<Vec<f64>>)> = self.places.iter().copied().zip(factors).collect();
+        let of_place = |&(place, factors): &(Through, &Arc<Vec<f64>>)| -> Vec<(f64, Through, Form)> {
             let mut sums = vec![[0.0; 2]; self.row_count];
             for (((&row, factor), left), weight) in self.rows.iter().zip(factors.iter()).zip(left).zip(weights) {
                 if row != NO_ROW
@@ -195,7 +196,7 @@ impl Empirical {
                 }
             }
             if sums.iter().all(|sum| sum[1] == 0.0) {
-                continue;
+                return Vec::new();
             }
             let mut own: Vec<(f64, Form)> = Vec::new();
             for a in 0..self.drivers.len() {
@@ -208,8 +209,9 @@ impl Empirical {
             self.products(&sums, price, &mut own);
             self.bumps(&sums, price, &mut own);
             self.waves(&sums, price, &mut own);
-            found.extend(own.into_iter().map(|(worth, form)| (worth, place, form)));
-        }
+            own.into_iter().map(|(worth, form)| (worth, place, form)).collect()
+        };
+        let mut found: Vec<(f64, Through, Form)> = in_parts(&places, &of_place).into_iter().flatten().collect();
         found.sort_by(|one, other| other.0.total_cmp(&one.0));
         let mut kinds: HashMap<Discriminant<Form>, usize> = HashMap::new();
         found.retain(|(_, _, form)| {

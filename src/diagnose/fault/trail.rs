@@ -3,7 +3,7 @@
 //! What the machine does wherever it stands, comes from a side or has a feed, it does again when it comes back: without the middle of all visits
 //! what is left has a time but no place. Faults of a moment are looked for there, so that no effect of the machine is taken for one.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::{median, spread};
 use crate::diagnose::scene::{Item, NO_ROW, Scene};
@@ -96,7 +96,7 @@ impl Trail {
             key
         };
         let group = |with_sense: bool| {
-            let mut groups: HashMap<Vec<i64>, Vec<usize>> = HashMap::new();
+            let mut groups: BTreeMap<Vec<i64>, Vec<usize>> = BTreeMap::new();
             for (place, item) in items.iter().enumerate() {
                 groups.entry(key(item, channel[place], with_sense)).or_default().push(place);
             }
@@ -261,7 +261,7 @@ fn begins(data: &DataSet) -> Vec<bool> {
 
 /// Numbers of what rows have in common that are at the same point from the same side.
 fn alike(data: &DataSet) -> Vec<usize> {
-    let mut known: HashMap<Vec<i64>, usize> = HashMap::new();
+    let mut known: BTreeMap<Vec<i64>, usize> = BTreeMap::new();
     let fine = |value: f64| (value * 1e3).round() as i64;
     let mut number = |one: &crate::measure::data::Observation| {
         let position = &one.reading.position;
