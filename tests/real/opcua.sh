@@ -77,7 +77,8 @@ python3 tests/real/sensors.py "$folder/lines.json" number=21.5 below_zero=-5.5 f
 
 # A server that hangs, goes on, is gone and comes again.
 { echo 'poll_s = 0.3'; echo 'max_age_s = 3'; echo 'confirm = 1'; source_of s; channel T s 'ns=2;s=Machine.T_head'; } >"$folder/R.toml"
-"$ncfix" sensors "$folder/R.toml" --watch --for 60 --json >"$folder/again.json" &
+: >"$folder/again.json"
+"$ncfix" sensors "$folder/R.toml" --watch --for 60 --json >>"$folder/again.json" &
 watcher=$!
 # Waits for a state, in lines that are newer than those seen before.
 seen=0
