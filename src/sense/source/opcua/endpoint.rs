@@ -34,7 +34,7 @@ pub(super) fn choose(
         if let Some(policies) = &mut one.user_identity_tokens {
             policies.retain(|policy| policy.token_type == kind && is_usable(policy, has_certificate));
             // A password is encrypted where the server offers that.
-            policies.sort_by_key(|policy| is_plain(policy));
+            policies.sort_by_key(is_plain);
         }
     }
     plain.retain(|one| one.find_policy(kind).is_some());

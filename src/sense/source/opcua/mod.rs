@@ -35,6 +35,8 @@ use value::{halt, nothing, told};
 const MOST_AT_ONCE: usize = 32;
 /// A longer answer is none, bytes.
 const MOST_BYTES: usize = 1 << 20;
+/// A channel is renewed after three quarters of this time, ms: seldom, because where the clocks differ by more than that it is not, and the server ends it.
+const CHANNEL_MS: u32 = 3_600_000;
 /// Time between two tries to connect, at first and at most.
 const TRY_AGAIN: [Duration; 2] = [Duration::from_millis(500), Duration::from_secs(30)];
 /// Every so often the source sees whether it has to end.
@@ -250,8 +252,7 @@ impl Settings {
             .session_retry_limit(0)
             .request_timeout(self.timeout)
             .max_message_size(MOST_BYTES)
-            // The clocks may differ; times of the server are turned into ours.
-            .ignore_clock_skew(true)
+            .channel_lifetime(CHANNEL_MS)
             .recreate_subscriptions(false);
         client.client().map_err(|why| why.join(", "))
     }
