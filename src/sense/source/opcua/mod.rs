@@ -35,7 +35,8 @@ use value::{halt, nothing, told};
 const MOST_AT_ONCE: usize = 32;
 /// A longer answer is none, bytes.
 const MOST_BYTES: usize = 1 << 20;
-/// A channel is renewed after three quarters of this time, ms: seldom, because where the clocks differ by more than that it is not, and the server ends it.
+/// A channel is renewed after three quarters of this time, ms. By the clock of the server: where that is ahead by more, the channel ends once in this time
+/// and is opened anew.
 const CHANNEL_MS: u32 = 3_600_000;
 /// Time between two tries to connect, at first and at most.
 const TRY_AGAIN: [Duration; 2] = [Duration::from_millis(500), Duration::from_secs(30)];
