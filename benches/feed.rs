@@ -88,7 +88,7 @@ fn calls_alone(folder: &Path, count: usize) -> Option<[f64; 3]> {
     slave.write_all(b"G1 X0\n").ok()?;
     for _ in 0..count {
         slave.set_timeout(Duration::from_secs(1)).ok()?;
-        let _ = slave.read(&mut bytes).ok()?;
+        let _count = slave.read(&mut bytes).ok()?;
         let started = Instant::now();
         journal.write_all(&[b'\n'; 47]).ok()?;
         slave.bytes_to_write().ok()?;

@@ -227,10 +227,6 @@ fn what_is_wrong_with_the_file_is_said_at_its_place() {
     let head = "[source.a]\nkind = \"file\"\npath = \"x\"\n";
     for (text, expected) in [
         ("[source.a]\nkind = \"fiel\"\n[channel.T]\nsource = \"a\"\n", "E0404:2: there is no kind 'fiel'"),
-        (
-            "[source.a]\nkind = \"opcua\"\nendpoint = \"x\"\n[channel.T]\nsource = \"a\"\nnode = 1\n",
-            "E0404:2: this ncfix was built without OPC UA",
-        ),
         ("[source.a]\npath = \"x\"\n[channel.T]\nsource = \"a\"\n", "E0403:1: [source.a] has no kind"),
         ("[source.a]\nkind = \"file\"\n[channel.T]\nsource = \"a\"\n", "E0403:1: [source.a] has no path"),
         (&format!("{head}[channel.T]\nsource = \"b\"\n"), "E0404:1: no channel is of [source.a]"),
@@ -249,6 +245,54 @@ fn what_is_wrong_with_the_file_is_said_at_its_place() {
     }
     let twice = "[source.a]\nkind = \"stdin\"\n[source.b]\nkind = \"stdin\"\n[channel.T]\nsource = \"a\"\n[channel.U]\nsource = \"b\"\n";
     assert_eq!(read(twice).unwrap_err(), ["E0404:3: two sources read standard input"]);
+}
+
+#[cfg(not(feature = "opcua"))]
+#[test]
+fn a_kind_that_is_not_built_in_says_what_to_do() {
+    let text = "[source.a]\nkind = \"opcua\"\nendpoint = \"x\"\n[channel.T]\nsource = \"a\"\nnode = 1\n";
+    assert_eq!(read(text).unwrap_err(), ["E0404:2: this ncfix was built without opcua"]);
+    let source = Source::new(FileId(0), "S.toml", text.as_bytes().to_vec()).unwrap();
+    let findings = Config::read(&source).unwrap_err();
+    let help =
+        "build it with `--features opcua`, or read the server by a `command`, or through a gateway to MQTT or Modbus";
+    assert_eq!(findings[0].help, help);
+}
+
+#[cfg(feature = "opcua")]
+#[test]
+fn what_is_wrong_with_a_source_of_opc_ua_is_said_at_its_place() {
+    let of = |source: &str, channel: &str| {
+        format!("[source.a]\nkind = \"opcua\"\n{source}\n[channel.T]\nsource = \"a\"\n{channel}\n")
+    };
+    let (url, node) = ("url = \"opc.tcp://plc\"", "node = \"ns=2;s=Machine.T_head\"");
+    for good in
+        [node, "node = \"i=2258\"", "node = \"ns=3;g=09087e75-8e5e-499b-954f-f2a9603db28a\"", "node = \"ns=1;b=TQ==\""]
+    {
+        assert!(read(&of(url, good)).is_ok(), "{good}");
+    }
+    assert!(
+        read(&of(&format!("{url}\nuser = \"u\"\npassword_env = \"P\"\nuse_time = true\ntimeout_s = 2"), node)).is_ok()
+    );
+    for (source, channel, expected) in [
+        ("", node, "E0403:1: [source.a] has no url"),
+        ("url = \"http://plc\"", node, "E0404:3: 'http://plc' is no address of a server"),
+        ("url = \"opc.tcp://plc:x\"", node, "E0404:3: 'opc.tcp://plc:x' is no address of a server"),
+        (url, "", "E0403:4: [channel.T] has no node"),
+        (url, "node = \"Machine.T_head\"", "E0404:6: 'Machine.T_head' is no node"),
+        (url, "node = \"ns=70000;i=1\"", "E0404:6: 'ns=70000;i=1' is no node"),
+        (url, "node = \"ns=2;i=x\"", "E0404:6: 'ns=2;i=x' is no node"),
+        (url, "node = \"g=1\"", "E0404:6: 'g=1' is no node"),
+        (url, "node = \"b=*\"", "E0404:6: 'b=*' is no node"),
+        (url, "node = \"s=\"", "E0404:6: 's=' is no node"),
+        (&format!("{url}\npassword_env = \"P\""), node, "E0403:4: [source.a] has a password and no user"),
+        (&format!("{url}\nuser = \"u\"\npassword_env = \"A=B\""), node, "E0404:5: password_env is no name"),
+        (&format!("{url}\ntimeout_s = 0"), node, "E0404:4: timeout_s must be"),
+        (&format!("{url}\nendpoint = \"x\""), node, "E0402:4: unknown key endpoint"),
+    ] {
+        let found = read(&of(source, channel)).unwrap_err();
+        assert!(found.len() == 1 && found[0].starts_with(expected), "{source} {channel}\n{found:?}");
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 /// Stands for a kind that is not built in: its name is known, and it says so.
 #[allow(unused_macros, reason = "with all features there is none")]
 macro_rules! absent {
-    ($name:ident, $title:literal) => {
+    ($name:ident, $title:literal, $other:literal) => {
         mod $name {
             pub(super) const KIND: super::Kind = super::Kind {
                 name: stringify!($name),
@@ -11,11 +11,7 @@ macro_rules! absent {
                 is_record: false,
                 is_standard_input: false,
                 read: |section, wanted| {
-                    let help = concat!(
-                        "build it with `--features ",
-                        stringify!($name),
-                        "`, or read the sensor in another way"
-                    );
+                    let help = concat!("build it with `--features ", stringify!($name), "`, or ", $other);
                     super::not_built_in(stringify!($name), help, section, wanted);
                     None
                 },
@@ -32,16 +28,23 @@ mod modbus;
 mod mqtt;
 #[cfg(feature = "mtconnect")]
 mod mtconnect;
+#[cfg(feature = "opcua")]
 mod opcua;
 mod replay;
 mod stdin;
 
 #[cfg(not(feature = "modbus"))]
-absent!(modbus, "registers of a control or a coupler, Modbus TCP");
+absent!(modbus, "registers of a control or a coupler, Modbus TCP", "read the sensor in another way");
 #[cfg(not(feature = "mqtt"))]
-absent!(mqtt, "messages of an MQTT broker");
+absent!(mqtt, "messages of an MQTT broker", "read the sensor in another way");
 #[cfg(not(feature = "mtconnect"))]
-absent!(mtconnect, "an MTConnect agent");
+absent!(mtconnect, "an MTConnect agent", "read the sensor in another way");
+#[cfg(not(feature = "opcua"))]
+absent!(
+    opcua,
+    "variables of an OPC UA server",
+    "read the server by a `command`, or through a gateway to MQTT or Modbus"
+);
 
 use std::fmt;
 use std::path::Path;
@@ -167,6 +170,7 @@ fn host_and_port(section: &mut Section<'_>, usual: u16) -> Option<String> {
 }
 
 /// Reports that a kind is not built in, and what to do.
+#[allow(dead_code, reason = "with all features there is none")]
 fn not_built_in(name: &str, help: &str, section: &mut Section<'_>, wanted: &mut [Wanted<'_>]) {
     let message = format!("this ncfix was built without {name}");
     section.report(Code::BAD_VALUE, section.place_of("kind"), message, help);

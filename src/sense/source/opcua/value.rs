@@ -1,0 +1,160 @@
+//! What a variable of a server says.
+
+use std::time::SystemTime;
+
+use opcua::types::{DataValue, NodeId, ServerState, StatusCode, Variant};
+
+use super::super::super::monitor::{Fault, Told};
+
+/// Why a server has no values at all; one that does not tell its state is taken to run.
+pub(super) fn halt(state: &DataValue) -> Option<String> {
+    let Some(Variant::Int32(number)) = state.value else { return None };
+    match ServerState::try_from(number) {
+        Ok(ServerState::Running | ServerState::Unknown) | Err(_) => None,
+        Ok(state) => Some(format!("the server does not run: its state is {state:?}")),
+    }
+}
+
+pub(super) fn nothing(why: String) -> Told {
+    Told::Nothing(Fault::Invalid, why)
+}
+
+/// What a variable says, and when it was read where that counts.
+pub(super) fn told(node: &NodeId, value: &DataValue, has_times: bool) -> (Told, Option<SystemTime>) {
+    let status = value.status.unwrap_or(StatusCode::Good);
+    // A number that somebody has set in place of the sensor is none of it.
+    if !status.is_good() || status.sub_code() == StatusCode::GoodLocalOverride.sub_code() {
+        return (nothing(format!("the server says of {node}: {status}")), None);
+    }
+    let told = match value.value.as_ref().map_or(Err("no value"), number) {
+        Ok(number) => Told::Value(number),
+        Err(kind) => nothing(format!("{node} has {kind}")),
+    };
+    if !has_times {
+        return (told, None);
+    }
+    let time = value.source_timestamp.or(value.server_timestamp).filter(|time| !time.is_null());
+    match time {
+        Some(time) => (told, Some(time.as_chrono().into())),
+        None => (nothing(format!("the server does not say when {node} was read")), None),
+    }
+}
+
+/// The number of a value, or what it is instead.
+fn number(value: &Variant) -> Result<f64, &'static str> {
+    let number = match value {
+        Variant::SByte(number) => f64::from(*number),
+        Variant::Byte(number) => f64::from(*number),
+        Variant::Int16(number) => f64::from(*number),
+        Variant::UInt16(number) => f64::from(*number),
+        Variant::Int32(number) => f64::from(*number),
+        Variant::UInt32(number) => f64::from(*number),
+        Variant::Int64(number) => *number as f64,
+        Variant::UInt64(number) => *number as f64,
+        // The shortest decimal of a number of 32 bits, not the long one that the same bits have as 64.
+        Variant::Float(number) => number.to_string().parse().unwrap_or(f64::NAN),
+        Variant::Double(number) => *number,
+        Variant::Empty => return Err("no value"),
+        Variant::Boolean(_) => return Err("a truth value and no number"),
+        Variant::String(_) | Variant::LocalizedText(_) => return Err("a text and no number"),
+        Variant::DateTime(_) => return Err("a time and no number"),
+        Variant::Array(_) => return Err("an array and no number"),
+        _ => return Err("something else than a number"),
+    };
+    if number.is_finite() { Ok(number) } else { Err("no finite number") }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use opcua::types::{Array, DateTime, VariantScalarTypeId};
+
+    use super::*;
+
+    fn of(value: Variant, status: StatusCode) -> Told {
+        let value = DataValue { value: Some(value), status: Some(status), ..DataValue::default() };
+        told(&NodeId::new(2, "T"), &value, false).0
+    }
+
+    #[test]
+    fn numbers_of_all_kinds_are_numbers() {
+        let numbers = [
+            (Variant::SByte(-5), -5.0),
+            (Variant::Byte(200), 200.0),
+            (Variant::Int16(-215), -215.0),
+            (Variant::UInt16(65_535), 65_535.0),
+            (Variant::Int32(-70_000), -70_000.0),
+            (Variant::UInt32(4_000_000_000), 4e9),
+            (Variant::Int64(-5_000_000_000), -5e9),
+            (Variant::UInt64(5_000_000_000), 5e9),
+            (Variant::Float(21.4), 21.4),
+            (Variant::Double(21.437), 21.437),
+        ];
+        for (value, expected) in numbers {
+            assert_eq!(of(value, StatusCode::Good), Told::Value(expected));
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused_and_named() {
+        let array = Array::new(VariantScalarTypeId::Double, vec![Variant::Double(21.0)]).unwrap();
+        let others = [
+            (Variant::Boolean(true), "ns=2;s=T has a truth value and no number"),
+            (Variant::from("21.5"), "ns=2;s=T has a text and no number"),
+            (Variant::from(DateTime::now()), "ns=2;s=T has a time and no number"),
+            (Variant::from(array), "ns=2;s=T has an array and no number"),
+            (Variant::Empty, "ns=2;s=T has no value"),
+            (Variant::from(NodeId::new(0, 1_u32)), "ns=2;s=T has something else than a number"),
+            (Variant::Double(f64::NAN), "ns=2;s=T has no finite number"),
+            (Variant::Float(f32::INFINITY), "ns=2;s=T has no finite number"),
+        ];
+        for (value, why) in others {
+            assert_eq!(of(value, StatusCode::Good), nothing(why.into()));
+        }
+        assert_eq!(told(&NodeId::new(2, "T"), &DataValue::default(), false).0, nothing("ns=2;s=T has no value".into()));
+    }
+
+    #[test]
+    fn only_good_values_count() {
+        let codes = [
+            StatusCode::BadNoCommunication,
+            StatusCode::UncertainLastUsableValue,
+            StatusCode::GoodLocalOverride,
+            // One that no version of the standard has.
+            StatusCode::from(0x8fff_0000),
+        ];
+        for code in codes {
+            assert!(matches!(of(Variant::Double(21.0), code), Told::Nothing(Fault::Invalid, _)), "{code}");
+        }
+        let why = "the server says of ns=2;s=T: BadNoCommunication".to_owned();
+        assert_eq!(of(Variant::Double(21.0), StatusCode::BadNoCommunication), nothing(why));
+        assert_eq!(of(Variant::Double(21.0), StatusCode::GoodClamped), Told::Value(21.0));
+    }
+
+    #[test]
+    fn the_time_of_the_source_counts_where_that_is_asked_for() {
+        let at = |seconds: u64| SystemTime::UNIX_EPOCH + Duration::from_secs(seconds);
+        let time = |seconds: u64| Some(DateTime::from(opcua::types::DateTimeUtc::from(at(seconds))));
+        let mut value = DataValue { value: Some(21.0.into()), ..DataValue::default() };
+        let node = NodeId::new(2, "T");
+        let unknown = "the server does not say when ns=2;s=T was read".to_owned();
+        assert_eq!(told(&node, &value, true), (nothing(unknown), None));
+        value.server_timestamp = time(1_800_000_060);
+        assert_eq!(told(&node, &value, true), (Told::Value(21.0), Some(at(1_800_000_060))));
+        value.source_timestamp = time(1_800_000_000);
+        assert_eq!(told(&node, &value, true), (Told::Value(21.0), Some(at(1_800_000_000))));
+        assert_eq!(told(&node, &value, false), (Told::Value(21.0), None));
+    }
+
+    #[test]
+    fn a_server_that_does_not_run_has_no_values() {
+        let state = |number: i32| DataValue { value: Some(number.into()), ..DataValue::default() };
+        assert_eq!(halt(&state(0)), None);
+        assert_eq!(halt(&state(3)).as_deref(), Some("the server does not run: its state is Suspended"));
+        assert!(halt(&state(6)).is_some());
+        // Not told, or nothing of the standard.
+        assert_eq!(halt(&DataValue::default()), None);
+        assert_eq!(halt(&state(99)), None);
+    }
+}
