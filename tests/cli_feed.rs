@@ -284,6 +284,10 @@ fn the_journal_of_a_broken_job_is_not_overwritten() {
     let arguments = ["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name];
     let mut child = start(&shop, &arguments);
     bench.wait_for(10);
+    let other = grbl(0.02);
+    let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &other.name]);
+    assert!(run.code == 4 && run.stderr.contains("a job that is running"), "{run:?}");
+    assert!(other.executed().is_empty());
     signal(&child, "KILL");
     child.wait().unwrap();
     let before = shop.bytes("part.ngc.journal");
@@ -330,6 +334,8 @@ fn a_killed_job_is_taken_up_again_above_the_part_and_leaves_nothing_out() {
         assert!(wrong.code == 2 && bench.executed() == first, "{wrong:?}");
         let run = shop.run(["resume", "part.ngc.journal", "--confirm", number]);
         assert_eq!(run.code, 0, "{run:?}");
+        let old = shop.run(["resume", "part.ngc.journal.old"]);
+        assert!(old.code == 2 && old.stderr.contains("was taken up again"), "{old:?}");
         let all = bench.executed();
         let second = &all[first.len()..];
         let before: Vec<&str> = plan["before"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
@@ -453,6 +459,23 @@ fn a_head_that_warms_up_is_followed_in_doses() {
     let bench = grbl(0.01);
     let arguments =
         ["feed", "part.ngc", "--machine", "mill.toml", "--link", "grbl", "--port", &bench.name, "--sensors", "s.toml"];
+    let dry = shop.run([&arguments[..], &["--dry-run"]].concat());
+    assert!(dry.code == 0 && !dry.stderr.contains("error"), "{dry:?}");
+    std::fs::write(shop.path("bad.toml"), "[source.log]\nkind = \"replay\"\npol_s = 1\npath = \"warm.csv\"\n").unwrap();
+    let bad = [
+        "feed",
+        "part.ngc",
+        "--machine",
+        "mill.toml",
+        "--link",
+        "grbl",
+        "--port",
+        &bench.name,
+        "--sensors",
+        "bad.toml",
+    ];
+    let dry = shop.run([&bad[..], &["--dry-run"]].concat());
+    assert!(dry.code != 0 && dry.stderr.contains("pol_s"), "{dry:?}");
     let run = shop.run([&arguments[..], &["--every", "0.1", "--max-shift", "4um"]].concat());
     assert!(run.code == 4 && run.stderr.contains("--max-shift"), "{run:?}");
     // No line is cut in two: all that were sent were carried out.

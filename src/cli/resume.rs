@@ -23,15 +23,16 @@ const MOST_SHOWN: usize = 40;
 pub(super) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop> {
     let source = input::read(&arguments.journal, FileId(0))?;
     let shown = arguments.journal.display();
-    if let Ok(file) = std::fs::File::open(&arguments.journal)
-        && matches!(file.try_lock_shared(), Err(std::fs::TryLockError::WouldBlock))
-    {
+    if feed::is_held(&arguments.journal) {
         return Err(Stop::Usage(format!("the job of {shown} is still running")));
     }
     let text = String::from_utf8_lossy(source.bytes()).into_owned();
     let told = read_journal(&text).map_err(|(line, why)| Stop::Usage(format!("{shown}:{line}: {why}")))?;
     if told.ended.as_deref() == Some("done") {
         return Err(Stop::Usage(format!("the job of {shown} is done: there is nothing to take up again")));
+    }
+    if let Some(other) = told.ended.as_deref().and_then(|ended| ended.strip_prefix(feed::TAKEN_UP)) {
+        return Err(Stop::Usage(format!("the job of {shown} was taken up again: its journal is {other}")));
     }
     let mut feed = began_with(&told)?;
     if arguments.port.is_some() {

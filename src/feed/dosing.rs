@@ -75,7 +75,9 @@ impl Dosing {
             Dose::Step { way_mm, time_s } => {
                 let limits = &self.limits;
                 let share = |limit: f64, of: f64| if limit.is_infinite() { limit } else { limit * of.max(0.0) };
-                let most = limits.per_block.min(share(limits.per_mm, way_mm)).min(share(limits.per_s, time_s));
+                // On the spot nothing is cut along a way; time alone counts.
+                let of_way = if way_mm > 0.0 { share(limits.per_mm, way_mm) } else { f64::INFINITY };
+                let most = limits.per_block.min(of_way).min(share(limits.per_s, time_s));
                 for slot in 0..AXIS_COUNT {
                     let left = before[slot] - self.applied[slot];
                     self.applied[slot] = now[slot] - (left - left.clamp(-most, most));
@@ -114,11 +116,14 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_that_is_infinite_does_not_matter_on_the_spot() {
-        let mut dosing = Dosing::new(Limits { per_block: 1.0, per_mm: f64::INFINITY, per_s: 1e-3 });
-        assert!((dosing.step(&along_x(0.05), &along_x(0.05), step(0.0, 1.0))[0] - 1e-3).abs() < 1e-12);
-        let mut dosing = Dosing::new(Limits { per_block: 1.0, per_mm: 1.0, per_s: f64::INFINITY });
-        assert_eq!(dosing.step(&along_x(0.05), &along_x(0.05), step(0.0, 1.0))[0], 0.0);
+    fn on_the_spot_time_alone_counts() {
+        for per_mm in [f64::INFINITY, 1e-4] {
+            let mut dosing = Dosing::new(Limits { per_block: 1.0, per_mm, per_s: 1e-3 });
+            assert_eq!(dosing.step(&along_x(0.05), &along_x(0.05), step(0.0, 0.0))[0], 0.0);
+            assert!((dosing.step(&along_x(0.05), &along_x(0.05), step(0.0, 1.0))[0] - 1e-3).abs() < 1e-12);
+        }
+        let mut dosing = Dosing::new(Limits { per_block: 1.0, per_mm: 1e-4, per_s: f64::INFINITY });
+        assert!((dosing.step(&along_x(0.05), &along_x(0.05), step(2.0, 0.0))[0] - 2e-4).abs() < 1e-12);
     }
 
     #[test]
@@ -137,7 +142,7 @@ mod tests {
         // 10 mm: 1 µm; 0.1 s: 0.1 µm; the smaller counts.
         assert!((dosing.step(&along_x(0.05), &along_x(0.05), step(10.0, 0.1))[0] - 1e-4).abs() < 1e-12);
         // The way itself asks for 0.02 more.
-        let applied = dosing.step(&along_x(0.05), &along_x(0.07), step(0.0, 10.0))[0];
+        let applied = dosing.step(&along_x(0.05), &along_x(0.07), step(10.0, 0.0))[0];
         assert!((applied - 0.0201).abs() < 1e-12, "{applied}");
     }
 

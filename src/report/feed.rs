@@ -82,9 +82,9 @@ impl Before {
             let [first, last] = late.source_lines;
             let _ = writeln!(
                 out,
-                "             lines {first}–{last} of the source need {:.0} lines/s, {:.0} come: {} late",
-                late.needed_per_s,
-                late.given_per_s,
+                "             lines {first}–{last} of the source need {} lines/s, {} come: {} late",
+                rate(late.needed_per_s),
+                rate(late.given_per_s),
                 duration(late.starved_s)
             );
         }
@@ -95,6 +95,12 @@ impl Before {
         );
         out
     }
+}
+
+/// Lines a second, with the digits that tell something.
+#[must_use]
+pub fn rate(per_s: f64) -> String {
+    if per_s < 10.0 { format!("{per_s:.2}") } else { format!("{per_s:.0}") }
 }
 
 /// Where a transfer stands, or how it ended.

@@ -83,7 +83,7 @@ pub(in crate::cli) struct DosingChoice {
     /// What temperatures ask for changes on rapid moves only
     #[arg(long)]
     pub(in crate::cli) rapids_only: bool,
-    /// The most that it changes from one block to the next, with its unit
+    /// The most that it changes from one block with feed to the next, with its unit; rapid moves take all of it at once
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) dose_per_block: f64,
     /// The most that it changes on a mm of way, with its unit

@@ -1,7 +1,7 @@
 //! The file of a journal: only ever added to, written through to the disk by a thread of its own, so that a slow disk delays no line.
 
-use std::fs::{File, OpenOptions};
-use std::io::{self, Write};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Read as _, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex};
@@ -12,6 +12,9 @@ use crate::cli::input::is_standard_stream;
 use crate::cli::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::feed::{Store, read_journal};
+
+/// How the record begins of the end of a job that went on in another journal.
+pub(in crate::cli) const TAKEN_UP: &str = "taken up again in ";
 
 /// A file that another thread writes through.
 pub(super) struct Book {
@@ -42,12 +45,23 @@ pub(super) fn path(input: &Path, given: Option<&Path>) -> Result<PathBuf, Stop> 
 /// # Errors
 /// Where the file cannot be read.
 pub(super) fn check(path: &Path, findings: &mut Findings) -> Result<(), Stop> {
+    let shown = path.display();
+    if std::fs::metadata(path).is_ok_and(|data| !data.is_file()) {
+        let message = format!("{shown} is no file");
+        findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, "give a file with --journal"), &[]);
+        return Ok(());
+    }
+    if is_held(path) {
+        let message = format!("{shown} is the journal of a job that is running");
+        let help = "wait for its end, or give another file with --journal";
+        findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, help), &[]);
+        return Ok(());
+    }
     let text = match std::fs::read_to_string(path) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(Stop::file("read", path, &error)),
     };
-    let shown = path.display();
     let (message, help) = match read_journal(&text) {
         Ok(told) if told.ended.as_deref() == Some("done") || told.frozen == 0 => return Ok(()),
         Ok(told) => (
@@ -61,6 +75,28 @@ pub(super) fn check(path: &Path, findings: &mut Findings) -> Result<(), Stop> {
     };
     findings.add(Diagnostic::nowhere(Code::UNFINISHED_JOB, message, help), &[]);
     Ok(())
+}
+
+/// Whether a job holds a journal.
+pub(in crate::cli) fn is_held(path: &Path) -> bool {
+    let file = File::open(path);
+    file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+}
+
+/// Says in an old journal that its job went on in another one: there is nothing to take up again by it.
+fn supersede(old: &Path, path: &Path) -> io::Result<()> {
+    let mut file = OpenOptions::new().read(true).append(true).open(old)?;
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes)?;
+    let is_done = String::from_utf8_lossy(&bytes).lines().last().is_some_and(|line| line.ends_with(" E done"));
+    if is_done {
+        return Ok(());
+    }
+    // Behind a record that was cut off.
+    let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+    file.set_len(whole as u64)?;
+    writeln!(file, "0 E {TAKEN_UP}{}", path.display())?;
+    file.sync_data()
 }
 
 /// A name beside a journal that no file has.
@@ -82,7 +118,8 @@ impl Book {
     pub(super) fn create(path: &Path) -> Result<Book, Stop> {
         let fault = |error: &io::Error| Stop::file("write", path, error);
         if path.exists() {
-            std::fs::rename(path, kept(path)).map_err(|error| fault(&error))?;
+            let old = kept(path);
+            std::fs::rename(path, &old).and_then(|()| supersede(&old, path)).map_err(|error| fault(&error))?;
         }
         let file = OpenOptions::new().append(true).create_new(true).open(path).map_err(|error| fault(&error))?;
         // As long as it is held nobody takes the job up again.

@@ -15,7 +15,7 @@ use crate::cli::{complain, tell};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::drip::Lines;
 use crate::feed::port::{self, Opened};
-use crate::feed::{Ended, Event, Halt, Journal, PROTOCOLS, Port, Progress, Sender};
+use crate::feed::{Ended, Event, Halt, Journal, Port, Progress, Sender};
 use crate::report::feed::{Before, Status};
 
 use super::book::{self, Book};
@@ -84,13 +84,12 @@ pub(super) fn run(
     let head: Vec<(&str, &str)> = head.iter().map(|(name, value)| (*name, value.as_str())).collect();
     let unwritten = |error: &io::Error| Stop::file("write", &book_path, error);
     let mut journal = Journal::new(&mut book, &head).map_err(|error| unwritten(&error))?;
-    let protocol = PROTOCOLS.iter().find(|protocol| protocol.name == job.profile.protocol);
-    let protocol = protocol.ok_or_else(|| Stop::Usage(format!("there is no protocol '{}'", job.profile.protocol)))?;
-    let dialogue = (protocol.create)(&job.profile).map_err(Stop::Usage)?;
+    let dialogue = super::dialogue(&job)?;
     let sender = Sender::new(dialogue, job.profile.window.system_bytes, &mut journal);
     let speed = port::characters_per_s(arguments.port.as_deref().unwrap_or_default(), &job.profile);
-    let mut drive =
-        Drive { sender, port: opened.port, show, before, speed, started, meter: Meter::new(), halted: None };
+    let planned = job.profile.window.planned;
+    let meter = Meter::new();
+    let mut drive = Drive { sender, port: opened.port, show, before, speed, planned, started, meter, halted: None };
     let (ended, code) = drive.go(&mut supply, &thermal, &keys).map_err(|error| unwritten(&error))?;
     let status = drive.status(&supply, &thermal, Some(&ended));
     let mut show = drive.show;
@@ -103,7 +102,7 @@ pub(super) fn run(
     {
         complain(message);
     }
-    if code != ExitCode::Done && !arguments.json {
+    if code != ExitCode::Done && status.sent > 0 && !arguments.json {
         tell(&format!("help: `ncfix resume {}` shows how it can be taken up again\n", book_path.display()));
     }
     Ok(code)
@@ -201,6 +200,8 @@ struct Drive<'a> {
     before: &'a Before,
     /// Characters a second that the link takes.
     speed: f64,
+    /// Lines that the control holds beyond those under way.
+    planned: usize,
     started: Instant,
     /// From an answer to the bytes of the next line.
     meter: Meter,
@@ -285,8 +286,13 @@ impl Drive<'_> {
             }
             _ => halt,
         };
-        let what = said
-            .unwrap_or_else(|| "this link has no word to hold the axes: use the control's own; ncfix leaves".into());
+        let (open, planned) = (self.sender.progress().in_flight.0, self.planned);
+        let what = said.unwrap_or_else(|| {
+            format!(
+                "this link has no word to hold the axes: use the control's own; ncfix leaves, and the {open} lines under way may still \
+                 be carried out, and up to {planned} that the control holds"
+            )
+        });
         let message = format!("{why}: {what}");
         self.show.say("halt", now, None, message.clone());
         self.halted = Some((halt, code, message));
@@ -305,6 +311,21 @@ impl Drive<'_> {
         Ok(())
     }
 
+    /// What a job leaves that is lost.
+    fn lost(&self, why: &str, progress: &Progress) -> String {
+        let taken = progress.acknowledged.max(progress.left);
+        if progress.sent == 0 {
+            return format!("{why}; no line was sent");
+        }
+        let open = progress.sent.saturating_sub(taken);
+        let held = taken.saturating_sub(progress.executed.unwrap_or(0)).min(self.planned as u64);
+        let mut what = format!("the job is lost: {why}; {open} lines were sent and not acknowledged");
+        if held > 0 {
+            what += &format!(", and up to {held} before them may still have waited in the control");
+        }
+        what + ": each of these may have been carried out or not"
+    }
+
     fn status(&self, supply: &Source, thermal: &Thermal, ended: Option<&Ended>) -> Status {
         let progress: &Progress = self.sender.progress();
         let elapsed_s = self.started.elapsed().as_secs_f64();
@@ -315,13 +336,13 @@ impl Drive<'_> {
         let (word, message) = match ended {
             None => (None, None),
             Some(Ended::Done) => (Some("done"), None),
-            Some(Ended::Stopped) => (Some("stopped"), self.halted.as_ref().map(|(_, _, said)| said.clone())),
-            Some(Ended::Held(why)) => (Some("held"), Some(why.clone())),
-            Some(Ended::Lost(why)) => {
-                let open = progress.sent.saturating_sub(progress.acknowledged.max(progress.left));
-                let what = "lines were sent and not acknowledged, and may have been carried out or not";
-                (Some("lost"), Some(format!("the job is lost: {why}; {open} {what}")))
+            Some(Ended::Stopped) => {
+                let why = self.halted.as_ref().map_or("stopped", |(.., said)| said.split(": ").next().unwrap_or(said));
+                let what = if progress.left > 0 { "has left" } else { "was answered" };
+                (Some("stopped"), Some(format!("{why}; all that was sent {what}, and nothing else was sent")))
             }
+            Some(Ended::Held(why)) => (Some("held"), Some(why.clone())),
+            Some(Ended::Lost(why)) => (Some("lost"), Some(self.lost(why, progress))),
             Some(Ended::Refused(number, said)) => {
                 (Some("refused"), Some(format!("the control has refused line {number}: {said}")))
             }

@@ -20,12 +20,13 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::stop::Stop;
 use super::{input, print, tell};
-use crate::feed::port;
+use crate::feed::{Dialogue, PROTOCOLS, port};
 use crate::report::feed::Before;
 use crate::report::json;
 use crate::sense::{Config, Panel};
 use crate::source::FileId;
 
+pub(super) use book::{TAKEN_UP, is_held};
 pub(super) use drive::Begin;
 pub(super) use job::Job;
 pub(super) use survey::{Step, walk};
@@ -85,7 +86,22 @@ pub(super) fn send(arguments: &FeedArguments, job: Job, before: &Before, begin: 
 pub(super) fn prepare(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<(Job, Before)>, Stop> {
     let Some(job) = Job::new(arguments, findings)? else { return Ok(None) };
     let before = survey::run(arguments, &job, findings)?;
+    // The profile fits its protocol, and the sensors are told of as they will be read.
+    dialogue(&job)?;
+    if arguments.dry_run {
+        panel(arguments, &job, findings)?;
+    }
     Ok(before.map(|before| (job, before)))
+}
+
+/// The dialogue of a job.
+///
+/// # Errors
+/// Where the profile does not fit it.
+fn dialogue(job: &Job) -> Result<Box<dyn Dialogue>, Stop> {
+    let protocol = PROTOCOLS.iter().find(|protocol| protocol.name == job.profile.protocol);
+    let protocol = protocol.ok_or_else(|| Stop::Usage(format!("there is no protocol '{}'", job.profile.protocol)))?;
+    (protocol.create)(&job.profile).map_err(|why| Stop::Usage(format!("the link {}: {why}", job.profile.name)))
 }
 
 /// Opens the sensors of a job; `None` where there are none, or findings forbid it.

@@ -25,6 +25,8 @@ const BATCH: usize = 64;
 /// What was made waits no longer than this for others.
 const BATCH_WITHIN: Duration = Duration::from_millis(1);
 
+/// Below this share of the limit for a warning the next one counts anew.
+const BELOW: f64 = 0.9;
 /// Elements that are passed over in one go.
 const MOST_PASSED: usize = 256;
 
@@ -82,6 +84,7 @@ pub(super) struct Source<'a> {
     held: Option<Line>,
     max_shift_mm: f64,
     warn_shift_mm: f64,
+    is_beyond: bool,
     passed: u64,
     is_over: bool,
     /// Whether a shift beyond the limit for a warning was met: how far, and the line of the source.
@@ -112,6 +115,7 @@ impl<'a> Source<'a> {
             held: None,
             max_shift_mm: arguments.dosing.max_shift,
             warn_shift_mm: arguments.dosing.warn_shift,
+            is_beyond: false,
             passed: 0,
             is_over: false,
             warned: None,
@@ -138,9 +142,12 @@ impl<'a> Source<'a> {
                 line.source_line
             ));
         }
-        if shift_mm.abs() > self.warn_shift_mm && self.warned.is_none() {
+        // Once, until it has been well below.
+        let is_beyond = shift_mm.abs() > self.warn_shift_mm;
+        if is_beyond && !self.is_beyond {
             self.warned = Some((said(), line.source_line));
         }
+        self.is_beyond = is_beyond || self.is_beyond && shift_mm.abs() > BELOW * self.warn_shift_mm;
         Ok(())
     }
 

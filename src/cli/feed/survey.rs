@@ -11,7 +11,7 @@ use crate::emit;
 use crate::exec::RapidOrder;
 use crate::feed::{Forecaster, Line, Link, port};
 use crate::path::{Corrector, Output};
-use crate::report::feed::{Before, Late};
+use crate::report::feed::{Before, Late, rate};
 use crate::source::Source;
 
 use super::job::Job;
@@ -68,6 +68,9 @@ pub(in crate::cli) fn run(
         needed_per_s: stretch.needed_per_s,
         given_per_s: stretch.given_per_s,
     };
+    // As many lines of middle length as the window takes, and those that the control holds beyond it.
+    let by_bytes = profile.window.bytes as f64 * forecast.lines as f64 / (forecast.bytes as f64).max(1.0);
+    let frozen = by_bytes.floor().clamp(1.0, profile.window.lines.max(1) as f64) + profile.window.planned as f64;
     let per_line_s = forecast.motion_s / forecast.lines as f64;
     let before = Before {
         schema: 1,
@@ -80,7 +83,7 @@ pub(in crate::cli) fn run(
         starved_s: forecast.starved_s,
         lowest: forecast.lowest,
         line_by_line: link.lines <= 1,
-        frozen_s: per_line_s * link.lines.min(usize::try_from(forecast.lines).unwrap_or(usize::MAX)) as f64,
+        frozen_s: per_line_s * frozen.min(forecast.lines as f64),
         late: forecast.stretches.iter().filter(|stretch| stretch.starved_s >= UNNOTICED_S).map(late).collect(),
         diagnostics: Vec::new(),
     };
@@ -150,11 +153,11 @@ fn judge(arguments: &FeedArguments, before: &Before, findings: &mut Findings) {
     let Some(worst) = before.late.first() else { return };
     let [first, last] = worst.source_lines;
     let message = format!(
-        "the control will stand still for {:.1} s of {:.1} s; lines {first} to {last} of the source need {:.0} lines/s, {:.0} come{}",
+        "the control will stand still for {:.1} s of {:.1} s; lines {first} to {last} of the source need {} lines/s, {} come{}",
         before.starved_s,
         before.total_s,
-        worst.needed_per_s,
-        worst.given_per_s,
+        rate(worst.needed_per_s),
+        rate(worst.given_per_s),
         if before.line_by_line { ", as this link takes line by line" } else { "" }
     );
     let is_much = before.starved_s > LEAST_STARVED_S.max(MOST_STARVED * before.motion_s);

@@ -143,7 +143,11 @@ impl Marlin {
         } else if number <= self.current && self.sent(number).is_some() {
             self.repeats += 1;
             if self.repeats > self.most_repeats {
-                self.lost(&format!("the control has asked for line {number} {} times", self.repeats), events);
+                let why = format!(
+                    "line {number} was sent {} times and not taken: the control asks for it again, or does not answer",
+                    self.repeats
+                );
+                self.lost(&why, events);
                 return;
             }
             self.current = number;
