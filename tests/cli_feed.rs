@@ -393,6 +393,27 @@ fn another_link_other_sensors_and_a_lost_zero_are_not_taken_up_again() {
     assert!(run.stderr.contains("profile of the link") && run.stderr.contains("file of the sensors"), "{run:?}");
 }
 
+#[test]
+fn a_control_in_alarm_does_not_use_up_the_journal_of_a_broken_job() {
+    let mill = machine("knee_mill");
+    let bench = grbl(0.005);
+    let shop = Shop::new().file("part.ngc", passes(20));
+    let plan = killed(&shop, &bench, &mill, 137);
+    let alarmed = Bench::new(Grbl::new(&Faults::default(), 0.005).in_alarm());
+    let number = plan["plan"].as_str().unwrap();
+    let run = shop.run(["resume", "part.ngc.journal", "--port", &alarmed.name, "--confirm", number]);
+    assert!(run.code == 6 && run.stderr.contains("no line was sent"), "{run:?}");
+    assert!(alarmed.executed().is_empty());
+    // Its own journal is empty and does not begin at the beginning; that of the broken job is as good as before.
+    let empty = shop.run(["resume", "part.ngc.journal"]);
+    assert!(empty.code == 2 && empty.stderr.contains("part.ngc.journal.old"), "{empty:?}");
+    let anew = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
+    assert!(anew.code == 4 && anew.stderr.contains("E0703"), "{anew:?}");
+    let again = shop.run(["resume", "part.ngc.journal.old", "--json"]);
+    let again: serde_json::Value = serde_json::from_str(&again.stdout).unwrap();
+    assert_eq!([&again["source_line"], &again["before"]], [&plan["source_line"], &plan["before"]]);
+}
+
 /// The knee mill with a head that grows by 3 µm/K downwards.
 fn warm_mill() -> String {
     let text = std::fs::read_to_string(machine("knee_mill")).unwrap();

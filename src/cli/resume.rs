@@ -31,8 +31,15 @@ pub(super) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop> {
     if told.ended.as_deref() == Some("done") {
         return Err(Stop::Usage(format!("the job of {shown} is done: there is nothing to take up again")));
     }
-    if let Some(other) = told.ended.as_deref().and_then(|ended| ended.strip_prefix(feed::TAKEN_UP)) {
+    if let Some(other) = told.ended.as_deref().and_then(|ended| ended.strip_prefix(feed::TAKEN_UP))
+        && !is_empty(other)
+    {
         return Err(Stop::Usage(format!("the job of {shown} was taken up again: its journal is {other}")));
+    }
+    if told.frozen == 0 && !head(&told, "resumed").is_empty() {
+        return Err(Stop::Usage(format!(
+            "{shown} has no line: the control took none when the job was to be taken up again; look at the newest journal beside it, `ncfix resume {shown}.old` or .old1 …"
+        )));
     }
     let mut feed = began_with(&told)?;
     if arguments.port.is_some() {
@@ -74,6 +81,12 @@ pub(super) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop> {
             plan.plan
         ))),
     }
+}
+
+/// Whether a journal says that no line was sent.
+fn is_empty(journal: &str) -> bool {
+    let text = std::fs::read_to_string(journal);
+    text.is_ok_and(|text| read_journal(&text).is_ok_and(|told| told.frozen == 0))
 }
 
 /// The value of a name in the head of a journal.

@@ -63,7 +63,9 @@ pub(super) fn check(path: &Path, findings: &mut Findings) -> Result<(), Stop> {
         Err(error) => return Err(Stop::file("read", path, &error)),
     };
     let (message, help) = match read_journal(&text) {
-        Ok(told) if told.ended.as_deref() == Some("done") || told.frozen == 0 => return Ok(()),
+        Ok(told) if told.ended.as_deref() == Some("done") => return Ok(()),
+        // One that was to be taken up again is broken off all the same.
+        Ok(told) if told.frozen == 0 && told.head.iter().all(|(name, _)| name != "resumed") => return Ok(()),
         Ok(told) => (
             format!(
                 "{shown} is the journal of a job that was broken off: {} lines sent, {} acknowledged",
