@@ -205,8 +205,8 @@ struct Drive<'a> {
     started: Instant,
     /// From an answer to the bytes of the next line.
     meter: Meter,
-    /// What a person or a sensor has asked for, with its status.
-    halted: Option<(Halt, ExitCode, String)>,
+    /// What a person or a sensor has asked for, with its status, why, and what was said of it.
+    halted: Option<(Halt, ExitCode, String, String)>,
 }
 
 impl Drive<'_> {
@@ -231,7 +231,7 @@ impl Drive<'_> {
             }
             self.show.tick(now);
             self.watch(thermal, keys, now);
-            if let Some((Halt::Hold | Halt::Abort, code, said)) = self.halted.clone() {
+            if let Some((Halt::Hold | Halt::Abort, code, _, said)) = self.halted.clone() {
                 self.flush(supply)?;
                 return Ok((Ended::Held(said), code));
             }
@@ -252,7 +252,7 @@ impl Drive<'_> {
     fn code(&self, ended: Ended) -> (Ended, ExitCode) {
         let code = match &ended {
             Ended::Done => ExitCode::Done,
-            Ended::Stopped => self.halted.as_ref().map_or(ExitCode::Interrupted, |(_, code, _)| *code),
+            Ended::Stopped => self.halted.as_ref().map_or(ExitCode::Interrupted, |(_, code, ..)| *code),
             Ended::Refused(..) => ExitCode::Control,
             Ended::Lost(why) if why.starts_with(crate::feed::GONE) => ExitCode::Link,
             Ended::Lost(_) | Ended::Held(_) => ExitCode::Control,
@@ -295,7 +295,7 @@ impl Drive<'_> {
         });
         let message = format!("{why}: {what}");
         self.show.say("halt", now, None, message.clone());
-        self.halted = Some((halt, code, message));
+        self.halted = Some((halt, code, why.to_owned(), message));
     }
 
     /// Lets what was said last go out.
@@ -337,7 +337,7 @@ impl Drive<'_> {
             None => (None, None),
             Some(Ended::Done) => (Some("done"), None),
             Some(Ended::Stopped) => {
-                let why = self.halted.as_ref().map_or("stopped", |(.., said)| said.split(": ").next().unwrap_or(said));
+                let why = self.halted.as_ref().map_or("stopped", |(_, _, why, _)| why.as_str());
                 let what = if progress.left > 0 { "has left" } else { "was answered" };
                 (Some("stopped"), Some(format!("{why}; all that was sent {what}, and nothing else was sent")))
             }
