@@ -37,6 +37,7 @@
 //! | [`calibrate`] | fit of parameters and set-up unknowns, what the data cannot tell, quality | causes |
 //! | [`diagnose`] | what the model lacks: causes, search, gates, verdict, what extends the machine file | programs, files |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
+//! | [`tables`] | compensation tables of controls: what they do, schemes that fill them, formats | programs |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
 //! | [`feed`] | links as data, dialogues as pure machines, window, dosing | G-code, kinematics |
 //! | [`sense`] | live sensors: sources in threads, what is believed of their values | programs, models |
@@ -63,6 +64,8 @@
 //! | a link | `links/x.toml` | [`feed::PROFILES`] |
 //! | a source of live readings | `sense/source/x.rs`; a part of `docs/sensors.md` | [`sense::SOURCES`] |
 //! | a kind of dialogue | `feed/dialogue/x.rs`: a pure machine | [`feed::PROTOCOLS`] |
+//! | a table format | `tables/format/x.rs`: write, read, limits; a row in `docs/tables.md` | [`tables::FORMATS`] |
+//! | a scheme of tables | `tables/scheme/x.rs`; a row in `docs/tables.md` | [`tables::SCHEMES`] |
 //! | a preset of parameters | `model/preset/x.rs` | [`model::preset::PRESETS`] |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |
 //! | a command | `cli/x.rs` | `cli/mod.rs` |
@@ -96,4 +99,5 @@ pub mod sense;
 pub mod snc;
 pub mod source;
 pub mod syntax;
+pub mod tables;
 pub mod units;

@@ -26,13 +26,14 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("calibrate", &["measure", "model", "machine", "geometry", "numeric"]),
     ("diagnose", &["calibrate", "measure", "model", "machine", "geometry", "numeric"]),
     ("path", &["snc", "model", "machine", "geometry"]),
+    ("tables", &["model", "machine", "geometry", "numeric"]),
     ("emit", &["dialect", "path", "snc", "geometry", "machine"]),
     // The machine for the reader of TOML only.
     ("feed", &["geometry", "machine"]),
     ("drip", &["feed", "dialect", "emit", "path", "snc", "model", "machine", "geometry"]),
     // The machine for the reader of TOML and for logs of temperatures only.
     ("sense", &["machine"]),
-    ("report", &["geometry", "path", "emit", "machine", "model", "snc"]),
+    ("report", &["geometry", "path", "tables", "emit", "machine", "model", "snc"]),
     (
         "cli",
         &[
@@ -47,6 +48,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "calibrate",
             "diagnose",
             "path",
+            "tables",
             "emit",
             "feed",
             "drip",

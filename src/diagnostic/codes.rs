@@ -1,7 +1,7 @@
 //! The register of finding codes: every code once, with its title and the long text that `ncfix explain` prints.
 //!
 //! Groups: `E01` what was written (syntax), `E02` what it means (execution), `E03` safety and machine limits,
-//! `E04` machine file and error model, `E05` state of the machine, `E06` measured data, `E07` links; `W…` the same groups as warnings. Codes are stable:
+//! `E04` machine file and error model, `E05` state of the machine, `E06` measured data, `E07` links, `E09` compensation tables; `W…` the same groups as warnings. Codes are stable:
 //! one that is no longer used stays retired. A test demands a sample file that provokes each code. The file is long because it holds them all.
 
 use std::fmt;
@@ -354,6 +354,13 @@ overwritten. Look at `ncfix resume JOURNAL`, or remove the journal, or give anot
     OTHER_JOB = "E0704" "not the job that was broken off"
 "A job can only be taken up again with the program, the machine file, the state and the version with which it began: with others the lines that were sent cannot
 be told from those that were not, and the correction would jump. Nothing was sent.";
+    BAD_TABLES = "E0901" "compensation table that cannot be read"
+"A file of compensation tables for ncfix tables --read, or for machine.active_tables, is not what its format says: a number that is none, an axis that the
+machine lacks, a product with a table that is not there. Nothing of it is used, because half of a compensation moves the tool to a wrong place. Correct
+the line, or name the format (--format) or the axes (--axis-name X=AX1).";
+    TABLES_DO_NOT_FIT = "E0902" "tables that the control cannot take"
+"The tables that the scheme asks for are more, longer or larger than the control takes, or of a kind that it does not have. Nothing was written. Choose
+another --scheme (auto looks for the fewest tables), a larger --tolerance, fewer --points, or another --format; ncfix tables --list shows what each has.";
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"
@@ -458,4 +465,7 @@ or noise of its own. The file stays as it is. In data held out rows stay in, so 
 "In some places the control waits a little for lines (E0702 says what that means), less than what forbids the transfer.";
     SERIAL_SETTINGS = "W0702" "port with other settings, or a name that changes"
 "The port did not take all settings of the profile, or its name depends on the order in which adapters were plugged in.";
+    UNUSED_TABLE = "W0901" "part of a table file that is not used"
+"Something in a file of compensation tables has no effect on the control or is not known: a table with step 0, values behind its end, points
+without a value, variables of another function. The rest is read. Look whether it was meant.";
 }

@@ -1,0 +1,108 @@
+//! What a control can hold, and how much.
+
+use super::Format;
+use crate::tables::{Multiplication, Tables};
+
+/// A kind of table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holds {
+    /// Functions of an axis that correct the same axis.
+    Own,
+    /// Functions of an axis that correct another one.
+    Cross,
+    /// Products of two functions.
+    Products,
+    /// Tables for one sense of motion.
+    Senses,
+    /// A grid of corrections.
+    Grid,
+    /// Error functions for the control's own kinematics.
+    Errors,
+    /// Location errors beside them.
+    Locations,
+    /// A matrix.
+    Matrix,
+}
+
+/// How much a control can hold. Zero where there is no such limit or none is known.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Tables.
+    pub tables: usize,
+    /// Values of a table, or nodes along an axis of a grid.
+    pub points: usize,
+    /// Largest correction, mm.
+    pub value_mm: f64,
+    /// Smallest difference of two values that the format writes, mm.
+    pub resolution_mm: f64,
+}
+
+/// What the tables have and the format does not.
+pub(super) fn kinds(format: &Format, tables: &Tables) -> Vec<String> {
+    let lookups = &tables.lookups;
+    let errors = tables.errors.as_ref();
+    let has = [
+        (Holds::Own, lookups.iter().any(|one| one.input == one.output), "tables of an axis that correct the same axis"),
+        (Holds::Cross, lookups.iter().any(|one| one.input != one.output), "tables that correct another axis"),
+        (Holds::Products, lookups.iter().any(|one| one.factor.is_some()), "products of tables"),
+        (
+            Holds::Senses,
+            lookups.iter().any(|one| one.sense != crate::tables::Sense::Both),
+            "tables for one sense of motion",
+        ),
+        (Holds::Grid, tables.grid.is_some(), "a grid of corrections"),
+        (Holds::Errors, errors.is_some_and(|errors| !errors.axes.is_empty()), "error functions"),
+        (Holds::Locations, errors.is_some_and(|errors| !errors.location.is_empty()), "location errors"),
+        (Holds::Matrix, tables.matrix.is_some(), "a matrix"),
+    ];
+    let mut faults: Vec<String> = has
+        .into_iter()
+        .filter(|&(kind, is_there, _)| is_there && !format.can_hold(kind))
+        .map(|(_, _, what)| format!("{} has no place for {what}", format.title))
+        .collect();
+    if tables.multiplication == Multiplication::Beside && !format.can_hold(Holds::Products) {
+        faults.push(format!("{} does not multiply tables", format.title));
+    }
+    faults
+}
+
+/// What is more than the control takes.
+pub(super) fn exceeded(limits: &Limits, tables: &Tables) -> Vec<String> {
+    let mut faults = Vec::new();
+    if limits.tables > 0 && tables.count() > limits.tables {
+        faults.push(format!("{} tables, and the control has {}", tables.count(), limits.tables));
+    }
+    let mut points = |what: String, count: usize| {
+        if limits.points > 0 && count > limits.points {
+            faults.push(format!("{what} has {count} points, and the control takes {}", limits.points));
+        }
+    };
+    for (index, one) in tables.lookups.iter().enumerate() {
+        points(format!("table {index} ({} over {})", one.output, one.input), one.nodes.count());
+    }
+    if let Some(grid) = &tables.grid {
+        grid.axes.iter().zip(grid.count).for_each(|(axis, count)| points(format!("the grid along {axis}"), count));
+    }
+    if let Some(errors) = &tables.errors {
+        errors.axes.iter().for_each(|one| points(format!("the table of {}", one.axis), one.positions.len()));
+    }
+    if limits.value_mm > 0.0 {
+        let largest = largest_mm(tables);
+        if largest > limits.value_mm {
+            faults.push(format!("a value of {largest:.4} mm, and the control takes {} mm", limits.value_mm));
+        }
+    }
+    faults
+}
+
+/// The largest value of a table that is added or of a grid, mm; factors of products are none.
+fn largest_mm(tables: &Tables) -> f64 {
+    let named: Vec<usize> = tables.lookups.iter().filter_map(|one| one.factor).collect();
+    let is_factor = |index: usize| tables.lookups[index].factor.is_some() || named.contains(&index);
+    let added = tables.lookups.iter().enumerate().filter(|&(index, one)| !is_factor(index) && !one.output.is_rotary());
+    let lookups = added.flat_map(|(_, one)| one.values.iter().map(|value| (value * one.weight).abs()));
+    let grid = tables.grid.iter().flat_map(|grid| grid.values.iter().flatten().map(|value| value.abs()));
+    let errors = tables.errors.iter().flat_map(|errors| &errors.axes);
+    let errors = errors.flat_map(|one| one.values.iter().flat_map(|row| row[..3].iter().map(|value| value.abs())));
+    lookups.chain(grid).chain(errors).fold(0.0, f64::max)
+}

@@ -1,0 +1,83 @@
+//! The file formats of the controls: one file each, and their register.
+
+mod cec;
+mod limits;
+mod scan;
+
+pub use limits::{Holds, Limits};
+
+use super::{Tables, Wiring};
+use crate::diagnostic::Diagnostic;
+use crate::source::Source;
+
+/// How a control writes its tables.
+#[derive(Clone, Copy, Debug)]
+pub struct Format {
+    /// Its name for `--format`.
+    pub name: &'static str,
+    /// Which control, in a few words.
+    pub title: &'static str,
+    /// What it can hold.
+    pub holds: &'static [Holds],
+    /// How much of it.
+    pub limits: Limits,
+    /// Rounds values and positions to what the format writes, so that what is written is what was checked.
+    pub round: fn(&mut Tables),
+    /// What only this format forbids, a sentence each; what [`Holds`] and [`Limits`] forbid is not among it.
+    pub faults: fn(&Tables, &Wiring) -> Vec<String>,
+    /// The text of rounded tables without faults; comment lines say what they are. One file with an empty suffix, or several.
+    pub write: fn(&Tables, &Wiring, &[String]) -> Vec<Written>,
+    /// Reads a file, or one of several, into the tables; without an error among the findings it is complete.
+    pub read: fn(&Source, &Wiring, &mut Tables) -> Vec<Diagnostic>,
+    /// Whether a file looks like this format, from its name and its first bytes.
+    pub is_mine: fn(&str, &[u8]) -> bool,
+}
+
+/// A file of tables.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// What is added to the stem of the name that was asked for, with its ending; empty for the only file.
+    pub suffix: String,
+    /// What is in it.
+    pub text: String,
+}
+
+/// All formats.
+pub const FORMATS: &[Format] = &[cec::FORMAT];
+
+/// The format of a name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| format.name.eq_ignore_ascii_case(name))
+}
+
+/// The format of a file, as far as its name and its first bytes tell.
+#[must_use]
+pub fn guess(name: &str, bytes: &[u8]) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| (format.is_mine)(name, bytes))
+}
+
+impl Format {
+    /// Whether it holds such tables.
+    #[must_use]
+    pub fn can_hold(&self, what: Holds) -> bool {
+        self.holds.contains(&what)
+    }
+
+    /// Why the control cannot take these tables, a sentence each.
+    #[must_use]
+    pub fn faults_of(&self, tables: &Tables, wiring: &Wiring) -> Vec<String> {
+        let mut faults = limits::kinds(self, tables);
+        faults.extend(limits::exceeded(&self.limits, tables));
+        faults.extend((self.faults)(tables, wiring));
+        faults
+    }
+}
+
+/// A value rounded to a multiple of 10^-decimals, as its decimal text reads.
+pub(crate) fn rounded(value: f64, decimals: usize) -> f64 {
+    let text = format!("{value:.decimals$}");
+    let read: f64 = text.parse().unwrap_or(value);
+    // No minus in front of zero.
+    if read == 0.0 { 0.0 } else { read }
+}
