@@ -133,6 +133,7 @@ mod surface;
 mod swivel;
 mod synchronised;
 mod system;
+mod tables;
 mod temperature;
 mod texts;
 mod thermal_bench;

@@ -13,6 +13,7 @@ mod plan;
 mod sensors;
 mod simulate;
 mod steps;
+mod tables;
 
 pub(super) use calibrate::CalibrateArguments;
 pub(super) use correction::{ArcChoice, CorrectionChoice, FiveAxisChoice, FrameChoice, RapidChoice, RotaryChoice};
@@ -26,6 +27,7 @@ pub(super) use plan::PlanArguments;
 pub(super) use sensors::SensorsArguments;
 pub(super) use simulate::SimulateArguments;
 pub(super) use steps::StepsArguments;
+pub(super) use tables::TablesArguments;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -152,6 +154,9 @@ pub(super) enum Command {
     /// Print figures of ISO 230 of measured data: A, E, R, B, M; G, F, D, H; size and form of a sphere
     #[command(after_help = figures::AFTER_HELP)]
     Figures(FiguresArguments),
+    /// Make, check and read compensation tables of a control
+    #[command(after_help = tables::AFTER_HELP)]
+    Tables(Box<TablesArguments>),
     /// Check or show a machine file
     #[command(subcommand, after_help = examples::MACHINE)]
     Machine(MachineCommand),

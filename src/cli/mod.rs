@@ -44,6 +44,9 @@ mod state;
 mod steps;
 mod stop;
 mod support_file;
+mod tables;
+mod tables_compare;
+mod tables_read;
 mod value;
 mod verify;
 mod watch;
@@ -90,6 +93,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Verify(arguments) => verify::run(arguments),
         Command::Measured(arguments) => measured::run(arguments),
         Command::Steps(arguments) => steps::run(arguments),
+        Command::Tables(arguments) => tables::run(arguments),
         Command::Diagnose(arguments) => diagnose::run(arguments),
         Command::Sensors(arguments) => sensors::run(arguments),
         Command::Load(arguments) => load::run(arguments),

@@ -24,5 +24,6 @@ pub mod sensors;
 pub mod shares;
 pub mod steps;
 pub mod svg;
+pub mod tables;
 pub mod terminal;
 pub mod watch;

@@ -31,7 +31,7 @@ pub use format::{FORMATS, Format, Written};
 pub use grid::Grid;
 pub use lookup::{Lookup, Nodes, Sense};
 pub use scheme::{SCHEMES, Scheme};
-pub use target::Orientation;
+pub use target::{Orientation, Target};
 pub use wiring::Wiring;
 
 /// What a control is told. Kinds that a format does not have stay empty.

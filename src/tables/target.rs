@@ -8,10 +8,13 @@ use crate::model::{ErrorName, Model, Solve, Twist};
 /// What the rotary axes do about the direction of the tool. The tip is brought to its place in every case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Orientation {
-    /// As much as goes without turning the tool about its own axis: the least squares of tilt and roll, the roll counting as a cost. A smooth
-    /// function without poles, so that tables can hold it; some tilt is left where the tool is almost parallel to a rotary axis.
+    /// As much as goes without turning the tool about its own axis much: the least squares of tilt and roll, the roll counting as a cost. A
+    /// smooth function without poles, so that tables can hold it; some tilt is left where the tool is almost parallel to a rotary axis.
     #[default]
     Smooth,
+    /// The pseudo-inverse of all six rows (Esmaeili 2021, eq. 37): the roll of the tool about its own axis is corrected as if it mattered, and more
+    /// tilt is left for it. Its functions are trigonometric polynomials of low degree, which the 23 tables of chapter 6 rest on.
+    SixRows,
     /// All, as programs are corrected: steep near a pole.
     Exact,
     /// Nothing.
@@ -31,6 +34,9 @@ pub struct Target<'a> {
     pub orientation: Orientation,
 }
 
+/// What a roll counts in the least squares of [`Orientation::Smooth`], a tilt counting 1.
+const ROLL_COST: f64 = 0.1;
+
 /// The ridge that keeps three rotary axes, of which two may be parallel, from a division by zero.
 const RIDGE: f64 = 1e-9;
 
@@ -42,7 +48,7 @@ impl Target<'_> {
         let mode = match self.orientation {
             Orientation::Exact => Solve::Full,
             Orientation::Off => Solve::PositionOnly,
-            Orientation::Smooth => {
+            Orientation::Smooth | Orientation::SixRows => {
                 let error = self.model.volumetric_error(nominal, &self.tool_mm, state);
                 start = start + self.turned(nominal, &error.rotation);
                 Solve::PositionOnly
@@ -53,7 +59,7 @@ impl Target<'_> {
     }
 
     /// The correction per mm or rad of an error component, to the first order: the linear inverse kinematics of its linear forward kinematics
-    /// (Esmaeili 2021, eq. 48 and 51, with the sign that they lack). Only for [`Orientation::Smooth`] and [`Orientation::Off`].
+    /// (Esmaeili 2021, eq. 48 and 51, with the sign that they lack). Not for [`Orientation::Exact`].
     #[must_use]
     pub fn first_order(&self, name: ErrorName, nominal: &AxisVector) -> Option<AxisVector> {
         let error = self.model.sensitivity(name, nominal, &self.tool_mm);
@@ -101,16 +107,22 @@ impl Target<'_> {
         sum
     }
 
-    /// The rotary corrections that take a rotation of the tool away as far as it tilts its axis.
+    /// The rotary corrections that take a rotation of the tool away in the least-squares sense, tilt and roll weighed.
     fn turned(&self, nominal: &AxisVector, rotation: &Vector) -> AxisVector {
         let axis_of_tool = self.machine.spindle.axis;
-        let tilt = rotation - axis_of_tool * axis_of_tool.dot(rotation);
+        let tilt = |rotation: &Vector| rotation - axis_of_tool * axis_of_tool.dot(rotation);
+        let is_smooth = self.orientation == Orientation::Smooth;
+        let wanted = if is_smooth { tilt(rotation) } else { *rotation };
+        // A roll of cost c counts √c of its angle.
+        let weighed = |column: Vector| {
+            if is_smooth { tilt(&column) + axis_of_tool * (axis_of_tool.dot(&column) * ROLL_COST.sqrt()) } else { column }
+        };
         let axes: Vec<Axis> = self.rotary().collect();
-        let columns: Vec<Vector> = axes.iter().map(|&axis| self.column(axis, nominal).rotation).collect();
+        let columns: Vec<Vector> = axes.iter().map(|&axis| weighed(self.column(axis, nominal).rotation)).collect();
         let mut gram = Matrix::identity();
         let mut right = Vector::zeros();
         for (i, one) in columns.iter().enumerate() {
-            right[i] = -one.dot(&tilt);
+            right[i] = -one.dot(&wanted);
             for (j, other) in columns.iter().enumerate() {
                 gram[(i, j)] = one.dot(other) + if i == j { RIDGE } else { 0.0 };
             }

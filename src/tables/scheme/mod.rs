@@ -1,10 +1,24 @@
 //! The schemes that fill tables from the error model: one file each, and their register.
 
+mod assembly;
+mod auto;
+mod exact;
+mod fit;
+mod functions;
+mod mesh;
+mod reversal;
+mod sums;
+mod trigonometric;
+
 use super::format::Holds;
 use super::region::Region;
 use super::target::Target;
-use super::{Multiplication, Tables};
+use super::{Format, Multiplication, Tables, Wiring};
+use crate::geometry::{Axis, AxisVector, LINEAR_AXES};
+use crate::machine::State;
 use crate::model::Accumulator;
+
+pub use auto::{Tried, choose};
 
 /// What tables are wanted.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +35,10 @@ pub struct Task<'a> {
     pub tolerance_mm: f64,
     /// What the control does with products.
     pub multiplication: Multiplication,
+    /// The format that shall hold them.
+    pub format: &'a Format,
+    /// How the control names the axes.
+    pub wiring: &'a Wiring,
 }
 
 /// A way to fill tables.
@@ -28,7 +46,7 @@ pub struct Task<'a> {
 pub struct Scheme {
     /// Its name for `--scheme`.
     pub name: &'static str,
-    /// What it does, in a sentence.
+    /// What it does, in a few words.
     pub title: &'static str,
     /// What a format must hold for it.
     pub needs: &'static [Holds],
@@ -36,5 +54,61 @@ pub struct Scheme {
     pub fill: fn(&Task<'_>) -> Result<Tables, String>,
 }
 
-/// All schemes.
-pub const SCHEMES: &[Scheme] = &[];
+/// All schemes; [`choose`] picks among them.
+pub const SCHEMES: &[Scheme] =
+    &[functions::SCHEME, mesh::SCHEME, sums::POLYNOMIALS, sums::FREE, trigonometric::SCHEME, exact::SCHEME];
+
+/// The scheme of a name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Scheme> {
+    SCHEMES.iter().find(|scheme| scheme.name.eq_ignore_ascii_case(name))
+}
+
+impl Scheme {
+    /// The rounded tables of this scheme for the format of a task.
+    ///
+    /// # Errors
+    /// A sentence where the format has no place for the scheme, or the scheme cannot describe the errors.
+    pub fn tables(&self, task: &Task<'_>) -> Result<Tables, String> {
+        if !self.needs.iter().all(|&need| task.format.can_hold(need)) {
+            return Err(format!("{} has no place for the scheme {}", task.format.title, self.name));
+        }
+        let mut tables = (self.fill)(task)?;
+        if task.format.can_hold(Holds::Senses) {
+            append(&mut tables, reversal::tables(task));
+        }
+        (task.format.round)(&mut tables);
+        Ok(tables)
+    }
+}
+
+impl Task<'_> {
+    /// The linear axes that correct the position.
+    fn linear(&self) -> Vec<Axis> {
+        let there = LINEAR_AXES.into_iter().filter(|&axis| self.target.machine.axis(axis).is_some());
+        let mut axes: Vec<Axis> = Vec::new();
+        for axis in there {
+            if axes.iter().all(|one| one.dimension() != axis.dimension()) {
+                axes.push(axis);
+            }
+        }
+        axes
+    }
+
+    /// The exact corrections at poses.
+    fn exact(&self, poses: &[AxisVector]) -> Result<Vec<AxisVector>, String> {
+        let state = State::default();
+        let corrections = poses.iter().map(|pose| self.target.correction(pose, &state));
+        let all: Option<Vec<AxisVector>> = corrections.collect();
+        all.ok_or_else(|| "the tip cannot be brought to its place everywhere in the region".to_owned())
+    }
+}
+
+/// Adds the functions of one axis of others behind those that are there.
+fn append(tables: &mut Tables, others: Tables) {
+    let first = tables.lookups.len();
+    for mut lookup in others.lookups {
+        lookup.factor = lookup.factor.map(|factor| factor + first);
+        tables.lookups.push(lookup);
+    }
+}
