@@ -27,6 +27,8 @@ pub(crate) fn xyz_machine() -> Machine {
         controller: "sinumerik".into(),
         reference_temperature_c: 20.0,
         sensor_references_c: Default::default(),
+        active_tables: Default::default(),
+        axis_order: Vec::new(),
         axes,
         spindle: Spindle { origin_mm: Vector::zeros(), axis: Vector::z() },
         control: Control::default(),

@@ -29,6 +29,7 @@ mod cli_machine;
 mod cli_select;
 mod cli_snc;
 mod cli_state;
+mod cli_tables;
 mod cli_verify;
 mod codes;
 mod comparison;

@@ -1,6 +1,7 @@
 //! Finds and reads the machine: `--machine`, the nearest `ncfix.toml`, or the embedded demo machine.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use sha2::{Digest as _, Sha256};
 
@@ -9,6 +10,7 @@ use super::arguments::MachineChoice;
 use super::findings::Findings;
 use super::input::{self, is_standard_stream};
 use super::stop::Stop;
+use super::tables_read;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::dialect::{self, Dialect, Effect};
 use crate::exec::apply_archive;
@@ -147,6 +149,17 @@ pub(super) fn read(source: &Source, setups: &[PathBuf], findings: &mut Findings)
         files.push(path.clone());
         sources.push(setup);
     }
+    let folder = Path::new(source.name()).parent().unwrap_or(Path::new("."));
+    let named: Vec<PathBuf> = machine.active_tables.files.iter().map(|file| folder.join(file)).collect();
+    let active = if named.is_empty() { None } else { tables_read::active(&named, &machine, findings)? };
+    match &active {
+        Some((control, read)) => {
+            machine.active_tables.control = Some(Arc::new(control.clone()));
+            parts.extend(read.iter().map(Source::bytes));
+        }
+        None => is_usable &= named.is_empty(),
+    }
+    files.extend(named);
     parts.extend(sources.iter().map(Source::bytes));
     let hash = short_hash(parts);
     Ok(is_usable.then_some(Chosen {

@@ -15,14 +15,14 @@ use super::value::ToolVector;
 use super::{print, program, state};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{AxisVector, Vector};
-use crate::machine::Machine;
+use crate::machine::{ActiveTables, Machine};
 use crate::model::Accumulator;
 use crate::report::json;
 use crate::report::tables::{CheckReport, TablesReport, TriedReport, picture};
 use crate::tables::check::check;
 use crate::tables::region::Region;
 use crate::tables::scheme::{self, SCHEMES, Task};
-use crate::tables::{Control, FORMATS, Format, Tables, Wiring};
+use crate::tables::{Control, FORMATS, Format, Orientation, Tables, Wiring};
 use crate::units::um_from_mm;
 
 /// Start of the generator of the poses of a check: none of those of a scheme.
@@ -204,6 +204,8 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
 fn job<'a>(arguments: &'a TablesArguments, findings: &mut Findings) -> Result<Option<Job<'a>>, Stop> {
     let beside = arguments.output.as_deref().or(arguments.read.first().map(PathBuf::as_path)).unwrap_or(Path::new("."));
     let Some(mut chosen) = machine_choice::choose(&arguments.machine, beside, findings)? else { return Ok(None) };
+    // New tables are for the machine itself, and those that are checked stand for themselves.
+    chosen.machine.active_tables = ActiveTables::default();
     if !state::apply(&arguments.state, &mut chosen, findings)? || findings.has_errors() {
         return Ok(None);
     }
@@ -244,7 +246,14 @@ impl Job<'_> {
             machine: &self.chosen.machine,
             model,
             tool_mm: self.tool_mm,
-            orientation: self.arguments.orientation.orientation(),
+            orientation: match self.arguments.orientation {
+                Some(choice) => choice.orientation(),
+                // What these schemes can hold.
+                None if matches!(self.arguments.scheme.as_str(), "polynomial" | "trigonometric") => {
+                    Orientation::SixRows
+                }
+                None => Orientation::Smooth,
+            },
         }
     }
 

@@ -7,8 +7,9 @@ use super::findings::Findings;
 use super::input;
 use super::stop::Stop;
 use crate::diagnostic::Diagnostic;
+use crate::machine::Machine;
 use crate::source::{FileId, Source};
-use crate::tables::{FORMATS, Format, Tables, Wiring, format};
+use crate::tables::{Control, FORMATS, Format, Tables, Wiring, format};
 
 /// Tables that were read.
 pub(super) struct ReadTables {
@@ -44,6 +45,23 @@ pub(super) fn read(
         return Err(Stop::Usage(format!("there are no compensation tables in {}", names.join(", "))));
     };
     Ok(is_usable.then_some(ReadTables { tables, format }))
+}
+
+/// The control with the tables that a machine file names as active, and the files; `None` where findings forbid to use them.
+///
+/// # Errors
+/// Where a file cannot be read, or nothing tells its format.
+pub(super) fn active(
+    paths: &[PathBuf],
+    machine: &Machine,
+    findings: &mut Findings,
+) -> Result<Option<(Control, Vec<Source>)>, Stop> {
+    let read = read(paths, None, &Wiring::of(machine), findings)?;
+    let mut sources = Vec::new();
+    for path in paths {
+        sources.extend(members(path)?);
+    }
+    Ok(read.map(|read| (Control::new(machine, &read.tables), sources)))
 }
 
 /// The files with tables at a path: the file itself, or those in an archive.

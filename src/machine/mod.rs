@@ -2,6 +2,7 @@
 //!
 //! Says nothing of errors: [`crate::model`] adds them.
 
+mod active;
 mod axis_name;
 mod chain;
 pub mod condition;
@@ -23,6 +24,7 @@ mod state;
 mod strain;
 mod zero_offset;
 
+pub use active::{ActiveTables, Compensation};
 pub use chain::{Branch, Topology, TopologyFault};
 pub use condition::{Condition, Load, ZeroPose};
 pub use contour_control::{CompensationCorner, CompensationStart};
@@ -70,6 +72,10 @@ pub struct Machine {
     pub system: BTreeMap<String, Setting>,
     /// Global variables that only the machine knows, by name.
     pub gud: BTreeMap<String, Setting>,
+    /// Compensation tables that are switched on in the control.
+    pub active_tables: ActiveTables,
+    /// The axes in the order in which the control numbers them in its tables (AX1, AX2 …); empty for X Y Z U V W A B C as far as there are.
+    pub axis_order: Vec<Axis>,
     /// The strain gauge that weighs workpieces.
     pub strain: Option<StrainGauge>,
 }

@@ -56,6 +56,13 @@ pub(super) fn of(machine: &Machine, motion: &[MotionError]) -> [Features; AXIS_C
         travel.map_or(unlimited, |[low, high]| high - low)
     });
     let mut features = limit.map(|length| Features { length, knots: Vec::new(), backlash: false });
+    if let Some(active) = &machine.active_tables.control {
+        for axis in AXES {
+            let own = &mut features[axis.slot()];
+            own.note_knots(active.knots(axis).into_iter());
+            own.backlash |= active.has_senses(axis);
+        }
+    }
     for error in motion.iter().filter(|error| !error.function.is_zero()) {
         if let Some(axis) = error.name.axis() {
             error.function.note_features(axis, &travels, &mut features);

@@ -5,9 +5,10 @@
 //! is D(e0) at its gauge point.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES, Vector};
-use crate::machine::{AxisData, Condition, Machine, State};
+use crate::machine::{AxisData, Compensation, Condition, Machine, State};
 
 use super::body::{Body, Place, Pointer, Witness};
 use super::linear::LinearAxes;
@@ -34,6 +35,8 @@ pub struct Model {
     features: [Features; AXIS_COUNT],
     /// Axes whose errors repeat with every turn.
     modulo: AxisSet,
+    /// What the control adds to every command.
+    active: Option<Arc<dyn Compensation>>,
     is_empty: bool,
 }
 
@@ -72,7 +75,9 @@ impl Model {
         let workpiece_side = branch(&machine.topology.workpiece);
         let spindle_error = Displacement::unless_zero(&sum.location(Carrier::Spindle));
         let axes: AxisSet = tool_side.iter().chain(&workpiece_side).map(|link| link.axis).collect();
-        let is_empty = spindle_error.is_none() && tool_side.iter().chain(&workpiece_side).all(Link::is_ideal);
+        let active = machine.active_tables.control.clone();
+        let is_empty =
+            active.is_none() && spindle_error.is_none() && tool_side.iter().chain(&workpiece_side).all(Link::is_ideal);
         Model {
             tool_side,
             workpiece_side,
@@ -83,6 +88,7 @@ impl Model {
             rotary: axes.intersection(ROTARY_AXES.into_iter().collect()),
             features: features::of(machine, sum.motion()),
             modulo: machine.axes.iter().flatten().filter(|data| data.modulo).map(|data| data.axis).collect(),
+            active,
             is_empty,
         }
     }
@@ -108,7 +114,7 @@ impl Model {
     /// Pose of the tool in the workpiece with errors: the one forward function of correction and prediction.
     #[must_use]
     pub fn actual(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Pose {
-        self.carry(Pose::parallel_at(*tool_mm), command, Some(state))
+        self.carry(Pose::parallel_at(*tool_mm), &self.controlled(command, tool_mm, Some(state)), Some(state))
     }
 
     /// Volumetric error: the actual tool frame as seen from the nominal one at the same command (Esmaeili 2021, eq. 4).
@@ -138,7 +144,7 @@ impl Model {
     /// The tip at `command` with errors minus the nominal tip at `nominal`, in the workpiece frame, mm.
     #[must_use]
     pub fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, tool_mm: &Vector, state: &State) -> Vector {
-        self.carry(*tool_mm, command, Some(state)) - self.carry(*tool_mm, nominal, None)
+        self.tip(command, tool_mm, Some(state)) - self.carry(*tool_mm, nominal, None)
     }
 
     /// First-order effect of one error component on the volumetric error, per mm or rad of the component, in the nominal tool frame.
@@ -165,7 +171,7 @@ impl Model {
 
     /// Tip and axis of the tool with their derivatives by the commands, in the workpiece frame.
     pub(super) fn pointer(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Pointer {
-        self.carry(Pointer::new(*tool_mm, self.spindle_axis), command, errors)
+        self.carry(Pointer::new(*tool_mm, self.spindle_axis), &self.controlled(command, tool_mm, errors), errors)
     }
 
     /// The derivatives of the tip by the correcting linear axes on a machine without rotary axes; zero where there is none.
@@ -181,7 +187,15 @@ impl Model {
 
     /// The tip in the workpiece frame, mm.
     pub(super) fn tip(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Vector {
-        self.carry(*tool_mm, command, errors)
+        self.carry(*tool_mm, &self.controlled(command, tool_mm, errors), errors)
+    }
+
+    /// Where the control really sends the axes: the command and what its tables add to it. Without errors the command itself.
+    fn controlled(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> AxisVector {
+        match (&self.active, errors) {
+            (Some(active), Some(state)) => *command + active.correction(command, tool_mm, state),
+            _ => *command,
+        }
     }
 
     /// Carries a body from the spindle to the workpiece; with errors where there is a state.

@@ -23,6 +23,9 @@ pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
         decimal(control.increment_mm),
         decimal(control.increment_rad.to_degrees())
     ));
+    if !machine.active_tables.files.is_empty() {
+        line(&format!("tables      active in the control: {}", machine.active_tables.files.join(", ")));
+    }
     line("");
     line("axis  travel                 direction in F");
     for axis in AXES.into_iter().filter_map(|axis| machine.axis(axis)) {

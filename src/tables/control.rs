@@ -2,7 +2,7 @@
 
 use super::{ErrorTables, Multiplication, Tables};
 use crate::geometry::{Axis, AxisVector, LINEAR_AXES, Vector};
-use crate::machine::{Machine, State};
+use crate::machine::{ActiveTables, Compensation, Machine, State};
 use crate::model::location::LocationError;
 use crate::model::motion::{Function, MotionError, table};
 use crate::model::name::DIRECTIONS;
@@ -20,7 +20,11 @@ impl Control {
     /// A control of a machine; the machine gives the kinematics for error functions.
     #[must_use]
     pub fn new(machine: &Machine, tables: &Tables) -> Control {
-        let kinematics = tables.errors.as_ref().map(|errors| Model::new(machine, &error_model(errors)));
+        // The control knows its tables once: those that are active already are not part of its kinematics.
+        let kinematics = tables.errors.as_ref().map(|errors| {
+            let bare = Machine { active_tables: ActiveTables::default(), ..machine.clone() };
+            Model::new(&bare, &error_model(errors))
+        });
         Control { tables: tables.clone(), kinematics }
     }
 
@@ -66,10 +70,14 @@ impl Control {
         }
         sum
     }
+}
 
-    /// Positions of an axis at which what it adds has a kink, mm or rad.
-    #[must_use]
-    pub fn knots(&self, axis: Axis) -> Vec<f64> {
+impl Compensation for Control {
+    fn correction(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> AxisVector {
+        Control::correction(self, command, tool_mm, state)
+    }
+
+    fn knots(&self, axis: Axis) -> Vec<f64> {
         let mut knots = Vec::new();
         for one in self.tables.lookups.iter().filter(|one| one.input == axis) {
             knots.extend((0..one.nodes.count()).map(|index| one.nodes.position(index)));
@@ -90,9 +98,7 @@ impl Control {
         knots
     }
 
-    /// Whether something that it adds depends on the sense in which an axis moves.
-    #[must_use]
-    pub fn has_senses(&self, axis: Axis) -> bool {
+    fn has_senses(&self, axis: Axis) -> bool {
         self.tables.lookups.iter().any(|one| one.input == axis && one.sense != super::Sense::Both)
     }
 }

@@ -115,7 +115,11 @@ impl Target<'_> {
         let wanted = if is_smooth { tilt(rotation) } else { *rotation };
         // A roll of cost c counts √c of its angle.
         let weighed = |column: Vector| {
-            if is_smooth { tilt(&column) + axis_of_tool * (axis_of_tool.dot(&column) * ROLL_COST.sqrt()) } else { column }
+            if is_smooth {
+                tilt(&column) + axis_of_tool * (axis_of_tool.dot(&column) * ROLL_COST.sqrt())
+            } else {
+                column
+            }
         };
         let axes: Vec<Axis> = self.rotary().collect();
         let columns: Vec<Vector> = axes.iter().map(|&axis| weighed(self.column(axis, nominal).rotation)).collect();

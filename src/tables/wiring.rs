@@ -23,10 +23,11 @@ struct Named {
 const USUAL: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 
 impl Wiring {
-    /// The axes of a machine, numbered X Y Z, U V W, A B C as far as there are: `AX1`, `AX2` …
+    /// The axes of a machine, numbered in the order that its file gives, else X Y Z, U V W, A B C as far as there are: `AX1`, `AX2` …
     #[must_use]
     pub fn of(machine: &Machine) -> Wiring {
-        let axes = AXES.into_iter().filter_map(|axis| machine.axis(axis));
+        let usual = AXES.into_iter().filter(|axis| !machine.axis_order.contains(axis));
+        let axes = machine.axis_order.iter().copied().chain(usual).filter_map(|axis| machine.axis(axis));
         let named = axes.enumerate().map(|(index, data)| Named {
             axis: data.axis,
             name: format!("AX{}", index + 1),

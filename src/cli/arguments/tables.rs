@@ -69,9 +69,9 @@ pub(in crate::cli) struct TablesArguments {
     /// Points of a table
     #[arg(long, value_name = "N", default_value_t = 37, value_parser = clap::value_parser!(u32).range(2..=2000))]
     pub(in crate::cli) points: u32,
-    /// What the rotary axes do about the direction of the tool
-    #[arg(long, value_enum, default_value_t)]
-    pub(in crate::cli) orientation: OrientationChoice,
+    /// What the rotary axes do about the direction of the tool; without it smooth, and six-rows for polynomial and trigonometric
+    #[arg(long, value_enum)]
+    pub(in crate::cli) orientation: Option<OrientationChoice>,
     /// Range of an axis that the tables cover, mm or degrees, in place of its travel; may be given several times
     #[arg(long, value_name = "AXIS=LOW..HIGH", value_parser = range, allow_hyphen_values = true)]
     pub(in crate::cli) range: Vec<(Axis, [f64; 2])>,
@@ -96,10 +96,9 @@ pub(in crate::cli) struct TablesArguments {
 }
 
 /// See [`Orientation`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum OrientationChoice {
     /// As much of the tilt as goes without turning the tool about itself much: a smooth function without poles
-    #[default]
     Smooth,
     /// Tilt and roll alike (Esmaeili 2021, eq. 37): lowest trigonometric functions, most tilt left
     SixRows,
