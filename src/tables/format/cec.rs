@@ -276,7 +276,8 @@ impl Reader<'_> {
             let span = one.span.unwrap_or_default();
             if one.unit_mm != 1.0 {
                 let message = format!("table {t} is multiplied by another one, in inches");
-                let help = "save the tables with the basic system METRIC: in which unit the control multiplies is not known";
+                let help =
+                    "save the tables with the basic system METRIC: in which unit the control multiplies is not known";
                 self.report.fault_at(span, message, help);
             }
             match (places.get(&other), tables.lookups.get_mut(at)) {

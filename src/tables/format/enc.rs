@@ -167,7 +167,8 @@ impl Reader<'_> {
     fn finish(mut self, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
         let raw = std::mem::take(&mut self.raw);
         if raw.is_empty() {
-            self.report.empty("no leadscrew table is in the file", "a table has lines such as $AA_ENC_COMP[0,0,AX1]=0.005");
+            self.report
+                .empty("no leadscrew table is in the file", "a table has lines such as $AA_ENC_COMP[0,0,AX1]=0.005");
         }
         // In the order of the file, which is that of the tables that were written.
         let mut raw: Vec<_> = raw.into_iter().collect();
@@ -182,7 +183,11 @@ impl Reader<'_> {
             if let Some(lookup) = self.lookup(wiring, name, *m, one, span) {
                 if tables.lookups.iter().any(|other| other.input == lookup.input && other.output == lookup.output) {
                     let message = format!("{} has a second table, for measuring system {m}", shown(name));
-                    self.report.unused_at(span, message, "only one measuring system of an axis is at work: read its table alone");
+                    self.report.unused_at(
+                        span,
+                        message,
+                        "only one measuring system of an axis is at work: read its table alone",
+                    );
                     continue;
                 }
                 tables.lookups.push(lookup);
@@ -207,7 +212,10 @@ impl Reader<'_> {
         }
         let missing = (0..count).filter(|n| !raw.values.contains_key(n)).count();
         if missing > 0 {
-            let message = format!("{missing} of the {count} points of {}, measuring system {m}, have no value and count as 0", shown(name));
+            let message = format!(
+                "{missing} of the {count} points of {}, measuring system {m}, have no value and count as 0",
+                shown(name)
+            );
             self.report.unused_at(span, message, "the control keeps what it had there; write every point");
         }
         let surplus = raw.values.range(count..).filter(|(_, value)| **value != 0.0).count();

@@ -83,7 +83,8 @@ fn is_mine(_: &str, bytes: &[u8]) -> bool {
 }
 
 fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
-    let mut reader = Reader { report: Report::new(source), wiring, axes: Vec::new(), values: Vec::new(), in_nodes: false };
+    let mut reader =
+        Reader { report: Report::new(source), wiring, axes: Vec::new(), values: Vec::new(), in_nodes: false };
     for line in lines(source) {
         let text = line.before('#').trim();
         if text.is_empty() || cells(text).eq(cells(GRID_HEAD)) {
@@ -131,9 +132,13 @@ impl Reader<'_> {
             self.report.fault(line, name, format!("'{}' is no further linear axis", shown(name)), help);
             return;
         };
-        let (Some(start), Some(step)) = (self.report.number(line, start), self.report.number(line, step)) else { return };
+        let (Some(start), Some(step)) = (self.report.number(line, start), self.report.number(line, step)) else {
+            return;
+        };
         match count.parse::<usize>() {
-            Ok(count) if (2..=MOST_NODES).contains(&count) && step > 0.0 => self.axes.push(Row { axis, start, step, count }),
+            Ok(count) if (2..=MOST_NODES).contains(&count) && step > 0.0 => {
+                self.axes.push(Row { axis, start, step, count })
+            }
             _ => {
                 let help = "an axis has two nodes or more, a positive distance apart";
                 self.report.fault(line, text, format!("'{}' is no grid", shown(text)), help);
@@ -144,7 +149,12 @@ impl Reader<'_> {
     fn node(&mut self, line: &Line<'_>, text: &str) {
         let parts: Vec<&str> = cells(text).take(8).collect();
         let [number, at @ .., x, y, z] = &parts[..] else {
-            self.report.fault(line, text, format!("'{}' is no node", shown(text)), "write number, positions and values");
+            self.report.fault(
+                line,
+                text,
+                format!("'{}' is no node", shown(text)),
+                "write number, positions and values",
+            );
             return;
         };
         let index = self.values.len();
@@ -154,7 +164,12 @@ impl Reader<'_> {
             return;
         }
         if index >= MOST_NODES {
-            self.report.fault(line, number, format!("more than {MOST_NODES} nodes"), "the control takes 25 along each axis");
+            self.report.fault(
+                line,
+                number,
+                format!("more than {MOST_NODES} nodes"),
+                "the control takes 25 along each axis",
+            );
             return;
         }
         self.position(line, index, at);
@@ -183,7 +198,8 @@ impl Reader<'_> {
 
     fn finish(mut self, tables: &mut Tables) -> Vec<Diagnostic> {
         let Ok([x, y, z]) = <[Row; 3]>::try_from(self.axes) else {
-            self.report.empty("no grid is in the file", "write a row of axis,start_mm,step_mm,count for each of three axes");
+            self.report
+                .empty("no grid is in the file", "write a row of axis,start_mm,step_mm,count for each of three axes");
             return self.report.findings;
         };
         let rows = [x, y, z];

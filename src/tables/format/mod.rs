@@ -10,6 +10,7 @@ mod ini;
 mod isg;
 mod limits;
 mod matrixkins;
+mod naming;
 mod plain;
 mod scan;
 mod shape;

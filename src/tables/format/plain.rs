@@ -82,6 +82,8 @@ pub(super) fn inputs(tables: &Tables) -> Vec<Axis> {
 
 /// The table of an axis that corrects an axis in a sense, or in both.
 pub(super) fn find(tables: &Tables, input: Axis, output: Axis, sense: Sense) -> Option<&Lookup> {
-    let fits = |one: &&Lookup| one.input == input && one.output == output && matches!(one.sense, Sense::Both) | (one.sense == sense);
+    let fits = |one: &&Lookup| {
+        one.input == input && one.output == output && matches!(one.sense, Sense::Both) | (one.sense == sense)
+    };
     tables.lookups.iter().find(fits)
 }

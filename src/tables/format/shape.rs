@@ -51,7 +51,13 @@ fn grid(grid: &Grid) -> Option<String> {
     } else if !are_finite(&grid.start) || !grid.step.iter().all(|step| step.is_finite() && *step > 0.0) {
         Some("has positions that do not increase".to_owned())
     } else if nodes != Some(grid.values.len()) {
-        Some(format!("has {} values, and {} by {} by {} nodes", grid.values.len(), grid.count[0], grid.count[1], grid.count[2]))
+        Some(format!(
+            "has {} values, and {} by {} by {} nodes",
+            grid.values.len(),
+            grid.count[0],
+            grid.count[1],
+            grid.count[2]
+        ))
     } else if !are_finite(grid.values.iter().flatten()) {
         Some("has a value that is no number".to_owned())
     } else {
