@@ -133,6 +133,8 @@ mod surface;
 mod swivel;
 mod synchronised;
 mod system;
+mod table_formats;
+mod table_formats_hostile;
 mod temperature;
 mod texts;
 mod thermal_bench;
