@@ -6,7 +6,6 @@ use ncfix::diagnostic::Diagnostic;
 use ncfix::geometry::{Axis, AxisVector, Vector};
 use ncfix::machine::file::DEMO;
 use ncfix::machine::{Machine, State};
-use ncfix::model::file;
 use ncfix::model::name::{Direction, ErrorName};
 use ncfix::source::{FileId, Source};
 use ncfix::tables::format::{self, Holds};
@@ -14,17 +13,17 @@ use ncfix::tables::{
     AxisErrors, Control, ErrorTables, FORMATS, Format, Grid, Lookup, Multiplication, Nodes, Sense, Tables, Wiring,
     Written,
 };
-use proptest::prelude::*;
 
 use super::model::Random;
 use super::support::repository;
 
+/// A file.
 pub(crate) fn source(name: &str, bytes: impl Into<Vec<u8>>) -> Source {
     Source::new(FileId(0), name, bytes.into()).unwrap()
 }
 
 fn demo() -> Machine {
-    file::read(&source("demo.toml", DEMO)).0.unwrap().0
+    super::model::read(DEMO).0
 }
 
 fn named(name: &str) -> &'static Format {
