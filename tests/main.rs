@@ -135,6 +135,8 @@ mod swivel;
 mod synchronised;
 mod system;
 mod tables;
+mod table_formats;
+mod table_formats_hostile;
 mod temperature;
 mod texts;
 mod thermal_bench;

@@ -66,9 +66,9 @@ impl Sense {
     }
 }
 
-/// Whole steps in a range, where a rest that only rounding makes is no step.
+/// Whole steps in a range, where a rest that only rounding makes is no step; no more than any memory could hold points of.
 fn whole_steps(range: f64, step: f64) -> f64 {
-    (range / step + 1e-9).floor()
+    (range / step + 1e-9).floor().min(1e12)
 }
 
 impl Nodes {

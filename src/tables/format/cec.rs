@@ -8,8 +8,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use super::ini::{Assignment, Place};
 use super::limits::{Holds, Limits};
-use super::scan::{Line, Report, lines};
+use super::scan::{Line, MOST_POINTS, Report, lines, shown};
 use super::{Format, Written, rounded};
 use crate::diagnostic::Diagnostic;
 use crate::geometry::Axis;
@@ -22,12 +23,8 @@ const DECIMALS: usize = 6;
 const FACTOR_DECIMALS: usize = 8;
 /// Decimals of positions.
 const POSITION_DECIMALS: usize = 6;
-/// Points of a table that are read: more than `MM_CEC_MAX_POINTS` allows.
-const MOST_POINTS: usize = 5000;
 /// Numbers of tables that are read: two for each of 31 axes, and some.
 const MOST_TABLES: usize = 128;
-/// Millimetres of an inch.
-const INCH_MM: f64 = 25.4;
 
 /// The format.
 pub(super) const FORMAT: Format = Format {
@@ -59,8 +56,12 @@ fn round(tables: &mut Tables) {
 fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
     let mut faults = Vec::new();
     for (index, one) in tables.lookups.iter().enumerate() {
-        if matches!(one.nodes, Nodes::At(_)) {
-            faults.push(format!("table {index} has uneven steps, and $AN_CEC has equal ones"));
+        match one.nodes {
+            Nodes::At(_) => faults.push(format!("table {index} has uneven steps, and $AN_CEC has equal ones")),
+            Nodes::Even { start, step, end } if step <= 0.0 || end <= start => {
+                faults.push(format!("table {index} has one point, and $AN_CEC has two at least"));
+            }
+            Nodes::Even { .. } => {}
         }
         let factor = one.factor.and_then(|factor| tables.lookups.get(factor));
         if factor.is_some_and(|factor| factor.output != one.output) {
@@ -72,7 +73,7 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
 
 /// What a table is, for a comment.
 fn role(tables: &Tables, index: usize) -> String {
-    let one = &tables.lookups[index];
+    let Some(one) = tables.lookups.get(index) else { return String::new() };
     let product = one.factor.map_or(String::new(), |factor| format!(", times table {}", factor + 1));
     format!("; table {}: {} over {}{product}", index + 1, one.output, one.input)
 }
@@ -129,9 +130,11 @@ fn is_mine(_: &str, bytes: &[u8]) -> bool {
 /// A table as far as it was read.
 #[derive(Clone, Debug, Default)]
 struct Raw {
+    /// Millimetres of its unit of length.
+    unit_mm: f64,
     values: BTreeMap<usize, f64>,
-    input: Option<Axis>,
-    output: Option<Axis>,
+    input: String,
+    output: String,
     step: f64,
     min: f64,
     max: f64,
@@ -145,152 +148,111 @@ struct Raw {
 }
 
 fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
-    let mut reader = Reader { report: Report::new(source), wiring, raw: BTreeMap::new(), unit: 1.0 };
+    let mut reader = Reader { report: Report::new(source), wiring, raw: BTreeMap::new() };
+    let mut place = Place::new("CEC", "CEC");
     for line in lines(source) {
-        reader.line(&line);
+        let mut found = Vec::new();
+        place.line(&line, &mut reader.report, |unit_mm, one| found.push((unit_mm, one)));
+        for (unit_mm, one) in found {
+            reader.assignment(&line, unit_mm, &one);
+        }
     }
-    reader.finish(source, tables)
+    reader.finish(tables)
 }
 
 struct Reader<'a> {
     report: Report<'a>,
     wiring: &'a Wiring,
     raw: BTreeMap<usize, Raw>,
-    /// Millimetres of a unit of length.
-    unit: f64,
 }
 
 impl Reader<'_> {
-    fn line(&mut self, line: &Line<'_>) {
-        let mut rest = line.before(';').trim();
-        if rest.starts_with('%') {
-            return;
-        }
-        if let Some(number) =
-            rest.strip_prefix(['N', 'n']).filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
-        {
-            rest = number.trim_start_matches(|c: char| c.is_ascii_digit()).trim_start();
-        }
-        while !rest.is_empty() {
-            let (statement, behind) = match rest[1..].find('$') {
-                Some(at) => rest.split_at(at + 1),
-                None => (rest, ""),
-            };
-            self.statement(line, statement.trim());
-            rest = behind;
-        }
-    }
-
-    fn statement(&mut self, line: &Line<'_>, text: &str) {
-        let upper = text.to_ascii_uppercase();
-        match upper.as_str() {
-            "" | "METRIC" | "M17" | "M30" | "M2" | "M02" | "RET" | "NEWCONF" | "STOPRE" => return,
-            "INCH" => {
-                self.unit = INCH_MM;
-                return;
-            }
-            _ if upper.starts_with("CHANDATA") => return,
-            _ => {}
-        }
-        let Some((left, value)) = text.split_once('=') else {
-            let help = "a table is a list of assignments such as $AN_CEC[0,0]=0.005";
-            self.report.fault(line, text, format!("'{text}' is no assignment"), help);
-            return;
-        };
-        let value = value.trim();
-        let (name, indices) = left.split_once('[').unwrap_or((left, ""));
-        let indices: Vec<&str> = indices.trim().trim_end_matches(']').split(',').map(str::trim).collect();
-        let name = name.trim().to_ascii_uppercase();
+    fn assignment(&mut self, line: &Line<'_>, unit_mm: f64, one: &Assignment<'_>) {
+        let name = one.name.as_str();
         let Some(field) = name.strip_prefix("$AN_CEC").or_else(|| name.strip_prefix("$SN_CEC_TABLE")) else {
             if !name.starts_with("$MA_CEC") && !name.starts_with("$MN_MM_CEC") {
-                let message = format!("{name} is not part of the sag compensation and is left out");
-                self.report.unused(line, text, message, "read leadscrew tables with --format enc");
+                let message = format!("{} is not part of the sag compensation and is left out", shown(name));
+                self.report.unused(line, one.text, message, "read leadscrew tables with --format enc");
             }
             return;
         };
-        let t = indices.first().and_then(|index| index.parse::<usize>().ok()).filter(|&t| t < MOST_TABLES);
-        let Some(t) = t else {
+        let Some(t) = one.index(0, MOST_TABLES) else {
             let help = "write the index of the table, 0, 1, 2 …";
-            self.report.fault(line, left, format!("'{}' has no index of a table", left.trim()), help);
+            self.report.fault(line, one.text, format!("'{}' has no index of a table", shown(one.text)), help);
             return;
         };
-        self.raw.entry(t).or_default().span.get_or_insert(line.span(text));
-        let is_shared = name.starts_with("$SN");
-        self.assign(line, t, if is_shared { field } else { field.trim_start_matches('_') }, &indices, value);
+        let raw = self.raw.entry(t).or_insert_with(|| Raw { unit_mm, ..Raw::default() });
+        raw.span.get_or_insert(line.span(one.text));
+        if raw.unit_mm != unit_mm {
+            let help = "write METRIC or INCH once, before the first table";
+            self.report.fault(line, one.text, format!("the units of table {t} change in the middle of it"), help);
+        }
+        match field.strip_prefix('_') {
+            None if field.is_empty() => self.point(line, t, one),
+            Some("INPUT_AXIS") => raw.input = one.value.to_owned(),
+            Some("OUTPUT_AXIS") => raw.output = one.value.to_owned(),
+            Some("INPUT_NCU" | "OUTPUT_NCU") => {}
+            Some(field) => self.parameter(line, t, field, one.value),
+            None => self.unknown(line, one),
+        }
     }
 
-    /// One value of a table.
-    fn assign(&mut self, line: &Line<'_>, t: usize, field: &str, indices: &[&str], value: &str) {
-        match field {
-            "INPUT_AXIS" | "OUTPUT_AXIS" => {
-                let axis = self.wiring.axis(value);
-                if axis.is_none() {
-                    let help = "give the machine, or name the axis with --axis-name X=AX1";
-                    self.report.fault(line, value, format!("no axis is known as {value}"), help);
-                }
-                if let Some(raw) = self.raw.get_mut(&t) {
-                    let place = if field == "INPUT_AXIS" { &mut raw.input } else { &mut raw.output };
-                    *place = axis;
-                }
-                return;
-            }
-            "INPUT_NCU" | "OUTPUT_NCU" => return,
-            _ => {}
+    fn unknown(&mut self, line: &Line<'_>, one: &Assignment<'_>) {
+        let message = format!("{} is not known and is left out", shown(&one.name));
+        self.report.unused(line, one.text, message, "look up what it does before the table is used");
+    }
+
+    /// The value of a point.
+    fn point(&mut self, line: &Line<'_>, t: usize, one: &Assignment<'_>) {
+        let Some(number) = self.report.number(line, one.value) else { return };
+        let Some(n) = one.index(1, MOST_POINTS) else {
+            let help = format!("write $AN_CEC[table,point]=value, with a point below {MOST_POINTS}");
+            self.report.fault(line, one.text, format!("'{}' has no number of a point", shown(one.text)), &help);
+            return;
+        };
+        if let Some(raw) = self.raw.get_mut(&t) {
+            raw.values.insert(n, number);
         }
+    }
+
+    /// One of the numbers that say what a table is.
+    fn parameter(&mut self, line: &Line<'_>, t: usize, field: &str, value: &str) {
         let Some(number) = self.report.number(line, value) else { return };
         let Some(raw) = self.raw.get_mut(&t) else { return };
         match field {
-            "" => {
-                let n = indices.get(1).and_then(|index| index.parse::<usize>().ok()).filter(|&n| n < MOST_POINTS);
-                match n {
-                    Some(n) => drop(raw.values.insert(n, number)),
-                    None => {
-                        let help = "write $AN_CEC[table,point]=value";
-                        self.report.fault(line, indices.last().copied().unwrap_or(value), "no number of a point", help);
-                    }
-                }
-            }
             "STEP" => raw.step = number,
             "MIN" => raw.min = number,
             "MAX" => raw.max = number,
             "DIRECTION" => {
-                raw.sense = if number > 0.0 {
-                    Sense::Positive
-                } else if number < 0.0 {
-                    Sense::Negative
-                } else {
-                    Sense::Both
+                raw.sense = match number {
+                    number if number > 0.0 => Sense::Positive,
+                    number if number < 0.0 => Sense::Negative,
+                    _ => Sense::Both,
                 }
             }
-            "MULT_BY_TABLE" => raw.multiplied_by = number.clamp(0.0, MOST_TABLES as f64) as usize,
+            "MULT_BY_TABLE" => raw.multiplied_by = number.clamp(0.0, MOST_TABLES as f64 + 1.0) as usize,
             "IS_MODULO" => raw.modulo = number != 0.0,
-            "_WEIGHT" => raw.weight = Some(number),
-            "_ENABLE" => raw.is_disabled = number == 0.0,
+            "WEIGHT" => raw.weight = Some(number),
+            "ENABLE" => raw.is_disabled = number == 0.0,
             "TYPE" if number == 0.0 => {}
             "TYPE" => {
-                let help = "ncfix knows tables that depend on one axis ($AN_CEC_TYPE 0)";
+                let help = "only tables that depend on one axis are known ($AN_CEC_TYPE 0)";
                 self.report.fault(line, value, format!("table {t} is of another type, {number}"), help);
             }
             _ => {
-                let message = format!("$AN_CEC_{field} is not known and is left out");
+                let message = format!("$AN_CEC_{} is not known and is left out", shown(field));
                 self.report.unused(line, value, message, "look up what it does before the table is used");
             }
         }
     }
 
     /// The tables, where each is complete.
-    fn finish(mut self, source: &Source, tables: &mut Tables) -> Vec<Diagnostic> {
-        if self.raw.is_empty() {
-            let help = "an $AN_CEC file has lines such as $AN_CEC[0,0]=0.005";
-            self.report.fault_at(
-                Span::new(0, source.bytes().len().min(1)),
-                "no compensation table is in the file",
-                help,
-            );
-        }
-        let first = tables.lookups.len();
-        let mut places = BTreeMap::new();
+    fn finish(mut self, tables: &mut Tables) -> Vec<Diagnostic> {
         let raw = std::mem::take(&mut self.raw);
+        if raw.is_empty() {
+            self.report.empty("no compensation table is in the file", "a table has lines such as $AN_CEC[0,0]=0.005");
+        }
+        let mut places = BTreeMap::new();
         for (&t, one) in &raw {
             let span = one.span.unwrap_or_default();
             if one.step <= 0.0 || one.max <= one.min {
@@ -303,35 +265,51 @@ impl Reader<'_> {
                 tables.lookups.push(lookup);
             }
         }
-        for (t, at) in &places {
-            let one = &raw[t];
-            let Some(other) = one.multiplied_by.checked_sub(1) else { continue };
-            match places.get(&other) {
-                Some(&factor) => tables.lookups[*at].factor = Some(factor),
-                None => {
-                    let message = format!("table {t} is multiplied by number {}, which is not there", other + 1);
-                    let help = "the number of a table is its index plus 1";
-                    self.report.fault_at(one.span.unwrap_or_default(), message, help);
-                }
-            }
-        }
-        debug_assert!(tables.lookups.len() >= first);
+        self.products(&raw, &places, tables);
         self.report.findings
     }
 
-    fn lookup(&mut self, t: usize, raw: &Raw, span: Span) -> Option<Lookup> {
-        let (Some(input), Some(output)) = (raw.input, raw.output) else {
+    /// Which table is multiplied by which.
+    fn products(&mut self, raw: &BTreeMap<usize, Raw>, places: &BTreeMap<usize, usize>, tables: &mut Tables) {
+        for (t, one) in raw {
+            let (Some(&at), Some(other)) = (places.get(t), one.multiplied_by.checked_sub(1)) else { continue };
+            let span = one.span.unwrap_or_default();
+            if one.unit_mm != 1.0 {
+                let message = format!("table {t} is multiplied by another one, in inches");
+                let help =
+                    "save the tables with the basic system METRIC: in which unit the control multiplies is not known";
+                self.report.fault_at(span, message, help);
+            }
+            match (places.get(&other), tables.lookups.get_mut(at)) {
+                (Some(&factor), Some(lookup)) => lookup.factor = Some(factor),
+                _ => {
+                    let message = format!("table {t} is multiplied by number {}, which is not there", other + 1);
+                    self.report.fault_at(span, message, "the number of a table is its index plus 1");
+                }
+            }
+        }
+    }
+
+    /// The axis of a name in a table.
+    fn axis(&mut self, t: usize, what: &str, name: &str, span: Span) -> Option<Axis> {
+        let axis = self.wiring.axis(name);
+        if axis.is_none() && name.is_empty() {
             let help = "write $AN_CEC_INPUT_AXIS and $AN_CEC_OUTPUT_AXIS";
-            self.report.fault_at(span, format!("table {t} has no input or no output axis"), help);
-            return None;
-        };
-        let unit = |axis: Axis| if axis.is_rotary() { 1.0 } else { self.unit };
-        let scale = |value: f64, factor: f64| if factor == 1.0 { value } else { value * factor };
-        let nodes = Nodes::Even {
-            start: scale(raw.min, unit(input)),
-            step: scale(raw.step, unit(input)),
-            end: scale(raw.max, unit(input)),
-        };
+            self.report.fault_at(span, format!("table {t} has no {what} axis"), help);
+        } else if axis.is_none() {
+            let help = "give the machine, or name the axis with --axis-name X=AX1";
+            self.report.fault_at(span, format!("table {t}: no axis is known as {}", shown(name)), help);
+        }
+        axis
+    }
+
+    fn lookup(&mut self, t: usize, raw: &Raw, span: Span) -> Option<Lookup> {
+        let input = self.axis(t, "input", &raw.input, span);
+        let output = self.axis(t, "output", &raw.output, span);
+        let (input, output) = (input?, output?);
+        let scale = |value: f64, axis: Axis| if axis.is_rotary() { value } else { value * raw.unit_mm };
+        let nodes =
+            Nodes::Even { start: scale(raw.min, input), step: scale(raw.step, input), end: scale(raw.max, input) };
         let count = nodes.count();
         if count > MOST_POINTS {
             self.report.fault_at(span, format!("table {t} has {count} points"), "choose a larger $AN_CEC_STEP");
@@ -343,16 +321,21 @@ impl Reader<'_> {
             self.report.unused_at(span, message, "the control does not use them either");
         }
         let missing = (0..count).filter(|n| !raw.values.contains_key(n)).count();
-        if missing > 0 && missing < count {
+        if missing > 0 {
             let message = format!("{missing} of the {count} points of table {t} have no value and count as 0");
             self.report.unused_at(span, message, "the control keeps what it had there; write every point");
         }
-        let value = |n: usize| scale(raw.values.get(&n).copied().unwrap_or(0.0), unit(output));
-        let mut lookup = Lookup::added(input, output, nodes, (0..count).map(value).collect());
-        lookup.sense = raw.sense;
-        lookup.modulo = raw.modulo;
-        lookup.weight = raw.weight.unwrap_or(1.0);
-        lookup.is_enabled = !raw.is_disabled;
-        Some(lookup)
+        if raw.is_disabled {
+            let message = format!("table {t} is switched off: $SN_CEC_TABLE_ENABLE[{t}]=0");
+            self.report.unused_at(span, message, "write 1 if something else switches it on");
+        }
+        let value = |n: usize| scale(raw.values.get(&n).copied().unwrap_or(0.0), output);
+        Some(Lookup {
+            sense: raw.sense,
+            modulo: raw.modulo,
+            weight: raw.weight.unwrap_or(1.0),
+            is_enabled: !raw.is_disabled,
+            ..Lookup::added(input, output, nodes, (0..count).map(value).collect())
+        })
     }
 }

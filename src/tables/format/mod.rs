@@ -1,8 +1,19 @@
 //! The file formats of the controls: one file each, and their register.
 
 mod cec;
+mod comp;
+mod enc;
+mod fanuc;
+mod grundig;
+mod heidenhain;
+mod ini;
+mod isg;
 mod limits;
+mod matrixkins;
+mod naming;
+mod plain;
 mod scan;
+mod shape;
 
 pub use limits::{Holds, Limits};
 
@@ -43,7 +54,16 @@ pub struct Written {
 }
 
 /// All formats.
-pub const FORMATS: &[Format] = &[cec::FORMAT];
+pub const FORMATS: &[Format] = &[
+    cec::FORMAT,
+    enc::FORMAT,
+    fanuc::FORMAT,
+    heidenhain::FORMAT,
+    grundig::FORMAT,
+    comp::FORMAT,
+    matrixkins::FORMAT,
+    isg::FORMAT,
+];
 
 /// The format of a name.
 #[must_use]
@@ -69,6 +89,7 @@ impl Format {
     pub fn faults_of(&self, tables: &Tables, wiring: &Wiring) -> Vec<String> {
         let mut faults = limits::kinds(self, tables);
         faults.extend(limits::exceeded(&self.limits, tables));
+        faults.extend(shape::faults(tables));
         faults.extend((self.faults)(tables, wiring));
         faults
     }

@@ -3,8 +3,12 @@
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::source::{Source, Span};
 
-/// Findings of one file at most; more say the same.
+/// Errors of one file at most, and as many warnings; more say the same.
 const MOST_FINDINGS: usize = 50;
+/// Points of a table that are read at most: more than any control holds, and a bound for a file that is no table.
+pub(super) const MOST_POINTS: usize = 10_000;
+/// Characters of a file that a message repeats at most.
+const MOST_SHOWN: usize = 40;
 
 /// A line of a file without its end.
 #[derive(Clone, Copy, Debug)]
@@ -29,10 +33,30 @@ impl<'a> Line<'a> {
     }
 }
 
+/// A part of a file as messages show it.
+pub(super) fn shown(part: &str) -> String {
+    let part = part.trim();
+    match part.char_indices().nth(MOST_SHOWN) {
+        Some((end, _)) => format!("{}…", part.get(..end).unwrap_or_default()),
+        None => part.to_owned(),
+    }
+}
+
+/// The cells of a row: what stands between blanks, tabs, commas and semicolons.
+pub(super) fn cells(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';')).filter(|cell| !cell.is_empty())
+}
+
+/// The bytes of a mark that an editor puts in front of UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
 /// The lines of a file.
 pub(super) fn lines(source: &Source) -> impl Iterator<Item = Line<'_>> {
-    let mut start = 0;
-    source.bytes().split(|&byte| byte == b'\n').map(move |bytes| {
+    let end = source.line_end();
+    let bytes = source.bytes();
+    let bare = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    let mut start = bytes.len() - bare.len();
+    bare.split(move |&byte| byte == end).map(move |bytes| {
         let at = start;
         start += bytes.len() + 1;
         let text = match std::str::from_utf8(bytes) {
@@ -55,7 +79,8 @@ impl<'a> Report<'a> {
     }
 
     fn add(&mut self, code: Code, span: Span, message: String, help: &str) {
-        if self.findings.len() < MOST_FINDINGS {
+        // Warnings must not keep an error out: without an error the file counts as read.
+        if self.findings.iter().filter(|finding| finding.code == code).count() < MOST_FINDINGS {
             let place = Place { file: self.source.id(), span };
             self.findings.push(Diagnostic::at(code, place, message, help));
         }
@@ -81,11 +106,22 @@ impl<'a> Report<'a> {
         self.add(Code::UNUSED_TABLE, span, message.into(), help);
     }
 
+    /// A fault of a file that has nothing of what it shall have.
+    pub(super) fn empty(&mut self, message: &str, help: &str) {
+        let span = Span::new(0, self.source.bytes().len().min(1));
+        self.fault_at(span, message, help);
+    }
+
+    /// Whether something makes the file no table.
+    pub(super) fn has_fault(&self) -> bool {
+        self.findings.iter().any(Diagnostic::is_error)
+    }
+
     /// A finite number.
     pub(super) fn number(&mut self, line: &Line<'_>, part: &str) -> Option<f64> {
         let value = part.trim().parse::<f64>().ok().filter(|value| value.is_finite());
         if value.is_none() {
-            self.fault(line, part, format!("'{}' is no number", part.trim()), "write a decimal number");
+            self.fault(line, part, format!("'{}' is no number", shown(part)), "write a decimal number");
         }
         value
     }
