@@ -45,6 +45,9 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0601", "strain: places_that_the_signals_do_not_tell_are_assumed"),
     ("W0602", "strain: the_command_writes_a_state_file"),
     ("W0308", "unknown_sense: the_first_cut_has_the_mean_of_both_sides_and_a_warning"),
+    ("E0901", "cli_tables: active_tables_that_cannot_be_read_forbid_the_program"),
+    ("E0902", "cli_tables: what_does_not_fit_is_refused_and_nothing_is_written"),
+    ("W0901", "cli_tables: a_table_file_with_surplus_is_read_with_a_warning"),
     ("W0306", "cli_verify: a_correction_for_another_machine_is_pointed_out"),
 ];
 
