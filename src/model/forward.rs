@@ -21,9 +21,9 @@ use super::{Accumulator, ErrorModel, Features, Pose, features};
 #[derive(Clone, Debug)]
 pub struct Model {
     /// From the spindle to F.
-    tool_side: Vec<Link>,
+    pub(super) tool_side: Vec<Link>,
     /// From F to the workpiece.
-    workpiece_side: Vec<Link>,
+    pub(super) workpiece_side: Vec<Link>,
     spindle_mm: Vector,
     spindle_axis: Vector,
     spindle_error: Option<Displacement>,
@@ -33,7 +33,7 @@ pub struct Model {
     pub(super) rotary: AxisSet,
     features: [Features; AXIS_COUNT],
     /// Axes whose errors repeat with every turn.
-    modulo: AxisSet,
+    pub(super) modulo: AxisSet,
     is_empty: bool,
 }
 

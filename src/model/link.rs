@@ -56,7 +56,7 @@ pub(super) struct Link {
     point_mm: Vector,
     lever: Lever,
     location: Option<Displacement>,
-    functions: Functions,
+    pub(super) functions: Functions,
 }
 
 impl Link {

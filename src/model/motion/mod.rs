@@ -7,6 +7,7 @@ pub mod backlash;
 pub mod cross;
 mod entry;
 pub mod grid;
+mod intervals;
 pub mod periodic;
 pub mod piecewise;
 pub mod polynomial;
@@ -178,6 +179,8 @@ pub(super) struct Functions {
     /// Coefficients of the six components, highest degree first.
     polynomial: Vec<[f64; 6]>,
     others: Vec<(usize, Function)>,
+    /// What was put on a grid for a control.
+    intervals: Option<intervals::Intervals>,
 }
 
 impl Functions {
@@ -211,7 +214,7 @@ impl Functions {
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.polynomial.is_empty() && self.others.is_empty()
+        self.polynomial.is_empty() && self.others.is_empty() && self.intervals.is_none()
     }
 
     /// EX EY EZ (mm) and EA EB EC (rad) of the axis.
@@ -222,6 +225,10 @@ impl Functions {
             for (component, coefficient) in components.iter_mut().zip(coefficients) {
                 *component = *component * own + coefficient;
             }
+        }
+        if let Some(intervals) = &self.intervals {
+            let on_grid = intervals.value(own, state.direction(axis));
+            components.iter_mut().zip(on_grid).for_each(|(sum, value)| *sum += value);
         }
         for (row, function) in &self.others {
             components[*row] += function.value(axis, command, state);
