@@ -45,6 +45,9 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0601", "strain: places_that_the_signals_do_not_tell_are_assumed"),
     ("W0602", "strain: the_command_writes_a_state_file"),
     ("W0308", "unknown_sense: the_first_cut_has_the_mean_of_both_sides_and_a_warning"),
+    ("E0801", "realtime: a_line_that_is_no_set_point_ends_the_run"),
+    ("W0801", "realtime: a_kernel_that_cannot_follow_the_model_is_pointed_out"),
+    ("W0802", "realtime: a_state_that_breaks_leaves_the_kernel_in_force"),
     ("W0306", "cli_verify: a_correction_for_another_machine_is_pointed_out"),
 ];
 

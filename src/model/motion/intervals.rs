@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn what_the_grid_is_too_coarse_for_stays() {
         // Intervals of 2 mm: a chord of a wave of 10 µm and 20 mm is off by 10 (2π/20)² 2²/8 = 0.49 µm, of 400 mm by 0.0012 µm.
-        let wave = |period| Function::Periodic(periodic::Periodic { amplitude: 0.01, period, phase: 0.3 });
+        let wave = |period| Function::Periodic(periodic::Periodic { amplitude: 0.01, period, phase_rad: 0.3 });
         let on_grid = functions(vec![(Direction::Y, wave(20.0)), (Direction::Z, wave(400.0))]);
         assert_eq!(on_grid.direct(), 1);
         let direct = functions(Vec::new());
