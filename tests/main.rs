@@ -107,6 +107,8 @@ mod plots;
 mod positioning;
 mod presets;
 mod programs;
+mod realtime;
+mod realtime_stability;
 mod reference_points;
 mod rotary;
 mod rounding_and_turns;

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES, Vector};
 use crate::machine::{AxisData, Condition, Machine, State};
 
-use super::body::{Body, Place, Pointer, Witness};
+use super::body::{Body, Place, Pointer, Ray, Witness};
 use super::linear::LinearAxes;
 use super::link::{Displacement, Link};
 use super::motion::Functions;
@@ -166,6 +166,11 @@ impl Model {
     /// Tip and axis of the tool with their derivatives by the commands, in the workpiece frame.
     pub(super) fn pointer(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Pointer {
         self.carry(Pointer::new(*tool_mm, self.spindle_axis), command, errors)
+    }
+
+    /// Tip and axis of the tool in the workpiece frame, with errors.
+    pub(super) fn ray(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Ray {
+        self.carry(Ray { tip: *tool_mm, axis: self.spindle_axis }, command, Some(state))
     }
 
     /// The derivatives of the tip by the correcting linear axes on a machine without rotary axes; zero where there is none.

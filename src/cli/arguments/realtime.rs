@@ -47,8 +47,8 @@ pub(in crate::cli) struct RealtimeArguments {
     /// The same for rotary axes, µrad
     #[arg(long, value_name = "URAD|off", default_value = "5", value_parser = value::dose)]
     pub(in crate::cli) dose_urad: f64,
-    /// Refuse a model whose corrections go beyond this, with its unit
-    #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
+    /// Refuse a model whose corrections go beyond this anywhere in the travel, with its unit
+    #[arg(long, value_name = "LENGTH", default_value = "0.5mm", value_parser = value::positive_length_mm)]
     pub(in crate::cli) max_correction: f64,
     /// How often --state is read again, s
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = value::seconds)]

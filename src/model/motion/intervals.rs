@@ -33,6 +33,7 @@ impl Intervals {
 
     /// The components at a command and a sense of the last motion, mm and rad. Beyond its ends the table goes on as in its last interval: a
     /// correction leads a little beyond the end of the travel.
+    #[inline]
     pub(super) fn value(&self, command: f64, sense: i8) -> [f64; 6] {
         let place = (command - self.low) * self.per_unit;
         // A cast takes what is below zero, and what is no number, to the first row.
@@ -82,6 +83,7 @@ impl Intervals {
 }
 
 /// Between two neighbouring rows.
+#[inline]
 fn between(rows: &[[f64; 6]], row: usize, share: f64) -> [f64; 6] {
     let [low, high] =
         rows.get(row..row + 2).and_then(|rows| <&[[f64; 6]; 2]>::try_from(rows).ok()).unwrap_or(&[[0.0; 6]; 2]);
