@@ -29,7 +29,8 @@ impl Dosing {
         for axis in AXES {
             let dose = if axis.is_rotary() { self.dose_rad } else { self.dose_mm };
             let change = wanted[axis] - self.in_force[axis];
-            if change.abs() <= dose {
+            // A last bit that the sums of doses left is no dose.
+            if change.abs() <= dose * (1.0 + 1e-9) {
                 self.in_force[axis] = wanted[axis];
             } else {
                 self.in_force[axis] += dose.copysign(change);
