@@ -11,7 +11,7 @@ use crate::report::page::stability::{Rest, Stability, Trace, stability};
 /// Steps of the table in the pictures over time, µm: that of the limit cycle, and the one of an increment, both as measured by Spaan.
 const STEPS_UM: [f64; 2] = [-2.0, -1.0];
 /// Where the axis is sent, µm from the grid point: where the step of 2 µm leaves no rest.
-const PLACE_UM: f64 = 0.5;
+const PLACE_UM: f64 = 0.25;
 /// How far from the grid point the axis is looked at, µm.
 const REACH_UM: f64 = 6.0;
 
