@@ -53,6 +53,23 @@ fn kernels_agree_with_the_iterated_solution_on_every_sample() {
 }
 
 #[test]
+fn next_to_a_pole_the_damping_is_the_same() {
+    let (machine, errors) = sample("esmaeili_xyz5");
+    let model = Model::new(&machine, &errors);
+    let (tool_mm, state) = (Vector::new(0.0, 0.0, -150.0), State::default());
+    let kernel = Kernel::new(&machine, &model, &tool_mm, Solve::Full);
+    for tilt in -60..=60 {
+        let values =
+            [(Axis::X, 100.0), (Axis::Y, 300.0), (Axis::Z, 150.0), (Axis::B, 1e-3 * f64::from(tilt)), (Axis::C, 0.5)];
+        let nominal = at(&values);
+        let exact = model.solve(&nominal, &tool_mm, &state, &nominal, Solve::Full).unwrap();
+        let fast = nominal + kernel.correction(&nominal, &state).unwrap();
+        assert!((fast - exact).max_abs(&[Axis::X, Axis::Y, Axis::Z]) < 1e-6, "{tilt}");
+        assert!((fast - exact).max_abs(&[Axis::B, Axis::C]) < 1e-9, "{tilt}");
+    }
+}
+
+#[test]
 fn a_stretched_axis_has_the_correction_of_arithmetic() {
     // The tip is at x (1 + s) + a: the command for x is (x − a) / (1 + s).
     let stretched = stretched(1e-4, 0.02);

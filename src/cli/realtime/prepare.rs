@@ -140,7 +140,7 @@ fn renew(publisher: Publisher, period: Duration, choice: StateChoice, mut chosen
             }
             findings.draw();
         }
-        // What was said once is not said again until the state changes.
+        // What was refused is not tried again until the state changes.
         last.clone_from(&chosen.state);
         made.map(|(kernel, _)| kernel)
     })
