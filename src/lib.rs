@@ -42,6 +42,7 @@
 //! | [`feed`] | links as data, dialogues as pure machines, window, dosing | G-code, kinematics |
 //! | [`sense`] | live sensors: sources in threads, what is believed of their values | programs, models |
 //! | [`drip`] | from corrected pieces to lines of a link: second step, dosing, text | links, files |
+//! | [`realtime`] | kernel on tables, cycle of a control, dosing, handover, rings in shared memory, why set-points are compensated | programs, files |
 //! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
 //! | [`cli`] | one file per command; the only room that opens files, but for the sources of sensors | — |
 //!
@@ -94,6 +95,7 @@ pub mod measure;
 pub mod model;
 pub mod numeric;
 pub mod path;
+pub mod realtime;
 pub mod report;
 pub mod sense;
 pub mod snc;

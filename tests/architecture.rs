@@ -33,6 +33,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("drip", &["feed", "dialect", "emit", "path", "snc", "model", "machine", "geometry"]),
     // The machine for the reader of TOML and for logs of temperatures only.
     ("sense", &["machine"]),
+    ("realtime", &["model", "machine", "geometry"]),
     ("report", &["geometry", "path", "tables", "emit", "machine", "model", "snc"]),
     (
         "cli",
@@ -49,6 +50,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "diagnose",
             "path",
             "tables",
+            "realtime",
             "emit",
             "feed",
             "drip",
@@ -172,6 +174,20 @@ fn every_executable_dialect_has_codes_samples_and_a_writer() {
             dialect.name
         );
     }
+}
+
+#[test]
+fn unsafe_code_stands_where_memory_is_shared_and_nowhere_else() {
+    let word = concat!("unsafe", "_code");
+    let files: Vec<_> = sources().into_iter().filter(|(_, text)| text.contains(word)).map(|(path, _)| path).collect();
+    assert_eq!(files, [Path::new(env!("CARGO_MANIFEST_DIR")).join("src/realtime/ring.rs")]);
+    // Benches are no part of the program; one of them counts allocations.
+    let benches =
+        fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("benches")).unwrap().map(|entry| entry.unwrap());
+    let benches = benches.filter(|entry| fs::read_to_string(entry.path()).unwrap().contains(word));
+    assert_eq!(benches.map(|entry| entry.file_name()).collect::<Vec<_>>(), ["realtime.rs"]);
+    let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap();
+    assert!(manifest.contains(&format!("{word} = \"deny\"")), "what is not allowed by name is denied");
 }
 
 #[test]

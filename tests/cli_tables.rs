@@ -68,7 +68,11 @@ fn what_active_tables_do_is_not_corrected_twice() {
     shop.run(make(&[])).exits(0);
     let line = |machine: &str| -> String {
         shop.run(["part.mpf", "-o", "out.mpf", "--machine", machine]).exits(0);
-        shop.text("out.mpf").lines().find(|line| line.starts_with("N20") || line.contains("X150")).unwrap_or("").to_owned()
+        shop.text("out.mpf")
+            .lines()
+            .find(|line| line.starts_with("N20") || line.contains("X150"))
+            .unwrap_or("")
+            .to_owned()
     };
     let corrected = shop.run(["part.mpf", "-o", "out.mpf", "--machine", "mill.toml", "--json"]).exits(0).json();
     assert!(corrected.to_string().contains("max"), "{corrected}");
@@ -96,7 +100,8 @@ fn what_does_not_fit_is_refused_and_nothing_is_written() {
     let shop = shop();
     let run = shop.run(["tables", "--machine", "mill.toml", "--format", "enc", "--scheme", "fik", "-o", "EEC.INI"]);
     run.exits(4).says("E0902");
-    let run = shop.run(["tables", "--machine", "mill.toml", "--format", "cec", "--tolerance", "0.000001um", "-o", "CEC.INI"]);
+    let run =
+        shop.run(["tables", "--machine", "mill.toml", "--format", "cec", "--tolerance", "0.000001um", "-o", "CEC.INI"]);
     run.exits(4).says("E0902").says("no scheme leaves");
     shop.run(["tables", "--machine", "mill.toml", "--format", "cec", "--scheme", "best", "-o", "CEC.INI"]).exits(2);
     shop.run(["tables", "--machine", "mill.toml", "--format", "cec"]).exits(2).says("give -o");
@@ -130,7 +135,21 @@ fn the_45_degree_machine_from_the_command_line() {
     let shop = Shop::new();
     let huron = machine("esmaeili_huron");
     let made = shop
-        .run(["tables", "--machine", &huron, "--format", "cec", "--scheme", "auto", "--tool", "150", "-o", "CEC.INI", "--check", "--json"])
+        .run([
+            "tables",
+            "--machine",
+            &huron,
+            "--format",
+            "cec",
+            "--scheme",
+            "auto",
+            "--tool",
+            "150",
+            "-o",
+            "CEC.INI",
+            "--check",
+            "--json",
+        ])
         .exits(0)
         .json();
     assert!(made["check"]["tables"]["rms_um"].as_f64().unwrap() <= 1.0, "{made}");

@@ -10,6 +10,7 @@ mod load;
 mod machine;
 mod measured;
 mod plan;
+mod realtime;
 mod sensors;
 mod simulate;
 mod steps;
@@ -24,6 +25,7 @@ pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
 pub(super) use plan::PlanArguments;
+pub(super) use realtime::RealtimeArguments;
 pub(super) use sensors::SensorsArguments;
 pub(super) use simulate::SimulateArguments;
 pub(super) use steps::StepsArguments;
@@ -139,6 +141,9 @@ pub(super) enum Command {
     /// Send a program to the control line by line, corrected for the temperatures of the moment
     #[command(after_help = feed::AFTER_HELP)]
     Feed(Box<FeedArguments>),
+    /// Answer set-points with corrections in the cycle of a control
+    #[command(after_help = realtime::AFTER_HELP)]
+    Realtime(Box<RealtimeArguments>),
     /// Show how a transfer that was broken off can be taken up again, and do it
     #[command(after_help = feed::RESUME_HELP)]
     Resume(ResumeArguments),

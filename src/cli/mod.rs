@@ -34,6 +34,7 @@ mod plan;
 mod presets;
 mod program;
 mod progress;
+mod realtime;
 mod repeated;
 mod resume;
 mod select;
@@ -98,6 +99,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Sensors(arguments) => sensors::run(arguments),
         Command::Load(arguments) => load::run(arguments),
         Command::Feed(arguments) => feed::run(arguments),
+        Command::Realtime(arguments) => realtime::run(arguments),
         Command::Resume(arguments) => resume::run(arguments),
         Command::Plan(arguments) => plan::run(arguments),
         Command::Calibrate(arguments) => calibrate::run(arguments),

@@ -41,6 +41,15 @@ pub(super) fn seconds(text: &str) -> Result<Duration, String> {
     value.map(Duration::from_secs_f64).ok_or_else(|| "write a number of seconds above 0, for example 60".to_owned())
 }
 
+/// A dose above zero; infinite for `off`.
+pub(super) fn dose(text: &str) -> Result<f64, String> {
+    if text == "off" {
+        return Ok(f64::INFINITY);
+    }
+    let value = text.parse::<f64>().ok().filter(|value| *value > 0.0 && value.is_finite());
+    value.ok_or_else(|| "write a number above 0, for example 1, or off".to_owned())
+}
+
 /// A difference of temperature above zero.
 pub(super) fn kelvin(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().ok().filter(|value| (0.0..=100.0).contains(value) && *value > 0.0);

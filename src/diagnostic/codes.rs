@@ -1,7 +1,7 @@
 //! The register of finding codes: every code once, with its title and the long text that `ncfix explain` prints.
 //!
 //! Groups: `E01` what was written (syntax), `E02` what it means (execution), `E03` safety and machine limits,
-//! `E04` machine file and error model, `E05` state of the machine, `E06` measured data, `E07` links, `E09` compensation tables; `W…` the same groups as warnings. Codes are stable:
+//! `E04` machine file and error model, `E05` state of the machine, `E06` measured data, `E07` links, `E08` the cycle of a control, `E09` compensation tables; `W…` the same groups as warnings. Codes are stable:
 //! one that is no longer used stays retired. A test demands a sample file that provokes each code. The file is long because it holds them all.
 
 use std::fmt;
@@ -354,6 +354,10 @@ overwritten. Look at `ncfix resume JOURNAL`, or remove the journal, or give anot
     OTHER_JOB = "E0704" "not the job that was broken off"
 "A job can only be taken up again with the program, the machine file, the state and the version with which it began: with others the lines that were sent cannot
 be told from those that were not, and the correction would jump. Nothing was sent.";
+    BAD_SET_POINT = "E0801" "line that is no set-point"
+"A line of the input of ncfix realtime is no set-point: a word that is no axis of the machine, a number that is none, an axis whose position was never stated,
+too many or too few cells, an empty line. The run ends, because a control that goes on with a guess moves a machine. Every line before it was answered, in order;
+the control must hold the last correction, or stop. The message has line and column.";
     BAD_TABLES = "E0901" "compensation table that cannot be read"
 "A file of compensation tables for ncfix tables --read, or for machine.active_tables, is not what its format says: a number that is none, an axis that the
 machine lacks, a product with a table that is not there. Nothing of it is used, because half of a compensation moves the tool to a wrong place. Correct
@@ -465,6 +469,13 @@ or noise of its own. The file stays as it is. In data held out rows stay in, so 
 "In some places the control waits a little for lines (E0702 says what that means), less than what forbids the transfer.";
     SERIAL_SETTINGS = "W0702" "port with other settings, or a name that changes"
 "The port did not take all settings of the profile, or its name depends on the order in which adapters were plugged in.";
+    KERNEL_DIFFERS = "W0801" "kernel that differs from the model"
+"The kernel of ncfix realtime has the errors of every axis on 200 intervals, functions that bend more directly, and corrects in two of Newton's steps. At 1000 poses
+all over the travel it was held against the iterated solution of the model, and is off by more than 0.5 µm or 5 µrad somewhere. Errors that change by a hundredth
+of the way or more do that: a step in a table, a wrong unit. The program corrections of ncfix fix iterate further and are right.";
+    NOT_RENEWED = "W0802" "kernel not renewed"
+"The state was read again, as --update-s says, and cannot be used: a file that is missing or half written, a sensor without a value, corrections beyond --max-correction. The
+kernel in force stays, made for the state before, and the next reading follows.";
     UNUSED_TABLE = "W0901" "part of a table file that is not used"
 "Something in a file of compensation tables has no effect on the control or is not known: a table with step 0, values behind its end, points
 without a value, variables of another function. The rest is read. Look whether it was meant.";

@@ -92,6 +92,30 @@ impl Body for Pose {
     }
 }
 
+/// Tip and axis of the tool, without derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ray {
+    /// Tool tip, mm.
+    pub(super) tip: Vector,
+    /// Unit vector from the tip to the spindle.
+    pub(super) axis: Vector,
+}
+
+impl Body for Ray {
+    fn translate(&mut self, by: &Vector) {
+        self.tip += by;
+    }
+
+    fn tilt(&mut self, by: &Rotation) {
+        self.tip = by.apply(&self.tip);
+        self.axis = by.apply(&self.axis);
+    }
+
+    fn turn(&mut self, by: &Rotation) {
+        self.tilt(by);
+    }
+}
+
 /// Tip and axis of the tool with their derivatives by every axis command.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pointer {

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES, Vector};
 use crate::machine::{AxisData, Compensation, Condition, Machine, State};
 
-use super::body::{Body, Place, Pointer, Witness};
+use super::body::{Body, Place, Pointer, Ray, Witness};
 use super::linear::LinearAxes;
 use super::link::{Displacement, Link};
 use super::motion::Functions;
@@ -22,9 +22,9 @@ use super::{Accumulator, ErrorModel, Features, Pose, features};
 #[derive(Clone, Debug)]
 pub struct Model {
     /// From the spindle to F.
-    tool_side: Vec<Link>,
+    pub(super) tool_side: Vec<Link>,
     /// From F to the workpiece.
-    workpiece_side: Vec<Link>,
+    pub(super) workpiece_side: Vec<Link>,
     spindle_mm: Vector,
     spindle_axis: Vector,
     spindle_error: Option<Displacement>,
@@ -34,7 +34,7 @@ pub struct Model {
     pub(super) rotary: AxisSet,
     features: [Features; AXIS_COUNT],
     /// Axes whose errors repeat with every turn.
-    modulo: AxisSet,
+    pub(super) modulo: AxisSet,
     /// What the control adds to every command.
     active: Option<Arc<dyn Compensation>>,
     is_empty: bool,
@@ -172,6 +172,12 @@ impl Model {
     /// Tip and axis of the tool with their derivatives by the commands, in the workpiece frame.
     pub(super) fn pointer(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Pointer {
         self.carry(Pointer::new(*tool_mm, self.spindle_axis), &self.controlled(command, tool_mm, errors), errors)
+    }
+
+    /// Tip and axis of the tool in the workpiece frame, with errors.
+    pub(super) fn ray(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Ray {
+        let command = self.controlled(command, tool_mm, Some(state));
+        self.carry(Ray { tip: *tool_mm, axis: self.spindle_axis }, &command, Some(state))
     }
 
     /// The derivatives of the tip by the correcting linear axes on a machine without rotary axes; zero where there is none.

@@ -62,6 +62,7 @@ impl LinearStep {
     }
 
     /// Takes a residual away, mm.
+    #[inline]
     pub(super) fn apply(&self, residual: &Vector, command: &mut AxisVector) {
         let step = self.inverse * residual;
         for (axis, step) in self.axes.iter().zip(step.iter()) {

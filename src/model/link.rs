@@ -37,11 +37,13 @@ impl Displacement {
         components.iter().any(|&component| component != 0.0).then(|| Displacement::new(components))
     }
 
+    #[inline]
     pub(super) fn apply(&self, body: &mut impl Body) {
         body.tilt(&self.rotation);
         body.translate(&self.translation);
     }
 
+    #[inline]
     fn undo(&self, body: &mut impl Body) {
         body.translate(&-self.translation);
         body.tilt(&self.rotation.inverse());
@@ -56,7 +58,7 @@ pub(super) struct Link {
     point_mm: Vector,
     lever: Lever,
     location: Option<Displacement>,
-    functions: Functions,
+    pub(super) functions: Functions,
 }
 
 impl Link {
@@ -126,6 +128,7 @@ impl Link {
         body.translate(&self.point_mm);
     }
 
+    #[inline]
     fn advance(&self, body: &mut impl Body, by: f64) {
         if self.axis.is_rotary() {
             body.turn(&Rotation::about(self.direction, by));
@@ -134,6 +137,7 @@ impl Link {
         }
     }
 
+    #[inline]
     fn motion_error(&self, command: &AxisVector, errors: Option<&State>) -> Option<Displacement> {
         let state = errors.filter(|_| !self.functions.is_empty())?;
         Some(Displacement::new(&self.functions.evaluate(self.axis, command, state)))

@@ -3,11 +3,12 @@
 //! [`ErrorModel`] is what the file says: location errors ([`location`]), motion errors ([`motion`], one file per kind of
 //! function), named as in ISO 230-1 ([`name`]), and the effects of other sources ([`source`], one file each). The [`Accumulator`] adds up what
 //! they contribute in one condition of the machine. [`Model`] is machine and sum prepared for evaluation; [`Model::actual`] is the only
-//! forward function, and [`Model::solve`] inverts it. [`preset`] names which parameters ([`parameter`]) a model has. Nothing here knows of
+//! forward function, and [`Model::solve`] inverts it; [`Model::on_intervals`] and [`Model::solve_in_cycle`] are the same within the cycle of a control. [`preset`] names which parameters ([`parameter`]) a model has. Nothing here knows of
 //! programs or instruments.
 
 mod accumulator;
 mod body;
+mod cyclic;
 mod features;
 pub mod file;
 mod forward;

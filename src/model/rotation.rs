@@ -19,6 +19,7 @@ pub(super) struct Rotation {
 
 impl Rotation {
     /// The exponential of a rotation vector, rad.
+    #[inline]
     pub(super) fn from_vector(vector: Vector) -> Rotation {
         let square = vector.norm_squared();
         if square < SERIES_LIMIT {
@@ -34,12 +35,14 @@ impl Rotation {
     }
 
     /// The turn by `angle_rad` about a unit vector.
+    #[inline]
     pub(super) fn about(axis: Vector, angle_rad: f64) -> Rotation {
         let (sine, cosine) = angle_rad.sin_cos();
         Rotation { vector: axis, sine, cosine: 1.0 - cosine }
     }
 
     /// The rotation backwards.
+    #[inline]
     pub(super) fn inverse(mut self) -> Rotation {
         self.sine = -self.sine;
         self
@@ -64,6 +67,7 @@ impl Rotation {
     }
 
     /// The rotated vector.
+    #[inline]
     pub(super) fn apply(&self, vector: &Vector) -> Vector {
         let once = self.vector.cross(vector);
         let twice = self.vector.cross(&once);

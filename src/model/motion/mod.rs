@@ -7,6 +7,7 @@ pub mod backlash;
 pub mod cross;
 mod entry;
 pub mod grid;
+mod intervals;
 pub mod periodic;
 pub mod piecewise;
 pub mod polynomial;
@@ -178,6 +179,8 @@ pub(super) struct Functions {
     /// Coefficients of the six components, highest degree first.
     polynomial: Vec<[f64; 6]>,
     others: Vec<(usize, Function)>,
+    /// What was put on a grid for a control.
+    intervals: Option<intervals::Intervals>,
 }
 
 impl Functions {
@@ -211,10 +214,11 @@ impl Functions {
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.polynomial.is_empty() && self.others.is_empty()
+        self.polynomial.is_empty() && self.others.is_empty() && self.intervals.is_none()
     }
 
     /// EX EY EZ (mm) and EA EB EC (rad) of the axis.
+    #[inline]
     pub(super) fn evaluate(&self, axis: Axis, command: &AxisVector, state: &State) -> [f64; 6] {
         let own = command[axis];
         let mut components = [0.0; 6];
@@ -222,6 +226,10 @@ impl Functions {
             for (component, coefficient) in components.iter_mut().zip(coefficients) {
                 *component = *component * own + coefficient;
             }
+        }
+        if let Some(intervals) = &self.intervals {
+            let on_grid = intervals.value(own, state.direction(axis));
+            components.iter_mut().zip(on_grid).for_each(|(sum, value)| *sum += value);
         }
         for (row, function) in &self.others {
             components[*row] += function.value(axis, command, state);

@@ -4,6 +4,7 @@
 pub mod calibration;
 pub mod diagnosis;
 mod parts;
+pub mod stability;
 
 use std::fmt::Display;
 

@@ -1,0 +1,70 @@
+//! The rings in shared memory, served until the control or a person ends it.
+
+use std::fs::{self, File};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use super::Tally;
+use super::prepare::Prepared;
+use crate::cli::exit_code::ExitCode;
+use crate::cli::stop::Stop;
+use crate::cli::tell;
+use crate::realtime::ring::Ring;
+
+/// Looks at an empty ring before the thread rests, and for how long it does.
+const LOOKS: u32 = 2000;
+const REST: Duration = Duration::from_micros(50);
+
+/// Where memory that has a name is found on Linux.
+const SHARED: &str = "/dev/shm";
+
+/// A file that goes when this goes.
+struct Removed(PathBuf);
+
+impl Drop for Removed {
+    fn drop(&mut self) {
+        // Somebody else may have removed it; either way it is gone.
+        let _ = fs::remove_file(&self.0);
+    }
+}
+
+/// Serves.
+pub(super) fn serve(name: &str, records: u64, prepared: &mut Prepared, tally: &mut Tally) -> Result<ExitCode, Stop> {
+    let path = if name.contains(['/', '\\']) { PathBuf::from(name) } else { PathBuf::from(SHARED).join(name) };
+    let file = File::options().read(true).write(true).create_new(true).open(&path);
+    let file = file.map_err(|error| match error.kind() {
+        std::io::ErrorKind::AlreadyExists => Stop::Usage(format!(
+            "{} is there already: another ncfix serves it, or did not end well; remove it if none does",
+            path.display()
+        )),
+        _ => Stop::file("write", &path, &error),
+    })?;
+    let removed = Removed(path);
+    let ring = Ring::create(&file, prepared.axes, records).map_err(|error| Stop::file("write", &removed.0, &error))?;
+    let is_over = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&is_over))
+            .map_err(|error| Stop::Usage(format!("cannot listen to Ctrl-C: {error}")))?;
+    }
+    tell(&format!("rings of {records} records at {}\n", removed.0.display()));
+    let mut looks = 0;
+    loop {
+        let start = Instant::now();
+        if let Some(signals) = ring.serve(&mut prepared.cycle) {
+            tally.times.note(start.elapsed());
+            tally.note(signals);
+            looks = 0;
+            continue;
+        }
+        if ring.beat() {
+            return Ok(ExitCode::Done);
+        }
+        if is_over.load(Ordering::Relaxed) {
+            return Ok(ExitCode::Interrupted);
+        }
+        looks += 1;
+        if looks < LOOKS { std::hint::spin_loop() } else { std::thread::sleep(REST) }
+    }
+}

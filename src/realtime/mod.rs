@@ -1,0 +1,56 @@
+//! Corrections in the cycle of a control: set-points of all axes in, corrections of all axes out (Spaan 1995, ch. 6).
+//!
+//! ```text
+//! Kernel::new(&Machine, &Model, tool, …)   outside of the cycle: the model on 200 intervals per axis
+//! handover(Kernel)                          -> (Publisher, Subscriber): a new kernel every 60 s, without a lock
+//! Cycle::new(Subscriber, Dosing, …)         the cycle: Cycle::step(&set-point) -> Answer, nothing is allocated, nothing waits
+//! ```
+//!
+//! The correction is looked up at the uncompensated set-point and not at the measured position: [`stability`] shows why. A [`ring`] in shared
+//! memory connects the cycle to a control in another process, [`Histogram`] counts how long cycles took.
+
+//!
+//! ```
+//! use std::time::Duration;
+//!
+//! use ncfix::geometry::{Axis, AxisVector, Vector};
+//! use ncfix::machine::{Condition, file::DEMO};
+//! use ncfix::model::{Model, Solve, file::load};
+//! use ncfix::realtime::{Cycle, Dosing, Kernel, Updater, handover};
+//! use ncfix::source::{FileId, Source};
+//!
+//! let source = Source::new(FileId(0), "demo.toml", DEMO.as_bytes().to_vec()).unwrap();
+//! let (machine, errors) = load(&source).0.unwrap();
+//! let tool_mm = Vector::new(0.0, 0.0, -120.0);
+//! let kernel = move |condition: &Condition| {
+//!     Kernel::new(&machine, &Model::at(&machine, &errors, condition), &tool_mm, Solve::Full)
+//! };
+//! let (publisher, subscriber) = handover(kernel(&Condition::default()));
+//! // What the sensors read is put into the condition here.
+//! let updater = Updater::start(publisher, Duration::from_secs(60), move || Some(kernel(&Condition::default())));
+//! // Doses of 1 µm and 5 µrad; coming back by more than 0.1 µm and 1 µrad is a reversal.
+//! let mut cycle = Cycle::new(subscriber, Dosing::new(1e-3, 5e-6), 1e-4, 1e-6);
+//!
+//! // In the cycle of the control:
+//! let mut set_point = AxisVector::ZERO;
+//! set_point[Axis::X] = 350.0;
+//! let answer = cycle.step(&set_point);
+//! let command = set_point + answer.correction;
+//! # assert!((command[Axis::X] - 350.0).abs() <= 1e-3);
+//! # drop(updater);
+//! ```
+
+mod cycle;
+mod dosing;
+mod histogram;
+mod kernel;
+pub mod ring;
+mod sense;
+pub mod stability;
+mod update;
+
+pub use cycle::{Answer, Cycle, Signals};
+pub use dosing::Dosing;
+pub use histogram::Histogram;
+pub use kernel::{Agreement, INTERVALS, Kernel};
+pub use update::{Publisher, Subscriber, Updater, handover};
