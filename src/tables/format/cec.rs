@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 
 use super::ini::{Assignment, Place};
 use super::limits::{Holds, Limits};
+use super::plain::{even_points, round_steps};
 use super::scan::{Line, MOST_POINTS, Report, lines, shown};
 use super::{Format, Written, rounded};
 use crate::diagnostic::Diagnostic;
@@ -45,11 +46,8 @@ fn round(tables: &mut Tables) {
     for (index, one) in tables.lookups.iter_mut().enumerate() {
         let decimals = if one.factor.is_some() || named.contains(&index) { FACTOR_DECIMALS } else { DECIMALS };
         one.values.iter_mut().for_each(|value| *value = rounded(*value, decimals));
-        if let Nodes::Even { start, step, end } = &mut one.nodes {
-            for value in [start, step, end] {
-                *value = rounded(*value, POSITION_DECIMALS);
-            }
-        }
+        even_points(one, POSITION_DECIMALS);
+        round_steps(one, POSITION_DECIMALS);
     }
 }
 

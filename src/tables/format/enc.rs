@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 use super::ini::{Assignment, Place};
 use super::limits::{Holds, Limits};
-use super::plain::{round_steps, weigh};
+use super::plain::{even_points, round_steps, weigh};
 use super::scan::{Line, MOST_POINTS, Report, lines, shown};
 use super::{Format, Written, rounded};
 use crate::diagnostic::Diagnostic;
@@ -40,6 +40,7 @@ fn round(tables: &mut Tables) {
     weigh(tables);
     for one in &mut tables.lookups {
         one.values.iter_mut().for_each(|value| *value = rounded(*value, DECIMALS));
+        even_points(one, DECIMALS);
         round_steps(one, DECIMALS);
     }
 }

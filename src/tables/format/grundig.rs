@@ -105,7 +105,7 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
             add(&line, &mut report, &mut axes, axis, position, values);
         }
     }
-    if axes.is_empty() {
+    if axes.is_empty() && !report.has_fault() {
         report.empty(
             "no error table is in the file",
             "a table has rows such as S1 P-100 T1=10 T2=6 T3=-6 R1=-1 R2=0 R3=3",

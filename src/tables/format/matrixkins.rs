@@ -85,11 +85,14 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
             count += 1;
         }
     }
+    if report.has_fault() {
+        return report.findings;
+    }
     if count == 0 {
         report.empty("no matrix is in the file", "it has lines such as setp matrixkins.C_xy 0.0001");
     } else if tables.matrix.is_some() {
         report.empty("a matrix was read before this one", "the control has one");
-    } else if !report.has_fault() {
+    } else {
         tables.matrix = Some(matrix);
     }
     report.findings

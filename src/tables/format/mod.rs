@@ -14,6 +14,7 @@ mod naming;
 mod plain;
 mod scan;
 mod shape;
+mod ssfk;
 
 pub use limits::{Holds, Limits};
 
@@ -63,6 +64,7 @@ pub const FORMATS: &[Format] = &[
     comp::FORMAT,
     matrixkins::FORMAT,
     isg::FORMAT,
+    ssfk::FORMAT,
 ];
 
 /// The format of a name.
