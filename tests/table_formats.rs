@@ -421,7 +421,9 @@ fn an_archive_of_a_control() {
     let (tables, findings) = sample("enc", "archive.arc");
     assert_eq!(findings, [""; 0]);
     // A positive value moves the axis in the negative direction.
-    assert_eq!([-300.0, 0.0, 200.0].map(|x| at(&tables, Axis::X, x, 1, Axis::X)), [-0.003, -0.0065, -0.01]);
+    for (x, value) in [(-300.0, -0.003), (0.0, -0.0065), (200.0, -0.01)] {
+        assert!((at(&tables, Axis::X, x, 1, Axis::X) - value).abs() < 1e-15, "{x}");
+    }
     // Old files end their lines with a carriage return alone.
     let text: Vec<u8> = fs::read(repository("samples/tables/archive.arc")).unwrap();
     let old: Vec<u8> = text.into_iter().filter(|&byte| byte != b'\n').collect();

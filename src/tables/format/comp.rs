@@ -117,6 +117,9 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
     let mut axis = naming::axis(wiring, source.name());
     let mut is_trim = None;
     for line in lines(source) {
+        if report.is_hopeless() {
+            break;
+        }
         match triplet(line.text) {
             Some(_) if is_behind => lost = lost.or(Some(line.span(line.text))),
             Some(row) if rows.last().is_some_and(|last| last[0] >= row[0]) => {
@@ -148,6 +151,9 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
     if let Some(span) = lost {
         let help = "the control stops at the first line that is no triplet: put remarks behind the table";
         report.unused_at(span, "the control does not read from here on", help);
+    }
+    if report.has_fault() {
+        return report.findings;
     }
     let Some(is_trim) = is_trim.or_else(|| guess_type(&rows)) else {
         let help = format!("write {TYPE_MARK} 0 or 1 behind the table, as the INI file has it");

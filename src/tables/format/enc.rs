@@ -114,6 +114,9 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
         for (unit_mm, one) in found {
             reader.assignment(&line, unit_mm, &one);
         }
+        if reader.report.is_hopeless() {
+            break;
+        }
     }
     reader.finish(wiring, tables)
 }

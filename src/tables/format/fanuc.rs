@@ -97,6 +97,9 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
         } else {
             reader.axis(&line, text);
         }
+        if reader.report.is_hopeless() {
+            break;
+        }
     }
     reader.finish(tables)
 }

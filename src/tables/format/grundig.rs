@@ -98,6 +98,9 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut axes: Vec<AxisErrors> = Vec::new();
     for line in lines(source) {
         let text = line.before('(').trim();
+        if report.is_hopeless() {
+            break;
+        }
         if text.is_empty() || text.starts_with('%') {
             continue;
         }

@@ -151,6 +151,9 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut needs_header = true;
     for line in lines(source) {
         let text = line.text.split("//").next().unwrap_or_default().trim();
+        if report.is_hopeless() {
+            break;
+        }
         if text.starts_with('#') {
             needs_header = true;
         } else if !text.is_empty() && needs_header {

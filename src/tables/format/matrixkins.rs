@@ -79,6 +79,9 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut count = 0_usize;
     for line in lines(source) {
+        if report.is_hopeless() {
+            break;
+        }
         if let Some(([row, column], value)) = parameter(&line, &mut report) {
             // The last one counts, as in the control.
             matrix[row][column] = value;

@@ -133,6 +133,9 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
     let mut list = List::default();
     for line in lines(source) {
         let text = line.before('#').trim();
+        if report.is_hopeless() {
+            break;
+        }
         let (name, value) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
         match name.strip_prefix("kw.ssfk.") {
             Some(field) => entry(&mut list, &line, field, value.trim(), &mut report),
