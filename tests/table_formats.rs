@@ -129,7 +129,7 @@ pub(crate) fn tables_for(format: &Format) -> Tables {
 }
 
 fn write(format: &Format, tables: &Tables) -> Vec<Written> {
-    let notes = ["a remark (of two".to_owned(), "lines)".to_owned()];
+    let notes = ["a remark (of two".to_owned(), "lines)".to_owned(), format.sign.to_owned()];
     (format.write)(tables, &Wiring::usual(), &notes)
 }
 
@@ -157,6 +157,20 @@ fn what_a_format_writes_it_reads_bit_by_bit() {
         let mut again = tables.clone();
         (format.round)(&mut again);
         assert_eq!(again, tables, "{}: rounded twice", format.name);
+    }
+}
+
+#[test]
+fn every_format_is_explained() {
+    let docs = fs::read_to_string(repository("docs/table-formats.md")).unwrap();
+    for format in FORMATS {
+        let rows = docs.lines().filter(|line| line.starts_with(&format!("| `{}` |", format.name))).count();
+        assert_eq!(
+            (rows, format.sign.is_empty()),
+            (2, false),
+            "{}: a row for what it holds, one for its sign",
+            format.name
+        );
     }
 }
 

@@ -31,6 +31,7 @@ const MOST_TABLES: usize = 128;
 pub(super) const FORMAT: Format = Format {
     name: "cec",
     title: "SINUMERIK $AN_CEC",
+    sign: "values are added to the set-point of the output axis; the manual does not spell out the sign: try one large value on the machine",
     holds: &[Holds::Own, Holds::Cross, Holds::Products, Holds::Senses],
     // Two tables for each of 31 axes; MD18342 takes 2000 points; MD32720 takes 10 mm and is 1 mm as delivered.
     limits: Limits { tables: 62, points: 2000, value_mm: 10.0, resolution_mm: 1e-6 },

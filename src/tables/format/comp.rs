@@ -28,6 +28,7 @@ const AXIS_MARK: &str = "# axis ";
 pub(super) const FORMAT: Format = Format {
     name: "comp",
     title: "LinuxCNC COMP_FILE",
+    sign: "values are added to the command of the joint: COMP_FILE_TYPE = 1",
     holds: &[Holds::Own, Holds::Senses],
     // 256 triplets a joint (INI configuration); a joint has one file for both senses; values are single precision.
     limits: Limits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-6 },

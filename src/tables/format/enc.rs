@@ -26,6 +26,7 @@ const MOST_TABLES: usize = 62;
 pub(super) const FORMAT: Format = Format {
     name: "enc",
     title: "SINUMERIK $AA_ENC_COMP",
+    sign: "positive values move the axis in the negative direction, because they correct what the encoder tells",
     holds: &[Holds::Own],
     // One for each of 31 axes; MD38000 takes 5000 points; no largest value is known.
     limits: Limits { tables: 31, points: 5000, value_mm: 0.0, resolution_mm: 1e-6 },

@@ -31,6 +31,7 @@ const POSITION_DECIMALS: usize = 3;
 pub(super) const FORMAT: Format = Format {
     name: "grundig",
     title: "Grundig S P T R",
+    sign: "values are errors of the moving body, not corrections; try one large value on the machine",
     holds: &[Holds::Errors],
     // Table 6.1 has whole µm and arc seconds and the three linear axes; no largest number of points or value is given there.
     limits: Limits { tables: 3, points: 0, value_mm: 0.0, resolution_mm: UM },

@@ -24,6 +24,7 @@ const PREFIX: &str = "matrixkins.C_";
 pub(super) const FORMAT: Format = Format {
     name: "matrixkins",
     title: "LinuxCNC matrixkins",
+    sign: "motors are the matrix times the commands",
     holds: &[Holds::Matrix],
     // Nine numbers of double precision.
     limits: Limits { tables: 1, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },

@@ -26,6 +26,7 @@ const DECIMALS: usize = 4;
 pub(super) const FORMAT: Format = Format {
     name: "ssfk",
     title: "ISG/TwinCAT kw.ssfk",
+    sign: "values are measured minus programmed position; the control adds their negatives",
     holds: &[Holds::Own, Holds::Senses],
     // 1500 entries unless P-COMP-00059 says more; values have 32 bits (16 in old ones, 3.2767 mm).
     limits: Limits { tables: 0, points: 1500, value_mm: 3.2767, resolution_mm: 1e-4 },
