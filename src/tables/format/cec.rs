@@ -10,6 +10,7 @@ use std::fmt::Write as _;
 
 use super::ini::{Assignment, Place};
 use super::limits::{Holds, Limits};
+use super::plain::{even_points, round_steps};
 use super::scan::{Line, MOST_POINTS, Report, lines, shown};
 use super::{Format, Written, rounded};
 use crate::diagnostic::Diagnostic;
@@ -30,6 +31,7 @@ const MOST_TABLES: usize = 128;
 pub(super) const FORMAT: Format = Format {
     name: "cec",
     title: "SINUMERIK $AN_CEC",
+    sign: "values are added to the set-point of the output axis; the manual does not spell out the sign: try one large value on the machine",
     holds: &[Holds::Own, Holds::Cross, Holds::Products, Holds::Senses],
     // Two tables for each of 31 axes; MD18342 takes 2000 points; MD32720 takes 10 mm and is 1 mm as delivered.
     limits: Limits { tables: 62, points: 2000, value_mm: 10.0, resolution_mm: 1e-6 },
@@ -45,11 +47,8 @@ fn round(tables: &mut Tables) {
     for (index, one) in tables.lookups.iter_mut().enumerate() {
         let decimals = if one.factor.is_some() || named.contains(&index) { FACTOR_DECIMALS } else { DECIMALS };
         one.values.iter_mut().for_each(|value| *value = rounded(*value, decimals));
-        if let Nodes::Even { start, step, end } = &mut one.nodes {
-            for value in [start, step, end] {
-                *value = rounded(*value, POSITION_DECIMALS);
-            }
-        }
+        even_points(one, POSITION_DECIMALS);
+        round_steps(one, POSITION_DECIMALS);
     }
 }
 
@@ -155,6 +154,9 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
         place.line(&line, &mut reader.report, |unit_mm, one| found.push((unit_mm, one)));
         for (unit_mm, one) in found {
             reader.assignment(&line, unit_mm, &one);
+        }
+        if reader.report.is_hopeless() {
+            break;
         }
     }
     reader.finish(tables)

@@ -28,6 +28,7 @@ const AXIS_MARK: &str = "# axis ";
 pub(super) const FORMAT: Format = Format {
     name: "comp",
     title: "LinuxCNC COMP_FILE",
+    sign: "values are added to the command of the joint: COMP_FILE_TYPE = 1",
     holds: &[Holds::Own, Holds::Senses],
     // 256 triplets a joint (INI configuration); a joint has one file for both senses; values are single precision.
     limits: Limits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-6 },
@@ -113,12 +114,15 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
     let mut report = Report::new(source);
     let mut rows: Vec<[f64; 3]> = Vec::new();
     let mut is_behind = false;
-    let mut lost = 0_usize;
+    let mut lost = None;
     let mut axis = naming::axis(wiring, source.name());
     let mut is_trim = None;
     for line in lines(source) {
+        if report.is_hopeless() {
+            break;
+        }
         match triplet(line.text) {
-            Some(_) if is_behind => lost += 1,
+            Some(_) if is_behind => lost = lost.or(Some(line.span(line.text))),
             Some(row) if rows.last().is_some_and(|last| last[0] >= row[0]) => {
                 report.fault(&line, line.text, "the positions do not increase", "the control refuses such a line");
             }
@@ -145,9 +149,12 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
         );
         return report.findings;
     }
-    if lost > 0 {
+    if let Some(span) = lost {
         let help = "the control stops at the first line that is no triplet: put remarks behind the table";
-        report.unused_at(crate::source::Span::new(0, 1), format!("{lost} lines behind another one are not read"), help);
+        report.unused_at(span, "the control does not read from here on", help);
+    }
+    if report.has_fault() {
+        return report.findings;
     }
     let Some(is_trim) = is_trim.or_else(|| guess_type(&rows)) else {
         let help = format!("write {TYPE_MARK} 0 or 1 behind the table, as the INI file has it");

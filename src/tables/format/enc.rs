@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 use super::ini::{Assignment, Place};
 use super::limits::{Holds, Limits};
-use super::plain::{round_steps, weigh};
+use super::plain::{even_points, round_steps, weigh};
 use super::scan::{Line, MOST_POINTS, Report, lines, shown};
 use super::{Format, Written, rounded};
 use crate::diagnostic::Diagnostic;
@@ -26,6 +26,7 @@ const MOST_TABLES: usize = 62;
 pub(super) const FORMAT: Format = Format {
     name: "enc",
     title: "SINUMERIK $AA_ENC_COMP",
+    sign: "positive values move the axis in the negative direction, because they correct what the encoder tells",
     holds: &[Holds::Own],
     // One for each of 31 axes; MD38000 takes 5000 points; no largest value is known.
     limits: Limits { tables: 31, points: 5000, value_mm: 0.0, resolution_mm: 1e-6 },
@@ -40,6 +41,7 @@ fn round(tables: &mut Tables) {
     weigh(tables);
     for one in &mut tables.lookups {
         one.values.iter_mut().for_each(|value| *value = rounded(*value, DECIMALS));
+        even_points(one, DECIMALS);
         round_steps(one, DECIMALS);
     }
 }
@@ -112,6 +114,9 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
         place.line(&line, &mut reader.report, |unit_mm, one| found.push((unit_mm, one)));
         for (unit_mm, one) in found {
             reader.assignment(&line, unit_mm, &one);
+        }
+        if reader.report.is_hopeless() {
+            break;
         }
     }
     reader.finish(wiring, tables)

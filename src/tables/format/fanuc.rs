@@ -28,6 +28,7 @@ const NODE_HEAD: &str = "node";
 pub(super) const FORMAT: Format = Format {
     name: "fanuc",
     title: "FANUC 3-D error compensation",
+    sign: "values are added to the commands in mm; unit, magnification and sign are those of the machine builder's loader: try one large value",
     holds: &[Holds::Grid],
     // 25 nodes along each axis (Esmaeili 2021, 4.5.2); the largest value depends on a magnification that the builder sets.
     limits: Limits { tables: 1, points: 25, value_mm: 0.0, resolution_mm: 1e-6 },
@@ -96,6 +97,9 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
             reader.node(&line, text);
         } else {
             reader.axis(&line, text);
+        }
+        if reader.report.is_hopeless() {
+            break;
         }
     }
     reader.finish(tables)

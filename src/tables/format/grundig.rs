@@ -31,6 +31,7 @@ const POSITION_DECIMALS: usize = 3;
 pub(super) const FORMAT: Format = Format {
     name: "grundig",
     title: "Grundig S P T R",
+    sign: "values are errors of the moving body, not corrections; try one large value on the machine",
     holds: &[Holds::Errors],
     // Table 6.1 has whole µm and arc seconds and the three linear axes; no largest number of points or value is given there.
     limits: Limits { tables: 3, points: 0, value_mm: 0.0, resolution_mm: UM },
@@ -98,6 +99,9 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut axes: Vec<AxisErrors> = Vec::new();
     for line in lines(source) {
         let text = line.before('(').trim();
+        if report.is_hopeless() {
+            break;
+        }
         if text.is_empty() || text.starts_with('%') {
             continue;
         }
@@ -105,7 +109,7 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
             add(&line, &mut report, &mut axes, axis, position, values);
         }
     }
-    if axes.is_empty() {
+    if axes.is_empty() && !report.has_fault() {
         report.empty(
             "no error table is in the file",
             "a table has rows such as S1 P-100 T1=10 T2=6 T3=-6 R1=-1 R2=0 R3=3",

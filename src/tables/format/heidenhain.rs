@@ -26,6 +26,7 @@ const WIDTH: usize = 13;
 pub(super) const FORMAT: Format = Format {
     name: "heidenhain",
     title: "HEIDENHAIN .COM/.CMA",
+    sign: "values are added to the set-point, BACKLASH holds those of the negative direction; the manuals leave both open: try one large value",
     holds: &[Holds::Own, Holds::Cross, Holds::Senses],
     // 256 points a table (TNC 407, module 9095, error 3); no largest value is known.
     limits: Limits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-4 },

@@ -31,6 +31,7 @@ const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 pub(super) const FORMAT: Format = Format {
     name: "isg",
     title: "ISG/TwinCAT volumetric compensation",
+    sign: "values are errors of the moving body as in ISO 230-1, mm and rad; the control's list can turn their sign (negate): try one large value",
     holds: &[Holds::Errors, Holds::Locations],
     // Six axes; the number of rows is max_records of the control's list, which its builder sets.
     limits: Limits { tables: 6, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },
@@ -151,6 +152,9 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut needs_header = true;
     for line in lines(source) {
         let text = line.text.split("//").next().unwrap_or_default().trim();
+        if report.is_hopeless() {
+            break;
+        }
         if text.starts_with('#') {
             needs_header = true;
         } else if !text.is_empty() && needs_header {

@@ -24,6 +24,7 @@ const PREFIX: &str = "matrixkins.C_";
 pub(super) const FORMAT: Format = Format {
     name: "matrixkins",
     title: "LinuxCNC matrixkins",
+    sign: "motors are the matrix times the commands",
     holds: &[Holds::Matrix],
     // Nine numbers of double precision.
     limits: Limits { tables: 1, points: 0, value_mm: 0.0, resolution_mm: 1e-6 },
@@ -79,17 +80,23 @@ fn read(source: &Source, _: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
     let mut matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let mut count = 0_usize;
     for line in lines(source) {
+        if report.is_hopeless() {
+            break;
+        }
         if let Some(([row, column], value)) = parameter(&line, &mut report) {
             // The last one counts, as in the control.
             matrix[row][column] = value;
             count += 1;
         }
     }
+    if report.has_fault() {
+        return report.findings;
+    }
     if count == 0 {
         report.empty("no matrix is in the file", "it has lines such as setp matrixkins.C_xy 0.0001");
     } else if tables.matrix.is_some() {
         report.empty("a matrix was read before this one", "the control has one");
-    } else if !report.has_fault() {
+    } else {
         tables.matrix = Some(matrix);
     }
     report.findings

@@ -14,6 +14,7 @@ mod naming;
 mod plain;
 mod scan;
 mod shape;
+mod ssfk;
 
 pub use limits::{Holds, Limits};
 
@@ -28,6 +29,8 @@ pub struct Format {
     pub name: &'static str,
     /// Which control, in a few words.
     pub title: &'static str,
+    /// What its values are and with which sign the control takes them, a sentence for remarks in its files and for the screen.
+    pub sign: &'static str,
     /// What it can hold.
     pub holds: &'static [Holds],
     /// How much of it.
@@ -63,6 +66,7 @@ pub const FORMATS: &[Format] = &[
     comp::FORMAT,
     matrixkins::FORMAT,
     isg::FORMAT,
+    ssfk::FORMAT,
 ];
 
 /// The format of a name.

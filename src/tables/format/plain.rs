@@ -36,6 +36,18 @@ pub(super) fn round_steps(one: &mut Lookup, decimals: usize) {
     }
 }
 
+/// Makes named points that are as far apart steps, as far as the decimals go; the last step may be shorter.
+pub(super) fn even_points(one: &mut Lookup, decimals: usize) {
+    let Nodes::At(points) = &one.nodes else { return };
+    let (&[start, second, ..], Some(&end)) = (&points[..], points.last()) else { return };
+    let even = Nodes::Even { start, step: rounded(second - start, decimals), end };
+    let unit = 0.1_f64.powi(i32::try_from(decimals).unwrap_or(0));
+    let is_near = |(index, point): (usize, &f64)| (even.position(index) - point).abs() < 0.5 * unit;
+    if even.count() == points.len() && points.iter().enumerate().all(is_near) {
+        one.nodes = even;
+    }
+}
+
 /// All positions of some tables, increasing.
 pub(super) fn points_of<'a>(tables: impl IntoIterator<Item = &'a Lookup>) -> Vec<f64> {
     let mut points: Vec<f64> = Vec::new();

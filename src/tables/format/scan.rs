@@ -117,6 +117,12 @@ impl<'a> Report<'a> {
         self.findings.iter().any(Diagnostic::is_error)
     }
 
+    /// Whether there are so many errors that reading on tells nothing new.
+    pub(super) fn is_hopeless(&self) -> bool {
+        self.findings.len() >= MOST_FINDINGS
+            && self.findings.iter().filter(|one| one.is_error()).count() >= MOST_FINDINGS
+    }
+
     /// A finite number.
     pub(super) fn number(&mut self, line: &Line<'_>, part: &str) -> Option<f64> {
         let value = part.trim().parse::<f64>().ok().filter(|value| value.is_finite());

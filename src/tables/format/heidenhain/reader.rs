@@ -47,7 +47,7 @@ pub(super) fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec
     };
     for line in lines(source) {
         reader.line(&line);
-        if reader.has_ended || reader.is_assignment {
+        if reader.has_ended || reader.is_assignment || reader.report.is_hopeless() {
             break;
         }
     }
