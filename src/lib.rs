@@ -65,7 +65,7 @@
 //! | a link | `links/x.toml` | [`feed::PROFILES`] |
 //! | a source of live readings | `sense/source/x.rs`; a part of `docs/sensors.md` | [`sense::SOURCES`] |
 //! | a kind of dialogue | `feed/dialogue/x.rs`: a pure machine | [`feed::PROTOCOLS`] |
-//! | a table format | `tables/format/x.rs`: write, read, limits; a row in `docs/tables.md` | [`tables::FORMATS`] |
+//! | a table format | `tables/format/x.rs`: write, read, limits; a row in `docs/table-formats.md` | [`tables::FORMATS`] |
 //! | a scheme of tables | `tables/scheme/x.rs`; a row in `docs/tables.md` | [`tables::SCHEMES`] |
 //! | a preset of parameters | `model/preset/x.rs` | [`model::preset::PRESETS`] |
 //! | a finding | a row with its long text, a bad sample that provokes it | [`diagnostic::CODES`] |

@@ -26,7 +26,7 @@ use crate::tables::{Control, FORMATS, Format, Orientation, Tables, Wiring};
 use crate::units::um_from_mm;
 
 /// Start of the generator of the poses of a check: none of those of a scheme.
-const SEED: u64 = 0x4348_4543_4b;
+const SEED: u64 = 0x43_4845_434b;
 
 /// Makes or reads tables.
 pub(super) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop> {
@@ -193,7 +193,7 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
             "tip error over the volume, rms: {:.3} um without, {:.3} um with these tables",
             checked.before.rms_um, checked.tables.rms_um
         ),
-        "values are added to the set-point; measure before and after: with the wrong sign errors double".to_owned(),
+        format!("{}; measure before and after: with the wrong sign errors double", format.sign),
     ];
     report.check = arguments.check.then_some(checked);
     let files = texts(format, &tables, &job.wiring, &notes, output, findings);

@@ -8,6 +8,8 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::State;
+use super::section::Section;
+use crate::diagnostic::Code;
 use crate::geometry::{Axis, AxisVector, Vector};
 
 /// What a control adds to a command by itself.
@@ -36,4 +38,22 @@ impl PartialEq for ActiveTables {
     fn eq(&self, other: &Self) -> bool {
         self.files == other.files
     }
+}
+
+/// The axes in the order of their numbers in the control.
+pub(super) fn read_axis_order(section: &mut Section<'_>) -> Vec<Axis> {
+    let letters = section.texts("axis_order").unwrap_or_default();
+    let mut order = Vec::new();
+    for (index, letter) in letters.iter().enumerate() {
+        let axis = if let [letter] = letter.as_bytes() { Axis::from_letter(*letter) } else { None };
+        match axis.filter(|axis| !order.contains(axis)) {
+            Some(axis) => order.push(axis),
+            None => {
+                let place = section.place_of_item("axis_order", index);
+                let help = "write each axis once, in the order of AX1, AX2 …: [\"X\", \"Y\", \"Z\", \"A\", \"C\"]";
+                section.report(Code::BAD_VALUE, place, format!("'{letter}' is no axis, or there twice"), help);
+            }
+        }
+    }
+    order
 }

@@ -12,7 +12,7 @@ use crate::source::Source;
 use super::condition::file::PLAUSIBLE_C;
 use super::zero_offset::{check_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
-use super::{opaque, orientation, setting, strain};
+use super::{active, opaque, orientation, setting, strain};
 
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
@@ -149,7 +149,7 @@ fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
     let controller = section.text("controller").unwrap_or("sinumerik").to_owned();
     let reference_temperature_c = section.number("reference_temperature_C").unwrap_or(20.0);
     let active_tables = section.texts("active_tables").unwrap_or_default();
-    let axis_order = read_axis_order(&mut section);
+    let axis_order = active::read_axis_order(&mut section);
     let place = section.place_of("topology");
     let topology = written.and_then(|text| match text.parse::<Topology>() {
         Ok(topology) => Some((topology, place)),
@@ -162,24 +162,6 @@ fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
     });
     section.finish(findings);
     Head { name, topology, controller, reference_temperature_c, active_tables, axis_order }
-}
-
-/// The axes in the order of their numbers in the control.
-fn read_axis_order(section: &mut Section<'_>) -> Vec<Axis> {
-    let letters = section.texts("axis_order").unwrap_or_default();
-    let mut order = Vec::new();
-    for (index, letter) in letters.iter().enumerate() {
-        let axis = if let [letter] = letter.as_bytes() { Axis::from_letter(*letter) } else { None };
-        match axis.filter(|axis| !order.contains(axis)) {
-            Some(axis) => order.push(axis),
-            None => {
-                let place = section.place_of_item("axis_order", index);
-                let help = "write each axis once, in the order of AX1, AX2 …: [\"X\", \"Y\", \"Z\", \"A\", \"C\"]";
-                section.report(Code::BAD_VALUE, place, format!("'{letter}' is no axis, or there twice"), help);
-            }
-        }
-    }
-    order
 }
 
 /// The axes that could be read, and the header of every axis section.

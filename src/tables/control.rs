@@ -82,10 +82,10 @@ impl Compensation for Control {
         for one in self.tables.lookups.iter().filter(|one| one.input == axis) {
             knots.extend((0..one.nodes.count()).map(|index| one.nodes.position(index)));
         }
-        if let Some(grid) = &self.tables.grid {
-            if let Some(i) = grid.axes.iter().position(|&one| one == axis) {
-                knots.extend((0..grid.count[i]).map(|node| grid.start[i] + grid.step[i] * node as f64));
-            }
+        if let Some(grid) = &self.tables.grid
+            && let Some(i) = grid.axes.iter().position(|&one| one == axis)
+        {
+            knots.extend((0..grid.count[i]).map(|node| grid.start[i] + grid.step[i] * node as f64));
         }
         for one in self.tables.errors.iter().flat_map(|errors| &errors.axes).filter(|one| one.axis == axis) {
             knots.extend(&one.positions);
