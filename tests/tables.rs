@@ -299,6 +299,44 @@ fn error_functions_and_products_correct_a_machine_of_three_axes() {
     }
 }
 
+/// Squareness and offsets of every axis, on chains with rotary axes on either side, both on the table, both in the head, or none: the exact scheme
+/// is derived from the chain.
+#[test]
+fn location_errors_of_any_chain_are_corrected() {
+    let chains = ["wFXYZSt", "wYFXZSt", "wCAYFXZSt", "wCBXFZYSt", "wCFXYZBSt", "wAFXYZBSt", "wXYFZCASt", "wFXYZCBSt"];
+    for topology in chains {
+        let tool = topology.split('F').nth(1).unwrap();
+        let mut text = format!(
+            "[machine]\nname = \"any\"\ntopology = \"{topology}\"\n[spindle]\norigin_mm = [0, 0, 50]\naxis = [0, 0, 1]\n"
+        );
+        let mut location = "[location]\nEX0S = 12\nEY0S = -7\n".to_owned();
+        for (number, letter) in topology.chars().filter(|letter| "XYZABC".contains(*letter)).enumerate() {
+            let sign = if tool.contains(letter) { 1 } else { -1 };
+            let mut direction = [0; 3];
+            direction["XYZABC".find(letter).unwrap() % 3] = sign;
+            let travel = match letter {
+                'X' | 'Y' | 'Z' => "travel_mm = [-200, 200]",
+                'C' => "travel_deg = [-180, 180]",
+                _ => "travel_deg = [-60, 60]",
+            };
+            let _ = writeln!(text, "[axis.{letter}]\ndirection = {direction:?}\n{travel}");
+            let parts = if "ABC".contains(letter) { "XYZABC" } else { "ABC" };
+            for (index, part) in parts.chars().enumerate() {
+                // Any numbers up to 30: those of a linear congruence.
+                let value = ((number * 7 + index * 13 + 5) * 29 % 61) as f64 - 30.0;
+                let _ = writeln!(location, "E{part}0{letter} = {value:.1}");
+            }
+        }
+        let bench = Bench::of(&format!("{text}{location}")).with_tool(100.0);
+        for orientation in [Orientation::Off, Orientation::Smooth, Orientation::SixRows] {
+            let tables = bench.tables(&Wish { points: 73, orientation, ..WISH }).unwrap();
+            let found = bench.check(&tables, &bench.region(), orientation);
+            let left = um(found.tables.max_mm());
+            assert!(left < 0.3 && um(found.before.mean_mm()) > 10.0, "{topology} {orientation:?}: {left} um");
+        }
+    }
+}
+
 /// What two readings of the manual mean for a product: tables for each correct alike where they are read so.
 #[test]
 fn products_are_right_in_both_readings() {

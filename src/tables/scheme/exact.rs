@@ -10,7 +10,8 @@
 //! c₀ and c_l are evaluated on the chain of any machine, never typed in. Where they depend on one rotary axis, and location errors are
 //! constant, a correction is functions of one axis and products of a linear axis with a function of one axis: exactly what a
 //! control can add and multiply. Equal products are put together. A motion error e(q) makes products of its own axis with an arm in the same
-//! way. A product of three axes – a motion error with the arm of another axis and a function of a rotary axis – is beyond the
+//! way. What depends on two rotary axes and on no arm – a head that swivels about both – is a sum of a few products, which are split off one by one.
+//! A product of three axes – a motion error with the arm of another axis and a function of a rotary axis – is beyond the
 //! control and gets the function at the middle of the region; the check shows what that leaves.
 
 use std::collections::BTreeMap;
@@ -34,6 +35,9 @@ pub(super) const SCHEME: Scheme = Scheme {
 const ARM_MM: f64 = 100.0;
 /// Relative change that counts as a dependence.
 const CHANGE: f64 = 1e-9;
+/// Products into which a function of two rotary axes is split at most, and what is too small to be one, mm or rad.
+const MOST_PRODUCTS: usize = 8;
+const NOTHING: f64 = 2e-6;
 /// Places of a rotary axis at which a dependence is looked for.
 const PLACES: usize = 5;
 
@@ -48,7 +52,7 @@ fn exact(task: &Task<'_>) -> Result<Tables, String> {
     if task.target.orientation == Orientation::Exact {
         return Err("the scheme fik needs --orientation smooth or off: the exact one has poles".to_owned());
     }
-    let mut terms = Terms { task, assembly: Assembly::new(task), arms: BTreeMap::new(), is_cut: false };
+    let mut terms = Terms { task, assembly: Assembly::new(task), arms: BTreeMap::new(), planes: BTreeMap::new() };
     for (name, function, value) in task.errors.parts() {
         terms.add(name, function, value)?;
     }
@@ -66,7 +70,8 @@ struct Terms<'a> {
     assembly: Assembly<'a>,
     /// Functions of an axis that are multiplied by the position of a linear one, by output, arm and axis.
     arms: BTreeMap<(Axis, Axis, Axis), Vec<f64>>,
-    is_cut: bool,
+    /// What depends on two rotary axes and on no arm, by output and axes: rows along the first, columns along the second.
+    planes: BTreeMap<(Axis, Axis, Axis), Vec<Vec<f64>>>,
 }
 
 impl<'a> Terms<'a> {
@@ -91,9 +96,15 @@ impl<'a> Terms<'a> {
                 Ok((axis, at.collect::<Result<_, String>>()?))
             })
             .collect::<Result<_, String>>()?;
+        let is_plane = drivers.is_empty() && turning.len() == 2;
+        if is_plane {
+            self.add_plane(name, factor, [turning[0], turning[1]])?;
+        }
         for output in AXES.into_iter().filter(|&axis| self.task.target.machine.axis(axis).is_some()) {
             let of = |affine: &Affine| affine.alone[output];
-            self.put(output, None, factor, &drivers, of(&middle), &functions(&along, of));
+            if !is_plane {
+                self.put(output, None, factor, &drivers, of(&middle), &functions(&along, of));
+            }
             for (index, &(arm, _)) in middle.arms.iter().enumerate() {
                 let of = |affine: &Affine| affine.arms[index].1[output];
                 self.put(output, Some(arm), factor, &drivers, of(&middle), &functions(&along, of));
@@ -168,20 +179,72 @@ impl<'a> Terms<'a> {
     fn affine(&self, name: ErrorName, rotary: &AxisVector) -> Result<Affine, String> {
         let mut pose = *rotary;
         LINEAR_AXES.into_iter().for_each(|axis| pose[axis] = 0.0);
-        let at = |pose: &AxisVector| {
-            let correction = self.task.target.first_order(name, pose);
-            correction.ok_or_else(|| "the linear axes cannot place the tip: two are parallel".to_owned())
-        };
-        let alone = at(&pose)?;
+        let alone = self.first_order(name, &pose)?;
         let mut arms = Vec::new();
         for axis in LINEAR_AXES.into_iter().filter(|&axis| self.task.target.machine.axis(axis).is_some()) {
             let mut far = pose;
             far[axis] = ARM_MM;
-            let mut arm = at(&far)? - alone;
+            let mut arm = self.first_order(name, &far)? - alone;
             arm.0.iter_mut().for_each(|value| *value /= ARM_MM);
             arms.push((axis, arm));
         }
         Ok(Affine { alone, arms })
+    }
+
+    /// Adds factor · c₀ at all pairs of positions of two rotary axes.
+    fn add_plane(&mut self, name: ErrorName, factor: f64, [first, second]: [Axis; 2]) -> Result<(), String> {
+        let (rows, columns) = (self.assembly.positions(first), self.assembly.positions(second));
+        let mut pose = self.task.region.middle();
+        LINEAR_AXES.into_iter().for_each(|axis| pose[axis] = 0.0);
+        for (i, &row) in rows.iter().enumerate() {
+            for (j, &column) in columns.iter().enumerate() {
+                (pose[first], pose[second]) = (row, column);
+                let correction = self.first_order(name, &pose)?;
+                for output in AXES.into_iter().filter(|&axis| self.task.target.machine.axis(axis).is_some()) {
+                    let plane = self.planes.entry((output, first, second));
+                    let plane = plane.or_insert_with(|| vec![vec![0.0; columns.len()]; rows.len()]);
+                    plane[i][j] += factor * correction[output];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn first_order(&self, name: ErrorName, pose: &AxisVector) -> Result<AxisVector, String> {
+        let correction = self.task.target.first_order(name, pose);
+        correction.ok_or_else(|| "the linear axes cannot place the tip: two are parallel".to_owned())
+    }
+
+    /// Splits a function of two axes into products, the largest first, until nothing is left (adaptive cross approximation, Bebendorf 2000): what
+    /// is left after a product is zero along the row and the column through its largest value.
+    fn split(&mut self, output: Axis, [first, second]: [Axis; 2], mut plane: Vec<Vec<f64>>) {
+        for _ in 0..MOST_PRODUCTS {
+            let all = plane
+                .iter()
+                .enumerate()
+                .flat_map(|(i, row)| row.iter().enumerate().map(move |(j, value)| (i, j, *value)));
+            let Some((i, j, most)) = all.max_by(|one, other| one.2.abs().total_cmp(&other.2.abs())) else { return };
+            if most.abs() < NOTHING {
+                return;
+            }
+            let row: Vec<f64> = plane[i].iter().map(|value| value / most).collect();
+            let column: Vec<f64> = plane.iter().map(|row| row[j]).collect();
+            for (line, along) in plane.iter_mut().zip(&column) {
+                line.iter_mut().zip(&row).for_each(|(value, across)| *value -= along * across);
+            }
+            // A function of one axis needs no product.
+            let is_flat = |values: &[f64]| values.iter().all(|value| (value - values[0]).abs() < CHANGE);
+            if is_flat(&row) {
+                let values: Vec<f64> = column.iter().map(|value| value * row[0]).collect();
+                self.assembly.add(output, first, &values);
+            } else if is_flat(&column) {
+                let values: Vec<f64> = row.iter().map(|value| value * column[0]).collect();
+                self.assembly.add(output, second, &values);
+            } else {
+                let sides = [Side { axis: first, values: column }, Side { axis: second, values: row }];
+                self.assembly.add_product(output, sides);
+            }
+        }
     }
 
     /// Adds factor · drivers · c(R), times the position of the arm where there is one.
@@ -207,7 +270,6 @@ impl<'a> Terms<'a> {
             [(axis, values)] => sides.push(Side { axis: *axis, values: values.clone() }),
             several => {
                 // Additive: each along its axis, less what the middle counts twice. What two axes do together is beyond that.
-                self.is_cut = true;
                 for (index, (axis, values)) in several.iter().enumerate() {
                     let less = if index == 0 { 0.0 } else { middle };
                     let one = vec![(*axis, values.iter().map(|value| value - less).collect())];
@@ -240,7 +302,6 @@ impl<'a> Terms<'a> {
         let most = if arm.is_some() { 1 } else { 2 };
         let mut common = common;
         while merged.len() > most {
-            self.is_cut = true;
             if let Some(side) = merged.pop() {
                 common *= side.values.get(side.values.len() / 2).copied().unwrap_or_default();
             }
@@ -265,6 +326,9 @@ impl<'a> Terms<'a> {
     }
 
     fn finish(mut self) -> Tables {
+        for ((output, first, second), plane) in std::mem::take(&mut self.planes) {
+            self.split(output, [first, second], plane);
+        }
         for ((output, arm, axis), values) in std::mem::take(&mut self.arms) {
             let [low, high] = self.task.region.range(arm);
             // What the function has in common at all places is no product but a table of the arm.
