@@ -160,13 +160,18 @@ impl<'a> Terms<'a> {
     /// The rotary axes on which the correction of an error component depends.
     fn dependence(&self, name: ErrorName) -> Result<Vec<Axis>, String> {
         let mut found = Vec::new();
-        for axis in self.task.target.rotary() {
+        let at = |axis: Axis, fraction: f64| {
             let [low, high] = self.task.region.range(axis);
-            let mut pose = self.task.region.middle();
-            let first = self.affine(name, &pose)?;
-            for place in 0..PLACES {
-                // Places that no symmetry of a quarter turn hides.
-                pose[axis] = low + (high - low) * (place as f64 + 0.37) / PLACES as f64;
+            low + (high - low) * fraction
+        };
+        // The others stand where no symmetry hides what one does: with a head upright its other axis turns nothing.
+        let mut place = self.task.region.middle();
+        self.task.target.rotary().for_each(|axis| place[axis] = at(axis, 0.71));
+        let first = self.affine(name, &place)?;
+        for axis in self.task.target.rotary() {
+            let mut pose = place;
+            for step in 0..PLACES {
+                pose[axis] = at(axis, (step as f64 + 0.37) / PLACES as f64);
                 if first.differs(&self.affine(name, &pose)?) {
                     found.push(axis);
                     break;
