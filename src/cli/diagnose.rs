@@ -117,7 +117,12 @@ fn find(
         return Ok(());
     }
     let scene = |errors: &ErrorModel| Scene::new(&chosen.machine, errors, &sets);
-    let (Ok(mut of_model), Ok(mut bare)) = (scene(&chosen.errors), scene(&ErrorModel::default())) else {
+    let (of_model, bare) = std::thread::scope(|scope| {
+        let of_model = scope.spawn(|| scene(&chosen.errors));
+        let bare = scene(&ErrorModel::default());
+        (of_model.join(), bare)
+    });
+    let (Ok(Ok(mut of_model)), Ok(mut bare)) = (of_model, bare) else {
         let message = "the readings cannot even tell the set-ups";
         let help =
             "check the columns of positions and their units, describe what is known of the set-ups, or measure more";

@@ -5,6 +5,7 @@
 //! fault::FAULTS                         what is wrong with the data themselves
 //! cause::CAUSES                          candidates: what readings would have in addition, one file per cause
 //! search, refine, group, cancel          which of them explain what is left
+//! sample, promising                      which of these are worth a look where there are many readings
 //! judge, freedom                         which of these stand beside each other and the memory of the noise
 //! slow                                   which of these stand beside noise that wanders
 //! gates, fold                            which of these also help where they were not found
@@ -34,10 +35,12 @@ mod mimic;
 mod noise;
 mod parts;
 mod price;
+mod promising;
 mod readings;
 mod refine;
 mod rejected;
 pub mod row;
+mod sample;
 pub mod scene;
 mod score;
 mod search;

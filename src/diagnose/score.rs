@@ -35,8 +35,8 @@ pub(super) struct Layout {
     /// Number of each of these by its key.
     numbers: HashMap<usize, usize>,
     /// Weight and place: many columns are in several candidates.
-    pairs: Vec<(usize, usize)>,
-    columns: Vec<Vec<Column>>,
+    pub(super) pairs: Vec<(usize, usize)>,
+    pub(super) columns: Vec<Vec<Column>>,
 }
 
 impl Layout {
@@ -80,6 +80,14 @@ impl Layout {
         self.weights.get(*self.numbers.get(&weight.key())?)
     }
 
+    /// The same of some rows.
+    pub(super) fn part(&self, rows: &[usize]) -> Layout {
+        let some = |table: &Arc<Vec<f64>>| {
+            Arc::new(rows.iter().map(|&row| table.get(row).copied().unwrap_or(0.0)).collect::<Vec<f64>>())
+        };
+        Layout { weights: in_parts(&self.weights, &some), ..self.clone() }
+    }
+
     /// How many candidates it has.
     pub(super) fn count(&self) -> usize {
         self.columns.len()
@@ -88,26 +96,38 @@ impl Layout {
 
 /// Of a candidate: products of its columns with each other as far as they are their own, the same at first, and with what is left.
 #[derive(Clone, Debug, Default)]
-struct Own {
+pub(super) struct Own {
     products: Vec<f64>,
     squares: Vec<f64>,
+    /// Columns of the basis beside which this is, where these are others than of the whole state.
+    pub(super) seen: Option<usize>,
+}
+
+impl Own {
+    /// Without the shares of its columns in a direction.
+    pub(super) fn leave(&mut self, shares: &[f64]) {
+        let count = shares.len();
+        for (place, product) in self.products.iter_mut().enumerate() {
+            *product -= shares[place / count] * shares[place % count];
+        }
+    }
 }
 
 /// What all candidates are beside a basis, and how many columns that has.
 #[derive(Clone, Debug, Default)]
 pub(super) struct State {
-    own: Vec<Own>,
-    seen: usize,
+    pub(super) own: Vec<Own>,
+    pub(super) seen: usize,
 }
 
 /// All candidates beside a basis.
 #[derive(Clone, Debug)]
 pub(super) struct Scores {
-    layout: Arc<Layout>,
+    pub(super) layout: Arc<Layout>,
     factors: Vec<Arc<Vec<f64>>>,
     rows: Vec<usize>,
     row_count: usize,
-    state: State,
+    pub(super) state: State,
 }
 
 impl Scores {
@@ -186,7 +206,7 @@ impl Scores {
             }
         }
         let squares = (0..count).map(|k| products[k * count + k]).collect();
-        Own { products, squares }
+        Own { products, squares, seen: None }
     }
 
     fn column(&self, column: &Column) -> Vec<f64> {
@@ -232,8 +252,8 @@ impl Scores {
         (in_parts(&self.factors, &sum), span)
     }
 
-    /// Products of every pair with what is at the readings, for each of a few.
-    fn products(&self, all: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    /// Products of pairs with what is at the readings, for each of a few.
+    pub(super) fn products(&self, all: &[Vec<f64>], pairs: &[(usize, usize)]) -> Vec<Vec<f64>> {
         let sums: Vec<(Vec<Vec<f64>>, Range<usize>)> = all.iter().map(|at| self.sums(at)).collect();
         let (first, last) = sums.iter().fold((self.row_count, 0), |(first, last), (_, span)| {
             if span.is_empty() { (first, last) } else { (first.min(span.start), last.max(span.end)) }
@@ -259,11 +279,10 @@ impl Scores {
             }
             out
         };
-        let share = self.layout.pairs.len().div_ceil(WORKERS).max(1);
+        let share = pairs.len().div_ceil(WORKERS).max(1);
         let parts: Vec<Vec<Vec<f64>>> = std::thread::scope(|scope| {
             let of_some = &of_some;
-            let workers: Vec<_> =
-                self.layout.pairs.chunks(share).map(|part| scope.spawn(move || of_some(part))).collect();
+            let workers: Vec<_> = pairs.chunks(share).map(|part| scope.spawn(move || of_some(part))).collect();
             workers.into_iter().map(|worker| worker.join().unwrap_or_default()).collect()
         });
         let whole = |k: usize| parts.iter().filter_map(|part| part.get(k)).flatten().copied().collect();
@@ -286,17 +305,13 @@ impl Scores {
         let mut of_left = Vec::new();
         for first in (0..count).step_by(AT_ONCE) {
             let some: Vec<Vec<f64>> = (first..count.min(first + AT_ONCE)).map(at).collect();
-            for (k, products) in self.products(&some).into_iter().enumerate() {
+            for (k, products) in self.products(&some, &self.layout.pairs).into_iter().enumerate() {
                 if first + k == fresh.len() {
                     of_left = products;
                     break;
                 }
                 for (columns, own) in self.layout.columns.iter().zip(&mut self.state.own) {
-                    let shares: Vec<f64> = columns.iter().map(|column| of(&products, column)).collect();
-                    let count = shares.len();
-                    for (place, product) in own.products.iter_mut().enumerate() {
-                        *product -= shares[place / count] * shares[place % count];
-                    }
+                    own.leave(&columns.iter().map(|column| of(&products, column)).collect::<Vec<f64>>());
                 }
             }
         }
@@ -308,7 +323,7 @@ impl Scores {
     }
 }
 
-fn gain(own: &Own, left: Vec<f64>) -> Gain {
+pub(super) fn gain(own: &Own, left: Vec<f64>) -> Gain {
     without_those_before(own.products.clone(), &own.squares, left)
 }
 

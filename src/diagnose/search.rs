@@ -14,8 +14,9 @@ use super::cancel::Triangle;
 use super::cause::{Candidate, Effect, Term, motion};
 use super::known::{Starts, Tables};
 use super::price::Price;
+use super::sample::{Look, Part};
 use super::scene::{NO_ROW, Scene, Through};
-use super::score::{Layout, Scores, in_parts};
+use super::score::{Layout, in_parts};
 use super::seek::Seek;
 
 /// Terms at most.
@@ -52,6 +53,8 @@ pub(super) struct Field<'s, 'a> {
     pub(super) seek: Seek,
     /// How many candidates there are to choose from, those of sweeps too.
     pub(super) tried: usize,
+    /// The same beside a part of the readings, where there are many.
+    pub(super) part: Option<Box<Part<'s, 'a>>>,
 }
 
 /// One candidate that was taken.
@@ -61,6 +64,13 @@ pub(super) struct Taken {
     pub(super) candidate: usize,
     /// Chance of a gain like this where there is nothing, times the number of candidates.
     pub(super) chance: f64,
+}
+
+/// What the search takes next.
+struct Step {
+    number: usize,
+    /// What each candidate that may be taken is worth.
+    open: Vec<(f64, usize)>,
 }
 
 /// How readings count.
@@ -87,7 +97,7 @@ impl<'s, 'a> Field<'s, 'a> {
         let factors = places.into_iter().zip(of_places).collect();
         let tables = Tables::default();
         let layout = Arc::new(Layout::new(scene, &candidates, &tables));
-        Field { scene, candidates, bows, factors, layout, tables, starts: Starts::default(), seek, tried }
+        Field { scene, candidates, bows, factors, layout, tables, starts: Starts::default(), seek, tried, part: None }
     }
 
     /// Without candidates: what set-ups take is all that is asked of it.
@@ -102,6 +112,7 @@ impl<'s, 'a> Field<'s, 'a> {
             starts: Starts::default(),
             seek: Seek::default(),
             tried: 0,
+            part: None,
         }
     }
 
@@ -249,43 +260,18 @@ impl<'s, 'a> Field<'s, 'a> {
             triangle.take(&mut series, number, &columns);
         }
         let count = series.count() as f64;
-        let mut scores = self.scores(weights, 0.0);
+        let mut look = Look::new(self, weights, kept);
         while taken.len() < MOST.max(kept.len() + MORE) {
             let freedom = count - series.rank() as f64;
-            let squares = series.squares();
             let is_enough = !enough.is_empty() && contains_all(&taken, enough);
-            if freedom < 2.0 || squares <= 0.0 || is_enough {
+            if freedom < 2.0 || series.squares() <= 0.0 || is_enough {
                 break;
             }
             let known = self.candidates.len();
             self.seek(&series, weights);
-            let gains = self.gains_of(&series, &mut scores);
-            let price = Price::new(count, self.tried);
-            let mut open: Vec<(f64, usize)> = gains
-                .iter()
-                .enumerate()
-                .filter(|(number, gain)| {
-                    gain.rank > 0
-                        && !self.bows.contains(number)
-                        && !taken.contains(number)
-                        && !never.contains(number)
-                        && !self.is_again(*number, &taken)
-                })
-                .map(|(number, gain)| (price.worth(squares, gain) * self.belief(number), number))
-                .collect();
-            // The least far-fetched of those that explain as much, but none that no machine has.
-            let best = loop {
-                let best = self.best_of(&open);
-                let Some((_, number)) = best.filter(|(_, number)| self.is_absurd(*number, &series)) else { break best };
-                open.retain(|(_, other)| *other != number);
-            };
-            let Some((_, number)) = best else {
+            let Some(Step { number, open }) = self.choose((&series, &mut look), &taken, never) else {
                 self.candidates.truncate(known);
                 break;
-            };
-            let number = match best.filter(|(_, number)| self.is_unnamed(*number)) {
-                Some((worth, _)) => self.named_instead((&series, &scores), &open, price, worth).unwrap_or(number),
-                None => number,
             };
             // Of what was sought only one that was taken stays, and of others what is better than they are.
             let sought = (number >= known).then(|| self.candidates.swap_remove(number));
@@ -306,10 +292,41 @@ impl<'s, 'a> Field<'s, 'a> {
             };
             let columns = self.columns_of(number);
             triangle.take(&mut series, number, &columns);
+            look.take(self, number);
             taken.push(number);
         }
+        look.end(self);
         let cancelled = triangle.cancelled(kept);
         (taken, cancelled)
+    }
+
+    /// The candidate that is taken next beside some; `None` where none is worth it.
+    fn choose(&self, (series, look): (&Series, &mut Look<'_, '_>), taken: &[usize], never: &[usize]) -> Option<Step> {
+        let squares = series.squares();
+        let gains = look.gains(self, series);
+        let price = Price::new(series.count() as f64, self.tried);
+        let mut open: Vec<(f64, usize)> = gains
+            .iter()
+            .enumerate()
+            .filter(|(number, gain)| {
+                gain.rank > 0
+                    && !self.bows.contains(number)
+                    && !taken.contains(number)
+                    && !never.contains(number)
+                    && !self.is_again(*number, taken)
+            })
+            .map(|(number, gain)| (price.worth(squares, gain) * self.belief(number), number))
+            .collect();
+        // The least far-fetched of those that explain as much, but none that no machine has.
+        let (worth, number) = loop {
+            let (worth, number) = self.best_of(&open)?;
+            if !self.is_absurd(number, series) {
+                break (worth, number);
+            }
+            open.retain(|(_, other)| *other != number);
+        };
+        let named = self.is_unnamed(number).then(|| self.named_instead((series, look), &open, price, worth));
+        Some(Step { number: named.flatten().unwrap_or(number), open })
     }
 
     /// The least far-fetched of those whose worth is as much as that of the best.
@@ -328,7 +345,7 @@ impl<'s, 'a> Field<'s, 'a> {
     /// The first of two causes with names that together explain what one without explains.
     fn named_instead(
         &self,
-        (series, scores): (&Series, &[Scores; 2]),
+        (series, look): (&Series, &Look<'_, '_>),
         open: &[(f64, usize)],
         price: Price,
         worth: f64,
@@ -339,7 +356,7 @@ impl<'s, 'a> Field<'s, 'a> {
         self.candidates.get(first).map(|one| self.columns(one))?.iter().for_each(|column| {
             beside.take(column);
         });
-        let gains = self.gains_of(&beside, &mut scores.clone());
+        let gains = look.gains_behind(self, &beside, first);
         let others = gains.iter().enumerate().filter(|(number, _)| *number != first && !self.is_unnamed(*number));
         let others = others.filter(|(number, gain)| gain.rank > 0 && !self.is_again(*number, &[first]));
         let next = others.map(|(_, gain)| price.worth(beside.squares(), gain)).fold(0.0, f64::max);

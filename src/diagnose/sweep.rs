@@ -56,7 +56,8 @@ impl Transform {
         self.of(all).iter().take(first).map(|one| one.norm_sqr()).collect()
     }
 
-    fn of(&self, mut all: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
+    /// All frequencies.
+    pub(super) fn of(&self, mut all: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
         all.resize(self.length(), Complex::default());
         self.0.process(&mut all);
         all

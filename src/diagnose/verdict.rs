@@ -12,6 +12,7 @@ use super::noise::{self, is_angle};
 use super::parts::{Part, differing};
 use super::readings::{doing, drop_far, even_out, left_of, projected, rms, weights};
 use super::rejected::{Rejected, Rejections, Tried, tried};
+use super::sample::{self, Sample};
 use super::scene::Scene;
 use super::search::{Field, Taken, Weights};
 use super::separate::{self, separating};
@@ -96,7 +97,9 @@ pub struct Diagnosis {
 pub fn diagnose(scene: &Scene<'_>, bare: &Scene<'_>, used: usize, note: &mut dyn FnMut(&str, f64)) -> Diagnosis {
     note("causes that may be", 0.0);
     let candidates = propose(scene);
+    let sample = Sample::new(scene);
     let mut field = Field::new(scene, candidates);
+    field.part = sample.as_ref().map(|some| Box::new(sample::Part::new(&field, some)));
     let (mut weights, mut held_out) = weights(scene, used);
     let mut taken = Vec::new();
     for round in 0..ROUNDS {

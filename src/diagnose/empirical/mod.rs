@@ -6,11 +6,13 @@
 mod screen;
 mod shape;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::mem::{Discriminant, discriminant};
 use std::sync::Arc;
 
 use super::cause::{self, Candidate};
+use super::sample::some_rows;
 use super::scene::{NO_ROW, Scene, Through};
 use super::score::in_parts;
 use super::sweep::Sweep;
@@ -39,7 +41,7 @@ struct Driver {
     name: String,
     /// By row; NaN where it is not known.
     values: Arc<Vec<f64>>,
-    /// By row.
+    /// By row that is put into bins.
     bins: Vec<u8>,
     /// Rows in the order of the values, those where it is known.
     order: Arc<Vec<u32>>,
@@ -88,6 +90,8 @@ pub(super) struct Empirical {
     setup_count: usize,
     /// Number of the row of each row in its measurement: weights find their values by measurement and number.
     index: Arc<Vec<usize>>,
+    /// Rows that are put into bins, where these are not all.
+    some: Option<Vec<usize>>,
 }
 
 impl Empirical {
@@ -136,6 +140,12 @@ impl Empirical {
             drivers.extend(driver(name.to_owned(), values, false));
         }
         drivers.truncate(MOST);
+        let some = some_rows(scene);
+        for driver in &mut drivers {
+            if let Some(rows) = &some {
+                driver.bins = rows.iter().filter_map(|&row| driver.bins.get(row)).copied().collect();
+            }
+        }
         let mut places: Vec<Through> = (0..3).map(Through::Tip).collect();
         let mut components: Vec<_> = scene.rows.iter().filter_map(|row| row.component).collect();
         components.sort_unstable();
@@ -161,6 +171,7 @@ impl Empirical {
             setup_count: numbers.len(),
             setups,
             index: Arc::new(first),
+            some,
         }
     }
 
@@ -198,11 +209,12 @@ impl Empirical {
             if sums.iter().all(|sum| sum[1] == 0.0) {
                 return Vec::new();
             }
+            let binned = self.binned(&sums);
             let mut own: Vec<(f64, Form)> = Vec::new();
             for a in 0..self.drivers.len() {
                 for b in a..self.drivers.len() {
                     let from = own.len();
-                    self.forms(a, b, &sums, price, &mut own);
+                    self.forms((a, b), (&sums, &binned), price, &mut own);
                     screen::best_of_each(&mut own, from);
                 }
             }
@@ -225,6 +237,16 @@ impl Empirical {
             .filter(|(worth, ..)| *worth > 0.0)
             .map(|(_, place, form)| self.candidate(place, form, &in_use))
             .collect()
+    }
+}
+
+impl Empirical {
+    /// Sums of the rows that are put into bins, as large as those of all rows are together.
+    fn binned<'b>(&self, sums: &'b [[f64; 2]]) -> Cow<'b, [[f64; 2]]> {
+        let Some(some) = &self.some else { return Cow::Borrowed(sums) };
+        let times = sums.len() as f64 / some.len().max(1) as f64;
+        let of = |&row: &usize| sums.get(row).map_or([0.0; 2], |sum| sum.map(|value| times * value));
+        Cow::Owned(some.iter().map(of).collect())
     }
 }
 

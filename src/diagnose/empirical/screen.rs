@@ -13,10 +13,17 @@ const NEARLY: f64 = 0.95;
 const PRODUCTS: usize = 24;
 
 impl Empirical {
-    pub(super) fn forms(&self, a: usize, b: usize, sums: &[[f64; 2]], price: f64, out: &mut Vec<(f64, Form)>) {
+    /// By sums of all rows, and of those that are put into bins.
+    pub(super) fn forms(
+        &self,
+        (a, b): (usize, usize),
+        (sums, binned): (&[[f64; 2]], &[[f64; 2]]),
+        price: f64,
+        out: &mut Vec<(f64, Form)>,
+    ) {
         let [Some(one), Some(other)] = [self.drivers.get(a), self.drivers.get(b)] else { return };
         let mut cells = vec![[0.0; 2]; BINS * BINS];
-        for ((&x, &y), sum) in one.bins.iter().zip(&other.bins).zip(sums) {
+        for ((&x, &y), sum) in one.bins.iter().zip(&other.bins).zip(binned) {
             if x != NONE
                 && y != NONE
                 && let Some(cell) = cells.get_mut(usize::from(x) * BINS + usize::from(y))
