@@ -299,6 +299,33 @@ fn error_functions_and_products_correct_a_machine_of_three_axes() {
     }
 }
 
+/// A matrix takes scales and squareness; tables of own positions only what an axis does along itself.
+#[test]
+fn a_matrix_and_tables_of_own_positions_take_what_they_can() {
+    let errors = [polynomial("EXX", &[0.0, 4e-5]), polynomial("EYY", &[0.0, -3e-5]), "[location]\nEC0Y = 60\n".into()];
+    let machine = "[machine]\nname = \"mill\"\ntopology = \"wFXYZSt\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 500]\n\
+                   [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 400]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 300]\n\
+                   [spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n";
+    let bench = Bench::of(&format!("{machine}{}", errors.concat()));
+    let tables = bench.tables(&Wish { scheme: "matrix", format: "matrixkins", ..WISH }).unwrap();
+    // X motor: X − 4e-5 X + 6e-5 Y, for Y turned by 60 µrad about Z moves −X.
+    let wanted = [[1.0 - 4e-5, 6e-5, 0.0], [0.0, 1.0 + 3e-5, 0.0], [0.0, 0.0, 1.0]];
+    for (row, wanted) in tables.matrix.unwrap().iter().zip(wanted) {
+        for (value, wanted) in row.iter().zip(wanted) {
+            assert!((value - wanted).abs() < 1e-8, "{value} {wanted}");
+        }
+    }
+    let left = bench.check(&tables, &bench.region(), Orientation::Off).tables;
+    assert!(um(left.max_mm()) < 0.01, "{} um", um(left.max_mm()));
+    for format in ["enc", "comp", "ssfk"] {
+        let tables = bench.tables(&Wish { scheme: "own", format, points: 9, ..WISH }).unwrap();
+        assert!(tables.lookups.iter().all(|one| one.input == one.output) && tables.count() >= 2, "{format}");
+        // The squareness stays: 60 µrad · Y less its mean, 400 mm · 60 µrad / √12 = 6.9 µm.
+        let left = bench.check(&tables, &bench.region(), Orientation::Off).tables;
+        assert!((um(left.rms_mm()) - 6.93).abs() < 0.3, "{format}: {} um", um(left.rms_mm()));
+    }
+}
+
 /// Squareness and offsets of every axis, on chains with rotary axes on either side, both on the table, both in the head, or none: the exact scheme
 /// is derived from the chain.
 #[test]

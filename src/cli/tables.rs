@@ -262,7 +262,7 @@ impl Job<'_> {
         let model = self.chosen.model();
         let target = self.target(&model);
         let mut region = self.region.clone();
-        if tables.grid.is_some() {
+        if tables.grid.is_some() || tables.matrix.is_some() {
             for (axis, [low, high]) in self.region.ranges.iter().filter(|(axis, _)| axis.is_rotary()) {
                 let at = 0_f64.clamp(*low, *high);
                 region.set(*axis, [at, at]);

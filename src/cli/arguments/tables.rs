@@ -12,10 +12,12 @@ use crate::tables::{FORMATS, Format, Multiplication, Orientation, format};
 /// What `ncfix tables --help` says last.
 pub(super) const AFTER_HELP: &str = "\
 Formats (--list says what each holds):
-  cec  enc  fanuc  heidenhain  grundig  comp  matrixkins  isg
+  cec  enc  fanuc  heidenhain  grundig  comp  matrixkins  isg  ssfk
 Schemes:
   functions      a table for each error function, for controls with kinematics of their own
   grid           corrections of X, Y, Z on the smallest grid of positions that reaches the tolerance
+  matrix         a matrix for scales and squareness of X, Y, Z
+  own            a table for each axis over its own position, free at every point
   polynomial     a table for each pair of axes, cubic polynomials (25 on five axes)
   free           a table for each pair of axes, free at every point
   trigonometric  arms of the linear axes times trigonometric functions of a rotary axis (23 on five axes)

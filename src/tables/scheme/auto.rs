@@ -50,7 +50,7 @@ pub fn choose(task: &Task<'_>) -> (Option<(&'static Scheme, Tables)>, Vec<Tried>
                 break;
             }
             // A grid finds its own nodes; what does not fit does not fit with more points.
-            if is_hopeless || scheme.name == "grid" {
+            if is_hopeless || matches!(scheme.name, "grid" | "matrix") {
                 break;
             }
         }

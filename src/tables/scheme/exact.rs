@@ -38,6 +38,8 @@ const CHANGE: f64 = 1e-9;
 /// Products into which a function of two rotary axes is split at most, and what is too small to be one, mm or rad.
 const MOST_PRODUCTS: usize = 8;
 const NOTHING: f64 = 2e-6;
+/// Pairs of positions of two rotary axes at most.
+const MOST_PLACES: usize = 100_000;
 /// Places of a rotary axis at which a dependence is looked for.
 const PLACES: usize = 5;
 
@@ -199,6 +201,9 @@ impl<'a> Terms<'a> {
     /// Adds factor · c₀ at all pairs of positions of two rotary axes.
     fn add_plane(&mut self, name: ErrorName, factor: f64, [first, second]: [Axis; 2]) -> Result<(), String> {
         let (rows, columns) = (self.assembly.positions(first), self.assembly.positions(second));
+        if rows.len() * columns.len() > MOST_PLACES {
+            return Err(format!("{first} and {second} have too many points together; choose fewer --points"));
+        }
         let mut pose = self.task.region.middle();
         LINEAR_AXES.into_iter().for_each(|axis| pose[axis] = 0.0);
         for (i, &row) in rows.iter().enumerate() {

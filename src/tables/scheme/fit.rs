@@ -14,6 +14,8 @@ use crate::tables::{Control, Orientation, Tables};
 /// Poses to which a scheme is fitted for each of its terms, and at least.
 const POSES_A_TERM: usize = 25;
 const LEAST_POSES: usize = 2000;
+/// Unknowns of a correction at most: the work goes with their third power.
+const MOST_TERMS: usize = 600;
 /// Start of the generator of these poses; those of a check have another.
 const SEED: u64 = 0x4649_5454_4544;
 /// Directions of terms that the poses tell less are left at zero.
@@ -60,7 +62,6 @@ impl Wave {
 /// The terms of a scheme with the nodes that they have.
 struct Basis<'a> {
     task: &'a Task<'a>,
-    terms: &'a [Term],
     /// By slot of the axis.
     nodes: Vec<Vec<f64>>,
 }
@@ -89,6 +90,24 @@ impl Basis<'_> {
             Term::Power(axis, _) | Term::Hat(axis, _) | Term::Wave(None, axis, _) => self.part(term, axis, pose[axis]),
             Term::Wave(Some(lever), axis, _) => self.part(term, lever, pose[lever]) * self.part(term, axis, pose[axis]),
         }
+    }
+
+    /// The tables of some axes for corrections at poses.
+    fn fitted(
+        &self,
+        outputs: impl IntoIterator<Item = Axis>,
+        terms_of: &dyn Fn(Axis) -> Vec<Term>,
+        poses: &[AxisVector],
+        wanted: &[AxisVector],
+    ) -> Result<Tables, String> {
+        let mut assembly = Assembly::new(self.task);
+        for axis in outputs {
+            let terms = terms_of(axis);
+            let values: Vec<f64> = wanted.iter().map(|correction| correction[axis]).collect();
+            let coefficients = self.coefficients(&terms, poses, &values)?;
+            self.put(&mut assembly, axis, &terms, &coefficients);
+        }
+        Ok(assembly.finish())
     }
 
     /// The coefficients of a correction at poses.
@@ -149,26 +168,24 @@ fn hat(nodes: &[f64], node: usize, at: f64) -> f64 {
     }
 }
 
-/// The tables of terms that are fitted to the corrections of all axes.
-pub(super) fn fill(task: &Task<'_>, linear: &[Term], rotary: &[Term]) -> Result<Tables, String> {
+/// The tables of terms that are fitted to the corrections of all axes; each axis has its own.
+pub(super) fn fill(task: &Task<'_>, terms_of: &dyn Fn(Axis) -> Vec<Term>) -> Result<Tables, String> {
     let mut nodes = vec![Vec::new(); crate::geometry::AXIS_COUNT];
     for axis in task.region.axes() {
         nodes[axis.slot()] = super::assembly::positions(axis, task.region, task.points);
     }
-    let count = (linear.len().max(rotary.len()) * POSES_A_TERM).max(LEAST_POSES);
-    let poses = task.region.poses(count, SEED);
-    let state = State::default();
-    let mut assembly = Assembly::new(task);
-    if task.target.orientation != Orientation::Off {
-        let wanted: Vec<AxisVector> = task.exact(&poses)?;
-        let basis = Basis { task, terms: rotary, nodes: nodes.clone() };
-        for axis in task.target.rotary() {
-            let values: Vec<f64> = wanted.iter().map(|correction| correction[axis]).collect();
-            let coefficients = basis.coefficients(basis.terms, &poses, &values)?;
-            basis.put(&mut assembly, axis, rotary, &coefficients);
-        }
+    let basis = Basis { task, nodes };
+    let outputs = task.linear().into_iter().chain(task.target.rotary());
+    let most = outputs.map(|axis| terms_of(axis).len()).max().unwrap_or(0);
+    if most > MOST_TERMS {
+        return Err(format!("{most} values of a correction would have to be fitted at once; choose fewer --points"));
     }
-    let mut tables = assembly.finish();
+    let poses = task.region.poses((most * POSES_A_TERM).max(LEAST_POSES), SEED);
+    let state = State::default();
+    let mut tables = Tables { multiplication: task.multiplication, ..Tables::default() };
+    if task.target.orientation != Orientation::Off {
+        tables = basis.fitted(task.target.rotary(), terms_of, &poses, &task.exact(&poses)?)?;
+    }
     let control = Control::new(task.target.machine, &tables);
     let mut wanted = Vec::with_capacity(poses.len());
     for pose in &poses {
@@ -176,13 +193,6 @@ pub(super) fn fill(task: &Task<'_>, linear: &[Term], rotary: &[Term]) -> Result<
         let solved = task.target.model.solve(pose, &task.target.tool_mm, &state, &start, Solve::PositionOnly);
         wanted.push(solved.map_err(|_| "the tip cannot be brought to its place everywhere in the region")? - *pose);
     }
-    let basis = Basis { task, terms: linear, nodes };
-    let mut assembly = Assembly::new(task);
-    for axis in task.linear() {
-        let values: Vec<f64> = wanted.iter().map(|correction| correction[axis]).collect();
-        let coefficients = basis.coefficients(basis.terms, &poses, &values)?;
-        basis.put(&mut assembly, axis, linear, &coefficients);
-    }
-    super::append(&mut tables, assembly.finish());
+    super::append(&mut tables, basis.fitted(task.linear(), terms_of, &poses, &wanted)?);
     Ok(tables)
 }

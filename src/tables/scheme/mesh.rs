@@ -9,7 +9,7 @@ use super::{Holds, Scheme, Task};
 use crate::geometry::{Axis, AxisVector};
 use crate::machine::State;
 use crate::tables::check::left;
-use crate::tables::{Control, Grid, Orientation, Tables, Target};
+use crate::tables::{Control, Grid, Tables};
 
 pub(super) const SCHEME: Scheme = Scheme {
     name: "grid",
@@ -38,7 +38,7 @@ fn grid(task: &Task<'_>) -> Result<Tables, String> {
         region.set(axis, [at, at]);
     }
     // A grid has no rotary axes: what they would do about the direction of the tool is not part of it.
-    let task = &Task { target: Target { orientation: Orientation::Off, ..task.target }, ..*task };
+    let task = &task.without_rotary_corrections();
     let mesh = Mesh { task, axes, ranges: axes.map(|axis| region.range(axis)), rest: region.middle() };
     let poses = region.poses(POSES, SEED);
     let along: Vec<Vec<f64>> = (0..3).map(|i| mesh.along(i, &poses)).collect::<Result<_, String>>()?;

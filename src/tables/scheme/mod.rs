@@ -5,6 +5,7 @@ mod auto;
 mod exact;
 mod fit;
 mod functions;
+mod matrix;
 mod mesh;
 mod reversal;
 mod sums;
@@ -13,7 +14,7 @@ mod trigonometric;
 use super::format::Holds;
 use super::region::Region;
 use super::target::Target;
-use super::{Format, Multiplication, Tables, Wiring};
+use super::{Format, Multiplication, Orientation, Tables, Wiring};
 use crate::geometry::{Axis, AxisVector, LINEAR_AXES};
 use crate::machine::State;
 use crate::model::Accumulator;
@@ -55,8 +56,16 @@ pub struct Scheme {
 }
 
 /// All schemes; [`choose`] picks among them.
-pub const SCHEMES: &[Scheme] =
-    &[functions::SCHEME, mesh::SCHEME, sums::POLYNOMIALS, sums::FREE, trigonometric::SCHEME, exact::SCHEME];
+pub const SCHEMES: &[Scheme] = &[
+    functions::SCHEME,
+    mesh::SCHEME,
+    matrix::SCHEME,
+    sums::OWN,
+    sums::POLYNOMIALS,
+    sums::FREE,
+    trigonometric::SCHEME,
+    exact::SCHEME,
+];
 
 /// The scheme of a name.
 #[must_use]
@@ -82,7 +91,12 @@ impl Scheme {
     }
 }
 
-impl Task<'_> {
+impl<'a> Task<'a> {
+    /// The same without corrections by rotary axes, for tables that have none.
+    fn without_rotary_corrections(&self) -> Task<'a> {
+        Task { target: Target { orientation: Orientation::Off, ..self.target }, ..*self }
+    }
+
     /// The linear axes that correct the position.
     fn linear(&self) -> Vec<Axis> {
         let there = LINEAR_AXES.into_iter().filter(|&axis| self.target.machine.axis(axis).is_some());

@@ -5,6 +5,7 @@
 
 use super::fit::{Term, fill};
 use super::{Holds, Scheme, Task};
+use crate::geometry::Axis;
 use crate::tables::Tables;
 
 /// Highest power (Esmaeili 2021, eq. 24).
@@ -24,14 +25,30 @@ pub(super) const FREE: Scheme = Scheme {
     fill: free,
 };
 
+pub(super) const OWN: Scheme = Scheme {
+    name: "own",
+    title: "a table for each axis over its own position, free at every point",
+    needs: &[Holds::Own],
+    fill: own,
+};
+
 fn polynomials(task: &Task<'_>) -> Result<Tables, String> {
     let powers = |axis| (1..=DEGREE).map(move |power| Term::Power(axis, power));
     let terms: Vec<Term> = [Term::One].into_iter().chain(task.region.axes().flat_map(powers)).collect();
-    fill(task, &terms, &terms)
+    fill(task, &|_| terms.clone())
 }
 
 fn free(task: &Task<'_>) -> Result<Tables, String> {
-    let hats = |axis| (0..task.points).map(move |node| Term::Hat(axis, node));
-    let terms: Vec<Term> = task.region.axes().flat_map(hats).collect();
-    fill(task, &terms, &terms)
+    let terms: Vec<Term> = task.region.axes().flat_map(|axis| hats(task, axis)).collect();
+    fill(task, &|_| terms.clone())
+}
+
+fn own(task: &Task<'_>) -> Result<Tables, String> {
+    fill(task, &|axis| hats(task, axis))
+}
+
+/// A function of an axis that is free at every point.
+fn hats(task: &Task<'_>, axis: Axis) -> Vec<Term> {
+    let moves = task.region.axes().any(|one| one == axis);
+    if moves { (0..task.points).map(|node| Term::Hat(axis, node)).collect() } else { vec![Term::One] }
 }

@@ -40,5 +40,5 @@ fn of(task: &Task<'_>, axis: Axis) -> Result<Tables, String> {
     let waves = |lever| Wave::ALL.map(|wave| Term::Wave(lever, axis, wave));
     let levers = task.region.axes().filter(|axis| !axis.is_rotary());
     let linear: Vec<Term> = waves(None).into_iter().chain(levers.flat_map(|lever| waves(Some(lever)))).collect();
-    fill(task, &linear, &waves(None))
+    fill(task, &|output| if output.is_rotary() { waves(None).to_vec() } else { linear.clone() })
 }
