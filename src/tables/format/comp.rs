@@ -2,7 +2,7 @@
 //!
 //! Nominal position, forward and reverse value, at most 256 lines. With `COMP_FILE_TYPE = 1` the values are trims: what is added to the
 //! command of the joint while it moves up or down. With type 0 they are positions, and the trim is nominal minus position. Between lines it
-//! is linear, outside the end values hold, at rest the last sense holds, and BACKLASH is ignored. (LinuxCNC, INI configuration, "[JOINT]
+//! is linear, outside the end values hold, at rest the last sense holds, and BACKLASH is ignored. (LinuxCNC, INI configuration, "\[JOINT]
 //! section"; usrmotLoadComp and compute_screw_comp in its sources, where the examples of the manual have the other sign.) The control stops
 //! reading at the first line that is no triplet, so everything else stands behind them. Units are those of the joint: mm and degrees here.
 
