@@ -1,6 +1,7 @@
 //! The equations of all readings: what each unknown does to each, and what is left.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use crate::geometry::{AxisVector, Matrix, Vector};
 use crate::machine::{Condition, Machine};
@@ -9,9 +10,10 @@ use crate::measure::kind::{Equation, Seen};
 use crate::measure::reading::Reading;
 use crate::model::parameter::ParameterName;
 use crate::model::{ErrorModel, ErrorName, Model};
+use crate::numeric::in_parts;
 
 use super::column::Column;
-use super::effect::{EffectParameter, Parameter, Part};
+use super::effect::{EffectParameter, Parameter, Part, Probe};
 
 /// Known distances have this standard uncertainty where the description gives none, mm.
 pub(super) const TIE_SIGMA: f64 = 1e-4;
@@ -24,6 +26,10 @@ pub(crate) const WEAK: f64 = 0.01;
 pub(super) fn tie_sigma(data: &[DataSet], set: usize, tie: usize) -> f64 {
     data.get(set).and_then(|set| set.lengths.get(tie)).and_then(|length| length.sigma_mm).unwrap_or(TIE_SIGMA)
 }
+
+/// Readings that one core looks at together, and how many such stretches are kept until they are handed on.
+const STRETCH: usize = 512;
+const STRETCHES: usize = 8;
 
 /// Rotations move points at about this lever, mm.
 const LEVER_MM: f64 = 1000.0;
@@ -137,12 +143,12 @@ impl<'a> Design<'a> {
                 *most = most.max(value.abs() * lever(component.direction.is_rotation()));
             }
         };
-        let mut units = Units::new(self);
+        let mut units = Units::new(self, errors);
         for set in self.data {
             let mut now = None;
             for observation in &set.observations {
                 if now.replace(observation.condition) != Some(observation.condition) {
-                    units.enter(errors, set.condition(observation));
+                    units.enter(set.condition(observation));
                 }
                 let state = &observation.reading.state;
                 let command = self.within_turn(&observation.reading.position);
@@ -168,65 +174,75 @@ impl<'a> Design<'a> {
     }
 
     /// The equations on a machine with the first errors, and the factors of effects as they are in the second ones.
-    fn walk_with(
-        &self,
-        [errors, effects]: [&ErrorModel; 2],
-        values: &[f64],
-        factors: bool,
-        mut out: impl FnMut(Line, &[f64]),
-    ) {
-        let mut model = Model::at(self.machine, errors, &Condition::default());
-        let mut units = Units::new(self);
-        let mut equations: Vec<Equation> = Vec::new();
-        let mut row_factors = vec![0.0; self.columns.len()];
-        for (set_number, (set, bounds)) in self.data.iter().zip(self.first.windows(2)).enumerate() {
-            let [from, until] = [bounds[0], bounds[1]];
-            let own = values.get(from..until).unwrap_or_default();
-            let mut emit = |equation: &Equation, origin: Origin, row_factors: &mut [f64]| {
-                if factors {
-                    for &(place, factor) in &equation.by_unknown {
-                        row_factors[from + place] = factor;
-                    }
-                }
-                let Equation { residual, is_angle, .. } = *equation;
-                out(Line { residual, set: set_number, origin, is_angle }, row_factors);
-            };
-            let mut now = None;
-            for (row, observation) in set.observations.iter().enumerate() {
-                if now.replace(observation.condition) != Some(observation.condition) {
-                    let condition = set.condition(observation);
-                    model = Model::at(self.machine, errors, condition);
-                    if factors {
-                        units.enter(effects, condition);
-                    }
-                }
-                let reading = &observation.reading;
-                let seen = Seen::new(self.machine, &model, reading, &reading.tool_mm);
-                equations.clear();
-                (set.kind.equations)(set, observation, &seen, own, &mut equations);
-                if factors {
-                    units.stand(&model, reading, &seen.nominal.rotation);
-                }
-                for equation in &equations {
-                    if factors {
-                        units.factors(&equation.by_tip, &equation.by_turn, &mut row_factors);
-                    }
-                    emit(equation, Origin::Row(row), &mut row_factors);
+    fn walk_with(&self, models: [&ErrorModel; 2], values: &[f64], factors: bool, mut out: impl FnMut(Line, &[f64])) {
+        for (number, (set, bounds)) in self.data.iter().zip(self.first.windows(2)).enumerate() {
+            let own =
+                Own { number, set, from: bounds[0], values: values.get(bounds[0]..bounds[1]).unwrap_or_default() };
+            let stretches: Vec<Range<usize>> =
+                (0..set.observations.len()).step_by(STRETCH).map(|from| from..from + STRETCH).collect();
+            for some in stretches.chunks(STRETCHES) {
+                for (lines, all) in in_parts(some, &|rows: &Range<usize>| self.of_rows(models, &own, rows, factors)) {
+                    let mut all = all.chunks(self.columns.len().max(1));
+                    lines.into_iter().for_each(|line| out(line, all.next().unwrap_or_default()));
                 }
             }
-            equations.clear();
-            (set.kind.ties)(set, own, &mut equations);
+            let mut equations: Vec<Equation> = Vec::new();
+            (set.kind.ties)(set, own.values, &mut equations);
+            let mut row_factors = vec![0.0; self.columns.len()];
             for (tie, equation) in equations.iter().enumerate() {
                 row_factors.fill(0.0);
-                emit(equation, Origin::Tie(tie), &mut row_factors);
+                own.enter(equation, factors, &mut row_factors);
+                out(own.line(equation, Origin::Tie(tie)), &row_factors);
             }
         }
+    }
+
+    /// The equations of some readings of a measurement, and their factors one after the other where they are wanted.
+    fn of_rows(
+        &self,
+        [errors, effects]: [&ErrorModel; 2],
+        own: &Own<'_>,
+        rows: &Range<usize>,
+        factors: bool,
+    ) -> (Vec<Line>, Vec<f64>) {
+        let mut model = Model::at(self.machine, errors, &Condition::default());
+        let mut units = Units::new(self, effects);
+        let mut equations: Vec<Equation> = Vec::new();
+        let mut row_factors = vec![0.0; self.columns.len()];
+        let (mut lines, mut all) = (Vec::new(), Vec::new());
+        let set = own.set;
+        let mut now = None;
+        for (row, observation) in set.observations.iter().enumerate().take(rows.end).skip(rows.start) {
+            if now.replace(observation.condition) != Some(observation.condition) {
+                let condition = set.condition(observation);
+                model = Model::at(self.machine, errors, condition);
+                if factors {
+                    units.enter(condition);
+                }
+            }
+            let reading = &observation.reading;
+            let seen = Seen::new(self.machine, &model, reading, &reading.tool_mm);
+            equations.clear();
+            (set.kind.equations)(set, observation, &seen, own.values, &mut equations);
+            if factors {
+                units.stand(&model, reading, &seen.nominal.rotation);
+            }
+            for equation in &equations {
+                if factors {
+                    units.factors(&equation.by_tip, &equation.by_turn, &mut row_factors);
+                    own.enter(equation, factors, &mut row_factors);
+                    all.extend_from_slice(&row_factors);
+                }
+                lines.push(own.line(equation, Origin::Row(row)));
+            }
+        }
+        (lines, all)
     }
 
     /// By how much each parameter moves the tip, root of the mean square over the readings, mm per unit.
     pub(super) fn effects(&self, errors: &ErrorModel) -> Vec<f64> {
         let model = Model::new(self.machine, &ErrorModel::default());
-        let mut units = Units::new(self);
+        let mut units = Units::new(self, errors);
         let mut sums = vec![0.0; self.parameters.len()];
         let mut moved = vec![Vector::zeros(); self.parameters.len()];
         let mut count = 0.0_f64;
@@ -234,7 +250,7 @@ impl<'a> Design<'a> {
             let mut now = None;
             for observation in &set.observations {
                 if now.replace(observation.condition) != Some(observation.condition) {
-                    units.enter(errors, set.condition(observation));
+                    units.enter(set.condition(observation));
                 }
                 units.stand(&model, &observation.reading, &Matrix::identity());
                 units.moved(&mut moved);
@@ -257,6 +273,30 @@ impl<'a> Design<'a> {
     }
 }
 
+/// One measurement with the values of its unknowns.
+struct Own<'a> {
+    number: usize,
+    set: &'a DataSet,
+    /// The first of its columns.
+    from: usize,
+    values: &'a [f64],
+}
+
+impl Own<'_> {
+    /// The factors of its unknowns, where they are wanted.
+    fn enter(&self, equation: &Equation, factors: bool, out: &mut [f64]) {
+        if factors {
+            for &(place, factor) in &equation.by_unknown {
+                out[self.from + place] = factor;
+            }
+        }
+    }
+
+    fn line(&self, equation: &Equation, origin: Origin) -> Line {
+        Line { residual: equation.residual, set: self.number, origin, is_angle: equation.is_angle }
+    }
+}
+
 /// An equation and its factors by every column: what a fit is made of.
 pub type Factored = (Line, Vec<f64>);
 
@@ -273,7 +313,11 @@ struct Units<'a> {
     design: &'a Design<'a>,
     /// The components of all parameters.
     components: Vec<ErrorName>,
-    /// What the parameters of effects do in the condition, with their columns and components.
+    /// What shows what the parameters of effects do, with their columns.
+    probes: Vec<(usize, Probe)>,
+    /// What one of them does in the condition.
+    own: Vec<Part>,
+    /// What all do in the condition, with their columns and components.
     parts: Vec<(usize, usize, Part)>,
     /// What one unit of each component does to tip and direction of the tool.
     by_component: Vec<[Vector; 2]>,
@@ -282,16 +326,20 @@ struct Units<'a> {
 }
 
 impl<'a> Units<'a> {
-    fn new(design: &'a Design<'a>) -> Units<'a> {
+    /// Effects are those of `errors`.
+    fn new(design: &'a Design<'a>, errors: &ErrorModel) -> Units<'a> {
         let shares = design.geometry.iter().map(|&(column, _, component)| (column, component, 0.0)).collect();
-        Units { design, components: design.components.clone(), parts: Vec::new(), by_component: Vec::new(), shares }
+        let probes = design.effects.iter().map(|(column, parameter)| (*column, parameter.probe(errors))).collect();
+        let (components, parts, by_component) = (design.components.clone(), Vec::new(), Vec::new());
+        Units { design, components, probes, own: Vec::new(), parts, by_component, shares }
     }
 
     /// Goes to another condition.
-    fn enter(&mut self, errors: &ErrorModel, condition: &Condition) {
+    fn enter(&mut self, condition: &Condition) {
         self.parts.clear();
-        for (column, parameter) in &self.design.effects {
-            for part in parameter.parts(self.design.machine, errors, condition) {
+        for (column, probe) in &self.probes {
+            probe.parts(self.design.machine, condition, &mut self.own);
+            for part in self.own.drain(..) {
                 let component = number_of(&mut self.components, part.component);
                 self.parts.push((*column, component, part));
             }

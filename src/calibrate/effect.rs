@@ -265,10 +265,10 @@ impl EffectParameter {
         found
     }
 
-    /// What it does in a condition.
-    pub(super) fn parts(&self, machine: &Machine, errors: &ErrorModel, condition: &Condition) -> Vec<Part> {
-        let Some(effect) = self.effect(errors) else { return Vec::new() };
-        let mut out = Vec::new();
+    /// What shows what it does, with the other parameters as they are in a model.
+    pub(super) fn probe(&self, errors: &ErrorModel) -> Probe {
+        let Some(effect) = self.effect(errors) else { return Probe { sides: Vec::new() } };
+        let only = |effect| ErrorModel { effects: vec![effect], ..ErrorModel::default() };
         if self.is_linear {
             let mut unit = effect.boxed();
             change(&mut *unit, |index, is_linear, value| {
@@ -276,21 +276,47 @@ impl EffectParameter {
                     *value = f64::from(u8::from(index == self.index));
                 }
             });
-            collect(machine, unit, condition, 1.0, &mut out);
-            return out;
+            return Probe { sides: vec![(only(unit), 1.0)] };
         }
         let step = (STEP * self.get(errors).abs()).max(LEAST_STEP);
-        for side in [step, -step] {
+        let sides = [step, -step].into_iter().map(|side| {
             let mut moved = effect.boxed();
             change(&mut *moved, |index, _, value| {
                 if index == self.index {
                     *value += side;
                 }
             });
-            collect(machine, moved, condition, 0.5 / side, &mut out);
+            (only(moved), 0.5 / side)
+        });
+        Probe { sides: sides.collect() }
+    }
+}
+
+/// A parameter of an effect alone: the effect with it at 1 and all others at 0, or with it a little more and a little less, each with a factor.
+#[derive(Debug)]
+pub(super) struct Probe {
+    sides: Vec<(ErrorModel, f64)>,
+}
+
+impl Probe {
+    /// What one unit of it does in a condition.
+    pub(super) fn parts(&self, machine: &Machine, condition: &Condition, out: &mut Vec<Part>) {
+        out.clear();
+        let mut middle = 0;
+        for (errors, factor) in &self.sides {
+            middle = out.len();
+            let sum = Accumulator::sum(machine, errors, condition, |_| true);
+            out.extend(sum.parts().into_iter().map(|(component, function, value)| Part {
+                component,
+                function: function.cloned(),
+                factor: value * factor,
+            }));
+        }
+        if self.sides.len() < 2 {
+            return;
         }
         // What it does not change at all is no small number left by the arithmetic.
-        let (above, below) = out.split_at(out.len() / 2);
+        let (above, below) = out.split_at(middle);
         let alike = |(one, other): (&Part, &Part)| {
             one.component == other.component
                 && one.function == other.function
@@ -299,19 +325,7 @@ impl EffectParameter {
         if above.len() == below.len() && above.iter().zip(below).all(alike) {
             out.clear();
         }
-        out
     }
-}
-
-/// What an effect does in a condition, times a factor.
-fn collect(machine: &Machine, effect: Box<dyn Effect>, condition: &Condition, factor: f64, out: &mut Vec<Part>) {
-    let errors = ErrorModel { effects: vec![effect], ..ErrorModel::default() };
-    let sum = Accumulator::sum(machine, &errors, condition, |_| true);
-    out.extend(sum.parts().into_iter().map(|(component, function, value)| Part {
-        component,
-        function: function.cloned(),
-        factor: value * factor,
-    }));
 }
 
 /// Why an effect may not be told: what did not change between the readings.

@@ -10,11 +10,11 @@ use super::cause::{Candidate, Effect, Term};
 use super::gates::LIMIT;
 use super::price::Price;
 use super::scene::Through;
-use super::score::in_parts;
 use super::search::{Field, TIE, Weights};
 use crate::model::ParameterName;
 use crate::model::name::ErrorName;
 use crate::model::parameter::Term as Part;
+use crate::numeric::in_parts;
 use crate::numeric::sums::dot;
 
 /// So many terms one after the other make it worth trying.

@@ -4,11 +4,10 @@ use std::collections::HashMap;
 
 use super::cause::Effect;
 use super::freedom::Order;
-use super::score::in_parts;
 use super::search::{Field, Taken, Weights};
 use crate::geometry::AXIS_COUNT;
 use crate::model::ErrorName;
-use crate::numeric::{LeaveOut, Series, fisher};
+use crate::numeric::{LeaveOut, Series, fisher, in_parts};
 
 /// Positions that differ by less than one part in so many, mm or rad, are one.
 const FINE: f64 = 1e3;

@@ -1,8 +1,8 @@
 //! What some candidates would gain, those that a part of the readings shows to be promising: the others are not brought up to date until they are.
 
-use super::score::{Own, Scores, gain, in_parts};
+use super::score::{Own, Scores, gain};
 use super::search::Field;
-use crate::numeric::{Gain, Series};
+use crate::numeric::{Gain, Series, in_parts};
 
 /// So many are looked at in all readings.
 const MOST: usize = 100;

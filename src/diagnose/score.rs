@@ -12,12 +12,13 @@ use super::cause::{Candidate, Weight};
 use super::known::Tables;
 use super::scene::{NO_ROW, Scene, Through};
 use crate::numeric::sums::{dot, dot_of_three};
-use crate::numeric::{Gain, Series};
+use crate::numeric::{Gain, Series, in_parts};
 
 /// A column of which less than this share of its square is left says nothing of its own.
 const DEPENDENT: f64 = 1e-11;
-/// Shares of the work.
-const WORKERS: usize = 2;
+
+/// Shares of the pairs.
+const HALVES: usize = 2;
 
 /// Rows that are looked at together: tables of weights are far larger than what a processor holds near by.
 const BLOCK: usize = 512;
@@ -279,12 +280,10 @@ impl Scores {
             }
             out
         };
-        let share = pairs.len().div_ceil(WORKERS).max(1);
-        let parts: Vec<Vec<Vec<f64>>> = std::thread::scope(|scope| {
-            let of_some = &of_some;
-            let workers: Vec<_> = pairs.chunks(share).map(|part| scope.spawn(move || of_some(part))).collect();
-            workers.into_iter().map(|worker| worker.join().unwrap_or_default()).collect()
-        });
+        // Whole stretches, so that a table is read once for all its places.
+        let share = pairs.len().div_ceil(HALVES).max(1);
+        let shares: Vec<_> = pairs.chunks(share).collect();
+        let parts: Vec<Vec<Vec<f64>>> = in_parts(&shares, &|part| of_some(part));
         let whole = |k: usize| parts.iter().filter_map(|part| part.get(k)).flatten().copied().collect();
         (0..all.len()).map(whole).collect()
     }
@@ -353,27 +352,4 @@ fn without_those_before(mut products: Vec<f64>, squares: &[f64], mut left: Vec<f
         }
     }
     total
-}
-
-/// Works on all of them at once, in order.
-pub(super) fn in_parts<T: Sync, R: Send>(all: &[T], work: &(dyn Fn(&T) -> R + Sync)) -> Vec<R> {
-    let share = all.len().div_ceil(4 * WORKERS).max(1);
-    let parts: Vec<&[T]> = all.chunks(share).collect();
-    std::thread::scope(|scope| {
-        // Parts are dealt out in turn: neighbours cost alike.
-        let deal = |worker: usize| parts.iter().enumerate().skip(worker).step_by(WORKERS);
-        let workers: Vec<_> = (0..WORKERS)
-            .map(|worker| {
-                let own: Vec<(usize, &[T])> = deal(worker).map(|(place, part)| (place, *part)).collect();
-                scope.spawn(move || {
-                    let one = |(place, part): (usize, &[T])| (place, part.iter().map(work).collect::<Vec<R>>());
-                    own.into_iter().map(one).collect::<Vec<_>>()
-                })
-            })
-            .collect();
-        let mut done: Vec<(usize, Vec<R>)> =
-            workers.into_iter().flat_map(|worker| worker.join().unwrap_or_default()).collect();
-        done.sort_by_key(|(place, _)| *place);
-        done.into_iter().flat_map(|(_, part)| part).collect()
-    })
 }

@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::numeric::Series;
+use crate::numeric::{Series, in_parts};
 
 use super::cancel::Triangle;
 use super::cause::{Candidate, Effect, Term, motion};
@@ -16,7 +16,7 @@ use super::known::{Starts, Tables};
 use super::price::Price;
 use super::sample::{Look, Part};
 use super::scene::{NO_ROW, Scene, Through};
-use super::score::{Layout, in_parts};
+use super::score::Layout;
 use super::seek::Seek;
 
 /// Terms at most.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::cause::Candidate;
 use super::search::{Field, Weights};
-use crate::numeric::Series;
+use crate::numeric::{Series, in_parts};
 
 /// Sensors that are looked at.
 const MOST: usize = 4;
@@ -64,10 +64,12 @@ impl Field<'_, '_> {
         let mut best: Vec<(f64, usize)> = of_sensors.into_values().collect();
         best.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let least = SHARE * best.first()?.0;
-        let refined = best.into_iter().take(MOST).filter(|(worth, _)| *worth >= least).filter_map(|(_, other)| {
+        best.truncate(MOST);
+        best.retain(|(worth, _)| *worth >= least);
+        let refined = in_parts(&best, &|&(_, other): &(f64, usize)| {
             let own = self.refined(other, series).or_else(|| self.candidates.get(other).cloned())?;
             Some((series.gain(&self.columns(&own)).squares, own))
         });
-        refined.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, own)| own)
+        refined.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, own)| own)
     }
 }

@@ -4,11 +4,10 @@
 //! and what they do not explain may be white noise and a slow process together (autoregressive of first order; near to 1 it is a random walk).
 //! A term that explains all of a wander makes the process vanish and gains much; one that only follows a part of it gains what a chance match does.
 
-use crate::numeric::fisher;
+use crate::numeric::{fisher, in_parts};
 
 use super::cause::{Candidate, Effect};
 use super::fold::counts;
-use super::score::in_parts;
 use super::search::{Field, Taken, Weights};
 
 /// Memories from row to row that are tried, and variances of what is new in a row beside white noise.

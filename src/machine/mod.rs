@@ -312,8 +312,20 @@ impl Machine {
     /// How much warmer a sensor is than where the model holds, K, for a body that follows it with `lag_s`; `None` without a reading.
     #[must_use]
     pub fn rise_k(&self, condition: &Condition, sensor: &str, lag_s: f64) -> Option<f64> {
-        let reference_c = self.sensor_references_c.get(sensor).copied().unwrap_or(self.reference_temperature_c);
-        Some(condition.temperature_c(sensor, lag_s)? - reference_c)
+        Some(condition.temperature_c(sensor, lag_s)? - self.reference_of(sensor))
+    }
+
+    /// [`Machine::rise_k`] in each of some conditions, which is fastest in the order of time.
+    #[must_use]
+    pub fn rises_k(&self, conditions: &[&Condition], sensor: &str, lag_s: f64) -> Vec<Option<f64>> {
+        let reference_c = self.reference_of(sensor);
+        let all = condition::temperatures_c(conditions.iter().copied(), sensor, lag_s);
+        all.into_iter().map(|temperature_c| Some(temperature_c? - reference_c)).collect()
+    }
+
+    /// The temperature of a sensor at which the model holds, °C.
+    fn reference_of(&self, sensor: &str) -> f64 {
+        self.sensor_references_c.get(sensor).copied().unwrap_or(self.reference_temperature_c)
     }
 
     /// Data of an axis that the machine has.

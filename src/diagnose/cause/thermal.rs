@@ -98,7 +98,6 @@ fn sensors(scene: &Scene<'_>) -> Vec<Sensor> {
 /// `None` for a lag without times.
 fn sensor(scene: &Scene<'_>, column: &str, lag_s: f64) -> Option<Sensor> {
     let name = column.strip_suffix("_C")?;
-    let rise_k = |condition: &Condition| scene.machine.rise_k(condition, name, lag_s).unwrap_or(f64::NAN);
     let of_set = |set: &DataSet| -> Option<[Vec<f64>; 2]> {
         if !set.drivers.iter().any(|driver| driver.name == column) {
             return Some(Default::default());
@@ -106,14 +105,16 @@ fn sensor(scene: &Scene<'_>, column: &str, lag_s: f64) -> Option<Sensor> {
         if lag_s > 0.0 && set.observations.iter().any(|one| one.t_s.is_none()) {
             return None;
         }
-        let own: Vec<[f64; 2]> = set
-            .conditions
-            .iter()
-            .map(|condition| {
-                let rise = rise_k(condition);
-                [rise, rise - condition.zero().map_or(0.0, rise_k)]
-            })
-            .collect();
+        let rises_k = |all: &[&Condition]| scene.machine.rises_k(all, name, lag_s);
+        let zeros: Vec<Option<&Condition>> = set.conditions.iter().map(Condition::zero).collect();
+        let mut of_zeros = rises_k(&zeros.iter().copied().flatten().collect::<Vec<_>>()).into_iter();
+        let at_zeros = zeros.iter().map(|zero| match zero {
+            Some(_) => of_zeros.next().flatten().unwrap_or(f64::NAN),
+            None => 0.0,
+        });
+        let rises = rises_k(&set.conditions.iter().collect::<Vec<_>>());
+        let rises = rises.into_iter().map(|rise| rise.unwrap_or(f64::NAN));
+        let own: Vec<[f64; 2]> = rises.zip(at_zeros).map(|(rise, at_zero)| [rise, rise - at_zero]).collect();
         let at = |k: usize| {
             let of = |one: &crate::measure::data::Observation| own.get(one.condition).map_or(f64::NAN, |both| both[k]);
             set.observations.iter().map(of).collect()

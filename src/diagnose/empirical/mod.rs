@@ -14,9 +14,9 @@ use std::sync::Arc;
 use super::cause::{self, Candidate};
 use super::sample::some_rows;
 use super::scene::{NO_ROW, Scene, Through};
-use super::score::in_parts;
 use super::sweep::Sweep;
 use crate::geometry::Axis;
+use crate::numeric::in_parts;
 
 /// Bins over a driver.
 const BINS: usize = 12;

@@ -10,6 +10,7 @@ use super::step::{self, Change};
 use super::switched;
 use super::trail::{Channel, Trail};
 use crate::measure::data::DataSet;
+use crate::numeric::in_parts;
 
 /// Readings on each side through which a line goes.
 const SIDES: [usize; 3] = [8, 16, 32];
@@ -47,7 +48,7 @@ pub(super) fn change(trail: &Trail, data: &DataSet, sensors: &[Sensor]) -> Optio
     let trend = trend(data, sensors);
     let as_it_is = trail;
     let trail = trail.beside(&trend)?;
-    let tried = rows.into_iter().filter_map(|row| {
+    let tried = in_parts(&rows, &|&row: &usize| {
         let block = trail.block_of(row)?;
         // Where exactly: the row from which on a shift explains most.
         let near = row.saturating_sub(WITHIN).max(block[0] + 1)..=(row + WITHIN).min(block[1]);
@@ -59,7 +60,7 @@ pub(super) fn change(trail: &Trail, data: &DataSet, sensors: &[Sensor]) -> Optio
         let is_driven = || switched::is_driven(&as_it_is.around([change.row, change.until]), &change, data);
         (!goes_back(&around, row) && !fading::fades(&trail, data, &change) && !is_driven()).then_some(change)
     });
-    tried.max_by(|a, b| a.gain.total_cmp(&b.gain))
+    tried.into_iter().flatten().max_by(|a, b| a.gain.total_cmp(&b.gain))
 }
 
 /// Rows at which lines on both sides miss each other most.

@@ -20,6 +20,9 @@ pub const MOST_FORCE_N: f64 = 1e7;
 /// None stands farther from the center of the table, mm.
 pub const FARTHEST_MM: f64 = 1e5;
 
+/// A pass over all readings of a sensor pays where it gives a temperature at one in this many of them.
+const FEW: usize = 8;
+
 /// A weight on the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
@@ -76,6 +79,38 @@ pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f
         change(condition);
         condition.zero.as_deref_mut().into_iter().for_each(&mut change);
     }
+}
+
+/// [`Condition::temperature_c`] for each of some conditions: those that share their readings and follow each other in time in one pass.
+#[must_use]
+pub fn temperatures_c<'a>(
+    conditions: impl IntoIterator<Item = &'a Condition>,
+    sensor: &str,
+    lag_s: f64,
+) -> Vec<Option<f64>> {
+    let mut out = Vec::new();
+    let mut times_s: Vec<f64> = Vec::new();
+    let mut finish = |shared: Option<&Condition>, times_s: &mut Vec<f64>| {
+        match shared.and_then(|condition| condition.trace(sensor)) {
+            Some(trace) if FEW * times_s.len() >= trace.points().len() && !trace.points().is_empty() => {
+                out.extend(trace.lagged_at(times_s, lag_s).into_iter().map(Some));
+            }
+            Some(trace) => out.extend(times_s.iter().map(|&time_s| trace.lagged(time_s, lag_s))),
+            None => out.extend(times_s.iter().map(|_| None)),
+        }
+        times_s.clear();
+    };
+    let mut shared: Option<&Condition> = None;
+    for condition in conditions {
+        let goes_on = shared.is_some_and(|other| Arc::ptr_eq(&other.sensors, &condition.sensors))
+            && times_s.last().is_some_and(|last_s| *last_s <= condition.time_s);
+        if !goes_on {
+            finish(shared.replace(condition), &mut times_s);
+        }
+        times_s.push(condition.time_s);
+    }
+    finish(shared, &mut times_s);
+    out
 }
 
 /// Where the machine stood when the zero point of the workpiece was set.
@@ -230,5 +265,40 @@ impl Condition {
     #[must_use]
     pub fn temperature_c(&self, sensor: &str, lag_s: f64) -> Option<f64> {
         self.sensors.get(sensor)?.lagged(self.time_s, lag_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn temperatures_of_many_conditions_are_those_of_each() {
+        let with = |offset_c: f64, count: u32| {
+            let mut log = Condition::default();
+            (0..count).for_each(|k| log.add_reading("T", 10.0 * f64::from(k), offset_c + f64::from(k * k % 13)));
+            log
+        };
+        let (long, short, none) = (with(20.0, 60), with(-3.0, 3), Condition::default());
+        // In passes, back in time, alternating, with too few for a pass and before the first reading.
+        let at = |log: &Condition, time_s: f64| {
+            let mut one = log.clone();
+            one.set_time(time_s);
+            one
+        };
+        let mut all: Vec<Condition> = (0..40).map(|k| at(&long, 14.0 * f64::from(k) - 20.0)).collect();
+        all.extend([
+            at(&long, 3.0),
+            at(&short, 5.0),
+            at(&long, 7.0),
+            at(&none, 7.0),
+            at(&short, 19.0),
+            at(&short, 99.0),
+        ]);
+        for lag_s in [0.0, 35.0] {
+            let own: Vec<_> = all.iter().map(|one| one.temperature_c("T", lag_s)).collect();
+            assert_eq!(temperatures_c(&all, "T", lag_s), own, "{lag_s}");
+        }
+        assert!(temperatures_c(&all, "other", 0.0).iter().all(Option::is_none));
     }
 }
