@@ -156,3 +156,103 @@ fn the_45_degree_machine_from_the_command_line() {
     assert!(made["check"]["tables"]["rms_um"].as_f64().unwrap() <= 1.0, "{made}");
     assert!(made["tables"].as_u64().unwrap() <= 40 && !made["tried"].as_array().unwrap().is_empty(), "{made}");
 }
+
+/// A table of an axis over another one with two values in mm, and further lines.
+fn two_points(number: usize, values: [f64; 2], more: &str) -> String {
+    format!(
+        "$AN_CEC[{number},0]={}\n$AN_CEC[{number},1]={}\n$AN_CEC_INPUT_AXIS[{number}]=(AX2)\n$AN_CEC_OUTPUT_AXIS[{number}]=(AX3)\n\
+         $AN_CEC_STEP[{number}]=400\n$AN_CEC_MIN[{number}]=0\n$AN_CEC_MAX[{number}]=400\n{more}\n",
+        values[0], values[1]
+    )
+}
+
+#[test]
+fn tables_of_which_a_control_would_have_one_are_refused() {
+    let active = |files: &str| {
+        format!("{}{ERRORS}", MILL.replace("controller", &format!("active_tables = [{files}]\ncontroller")))
+    };
+    let shop = shop()
+        .file("A.INI", two_points(0, [0.01, 0.02], ""))
+        .file("B.INI", two_points(1, [0.01, 0.02], ""))
+        .file("C.INI", two_points(1, [0.0, 0.05], ""))
+        .file("same.toml", active("\"A.INI\", \"A.INI\""))
+        .file("both.toml", active("\"B.INI\", \"C.INI\""))
+        .file("sum.toml", active("\"A.INI\", \"C.INI\""));
+    shop.run(["part.mpf", "-o", "out.mpf", "--machine", "same.toml"]).exits(4).says("E0901").says("once more");
+    shop.run(["part.mpf", "-o", "out.mpf", "--machine", "both.toml"]).exits(4).says("table 1 is in B.INI too");
+    shop.run(["tables", "--read", "B.INI", "C.INI"]).exits(4).says("E0901");
+    assert!(!shop.names().contains(&"out.mpf".to_owned()));
+    // Tables of other numbers are added.
+    shop.run(["part.mpf", "-o", "out.mpf", "--machine", "sum.toml"]).exits(0);
+    let comp = "0 0 0\n400 0.01 0.01\n";
+    let shop = shop.file("x.comp", comp).file("X.comp", "0 0 0\n400 0.02 0.02\n");
+    shop.run(["tables", "--read", "x.comp", "X.comp"]).exits(4).says("E0901");
+}
+
+#[test]
+fn values_that_no_axis_is_off_by_are_refused() {
+    for (name, text) in [
+        ("CEC.INI", two_points(0, [0.0, 55.0], "")),
+        ("CEC.INI", two_points(0, [0.0, 1e308], "$SN_CEC_TABLE_WEIGHT[0]=10")),
+        ("x.comp", "0 0 0\n400 800 800\n".to_owned()),
+    ] {
+        let shop = Shop::new().file(name, text).file("mill.toml", MILL);
+        shop.run(["tables", "--read", name, "--machine", "mill.toml", "--check"]).exits(4).says("E0901");
+    }
+}
+
+#[test]
+fn a_file_without_tables_in_use_writes_nothing() {
+    let text = "%_N_NC_CEC_INI\n$AN_CEC[0,0]=0\n$AN_CEC_STEP[0]=0\nM17\n";
+    let shop = Shop::new().file("CEC.INI", text);
+    let run = shop.run(["tables", "--read", "CEC.INI", "--format", "cec", "-o", "OUT.INI"]).exits(2);
+    run.says("no compensation table is in use").says("W0901");
+    assert_eq!(shop.names(), ["CEC.INI"]);
+}
+
+/// Lost motion of 6 µm in X: the tip is 3 µm to one side of the middle or the other. A machine checked in the middle would show nothing.
+#[test]
+fn a_check_reaches_its_poses_in_both_senses() {
+    let backlash = "[[motion]]\ncomponent = \"EXX\"\nkind = \"backlash\"\nvalue_um = 6\n";
+    let shop = Shop::new().file("mill.toml", format!("{MILL}{ERRORS}{backlash}"));
+    let made = shop.run(make(&["--check", "--json"])).exits(0).json();
+    let check = &made["check"];
+    assert_eq!(check["senses"], serde_json::json!(["X"]), "{made}");
+    assert!(check["tables"]["max_um"].as_f64().unwrap() < 0.05, "{made}");
+    // The same tables but those for one sense leave half of it at every pose.
+    let text = shop.text("CEC.INI");
+    let senses = text.lines().filter(|line| line.contains("_DIRECTION[") && !line.ends_with("=0"));
+    let numbers: Vec<String> = senses.map(|line| line.split(['[', ']']).nth(1).unwrap().to_owned()).collect();
+    assert_eq!(numbers.len(), 2, "{text}");
+    let is_off =
+        |line: &str| numbers.iter().any(|n| line.contains(&format!("[{n},")) || line.contains(&format!("[{n}]")));
+    let without: Vec<&str> = text.lines().filter(|line| !is_off(line)).collect();
+    let shop = shop.file("FEWER.INI", without.join("\n"));
+    let fewer = ["tables", "--read", "FEWER.INI", "--machine", "mill.toml", "--check", "--json"];
+    let left = shop.run(fewer).exits(0).json()["check"]["tables"]["rms_um"].as_f64().unwrap();
+    assert!((left - 3.0).abs() < 0.05, "{left}");
+    let both = shop.run(["tables", "--read", "FEWER.INI", "--compare", "CEC.INI", "--machine", "mill.toml", "--json"]);
+    let differs = both.exits(0).json()["difference"][0]["max"].as_f64().unwrap();
+    assert!((differs - 3.0).abs() < 0.05, "{differs}");
+}
+
+#[test]
+fn a_check_says_which_tool_it_is_for() {
+    let shop = shop();
+    shop.run(make(&["--tool", "120"])).exits(0);
+    let other = shop.run(["tables", "--read", "CEC.INI", "--machine", "mill.toml", "--check"]).exits(0);
+    assert!(other.stdout.contains("tool 0 0 0 mm") && other.stdout.contains("--tool 0,0,-120"), "{}", other.stdout);
+    let own = ["tables", "--read", "CEC.INI", "--machine", "mill.toml", "--check", "--tool", "120"];
+    assert!(!shop.run(own).exits(0).stdout.contains("another tool"));
+}
+
+/// A spindle or a loader between the axes has a number too, whether or not ncfix knows it.
+#[test]
+fn axes_have_the_numbers_of_the_control() {
+    let order = MILL.replace("controller", "axis_order = [\"X\", \"A\", \"Z\"]\ncontroller");
+    let shop = Shop::new().file("mill.toml", format!("{order}{ERRORS}"));
+    shop.run(make(&[])).exits(0);
+    // X over Y: AX1 over what comes behind X A Z.
+    let text = shop.text("CEC.INI");
+    assert!(text.contains("$AN_CEC_INPUT_AXIS[1]=(AX4)\n$AN_CEC_OUTPUT_AXIS[1]=(AX1)"), "{text}");
+}

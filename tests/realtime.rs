@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, Write as _};
+use std::os::unix::fs::FileExt as _;
 use std::time::Duration;
 
 use ncfix::geometry::{Axis, AxisVector, Vector};
@@ -120,12 +121,14 @@ fn a_cycle_doses_clamps_holds_and_knows_the_sense() {
     // A flicker of less than an increment is no reversal.
     assert_eq!(step(middle + 0.9995), (-8.0, none));
     assert_eq!(step(middle), (-6.0, Signals::DOSED));
-    assert_eq!(step(f64::NAN), (-6.0, Signals::HELD));
+    for no_number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_eq!(step(no_number), (-6.0, Signals::HELD));
+    }
     assert_eq!(step(middle), (-4.0, Signals::DOSED));
     assert_eq!(step(middle), (-2.0, none));
     let beyond = step(high + 10.0);
     assert!(beyond.1.has(Signals::BEYOND) && beyond.0 == -4.0, "{beyond:?}");
-    assert!(step(f64::INFINITY).1.has(Signals::BEYOND));
+    assert!(step(1e300).1.has(Signals::BEYOND));
 }
 
 #[test]
@@ -192,13 +195,13 @@ fn rings_carry_set_points_there_and_corrections_back() {
     assert_eq!(bytes.len(), 1024 + 2 * 4 * 8 * 8);
     let client = Client::open(&file).unwrap();
     assert_eq!(client.axes(), [Axis::X, Axis::Y, Axis::Z]);
-    assert_eq!(ring.serve(&mut cycle), None);
+    assert_eq!(ring.serve(&mut cycle), Ok(None));
     for round in 0..5_u64 {
         for k in 0..4 {
             assert!(client.put(10 * round + k, &at(&[(Axis::X, k as f64), (Axis::Z, 2.5)])));
         }
         assert!(!client.put(99, &AxisVector::ZERO), "the ring is full");
-        while ring.serve(&mut cycle).is_some() {}
+        while ring.serve(&mut cycle).unwrap().is_some() {}
         for k in 0..4 {
             let (number, answer) = client.take().unwrap();
             assert_eq!(number, 10 * round + k);
@@ -213,6 +216,16 @@ fn rings_carry_set_points_there_and_corrections_back() {
     assert!(!ring.beat());
     client.stop();
     assert!(ring.beat());
+    // A control that goes over the end of the ring: 20 set-points were read, 25 written; or one that read corrections that there are not.
+    for (byte, count) in [(128, 25_u64), (512, 21)] {
+        let before = ring.serve(&mut cycle);
+        assert_eq!(before, Ok(None));
+        let own =
+            u64::from_le_bytes(std::fs::read(folder.path().join("ring")).unwrap()[byte..byte + 8].try_into().unwrap());
+        file.write_all_at(&count.to_le_bytes(), byte as u64).unwrap();
+        assert!(ring.serve(&mut cycle).is_err(), "{byte}");
+        file.write_all_at(&own.to_le_bytes(), byte as u64).unwrap();
+    }
 }
 
 #[test]

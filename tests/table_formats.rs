@@ -405,12 +405,18 @@ fn units_and_spellings_of_sag_tables() {
         (ramp(0, "$AN_CEC[0,1]=1,5"), vec!["E0901 8:14"]),
         (ramp(0, "AN_CEC[0,1]=5"), vec!["E0901 8:1"]),
         (ramp(0, "$AN_CEC[0,1]"), vec!["E0901 8:1"]),
-        (ramp(0, "INCH\n$AN_CEC[0,1]=1"), vec!["E0901 9:1"]),
+        (ramp(0, "INCH\n$AN_CEC[0,1]=3"), vec!["E0901 9:1"]),
+        (ramp(0, "$AN_CEC[0,1]=3"), vec![]),
+        (ramp(0, "$AN_CEC[0,1]=4"), vec!["E0901 8:1"]),
+        (ramp(0, "$AN_CEC_DIRECTION[0]=7"), vec!["E0901 8:22"]),
+        (ramp(0, "$AN_CEC_MULT_BY_TABLE[0]=0.5"), vec!["E0901 8:26"]),
         (ramp(0, "MSG(\"loaded\")"), vec!["W0901 8:1"]),
         (ramp(0, "$AN_CEC[0,2]=0"), vec![]),
         (ramp(0, "$AN_CEC[0,2]=7"), vec!["W0901 1:1"]),
         (ramp(0, "$SN_CEC_TABLE_ENABLE[0]=0"), vec!["W0901 1:1"]),
-        (ramp(0, "$AN_CEC_MAX[0]=150"), vec!["W0901 1:1"]),
+        (ramp(0, "$AN_CEC_MAX[0]=150"), vec!["E0901 1:1"]),
+        (ramp(0, "$AN_CEC_MAX[0]=-1"), vec!["E0901 1:1"]),
+        (ramp(0, "$AN_CEC_STEP[0]=-100"), vec!["E0901 1:1"]),
         (ramp(0, "$AN_CEC_STEP[0]=1e-300"), vec!["E0901 1:1"]),
         (ramp(0, "$AN_CEC_MAX[0]=1e300"), vec!["E0901 1:1"]),
         (ramp(0, "$AN_CEC_STEP[0]=0"), vec!["W0901 1:1"]),
@@ -452,8 +458,19 @@ fn leadscrew_tables_of_two_measuring_systems() {
              $AA_ENC_COMP_MIN[{m},Z1]=0\n$AA_ENC_COMP_MAX[{m},Z1]=10\n"
         )
     };
-    let (tables, findings) = read_as(named("enc"), "x.ini", table(0, 0.5) + &table(1, 0.7));
+    // Which of both is at work is not in the file; one that is not in use has no step.
+    let (_, findings) = read_as(named("enc"), "x.ini", table(0, 0.5) + &table(1, 0.7));
+    assert_eq!(findings, ["E0901 6:1"]);
+    let idle = table(1, 0.0) + "$AA_ENC_COMP_STEP[1,Z1]=0\n";
+    let (tables, findings) = read_as(named("enc"), "x.ini", table(0, 0.5) + &idle);
     assert_eq!((at(&tables, Axis::Z, 0.0, 1, Axis::Z), findings), (-0.5, vec!["W0901 6:1".to_owned()]));
+    for (line, place) in [
+        ("$AA_ENC_COMP_STEP[0,Z1]=-10", "E0901 1:1"),
+        ("$AA_ENC_COMP_MAX[0,Z1]=20", "E0901 1:1"),
+        ("$AA_ENC_COMP[0,0,Z1]=3", "E0901 6:1"),
+    ] {
+        assert_eq!(read_as(named("enc"), "x.ini", table(0, 0.5) + line).1, [place], "{line}");
+    }
     assert_eq!(read_as(named("enc"), "x.ini", table(2, 0.5)).1[0], "E0901 1:1");
 }
 
@@ -528,7 +545,7 @@ fn a_leadscrew_list_of_twincat() {
         ("kw.ssfk.kw_nr_max 3\nkw.ssfk.interval 0", "E0901 1:1"),
         ("kw.ssfk.table[99999].pos 3", "E0901 6:9"),
         ("kw.ssfk.table[1].pos x", "E0901 6:22"),
-        ("kw.ssfk.bilateral 1", "W0901 1:1"),
+        ("kw.ssfk.bilateral 1", "E0901 1:1"),
         ("kw.ssfk.manual_activation 1", "W0901 6:9"),
     ] {
         let findings = read_as(named("ssfk"), "z.lis", format!("{even}{more}")).1;

@@ -56,6 +56,7 @@ impl Bench {
         let (wiring, region) = (Wiring::of(&self.machine), self.region());
         let task = Task {
             target: self.target(&model, wish.orientation),
+            orientation: Some(wish.orientation),
             errors: &errors,
             region: &region,
             points: wish.points,

@@ -7,13 +7,13 @@ use crate::geometry::{AxisVector, Matrix, Vector};
 use crate::machine::{Condition, Machine};
 use crate::measure::data::DataSet;
 use crate::measure::kind::{Equation, Seen};
-use crate::measure::reading::Reading;
 use crate::model::parameter::ParameterName;
 use crate::model::{ErrorModel, ErrorName, Model};
 use crate::numeric::in_parts;
 
 use super::column::Column;
-use super::effect::{EffectParameter, Parameter, Part, Probe};
+use super::effect::{EffectParameter, Parameter};
+use super::unit::{Units, number_of};
 
 /// Known distances have this standard uncertainty where the description gives none, mm.
 pub(super) const TIE_SIGMA: f64 = 1e-4;
@@ -37,15 +37,15 @@ const LEVER_MM: f64 = 1000.0;
 /// Parameters and data, laid out in columns.
 #[derive(Clone, Debug)]
 pub(super) struct Design<'a> {
-    machine: &'a Machine,
+    pub(super) machine: &'a Machine,
     pub(super) data: &'a [DataSet],
     pub(super) parameters: Vec<Parameter>,
     /// The components of the parameters of the geometry, each once.
-    components: Vec<ErrorName>,
+    pub(super) components: Vec<ErrorName>,
     /// The parameters of the geometry, with their columns and components.
-    geometry: Vec<(usize, ParameterName, usize)>,
+    pub(super) geometry: Vec<(usize, ParameterName, usize)>,
     /// Those of effects, with their columns.
-    effects: Vec<(usize, EffectParameter)>,
+    pub(super) effects: Vec<(usize, EffectParameter)>,
     /// Place of the first unknown of each measurement among the columns, and behind the last one.
     first: Vec<usize>,
     pub(super) columns: Vec<Column>,
@@ -264,7 +264,7 @@ impl<'a> Design<'a> {
     }
 
     /// The command as the errors of axes see it that repeat with every turn.
-    fn within_turn(&self, command: &AxisVector) -> AxisVector {
+    pub(super) fn within_turn(&self, command: &AxisVector) -> AxisVector {
         let mut out = *command;
         for data in self.machine.axes.iter().flatten().filter(|data| data.modulo) {
             out[data.axis] = out[data.axis].rem_euclid(TAU);
@@ -299,87 +299,6 @@ impl Own<'_> {
 
 /// An equation and its factors by every column: what a fit is made of.
 pub type Factored = (Line, Vec<f64>);
-
-/// The number of a component, which is added where it is new.
-fn number_of(components: &mut Vec<ErrorName>, name: ErrorName) -> usize {
-    components.iter().position(|known| *known == name).unwrap_or_else(|| {
-        components.push(name);
-        components.len() - 1
-    })
-}
-
-/// What one unit of each parameter does to the tool, in one condition and at one pose.
-struct Units<'a> {
-    design: &'a Design<'a>,
-    /// The components of all parameters.
-    components: Vec<ErrorName>,
-    /// What shows what the parameters of effects do, with their columns.
-    probes: Vec<(usize, Probe)>,
-    /// What one of them does in the condition.
-    own: Vec<Part>,
-    /// What all do in the condition, with their columns and components.
-    parts: Vec<(usize, usize, Part)>,
-    /// What one unit of each component does to tip and direction of the tool.
-    by_component: Vec<[Vector; 2]>,
-    /// How much of a component is in one unit of a parameter: column, component, share.
-    shares: Vec<(usize, usize, f64)>,
-}
-
-impl<'a> Units<'a> {
-    /// Effects are those of `errors`.
-    fn new(design: &'a Design<'a>, errors: &ErrorModel) -> Units<'a> {
-        let shares = design.geometry.iter().map(|&(column, _, component)| (column, component, 0.0)).collect();
-        let probes = design.effects.iter().map(|(column, parameter)| (*column, parameter.probe(errors))).collect();
-        let (components, parts, by_component) = (design.components.clone(), Vec::new(), Vec::new());
-        Units { design, components, probes, own: Vec::new(), parts, by_component, shares }
-    }
-
-    /// Goes to another condition.
-    fn enter(&mut self, condition: &Condition) {
-        self.parts.clear();
-        for (column, probe) in &self.probes {
-            probe.parts(self.design.machine, condition, &mut self.own);
-            for part in self.own.drain(..) {
-                let component = number_of(&mut self.components, part.component);
-                self.parts.push((*column, component, part));
-            }
-        }
-        self.shares.truncate(self.design.geometry.len());
-        self.shares.extend(self.parts.iter().map(|&(column, component, _)| (column, component, 0.0)));
-    }
-
-    /// Goes to a pose; directions turn by `turn`.
-    fn stand(&mut self, model: &Model, reading: &Reading, turn: &Matrix) {
-        self.by_component.clear();
-        self.by_component.extend(self.components.iter().map(|name| {
-            let unit = model.sensitivity(*name, &reading.position, &reading.tool_mm);
-            [turn * unit.translation, turn * unit.rotation]
-        }));
-        let command = self.design.within_turn(&reading.position);
-        let geometry = self.design.geometry.iter().map(|(_, name, _)| name.weight(&command, &reading.state));
-        let effects = self.parts.iter().map(|(_, _, part)| part.value(&command, &reading.state));
-        for ((_, _, share), value) in self.shares.iter_mut().zip(geometry.chain(effects)) {
-            *share = value;
-        }
-    }
-
-    /// The factors of all parameters, from the derivatives of a reading by tip and direction; those of the unknowns are 0.
-    fn factors(&self, by_tip: &Vector, by_turn: &Vector, out: &mut [f64]) {
-        out.fill(0.0);
-        for &(column, component, share) in &self.shares {
-            let [tip, turn] = &self.by_component[component];
-            out[column] += (by_tip.dot(tip) + by_turn.dot(turn)) * share;
-        }
-    }
-
-    /// How a unit of each parameter moves the tip.
-    fn moved(&self, out: &mut [Vector]) {
-        out.fill(Vector::zeros());
-        for &(column, component, share) in &self.shares {
-            out[column] += self.by_component[component][0] * share;
-        }
-    }
-}
 
 /// The columns of a fit, and the equations with values of the unknowns beside those that the error model holds: zeros, and the
 /// middle of where balls were probed, where `unknowns` is `None`.

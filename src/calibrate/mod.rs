@@ -25,6 +25,7 @@ mod reduce;
 mod robust;
 mod select;
 pub mod sensors;
+mod unit;
 pub mod words;
 
 pub use crate::numeric::stepwise::{Change, Choice, Gain, Rule, Term};

@@ -23,7 +23,7 @@ use crate::tables::check::check;
 use crate::tables::region::Region;
 use crate::tables::scheme::{self, SCHEMES, Task};
 use crate::tables::{Control, FORMATS, Format, Orientation, Tables, Wiring};
-use crate::units::um_from_mm;
+use crate::units::{um_from_mm, urad_from_rad};
 
 /// Start of the generator of the poses of a check: none of those of a scheme.
 const SEED: u64 = 0x43_4845_434b;
@@ -50,6 +50,9 @@ pub(super) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop> {
     }
     Ok(findings.exit_code())
 }
+
+/// Tools whose tips are no farther apart are one, mm.
+const SAME_TOOL_MM: f64 = 1e-6;
 
 /// What is asked, with the machine that it is asked of.
 struct Job<'a> {
@@ -80,6 +83,8 @@ fn work(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
         report.machine.clone_from(&job.chosen.machine.name);
         if arguments.check {
             report.check = Some(job.check(&read.tables));
+            let other = read.tool_mm.filter(|own| (own - job.tool_mm).norm() > SAME_TOOL_MM);
+            report.made_for_tool_mm = other.map(|own| [own.x, own.y, own.z]);
         }
     }
     let other = match &arguments.compare {
@@ -134,6 +139,7 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
     let target = job.target(&model);
     let task = Task {
         target,
+        orientation: arguments.orientation.map(|choice| choice.orientation()),
         errors: &errors,
         region: &job.region,
         points: arguments.points as usize,
@@ -188,7 +194,7 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
             machine.name,
             job.chosen.hash
         ),
-        format!("tool {} {} {} mm from the gauge point", job.tool_mm.x, job.tool_mm.y, job.tool_mm.z),
+        tables_read::tool_remark(&job.tool_mm),
         format!(
             "tip error over the volume, rms: {:.3} um without, {:.3} um with these tables",
             checked.before.rms_um, checked.tables.rms_um
@@ -246,14 +252,7 @@ impl Job<'_> {
             machine: &self.chosen.machine,
             model,
             tool_mm: self.tool_mm,
-            orientation: match self.arguments.orientation {
-                Some(choice) => choice.orientation(),
-                // What these schemes can hold.
-                None if matches!(self.arguments.scheme.as_str(), "polynomial" | "trigonometric") => {
-                    Orientation::SixRows
-                }
-                None => Orientation::Smooth,
-            },
+            orientation: self.arguments.orientation.map_or(Orientation::Smooth, |choice| choice.orientation()),
         }
     }
 
@@ -270,7 +269,7 @@ impl Job<'_> {
         }
         let poses = region.poses(self.arguments.poses as usize, SEED);
         let found = check(&target, &Control::new(&self.chosen.machine, tables), &poses);
-        CheckReport::new(&found, place(&region, &found.worst))
+        CheckReport::new(&found, place(&region, &found.worst), &self.tool_mm)
     }
 }
 
@@ -348,8 +347,9 @@ fn publish(
 fn tried_report(tried: &scheme::Tried) -> TriedReport {
     let mut report = TriedReport { scheme: tried.scheme.to_owned(), points: tried.points, ..TriedReport::default() };
     match &tried.outcome {
-        Ok((tables, entries, rms_mm)) => {
-            (report.tables, report.entries, report.rms_um) = (Some(*tables), Some(*entries), Some(um_from_mm(*rms_mm)));
+        Ok((tables, entries, [rms_mm, rms_rad])) => {
+            (report.tables, report.entries) = (Some(*tables), Some(*entries));
+            (report.rms_um, report.tilt_rms_urad) = (Some(um_from_mm(*rms_mm)), Some(urad_from_rad(*rms_rad)));
         }
         Err(why) => report.reason = Some(why.clone()),
     }

@@ -1,9 +1,10 @@
 //! Compares what two sets of compensation tables add.
 
 use super::stop::Stop;
-use crate::geometry::{Axis, Vector};
-use crate::machine::{Machine, State};
+use crate::geometry::{AXES, Axis, Vector};
+use crate::machine::{Compensation as _, Machine};
 use crate::report::tables::Difference;
+use crate::tables::check::stands;
 use crate::tables::region::Region;
 use crate::tables::{Control, Tables};
 use crate::units::{um_from_mm, urad_from_rad};
@@ -25,10 +26,12 @@ pub(super) fn difference(
     }
     let machine = machine.map_or_else(demo, |machine| Ok(machine.clone()))?;
     let controls = both.map(|tables| Control::new(&machine, tables));
-    let poses = region.poses(count as usize, seed);
+    let both_have = |axis: &Axis| controls.iter().any(|control| control.has_senses(*axis));
+    let with_senses: Vec<Axis> = AXES.into_iter().filter(both_have).collect();
+    let poses = stands(&region.poses(count as usize, seed), &with_senses);
     let mut axes: Vec<(Axis, f64, f64)> = region.ranges.iter().map(|&(axis, _)| (axis, 0.0, 0.0)).collect();
-    for pose in &poses {
-        let [first, second] = [0, 1].map(|index: usize| controls[index].correction(pose, &tool_mm, &State::default()));
+    for (pose, state) in &poses {
+        let [first, second] = [0, 1].map(|index: usize| controls[index].correction(pose, &tool_mm, state));
         for (axis, squares, most) in &mut axes {
             let apart = first[*axis] - second[*axis];
             *squares += apart * apart;

@@ -10,7 +10,7 @@ use crate::geometry::AxisVector;
 pub struct Signals(pub u64);
 
 impl Signals {
-    /// A set-point was no number: the correction is that of the cycle before.
+    /// A set-point was no number, or an infinite one: the correction is that of the cycle before.
     pub const HELD: Signals = Signals(1);
     /// An axis was beyond the end of its travel: the correction is that of the end.
     pub const BEYOND: Signals = Signals(2);
@@ -63,7 +63,7 @@ impl Cycle {
         let mut signals = Signals::default();
         let (kernel, is_new) = self.kernels.latest();
         signals.set(Signals::RENEWED, is_new);
-        if kernel.axes().iter().any(|axis| set_point[axis].is_nan()) {
+        if kernel.axes().iter().any(|axis| !set_point[axis].is_finite()) {
             signals.set(Signals::HELD, true);
             return Answer { correction: *self.dosing.in_force(), signals };
         }

@@ -30,8 +30,10 @@ pub struct Agreement {
     pub position_mm: f64,
     /// Largest angle between the directions of the tool, rad.
     pub direction_rad: f64,
-    /// Poses for which only one of both has a correction.
+    /// Poses for which the model has a correction and the kernel has none: there it holds the last one.
     pub unequal: usize,
+    /// Poses for which the model has none.
+    pub unsolved: usize,
     /// Largest correction of a linear axis, mm.
     pub largest_mm: f64,
 }
@@ -95,7 +97,8 @@ impl Kernel {
             let exact = model.solve(&nominal, &self.tool_mm, &state, &nominal, self.mode).ok();
             let fast = self.correction(&nominal, &state).map(|correction| nominal + correction);
             let (Some(exact), Some(fast)) = (exact, fast) else {
-                found.unequal += usize::from(exact.is_some() != fast.is_some());
+                found.unequal += usize::from(exact.is_some());
+                found.unsolved += usize::from(exact.is_none());
                 continue;
             };
             let [exact_pose, fast_pose] = [exact, fast].map(|command| model.actual(&command, &self.tool_mm, &state));

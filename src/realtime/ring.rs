@@ -118,6 +118,15 @@ impl Shape {
     }
 }
 
+/// Counts that are more than a ring apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Overrun {
+    /// Set-points that were written and not read.
+    pub set_points: u64,
+    /// Corrections that were written and not read; huge where more were read than there are.
+    pub corrections: u64,
+}
+
 /// The side of ncfix: makes the rings and answers.
 #[derive(Debug)]
 pub struct Ring {
@@ -165,13 +174,19 @@ impl Ring {
 
     /// Answers one set-point and returns the signals of the answer; `None` where there is none, or no room for the answer. Allocates nothing and
     /// waits for nothing.
-    pub fn serve(&self, cycle: &mut Cycle) -> Option<Signals> {
+    ///
+    /// # Errors
+    /// [`Overrun`]: then some set-points were written over before they were answered, and no answer would belong to its set-point.
+    pub fn serve(&self, cycle: &mut Cycle) -> Result<Option<Signals>, Overrun> {
         let read = self.words.get(SET_POINTS_READ, Ordering::Relaxed);
         let written = self.words.get(CORRECTIONS_WRITTEN, Ordering::Relaxed);
-        if self.words.get(SET_POINTS_WRITTEN, Ordering::Acquire) == read
-            || written.wrapping_sub(self.words.get(CORRECTIONS_READ, Ordering::Acquire)) >= self.shape.capacity
-        {
-            return None;
+        let waiting = self.words.get(SET_POINTS_WRITTEN, Ordering::Acquire).wrapping_sub(read);
+        let open = written.wrapping_sub(self.words.get(CORRECTIONS_READ, Ordering::Acquire));
+        if waiting > self.shape.capacity || open > self.shape.capacity {
+            return Err(Overrun { set_points: waiting, corrections: open });
+        }
+        if waiting == 0 || open == self.shape.capacity {
+            return Ok(None);
         }
         let from = self.shape.set_point(read);
         let number = self.words.get(from, Ordering::Relaxed);
@@ -188,7 +203,7 @@ impl Ring {
             self.words.set(to + 2 + index, answer.correction[axis].to_bits(), Ordering::Relaxed);
         }
         self.words.set(CORRECTIONS_WRITTEN, written.wrapping_add(1), Ordering::Release);
-        Some(answer.signals)
+        Ok(Some(answer.signals))
     }
 
     /// Shows that this side lives; whether the control wants it to end.

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::json::Finding;
 use super::markup::Markup;
 use super::plot::{Chart, Picture, STYLE, Series, Shape, WIDTH};
-use crate::geometry::Axis;
+use crate::geometry::{Axis, Vector};
 use crate::tables::check::{Check, Errors};
 use crate::tables::{Lookup, Sense, Tables};
 use crate::units::{um_from_mm, urad_from_rad};
@@ -34,6 +34,8 @@ pub struct TablesReport {
     pub rows: Vec<Row>,
     /// What they leave.
     pub check: Option<CheckReport>,
+    /// The tool that the file says its tables are for, mm from the gauge point, where another one was checked.
+    pub made_for_tool_mm: Option<[f64; 3]>,
     /// What two sets of tables differ by, µm or µrad: root mean square and largest for each axis.
     pub difference: Vec<Difference>,
     /// What was tried by `auto`.
@@ -82,6 +84,10 @@ pub struct CheckReport {
     pub exact: ErrorsReport,
     /// Where the tables leave most.
     pub worst: String,
+    /// From the gauge point to the tip, mm.
+    pub tool_mm: [f64; 3],
+    /// Axes whose sense of motion counts: every pose was reached in both.
+    pub senses: Vec<String>,
 }
 
 /// Errors of tip and tool axis.
@@ -114,6 +120,7 @@ pub struct TriedReport {
     pub tables: Option<usize>,
     pub entries: Option<usize>,
     pub rms_um: Option<f64>,
+    pub tilt_rms_urad: Option<f64>,
     pub reason: Option<String>,
 }
 
@@ -130,15 +137,18 @@ impl From<&Errors> for ErrorsReport {
 }
 
 impl CheckReport {
-    /// The figures of a check; `worst` says where.
+    /// The figures of a check; `worst` says where, the tool runs from the gauge point to the tip.
     #[must_use]
-    pub fn new(check: &Check, worst: String) -> CheckReport {
+    pub fn new(check: &Check, worst: String, tool_mm: &Vector) -> CheckReport {
         CheckReport {
             poses: check.before.tip_mm.len(),
             before: (&check.before).into(),
             tables: (&check.tables).into(),
             exact: (&check.exact).into(),
             worst,
+            // No minus in front of zero.
+            tool_mm: [0, 1, 2].map(|index| tool_mm[index] + 0.0),
+            senses: check.senses.iter().map(ToString::to_string).collect(),
         }
     }
 }
@@ -185,7 +195,10 @@ impl TablesReport {
         }
         self.tried_page(&mut page);
         if let Some(check) = &self.check {
-            let _ = writeln!(page, "left over the volume ({} poses)", check.poses);
+            let [x, y, z] = check.tool_mm;
+            let senses = check.senses.join(" ");
+            let senses = if senses.is_empty() { senses } else { format!(", {senses} moving in both senses") };
+            let _ = writeln!(page, "left over the volume ({} poses{senses}; tool {x} {y} {z} mm)", check.poses);
             page.push_str("                 tip: mean     rms     max um    tool axis: rms     max urad\n");
             for (name, one) in [("without", check.before), ("with tables", check.tables), ("exact", check.exact)] {
                 let _ = writeln!(
@@ -195,6 +208,12 @@ impl TablesReport {
                 );
             }
             let _ = writeln!(page, "  most with tables at {}", check.worst);
+            if let Some([x, y, z]) = self.made_for_tool_mm {
+                let _ = writeln!(
+                    page,
+                    "  the file says its tables are for another tool: check them with --tool {x},{y},{z}"
+                );
+            }
         }
         if !self.difference.is_empty() {
             page.push_str("what the two add differs by\n");
@@ -220,10 +239,13 @@ impl TablesReport {
             let _ = match (&one.reason, one.tables, one.rms_um) {
                 (Some(reason), ..) => writeln!(page, "  tried {} with {} points: {reason}", one.scheme, one.points),
                 (None, Some(tables), Some(rms)) => {
+                    let tilt = one.tilt_rms_urad.filter(|tilt| *tilt > 0.0);
+                    let tilt = tilt.map_or(String::new(), |tilt| format!(", a tilt of {tilt:.2} urad"));
+                    let points = one.points;
                     writeln!(
                         page,
-                        "  tried {} with {} points: {tables} tables leave {rms:.3} um",
-                        one.scheme, one.points
+                        "  tried {} with {points} points: {tables} tables leave {rms:.3} um{tilt}",
+                        one.scheme
                     )
                 }
                 _ => Ok(()),

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::geometry::{Axis, AxisVector};
-use crate::machine::{AxisData, Machine};
+use crate::machine::{AxisData, Machine, State};
 
 /// Ranges of the axes, mm or rad.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +74,18 @@ fn range(data: &AxisData) -> Option<[f64; 2]> {
         None if data.axis.is_rotary() => Some([-PI, PI]),
         None => None,
     }
+}
+
+/// Senses of motion of some axes, any with any.
+#[must_use]
+pub fn senses(axes: &[Axis], count: usize, seed: u64) -> Vec<State> {
+    let mut random = Random(seed);
+    let mut state = || {
+        let mut state = State::default();
+        axes.iter().for_each(|axis| state.direction[axis.slot()] = if random.fraction() < 0.5 { -1 } else { 1 });
+        state
+    };
+    (0..count).map(|_| state()).collect()
 }
 
 /// SplitMix64 (Steele, Lea & Flood 2014): a few lines give the same poses everywhere.

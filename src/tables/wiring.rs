@@ -26,12 +26,12 @@ impl Wiring {
     /// The axes of a machine, numbered in the order that its file gives, else X Y Z, U V W, A B C as far as there are: `AX1`, `AX2` …
     #[must_use]
     pub fn of(machine: &Machine) -> Wiring {
-        let usual = AXES.into_iter().filter(|axis| !machine.axis_order.contains(axis));
-        let axes = machine.axis_order.iter().copied().chain(usual).filter_map(|axis| machine.axis(axis));
-        let named = axes.enumerate().map(|(index, data)| Named {
-            axis: data.axis,
-            name: format!("AX{}", index + 1),
-            other: data.name.clone(),
+        let is_left = |axis: &Axis| machine.axis(*axis).is_some() && !machine.axis_order.contains(axis);
+        let axes = machine.axis_order.iter().copied().chain(AXES.into_iter().filter(is_left));
+        // An axis of the order that the machine lacks keeps its number from the others.
+        let named = axes.enumerate().filter_map(|(index, axis)| {
+            let data = machine.axis(axis)?;
+            Some(Named { axis, name: format!("AX{}", index + 1), other: data.name.clone() })
         });
         Wiring { axes: named.collect() }
     }

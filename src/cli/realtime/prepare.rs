@@ -75,6 +75,16 @@ impl Recipe {
         let model: Model = chosen.model();
         let kernel = Kernel::new(&chosen.machine, &model, &self.tool_mm, self.mode);
         let agreement = kernel.agreement(&chosen.machine, &model, POSES);
+        if agreement.unsolved > 0 {
+            let message = format!(
+                "at {} of {} poses within the travel no command brings the tip to its place",
+                agreement.unsolved, agreement.poses
+            );
+            let help =
+                "check the machine file, its tables, the tool and the state; --rotary hold corrects the position alone";
+            findings.add(Diagnostic::nowhere(Code::CORRECTION_TOO_LARGE, message, help), &[]);
+            return None;
+        }
         if agreement.largest_mm > self.max_correction_mm {
             let message = format!(
                 "the correction of an axis reaches {} within the travel, more than the {} allowed",
@@ -88,7 +98,7 @@ impl Recipe {
         let [um, urad] = [um_from_mm(agreement.position_mm), urad_from_rad(agreement.direction_rad)];
         if um > LIMIT_UM || urad > LIMIT_URAD || agreement.unequal > 0 {
             let message = format!(
-                "the kernel differs from the model by up to {} and {} µrad; {} of {} poses have a correction in one of both only",
+                "the kernel differs from the model by up to {} and {} µrad; {} of {} poses have a correction in the model only",
                 micrometers(um),
                 significant(urad),
                 agreement.unequal,

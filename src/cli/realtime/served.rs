@@ -9,9 +9,12 @@ use std::time::{Duration, Instant};
 use super::Tally;
 use super::prepare::Prepared;
 use crate::cli::exit_code::ExitCode;
+use crate::cli::findings::Findings;
 use crate::cli::stop::Stop;
 use crate::cli::tell;
-use crate::realtime::ring::Ring;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::realtime::ring::{Overrun, Ring};
+use crate::report::number::grouped;
 
 /// Looks at an empty ring before the thread rests, and for how long it does.
 const LOOKS: u32 = 2000;
@@ -52,7 +55,11 @@ pub(super) fn serve(name: &str, records: u64, prepared: &mut Prepared, tally: &m
     let mut looks = 0;
     loop {
         let start = Instant::now();
-        if let Some(signals) = ring.serve(&mut prepared.cycle) {
+        let served = match ring.serve(&mut prepared.cycle) {
+            Ok(served) => served,
+            Err(overrun) => return Ok(refused(overrun, records, tally.count)),
+        };
+        if let Some(signals) = served {
             tally.times.note(start.elapsed());
             tally.note(signals);
             looks = 0;
@@ -67,4 +74,21 @@ pub(super) fn serve(name: &str, records: u64, prepared: &mut Prepared, tally: &m
         looks += 1;
         if looks < LOOKS { std::hint::spin_loop() } else { std::thread::sleep(REST) }
     }
+}
+
+/// What is said where a control goes over the end of a ring.
+fn refused(overrun: Overrun, records: u64, answered: u64) -> ExitCode {
+    let what = if overrun.set_points > records {
+        format!("the control wrote {} set-points into a ring of {records}", overrun.set_points)
+    } else {
+        "the control read more corrections than there are".to_owned()
+    };
+    let help = format!(
+        "{} set-points were answered; wait where the counts are {records} apart, or make the ring larger with --records",
+        grouped(answered)
+    );
+    let mut findings = Findings::default();
+    findings.add(Diagnostic::nowhere(Code::BAD_SET_POINT, what, help), &[]);
+    findings.draw();
+    findings.exit_code()
 }

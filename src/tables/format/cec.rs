@@ -5,7 +5,7 @@
 //! plus 1. The result is added to the set-point. (SINUMERIK 840D sl, Extended Functions K3 4.4.4; Esmaeili 2021, 2.4.5.3 and Fig. 7.3.)
 //! Units are those of the basic system, mm here, and degrees.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use super::ini::{Assignment, Place};
@@ -39,6 +39,7 @@ pub(super) const FORMAT: Format = Format {
     faults,
     write,
     read,
+    numbers,
     is_mine,
 };
 
@@ -124,6 +125,19 @@ fn write(tables: &Tables, wiring: &Wiring, notes: &[String]) -> Vec<Written> {
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
     let has = |word: &[u8]| bytes.windows(word.len()).any(|part| part.eq_ignore_ascii_case(word));
     has(b"$AN_CEC") || has(b"_CEC_INI")
+}
+
+/// The numbers of the tables that a file has points of.
+fn numbers(source: &Source) -> BTreeSet<usize> {
+    let mut found = BTreeSet::new();
+    let mut place = Place::new("CEC", "CEC");
+    let mut report = Report::new(source);
+    for line in lines(source) {
+        place.line(&line, &mut report, |_, one| {
+            found.extend(one.index(0, MOST_TABLES).filter(|_| one.name == "$AN_CEC"));
+        });
+    }
+    found
 }
 
 /// A table as far as it was read.
@@ -212,8 +226,10 @@ impl Reader<'_> {
             self.report.fault(line, one.text, format!("'{}' has no number of a point", shown(one.text)), &help);
             return;
         };
-        if let Some(raw) = self.raw.get_mut(&t) {
-            raw.values.insert(n, number);
+        let Some(raw) = self.raw.get_mut(&t) else { return };
+        if raw.values.insert(n, number).is_some_and(|before| before != number) {
+            let message = format!("point {n} of table {t} is there twice, with different values");
+            self.report.fault(line, one.text, message, super::TWICE);
         }
     }
 
@@ -225,14 +241,25 @@ impl Reader<'_> {
             "STEP" => raw.step = number,
             "MIN" => raw.min = number,
             "MAX" => raw.max = number,
+            "DIRECTION" if number == 0.0 => raw.sense = Sense::Both,
+            "DIRECTION" if number == 1.0 => raw.sense = Sense::Positive,
+            "DIRECTION" if number == -1.0 => raw.sense = Sense::Negative,
             "DIRECTION" => {
-                raw.sense = match number {
-                    number if number > 0.0 => Sense::Positive,
-                    number if number < 0.0 => Sense::Negative,
-                    _ => Sense::Both,
-                }
+                let message = format!("table {t} has the direction {number}");
+                self.report.fault(
+                    line,
+                    value,
+                    message,
+                    "write 0 for both senses, 1 for the positive or -1 for the negative one",
+                );
             }
-            "MULT_BY_TABLE" => raw.multiplied_by = number.clamp(0.0, MOST_TABLES as f64 + 1.0) as usize,
+            "MULT_BY_TABLE" if number.fract() == 0.0 && (0.0..=MOST_TABLES as f64).contains(&number) => {
+                raw.multiplied_by = number as usize;
+            }
+            "MULT_BY_TABLE" => {
+                let message = format!("table {t} is multiplied by number {number}, which no table has");
+                self.report.fault(line, value, message, "the number of a table is its index plus 1; 0 is none");
+            }
             "IS_MODULO" => raw.modulo = number != 0.0,
             "WEIGHT" => raw.weight = Some(number),
             "ENABLE" => raw.is_disabled = number == 0.0,
@@ -257,7 +284,13 @@ impl Reader<'_> {
         let mut places = BTreeMap::new();
         for (&t, one) in &raw {
             let span = one.span.unwrap_or_default();
-            if one.step <= 0.0 || one.max <= one.min {
+            if one.step != 0.0 && (one.step < 0.0 || one.max <= one.min) {
+                let message = format!("table {t} has STEP {}, MIN {}, MAX {}", one.step, one.min, one.max);
+                let help = "give it a step above 0 and MAX above MIN, or STEP 0 if it shall not be used";
+                self.report.fault_at(span, message, help);
+                continue;
+            }
+            if one.step == 0.0 {
                 let message = format!("table {t} is not in use: STEP {}, MIN {}, MAX {}", one.step, one.min, one.max);
                 self.report.unused_at(span, message, "give it a step above 0 and MAX above MIN if it shall be used");
                 continue;
@@ -324,8 +357,9 @@ impl Reader<'_> {
         }
         let missing = (0..count).filter(|n| !raw.values.contains_key(n)).count();
         if missing > 0 {
-            let message = format!("{missing} of the {count} points of table {t} have no value and count as 0");
-            self.report.unused_at(span, message, "the control keeps what it had there; write every point");
+            let message = format!("{missing} of the {count} points of table {t} have no value");
+            self.report.fault_at(span, message, super::KEEPS);
+            return None;
         }
         if raw.is_disabled {
             let message = format!("table {t} is switched off: $SN_CEC_TABLE_ENABLE[{t}]=0");

@@ -34,6 +34,7 @@ pub(super) const FORMAT: Format = Format {
     faults,
     write,
     read,
+    numbers: super::without_numbers,
     is_mine,
 };
 
@@ -153,7 +154,12 @@ impl Reader<'_> {
         let raw = self.raw.entry(key).or_insert_with(|| Raw { unit_mm, ..Raw::default() });
         raw.span.get_or_insert(line.span(one.text));
         match (field, n) {
-            ("", Some(n)) => drop(raw.values.insert(n, number)),
+            ("", Some(n)) => {
+                if raw.values.insert(n, number).is_some_and(|before| before != number) {
+                    let message = format!("point {n} of {} is there twice, with different values", shown(axis));
+                    self.report.fault(line, one.text, message, super::TWICE);
+                }
+            }
             ("", None) => {
                 let help = format!("write $AA_ENC_COMP[0,point,axis]=value, with a point below {MOST_POINTS}");
                 self.report.fault(line, one.text, format!("'{}' has no number of a point", shown(one.text)), &help);
@@ -180,7 +186,15 @@ impl Reader<'_> {
         raw.sort_by_key(|(_, one)| one.span);
         for ((name, m), one) in &raw {
             let span = one.span.unwrap_or_default();
-            if one.step <= 0.0 || one.max <= one.min {
+            if one.step != 0.0 && (one.step < 0.0 || one.max <= one.min) {
+                let [name, step, min, max] =
+                    [shown(name), one.step.to_string(), one.min.to_string(), one.max.to_string()];
+                let message = format!("the table of {name} has STEP {step}, MIN {min}, MAX {max}");
+                let help = "give it a step above 0 and MAX above MIN, or STEP 0 if it shall not be used";
+                self.report.fault_at(span, message, help);
+                continue;
+            }
+            if one.step == 0.0 {
                 let message = format!("the table of {} is not in use: STEP {}", shown(name), one.step);
                 self.report.unused_at(span, message, "give it a step above 0 and MAX above MIN if it shall be used");
                 continue;
@@ -188,11 +202,8 @@ impl Reader<'_> {
             if let Some(lookup) = self.lookup(wiring, name, *m, one, span) {
                 if tables.lookups.iter().any(|other| other.input == lookup.input && other.output == lookup.output) {
                     let message = format!("{} has a second table, for measuring system {m}", shown(name));
-                    self.report.unused_at(
-                        span,
-                        message,
-                        "only one measuring system of an axis is at work: read its table alone",
-                    );
+                    let help = "only one measuring system of an axis is at work: leave out the lines of the other, or set its STEP to 0";
+                    self.report.fault_at(span, message, help);
                     continue;
                 }
                 tables.lookups.push(lookup);
@@ -217,11 +228,10 @@ impl Reader<'_> {
         }
         let missing = (0..count).filter(|n| !raw.values.contains_key(n)).count();
         if missing > 0 {
-            let message = format!(
-                "{missing} of the {count} points of {}, measuring system {m}, have no value and count as 0",
-                shown(name)
-            );
-            self.report.unused_at(span, message, "the control keeps what it had there; write every point");
+            let name = shown(name);
+            let message = format!("{missing} of the {count} points of {name}, measuring system {m}, have no value");
+            self.report.fault_at(span, message, super::KEEPS);
+            return None;
         }
         let surplus = raw.values.range(count..).filter(|(_, value)| **value != 0.0).count();
         if surplus > 0 {

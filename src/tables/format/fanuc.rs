@@ -36,6 +36,7 @@ pub(super) const FORMAT: Format = Format {
     faults,
     write,
     read,
+    numbers: super::without_numbers,
     is_mine,
 };
 

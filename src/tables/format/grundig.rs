@@ -39,6 +39,7 @@ pub(super) const FORMAT: Format = Format {
     faults,
     write,
     read,
+    numbers: super::without_numbers,
     is_mine,
 };
 
@@ -197,8 +198,8 @@ fn row(line: &Line<'_>, text: &str, report: &mut Report<'_>) -> Option<(Axis, f6
         return None;
     };
     for (_, address) in values.iter().zip(ADDRESSES).filter(|(value, _)| value.is_none()) {
-        let message = format!("{address} has no value and counts as 0");
-        report.unused(line, text, message, "write every value, 0 too");
+        let message = format!("{address} has no value");
+        report.fault(line, text, message, "write every value, 0 too");
     }
     Some((axis, position, values.map(|value| value.unwrap_or(0.0))))
 }

@@ -34,6 +34,7 @@ pub(super) const FORMAT: Format = Format {
     faults,
     write,
     read: reader::read,
+    numbers: super::without_numbers,
     is_mine,
 };
 

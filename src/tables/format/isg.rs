@@ -39,6 +39,7 @@ pub(super) const FORMAT: Format = Format {
     faults,
     write,
     read,
+    numbers: super::without_numbers,
     is_mine,
 };
 

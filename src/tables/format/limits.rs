@@ -1,7 +1,7 @@
 //! What a control can hold, and how much.
 
 use super::Format;
-use crate::tables::{Multiplication, Tables};
+use crate::tables::{Lookup, Multiplication, Tables};
 
 /// A kind of table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,23 +86,32 @@ pub(super) fn exceeded(limits: &Limits, tables: &Tables) -> Vec<String> {
     if let Some(errors) = &tables.errors {
         errors.axes.iter().for_each(|one| points(format!("the table of {}", one.axis), one.positions.len()));
     }
-    if limits.value_mm > 0.0 {
-        let largest = largest_mm(tables);
-        if largest > limits.value_mm {
-            faults.push(format!("a value of {largest:.4} mm, and the control takes {} mm", limits.value_mm));
-        }
+    let [largest_mm, largest_deg] = largest(tables);
+    if limits.value_mm > 0.0 && largest_mm > limits.value_mm {
+        faults.push(format!("a value of {largest_mm:.4} mm, and the control takes {} mm", limits.value_mm));
+    } else if largest_mm > MOST_MM {
+        faults.push(format!("a value of {largest_mm:.4} mm, and no axis is off by more than {MOST_MM} mm"));
+    }
+    if largest_deg > MOST_DEG {
+        faults.push(format!("a value of {largest_deg:.4} degrees, and no axis is off by more than {MOST_DEG}"));
     }
     faults
 }
 
-/// The largest value of a table that is added or of a grid, mm; factors of products are none.
-fn largest_mm(tables: &Tables) -> f64 {
+/// More than any axis of a machine tool that moves at all is off by, mm and degrees: such a value is in another unit, or of no table.
+const MOST_MM: f64 = 10.0;
+const MOST_DEG: f64 = 5.0;
+
+/// The largest values of tables that are added or of a grid, mm and degrees; factors of products are none.
+fn largest(tables: &Tables) -> [f64; 2] {
     let named: Vec<usize> = tables.lookups.iter().filter_map(|one| one.factor).collect();
     let is_factor = |index: usize| tables.lookups[index].factor.is_some() || named.contains(&index);
-    let added = tables.lookups.iter().enumerate().filter(|&(index, one)| !is_factor(index) && !one.output.is_rotary());
-    let lookups = added.flat_map(|(_, one)| one.values.iter().map(|value| (value * one.weight).abs()));
+    let added = tables.lookups.iter().enumerate().filter(|&(index, _)| !is_factor(index));
+    let most = |one: &Lookup| one.values.iter().map(|value| (value * one.weight).abs()).fold(0.0, f64::max);
+    let (turned, moved): (Vec<_>, Vec<_>) = added.partition(|(_, one)| one.output.is_rotary());
+    let of = |all: Vec<(usize, &Lookup)>| all.into_iter().map(|(_, one)| most(one)).fold(0.0, f64::max);
     let grid = tables.grid.iter().flat_map(|grid| grid.values.iter().flatten().map(|value| value.abs()));
     let errors = tables.errors.iter().flat_map(|errors| &errors.axes);
     let errors = errors.flat_map(|one| one.values.iter().flat_map(|row| row[..3].iter().map(|value| value.abs())));
-    lookups.chain(grid).chain(errors).fold(0.0, f64::max)
+    [grid.chain(errors).fold(of(moved), f64::max), of(turned)]
 }

@@ -18,6 +18,8 @@ mod ssfk;
 
 pub use limits::{Holds, Limits};
 
+use std::collections::BTreeSet;
+
 use super::{Tables, Wiring};
 use crate::diagnostic::Diagnostic;
 use crate::source::Source;
@@ -43,6 +45,8 @@ pub struct Format {
     pub write: fn(&Tables, &Wiring, &[String]) -> Vec<Written>,
     /// Reads a file, or one of several, into the tables; without an error among the findings it is complete.
     pub read: fn(&Source, &Wiring, &mut Tables) -> Vec<Diagnostic>,
+    /// The numbers of the tables that a file has, where a second file with one of them takes the place of the first in the control.
+    pub numbers: fn(&Source) -> BTreeSet<usize>,
     /// Whether a file looks like this format, from its name and its first bytes.
     pub is_mine: fn(&str, &[u8]) -> bool,
 }
@@ -54,6 +58,18 @@ pub struct Written {
     pub suffix: String,
     /// What is in it.
     pub text: String,
+}
+
+/// What to do about a table with gaps.
+const KEEPS: &str =
+    "write every point from MIN to MAX: the control keeps what it had there, and nothing here tells what that is";
+
+/// What to do about a point that is set twice.
+const TWICE: &str = "leave one of them out: the control takes the last one";
+
+/// Of formats whose tables have no numbers, or whose readers see for themselves that an axis has one already.
+fn without_numbers(_: &Source) -> BTreeSet<usize> {
+    BTreeSet::new()
 }
 
 /// All formats.

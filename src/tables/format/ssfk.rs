@@ -34,6 +34,7 @@ pub(super) const FORMAT: Format = Format {
     faults,
     write,
     read,
+    numbers: super::without_numbers,
     is_mine,
 };
 
@@ -225,11 +226,8 @@ fn finish(list: &List, tables: &mut Tables, report: &mut Report<'_>) {
         return;
     }
     if missing > 0 {
-        report.unused_at(
-            crate::source::Span::new(0, 1),
-            format!("{missing} entries have no value and count as 0"),
-            "write every value",
-        );
+        report.empty(&format!("{missing} entries have no value"), "write every value, 0 too");
+        return;
     }
     let [up, down] = values;
     let table = |sense: Sense, values: Vec<f64>| {

@@ -1,8 +1,9 @@
 //! The fewest tables that reach the tolerance on a control: all schemes that it can hold are tried, and tables that are not needed are left out.
 
 use super::{SCHEMES, Scheme, Task};
-use crate::geometry::AxisVector;
-use crate::tables::check::left;
+use crate::geometry::Axis;
+use crate::tables::check::{Errors, Stand, left, stands};
+use crate::tables::format::Holds;
 use crate::tables::{Control, Tables};
 
 /// Poses at which schemes are compared, and at which tables are left out.
@@ -20,14 +21,17 @@ pub struct Tried {
     pub scheme: &'static str,
     /// Points of a table.
     pub points: usize,
-    /// Tables and values, and what they leave at the tip, mm; or why it does not fit.
-    pub outcome: Result<(usize, usize, f64), String>,
+    /// Tables and values, and what they leave, root mean square: at the tip in mm, of the tilt in rad; or why it does not fit.
+    pub outcome: Result<(usize, usize, [f64; 2]), String>,
 }
 
 /// The tables with the fewest that reach the tolerance, and what was tried. `None` where no scheme does.
 #[must_use]
 pub fn choose(task: &Task<'_>) -> (Option<(&'static Scheme, Tables)>, Vec<Tried>) {
-    let poses = task.region.poses(POSES, SEED);
+    // What depends on the sense of motion counts where the control has tables for that.
+    let has_senses = |axis: &Axis| task.format.can_hold(Holds::Senses) && task.target.model.features(*axis).backlash;
+    let axes: Vec<Axis> = task.region.axes().filter(has_senses).collect();
+    let poses = stands(&task.region.poses(POSES, SEED), &axes);
     let mut best: Option<(&Scheme, Tables)> = None;
     let mut tried = Vec::new();
     let most = task.format.limits.points;
@@ -36,7 +40,10 @@ pub fn choose(task: &Task<'_>) -> (Option<(&'static Scheme, Tables)>, Vec<Tried>
             let task = Task { points, ..*task };
             let outcome = attempt(&task, scheme, &poses);
             let (row, tables) = match outcome {
-                Ok((tables, rms_mm)) => (Ok((tables.count(), tables.entries(), rms_mm)), Some((tables, rms_mm))),
+                Ok((tables, left)) => {
+                    let rms_mm = left.rms_mm();
+                    (Ok((tables.count(), tables.entries(), [rms_mm, left.rms_rad()])), Some((tables, rms_mm)))
+                }
                 Err(reason) => (Err(reason), None),
             };
             let is_hopeless = row.is_err();
@@ -58,20 +65,20 @@ pub fn choose(task: &Task<'_>) -> (Option<(&'static Scheme, Tables)>, Vec<Tried>
     (best, tried)
 }
 
-fn attempt(task: &Task<'_>, scheme: &Scheme, poses: &[AxisVector]) -> Result<(Tables, f64), String> {
+fn attempt(task: &Task<'_>, scheme: &Scheme, poses: &[Stand]) -> Result<(Tables, Errors), String> {
     let tables = scheme.tables(task)?;
-    let rms_mm = left(&task.target, &Control::new(task.target.machine, &tables), poses).rms_mm();
+    let errors = left(&task.target, &Control::new(task.target.machine, &tables), poses);
     let faults = task.format.faults_of(&tables, task.wiring);
     // Too many tables may become few enough when those that do little are left out.
-    let slim = if faults.is_empty() { tables } else { without_idle(task, tables, poses, rms_mm) };
+    let slim = if faults.is_empty() { tables } else { without_idle(task, tables, poses, errors.rms_mm()) };
     match task.format.faults_of(&slim, task.wiring).first() {
-        None => Ok((slim, rms_mm)),
+        None => Ok((slim, errors)),
         Some(fault) => Err(fault.clone()),
     }
 }
 
 /// Leaves out tables, and products, as long as the tolerance is kept; the smallest first.
-fn without_idle(task: &Task<'_>, tables: Tables, poses: &[AxisVector], rms_mm: f64) -> Tables {
+fn without_idle(task: &Task<'_>, tables: Tables, poses: &[Stand], rms_mm: f64) -> Tables {
     if tables.lookups.is_empty() || rms_mm > AIM * task.tolerance_mm {
         return tables;
     }

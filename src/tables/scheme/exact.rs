@@ -28,6 +28,7 @@ pub(super) const SCHEME: Scheme = Scheme {
     name: "fik",
     title: "what the linear forward and inverse kinematics of the machine ask for, term by term",
     needs: &[Holds::Own, Holds::Cross, Holds::Products],
+    home: Orientation::Smooth,
     fill: exact,
 };
 

@@ -10,12 +10,13 @@ use crate::machine::{AxisData, Lever, State};
 use crate::model::ErrorName;
 use crate::model::motion::Function;
 use crate::model::name::{Carrier, ErrorKind};
-use crate::tables::{AxisErrors, ErrorTables, Tables};
+use crate::tables::{AxisErrors, ErrorTables, Orientation, Tables};
 
 pub(super) const SCHEME: Scheme = Scheme {
     name: "functions",
     title: "a table for each error function, for controls with kinematics of their own (18 on three axes)",
     needs: &[Holds::Errors],
+    home: Orientation::Smooth,
     fill: functions,
 };
 

@@ -4,12 +4,13 @@
 
 use super::{Holds, Scheme, Task};
 use crate::numeric::System;
-use crate::tables::Tables;
+use crate::tables::{Orientation, Tables};
 
 pub(super) const SCHEME: Scheme = Scheme {
     name: "matrix",
     title: "a matrix for scales and squareness of X, Y, Z",
     needs: &[Holds::Matrix],
+    home: Orientation::Smooth,
     fill: matrix,
 };
 

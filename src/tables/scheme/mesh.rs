@@ -9,12 +9,13 @@ use super::{Holds, Scheme, Task};
 use crate::geometry::{Axis, AxisVector};
 use crate::machine::State;
 use crate::tables::check::left;
-use crate::tables::{Control, Grid, Tables};
+use crate::tables::{Control, Grid, Orientation, Tables};
 
 pub(super) const SCHEME: Scheme = Scheme {
     name: "grid",
     title: "corrections of X, Y, Z on the smallest grid of positions that reaches the tolerance; rotary axes at 0",
     needs: &[Holds::Grid],
+    home: Orientation::Smooth,
     fill: grid,
 };
 
@@ -124,7 +125,7 @@ impl Mesh<'_> {
                 (0..8).map(|index| self.correction(cell.position(cell.node(index)))).collect::<Result<_, _>>()?;
             let tables = Tables { grid: Some(cell), ..Tables::default() };
             let control = Control::new(self.task.target.machine, &tables);
-            squares += left(&self.task.target, &control, std::slice::from_ref(pose)).tip_mm[0].powi(2);
+            squares += left(&self.task.target, &control, &[(*pose, State::default())]).tip_mm[0].powi(2);
         }
         Ok((squares / poses.len() as f64).sqrt())
     }

@@ -26,6 +26,8 @@ pub use auto::{Tried, choose};
 pub struct Task<'a> {
     /// The corrections that they shall give.
     pub target: Target<'a>,
+    /// What the rotary axes do, in place of that of the target; `None` for what each scheme is at home in.
+    pub orientation: Option<Orientation>,
     /// The errors one by one.
     pub errors: &'a Accumulator<'a>,
     /// Where.
@@ -51,6 +53,8 @@ pub struct Scheme {
     pub title: &'static str,
     /// What a format must hold for it.
     pub needs: &'static [Holds],
+    /// What of the direction of the tool it can hold best.
+    pub home: Orientation,
     /// Fills the tables; a sentence where it cannot.
     pub fill: fn(&Task<'_>) -> Result<Tables, String>,
 }
@@ -82,6 +86,8 @@ impl Scheme {
         if !self.needs.iter().all(|&need| task.format.can_hold(need)) {
             return Err(format!("{} has no place for the scheme {}", task.format.title, self.name));
         }
+        let orientation = task.orientation.unwrap_or(self.home);
+        let task = &Task { target: Target { orientation, ..task.target }, ..*task };
         let mut tables = (self.fill)(task)?;
         if task.format.can_hold(Holds::Senses) {
             append(&mut tables, reversal::tables(task));

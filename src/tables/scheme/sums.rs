@@ -6,7 +6,7 @@
 use super::fit::{Term, fill};
 use super::{Holds, Scheme, Task};
 use crate::geometry::Axis;
-use crate::tables::Tables;
+use crate::tables::{Orientation, Tables};
 
 /// Highest power (Esmaeili 2021, eq. 24).
 const DEGREE: i32 = 3;
@@ -15,6 +15,7 @@ pub(super) const POLYNOMIALS: Scheme = Scheme {
     name: "polynomial",
     title: "a table for each pair of axes, cubic polynomials (25 on five axes)",
     needs: &[Holds::Own, Holds::Cross],
+    home: Orientation::SixRows,
     fill: polynomials,
 };
 
@@ -22,6 +23,7 @@ pub(super) const FREE: Scheme = Scheme {
     name: "free",
     title: "a table for each pair of axes, free at every point (25 on five axes)",
     needs: &[Holds::Own, Holds::Cross],
+    home: Orientation::Smooth,
     fill: free,
 };
 
@@ -29,6 +31,7 @@ pub(super) const OWN: Scheme = Scheme {
     name: "own",
     title: "a table for each axis over its own position, free at every point",
     needs: &[Holds::Own],
+    home: Orientation::Smooth,
     fill: own,
 };
 

@@ -6,13 +6,14 @@
 use super::fit::{Term, Wave, fill};
 use super::{Holds, Scheme, Task};
 use crate::geometry::Axis;
-use crate::tables::check::left;
-use crate::tables::{Control, Tables};
+use crate::tables::check::{left, stands};
+use crate::tables::{Control, Orientation, Tables};
 
 pub(super) const SCHEME: Scheme = Scheme {
     name: "trigonometric",
     title: "arms of the linear axes times trigonometric functions of a rotary axis (23 on five axes)",
     needs: &[Holds::Own, Holds::Cross, Holds::Products],
+    home: Orientation::SixRows,
     fill: trigonometric,
 };
 
@@ -26,8 +27,8 @@ fn trigonometric(task: &Task<'_>) -> Result<Tables, String> {
     let mut best: Option<(f64, Tables)> = None;
     for axis in rotary {
         let tables = of(task, axis)?;
-        let rms_mm =
-            left(&task.target, &Control::new(task.target.machine, &tables), &task.region.poses(POSES, SEED)).rms_mm();
+        let poses = stands(&task.region.poses(POSES, SEED), &[]);
+        let rms_mm = left(&task.target, &Control::new(task.target.machine, &tables), &poses).rms_mm();
         if best.as_ref().is_none_or(|(least, _)| rms_mm < *least) {
             best = Some((rms_mm, tables));
         }
