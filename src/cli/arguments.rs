@@ -6,6 +6,7 @@ mod diagnose;
 mod examples;
 mod feed;
 mod figures;
+mod help;
 mod load;
 mod machine;
 mod measured;
@@ -14,6 +15,7 @@ mod realtime;
 mod sensors;
 mod simulate;
 mod steps;
+mod switches;
 mod tables;
 
 pub(super) use calibrate::CalibrateArguments;
@@ -21,6 +23,7 @@ pub(super) use correction::{ArcChoice, CorrectionChoice, FiveAxisChoice, FrameCh
 pub(super) use diagnose::DiagnoseArguments;
 pub(super) use feed::{FeedArguments, ResumeArguments};
 pub(super) use figures::FiguresArguments;
+pub(super) use help::{CompletionsArguments, EXAMPLES, ManArguments, STATUSES};
 pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
@@ -39,9 +42,13 @@ use clap::error::ErrorKind;
 use clap::{Args, FromArgMatches as _, Subcommand};
 
 use super::value;
+use super::voice::Voice;
 use crate::geometry::AxisVector;
 
 const AFTER_HELP: &str = "\
+Machine: --machine, else the environment variable NCFIX_MACHINE, else the nearest ncfix.toml in the folder of the program or above it, else in the \
+working folder or above it, else an embedded demo machine (with a warning, which the output carries too). `ncfix machine show --origin` says which.
+
 Examples:
   ncfix part.mpf -o part_corrected.mpf --machine mill.toml
   ncfix part.mpf -o - --machine mill.toml | less
@@ -50,16 +57,7 @@ Examples:
   ncfix verify part.mpf part_corrected.mpf --machine mill.toml
   ncfix part.mpf -o out.mpf --machine mill.toml --state warm.toml --load 1700
   ncfix machine show mill.toml --at X100,Y50,Z-20 --tool 120
-  ncfix explain E0203
-
-Machine: --machine, else the nearest ncfix.toml in the folder of the program or above it, else in the working folder or above it, \
-else an embedded demo machine (with a warning, which the output carries too).
-
-Exit status:
-  0  done (there may be warnings)
-  2  wrong usage, or a file that cannot be read or written
-  3  the program was not understood; nothing was written
-  4  the program was refused; nothing was written";
+  ncfix explain E0203";
 
 /// What `ncfix --help` says first.
 const ABOUT: &str = "\
@@ -69,29 +67,33 @@ Reads a part program, moves every programmed position so that the tool of this m
 program wanted it, and writes the program again in its own language.";
 
 /// The definition of the command line: the commands, and the arguments of `fix` without its name.
-fn definition() -> clap::Command {
+pub(super) fn definition() -> clap::Command {
     let command = clap::Command::new("ncfix").bin_name("ncfix").version(env!("CARGO_PKG_VERSION"));
-    FixArguments::augment_args(Command::augment_subcommands(command))
+    let command = FixArguments::augment_args(Command::augment_subcommands(command))
         .about("Corrects part programs for the measured geometric errors of one machine tool")
         .long_about(ABOUT)
         .after_help(AFTER_HELP)
         .args_conflicts_with_subcommands(true)
         .subcommand_negates_reqs(true)
-        .arg_required_else_help(true)
+        .arg_required_else_help(true);
+    help::with_statuses(switches::add(command))
 }
 
 /// Reads a command line whose first argument is the name of the program.
-pub(super) fn parse<I>(arguments: I) -> Result<Command, clap::Error>
+pub(super) fn parse<I>(arguments: I) -> Result<(Voice, Command), clap::Error>
 where
     I: IntoIterator,
     I::Item: Into<OsString> + Clone,
 {
-    let matches = definition().try_get_matches_from(arguments).map_err(explained)?;
-    if matches.subcommand_name().is_some() {
+    let definition = definition();
+    let words = switches::moved_behind(arguments.into_iter().map(Into::into).collect(), &definition);
+    let matches = definition.try_get_matches_from(words).map_err(explained)?;
+    let command = if matches.subcommand_name().is_some() {
         Command::from_arg_matches(&matches)
     } else {
         FixArguments::from_arg_matches(&matches).map(Command::Fix)
-    }
+    };
+    Ok((switches::voice(&matches), command?))
 }
 
 /// A file or option where a command should stand is taken for the program of the default command, and what follows for a command that
@@ -168,12 +170,41 @@ pub(super) enum Command {
     /// Explain a finding code such as E0203
     #[command(after_help = examples::EXPLAIN)]
     Explain(ExplainArguments),
+    /// Print a script with which a shell completes commands and options
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(CompletionsArguments),
+    /// Print a page of the manual, or write all of them into a folder
+    #[command(after_help = examples::MAN)]
+    Man(ManArguments),
+}
+
+impl Command {
+    /// The name of a command that may be at work for long before it prints anything; `None` where it prints as it goes.
+    pub(super) fn silent_work(&self) -> Option<&'static str> {
+        Some(match self {
+            Command::Fix(_) => "fix",
+            Command::Check(_) => "check",
+            Command::Verify(_) => "verify",
+            Command::Measured(_) => "measured",
+            Command::Steps(_) => "steps",
+            Command::Load(_) => "load",
+            Command::Diagnose(_) => "diagnose",
+            Command::Sensors(arguments) if !arguments.watch => "sensors",
+            Command::Plan(_) => "plan",
+            Command::Calibrate(_) => "calibrate",
+            Command::Simulate(_) => "simulate",
+            Command::Figures(_) => "figures",
+            Command::Tables(_) => "tables",
+            Command::Machine(_) => "machine",
+            _ => return None,
+        })
+    }
 }
 
 /// Which machine.
 #[derive(Clone, Debug, Default, Args)]
 pub(super) struct MachineChoice {
-    /// Machine file; without it the nearest ncfix.toml upwards from the program, then from the working folder
+    /// Machine file; without it that of NCFIX_MACHINE, the nearest ncfix.toml upwards from the program, then from the working folder
     #[arg(long, value_name = "M.toml")]
     pub(super) machine: Option<PathBuf>,
     /// Set-up file with zero offsets and tools, which override those of the machine file: TOML, or data as the control saves them (TOA, UFR,
@@ -299,7 +330,7 @@ mod tests {
     use super::*;
 
     fn parse(line: &str) -> Result<Command, clap::Error> {
-        super::parse(line.split(' '))
+        super::parse(line.split(' ')).map(|(_, command)| command)
     }
 
     #[test]
@@ -321,6 +352,24 @@ mod tests {
     fn other_commands_need_no_output() {
         assert!(matches!(parse("ncfix check a.mpf --json").unwrap(), Command::Check(_)));
         assert!(matches!(parse("ncfix explain E0203").unwrap(), Command::Explain(_)));
+    }
+
+    #[test]
+    fn the_switches_of_all_commands_stand_before_and_behind_the_command() {
+        for (line, expected) in [
+            ("ncfix check a.mpf", Voice::Usual),
+            ("ncfix -q check a.mpf", Voice::Quiet),
+            ("ncfix check -q a.mpf", Voice::Quiet),
+            ("ncfix check a.mpf --quiet", Voice::Quiet),
+            ("ncfix --verbose machine show a.toml", Voice::Verbose),
+            ("ncfix machine -v show a.toml", Voice::Verbose),
+            ("ncfix machine show a.toml -v", Voice::Verbose),
+            ("ncfix -v a.mpf -o b.mpf", Voice::Verbose),
+            ("ncfix a.mpf -o b.mpf -q", Voice::Quiet),
+        ] {
+            assert_eq!(super::parse(line.split(' ')).unwrap().0, expected, "{line}");
+        }
+        assert!(parse("ncfix -q check -v a.mpf").is_err());
     }
 
     #[test]

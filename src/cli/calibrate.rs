@@ -69,7 +69,7 @@ fn calibrate(
     report: &mut calibration::Calibration,
 ) -> Result<(), Stop> {
     let target = Target::new(&arguments.output)?;
-    let start = input::read(&arguments.machine, MACHINE)?;
+    let start = input::read(&arguments.machine, MACHINE, "machine file, --machine")?;
     let chosen = machine_choice::read(&start, &[], findings)?;
     let files = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
     let tables = arguments.data.iter().chain(&arguments.hold_out);
@@ -79,7 +79,7 @@ fn calibrate(
     }
     report.inputs.push(calibrated_report::machine_input(&start));
     for path in &arguments.state.state {
-        report.inputs.push(calibrated_report::condition_input(&input::read(path, MACHINE)?));
+        report.inputs.push(calibrated_report::condition_input(&input::read(path, MACHINE, "")?));
     }
     let Some(mut chosen) = chosen else { return Ok(()) };
     if !state::read(&arguments.state, &mut chosen, findings)? {

@@ -92,7 +92,7 @@ fn find(
         return Ok(());
     }
     for path in &chosen.files {
-        shown.inputs.push(calibrated_report::machine_input(&input::read(path, FileId(0))?));
+        shown.inputs.push(calibrated_report::machine_input(&input::read(path, FileId(0), "")?));
     }
     let mut all: Vec<Measurement> = Vec::new();
     for (number, path) in arguments.data.iter().chain(&arguments.holdout).enumerate() {

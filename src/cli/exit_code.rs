@@ -23,7 +23,33 @@ pub enum ExitCode {
     Interrupted = 130,
 }
 
+/// The statuses of every command, with what a script may take from them.
+const OF_ALL: &[(ExitCode, &str)] = &[
+    (ExitCode::Done, "done (there may be warnings)"),
+    (ExitCode::Usage, "wrong usage, or a file that cannot be read or written"),
+    (ExitCode::NotUnderstood, "the program was not understood; nothing was written"),
+    (ExitCode::Refused, "refused, for any other error; nothing was written"),
+];
+
+/// Those of commands that talk to a control.
+const OF_LINK: &[(ExitCode, &str)] = &[
+    (ExitCode::Link, "the link cannot be opened, or is gone"),
+    (ExitCode::Control, "the control has refused a line, was reset or stands in an alarm"),
+    (ExitCode::Sensor, "sensors of temperature stayed bad"),
+];
+
+/// Those of commands that run until somebody ends them.
+const OF_LONG: &[(ExitCode, &str)] = &[(ExitCode::Interrupted, "stopped by a person")];
+
 impl ExitCode {
+    /// The statuses with which a command may end, and what each means, by weight.
+    pub(super) fn of_command(name: &str) -> impl Iterator<Item = (ExitCode, &'static str)> {
+        let talks = matches!(name, "feed" | "resume");
+        let further = if talks { OF_LINK } else { &[] };
+        let last = if talks || name == "realtime" { OF_LONG } else { &[] };
+        OF_ALL.iter().chain(further).chain(last).copied()
+    }
+
     /// The status that follows from findings.
     pub fn of<'a>(diagnostics: impl IntoIterator<Item = &'a Diagnostic>) -> ExitCode {
         diagnostics.into_iter().filter(|diagnostic| diagnostic.is_error()).fold(ExitCode::Done, |code, diagnostic| {

@@ -1,9 +1,9 @@
 //! The findings of a run: gathered from all rooms with the file each belongs to, drawn at the end, turned into the exit status.
 
-use std::collections::{HashMap, HashSet};
-use std::io::Write as _;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::exit_code::ExitCode;
+use super::{progress, voice};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::report::{json, terminal};
 use crate::source::Source;
@@ -13,6 +13,9 @@ const MOST_KEPT: usize = 1000;
 
 /// Findings drawn.
 const MOST_DRAWN: usize = 50;
+
+/// Faults drawn of a file that reads like another language.
+const MOST_MISREAD: usize = 3;
 
 /// Findings about a file as a whole, of which there may be several in its first line.
 const ABOUT_FILES: &[Code] =
@@ -30,7 +33,19 @@ pub(super) struct Findings {
     warnings: usize,
     has_language_error: bool,
     /// What helps with the first error in the language of a file, by the name of the file.
-    hints: HashMap<String, String>,
+    hints: HashMap<String, Hint>,
+    /// The hints that were of use: files that turned out to be in another language.
+    misread: BTreeMap<String, Hint>,
+}
+
+/// What to say where a file turns out not to be in the language that it was read in.
+#[derive(Clone)]
+pub(super) struct Hint {
+    /// What to try.
+    pub(super) help: String,
+    /// What the file reads like and why it was read otherwise, for all of its faults at once; `None` where a person has chosen the
+    /// language, and means it.
+    pub(super) sentence: Option<String>,
 }
 
 impl Findings {
@@ -45,10 +60,11 @@ impl Findings {
             return;
         }
         if diagnostic.is_error() {
-            if matches!(diagnostic.code.as_str().get(..3), Some("E01" | "E02"))
-                && let Some(hint) = self.hints.remove(name)
+            if is_of_text(&diagnostic)
+                && let Some((file, hint)) = self.hints.remove_entry(name)
             {
-                diagnostic.help = format!("{hint}; else {}", diagnostic.help);
+                diagnostic.help = format!("{}; else {}", hint.help, diagnostic.help);
+                self.misread.insert(file, hint);
             }
             self.errors += 1;
             self.has_language_error |= diagnostic.code.is_language();
@@ -62,7 +78,7 @@ impl Findings {
     }
 
     /// Says beforehand what helps where the language of a file turns out to be wrong.
-    pub(super) fn hint(&mut self, source: &Source, hint: String) {
+    pub(super) fn hint(&mut self, source: &Source, hint: Hint) {
         self.hints.insert(source.name().to_owned(), hint);
     }
 
@@ -104,25 +120,60 @@ impl Findings {
 
     /// Draws the first findings on standard error, errors before warnings.
     pub(super) fn draw(&self) {
-        // Who closed standard error does not want to know.
-        let _ = anstream::stderr().lock().write_all(self.drawing(terminal::Colors::Ansi).as_bytes());
+        progress::end();
+        super::say(&self.drawing(terminal::Colors::Ansi, !voice::is_quiet()));
     }
 
-    /// The drawing of the first findings, errors before warnings, each group in the order in which it was met.
-    fn drawing(&self, colors: terminal::Colors) -> String {
+    /// The drawing of the first findings, errors before warnings (or alone), each group in the order in which it was met.
+    fn drawing(&self, colors: terminal::Colors, with_warnings: bool) -> String {
         let mut shown: Vec<&(Diagnostic, Option<Source>)> = self.kept.iter().collect();
+        shown.retain(|(diagnostic, _)| with_warnings || diagnostic.is_error());
         shown.sort_by_key(|(diagnostic, _)| !diagnostic.is_error());
+        let mut total = self.errors + if with_warnings { self.warnings } else { 0 };
         let mut out = String::new();
-        for (diagnostic, source) in shown.iter().take(MOST_DRAWN) {
-            out.push_str(&terminal::draw(diagnostic, source.as_ref(), colors));
+        for (name, hint) in &self.misread {
+            let Some(sentence) = &hint.sentence else { continue };
+            let before = shown.len();
+            let mut count = 0;
+            shown.retain(|(found, source)| {
+                let is_one = is_of_text(found) && source.as_ref().is_some_and(|source| source.name() == name.as_str());
+                count += usize::from(is_one);
+                !is_one || count <= MOST_MISREAD
+            });
+            let hidden = before - shown.len();
+            total -= hidden;
+            out.push_str(&terminal::hint(sentence, colors));
+            if hidden > 0 {
+                out.push_str(&format!(
+                    "of its {count} faults {MOST_MISREAD} are shown; --json has them all, and with --dialect they are drawn\n"
+                ));
+            }
             out.push('\n');
         }
-        let total = self.errors + self.warnings;
+        for (diagnostic, source) in shown.iter().take(MOST_DRAWN) {
+            let said = self.without_hint(diagnostic, source.as_ref());
+            out.push_str(&terminal::draw(said.as_ref().unwrap_or(diagnostic), source.as_ref(), colors));
+            out.push('\n');
+        }
         if total > MOST_DRAWN {
             out.push_str(&format!("… and {} more\n\n", total - MOST_DRAWN));
         }
         out
     }
+}
+
+impl Findings {
+    /// A finding without the hint that stands above all of them.
+    fn without_hint(&self, diagnostic: &Diagnostic, source: Option<&Source>) -> Option<Diagnostic> {
+        let hint = self.misread.get(source?.name()).filter(|hint| hint.sentence.is_some())?;
+        let help = diagnostic.help.strip_prefix(hint.help.as_str())?.strip_prefix("; else ")?.to_owned();
+        Some(Diagnostic { help, ..diagnostic.clone() })
+    }
+}
+
+/// Whether a finding says that the text of a program breaks the rules of its language.
+fn is_of_text(diagnostic: &Diagnostic) -> bool {
+    diagnostic.is_error() && matches!(diagnostic.code.as_str().get(..3), Some("E01" | "E02"))
 }
 
 #[cfg(test)]
@@ -152,10 +203,12 @@ mod tests {
         let mut findings = Findings::default();
         findings.add(Diagnostic::nowhere(Code::NO_MACHINE, "demo", "h"), &[]);
         findings.extend((0..2000).map(|start| at(Code::UNEXPECTED, start)), &[source]);
-        let drawing = findings.drawing(terminal::Colors::Plain);
+        let drawing = findings.drawing(terminal::Colors::Plain, true);
         assert_eq!(drawing.matches("error[E0101]").count(), MOST_DRAWN);
         assert!(drawing.starts_with("error[E0101]"));
         assert!(drawing.ends_with("… and 1951 more\n\n"), "{drawing}");
+        let errors = findings.drawing(terminal::Colors::Plain, false);
+        assert!(errors.ends_with("… and 1950 more\n\n") && !errors.contains("warning"), "{errors}");
         assert_eq!(findings.json().len(), MOST_KEPT);
         assert!(findings.is_hopeless());
         assert_eq!(findings.exit_code(), ExitCode::NotUnderstood);

@@ -9,6 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+use super::voice;
 use crate::exec::Library;
 
 /// Folders of a control that are searched without being named, in its order.
@@ -101,9 +102,10 @@ impl FolderLibrary {
         })
     }
 
-    fn read(&self, path: PathBuf) -> Option<(String, Vec<u8>)> {
+    fn read(&self, path: PathBuf, role: &str) -> Option<(String, Vec<u8>)> {
         let bytes = fs::read(&path).ok()?;
         let shown = path.strip_prefix(".").unwrap_or(&path).display().to_string();
+        voice::note(|| format!("read {shown}: {role}"));
         self.loaded.borrow_mut().push(path);
         Some((shown, bytes))
     }
@@ -178,18 +180,18 @@ fn list(folder: &Path) -> HashMap<String, Vec<PathBuf>> {
 impl Library for FolderLibrary {
     fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)> {
         let path = self.find(&file_names(name))?;
-        self.read(path)
+        self.read(path, "subprogram, in a folder that belongs to the program")
     }
 
     fn load_file(&mut self, names: &[String]) -> Option<(String, Vec<u8>)> {
         let path = self.find(names)?;
-        self.read(path)
+        self.read(path, "subprogram, in a folder that belongs to the program")
     }
 
     fn load_path(&mut self, path: &str, name: &str) -> Option<(String, Vec<u8>)> {
         let (folder, _) = path.rsplit_once(['/', '\\'])?;
         let file = Folder::new(self.resolve(folder)?).find(&file_names(name))?;
-        self.read(file)
+        self.read(file, "subprogram, by its path on the control")
     }
 
     fn add_folder(&mut self, path: &str) {
@@ -207,7 +209,10 @@ impl Library for FolderLibrary {
             let mut folders = self.first.iter_mut().chain(&mut self.definitions).chain(&mut self.last);
             found.extend(folders.find_map(|folder| folder.find(&candidates)));
         }
-        found.into_iter().filter_map(|path| self.read(path)).collect()
+        found
+            .into_iter()
+            .filter_map(|path| self.read(path, "definitions, in a folder that belongs to the program"))
+            .collect()
     }
 }
 

@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &LoadArguments) -> Result<ExitCode, Stop> {
 }
 
 fn weigh(arguments: &LoadArguments, findings: &mut Findings, report: &mut load::Load) -> Result<(), Stop> {
-    let source = input::read(&arguments.data, FileId(0))?;
+    let source = input::read(&arguments.data, FileId(0), "readings")?;
     let sources = std::slice::from_ref(&source);
     let target = arguments.output.as_deref().map(Target::new).transpose()?;
     let Some(chosen) = machine_choice::choose(&arguments.machine, &arguments.data, findings)? else { return Ok(()) };

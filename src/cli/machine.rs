@@ -1,19 +1,21 @@
 //! `ncfix machine check` and `ncfix machine show`: one machine file on its own, and its errors at a pose.
 
+use std::path::Path;
+
 use super::arguments::{MachineArguments, MachineCommand, ShowArguments};
 use super::exit_code::ExitCode;
 use super::findings::Findings;
-use super::machine_choice::{self, Chosen};
+use super::machine_choice::{self, Chosen, Found};
 use super::state;
 use super::stop::Stop;
 use super::value::ToolVector;
-use super::{input, presets, print, tell};
+use super::{origin, presets, print, tell};
 use crate::geometry::{AXES, AxisVector, Vector};
 use crate::machine::AxisData;
 use crate::report::json;
 use crate::report::machine::table;
 use crate::report::shares::Shares;
-use crate::source::FileId;
+use crate::source::Source;
 
 /// Checks or shows a machine file, or what its error model may have.
 pub(super) fn run(command: &MachineCommand) -> Result<ExitCode, Stop> {
@@ -28,13 +30,21 @@ fn check(arguments: &MachineArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     read(arguments, &mut findings)?;
     findings.draw();
-    tell(&format!("{}: {}\n", arguments.file.display(), findings.count()));
+    tell(&format!("{}: {}\n", name(arguments), findings.count()));
     Ok(findings.exit_code())
 }
 
 fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
+    if arguments.json && !arguments.origin && arguments.at.is_none() {
+        return Err(Stop::Usage(
+            "--json shows the errors at a pose or the origin of values: give --at or --origin".into(),
+        ));
+    }
     let mut findings = Findings::default();
     let mut chosen = read(&arguments.file, &mut findings)?;
+    if arguments.origin {
+        return show_origin(arguments, chosen.is_some(), &findings);
+    }
     if let Some(found) = &mut chosen
         && arguments.at.is_some()
         && !state::apply(&arguments.state, found, &mut findings)?
@@ -56,7 +66,7 @@ fn show(arguments: &ShowArguments) -> Result<ExitCode, Stop> {
     match (chosen, shares) {
         (_, Some(shares)) => print(&shares.table())?,
         (Some(chosen), None) => print(&table(&chosen.machine, &chosen.errors))?,
-        (None, None) => tell(&format!("{}: {}\n", arguments.file.file.display(), findings.count())),
+        (None, None) => tell(&format!("{}: {}\n", name(&arguments.file), findings.count())),
     }
     Ok(findings.exit_code())
 }
@@ -89,8 +99,36 @@ fn shares(chosen: &Chosen, at: AxisVector, arguments: &ShowArguments) -> Shares 
     Shares::new(machine, &chosen.errors, &chosen.condition, &at, &tool_mm, &arguments.sense.unwrap_or_default())
 }
 
+/// Shows where the values of a machine come from.
+fn show_origin(arguments: &ShowArguments, is_sound: bool, findings: &Findings) -> Result<ExitCode, Stop> {
+    findings.draw();
+    if !is_sound {
+        tell(&format!("{}: {}\n", name(&arguments.file), findings.count()));
+        return Ok(findings.exit_code());
+    }
+    let (source, found) = locate(&arguments.file, &mut Findings::default())?;
+    let origins = origin::origins(&source, found, &arguments.file.setup)?;
+    print(&if arguments.json { json::line(&origins).map_err(Stop::Usage)? } else { origins.table() })?;
+    Ok(findings.exit_code())
+}
+
+/// What the machine is called in a sentence.
+fn name(arguments: &MachineArguments) -> String {
+    arguments.file.as_ref().map_or_else(|| "the machine file".to_owned(), |file| file.display().to_string())
+}
+
+/// The text of the machine file, and how it was found.
+fn locate(arguments: &MachineArguments, findings: &mut Findings) -> Result<(Source, Found), Stop> {
+    let (path, found) = match &arguments.file {
+        Some(file) => (Some(file.clone()), Found::Named),
+        // There is no program beside which a machine file could lie.
+        None => machine_choice::locate(None, Path::new("-")),
+    };
+    Ok((machine_choice::source_of(path.as_deref(), found, findings)?, found))
+}
+
 /// Reads the machine file with its set-up files.
 fn read(arguments: &MachineArguments, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
-    let source = input::read(&arguments.file, FileId(0))?;
+    let (source, _) = locate(arguments, findings)?;
     machine_choice::read(&source, &arguments.setup, findings)
 }

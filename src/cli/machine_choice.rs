@@ -1,4 +1,4 @@
-//! Finds and reads the machine: `--machine`, the nearest `ncfix.toml`, or the embedded demo machine.
+//! Finds and reads the machine: `--machine`, `NCFIX_MACHINE`, the nearest `ncfix.toml`, or the embedded demo machine.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use super::arguments::MachineChoice;
 use super::findings::Findings;
 use super::input::{self, is_standard_stream};
 use super::stop::Stop;
-use super::tables_read;
+use super::{tables_read, voice};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::dialect::{self, Dialect, Effect};
 use crate::exec::apply_archive;
@@ -22,6 +22,40 @@ use crate::source::{FileId, Source};
 
 /// The machine file that is looked for in the folder of the program and above it.
 const NEAREST: &str = "ncfix.toml";
+
+/// The variable of the environment that names a machine file.
+const VARIABLE: &str = "NCFIX_MACHINE";
+
+/// How a machine file was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Found {
+    /// It is the argument of the command.
+    Named,
+    /// `--machine`.
+    Option,
+    /// `NCFIX_MACHINE`.
+    Environment,
+    /// The nearest `ncfix.toml` in the folder of the program or above it.
+    AboveProgram,
+    /// The same from the working folder.
+    AboveWorkingFolder,
+    /// None was found: the demo machine.
+    Demo,
+}
+
+impl Found {
+    /// The same in words.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Found::Named => "named on the command line",
+            Found::Option => "--machine",
+            Found::Environment => "NCFIX_MACHINE",
+            Found::AboveProgram => "the nearest ncfix.toml from the folder of the program upwards",
+            Found::AboveWorkingFolder => "the nearest ncfix.toml from the working folder upwards",
+            Found::Demo => "embedded, as no machine file was found",
+        }
+    }
+}
 
 /// A machine with its error model and where they come from.
 pub(super) struct Chosen {
@@ -64,21 +98,8 @@ pub(super) fn short_hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> Strin
 /// # Errors
 /// Where a file that was named cannot be read.
 pub(super) fn choose(choice: &MachineChoice, program: &Path, findings: &mut Findings) -> Result<Option<Chosen>, Stop> {
-    let path = choice.machine.clone().or_else(|| nearest(program));
-    let source = match &path {
-        Some(path) => input::read(path, FileId(0))?,
-        None => {
-            findings.add(
-                Diagnostic::nowhere(
-                    Code::NO_MACHINE,
-                    format!("the embedded demo machine is used: no --machine was given and no {NEAREST} was found"),
-                    format!("give --machine M.toml, or put the machine file beside the program as {NEAREST}"),
-                ),
-                &[],
-            );
-            demo()?
-        }
-    };
+    let (path, found) = locate(choice.machine.as_deref(), program);
+    let source = source_of(path.as_deref(), found, findings)?;
     let Some(mut chosen) = read(&source, &choice.setup, findings)? else { return Ok(None) };
     chosen.is_demo = path.is_none();
     // Folders of the machine file lie beside it where they are there, else beside the program.
@@ -91,6 +112,30 @@ pub(super) fn choose(choice: &MachineChoice, program: &Path, findings: &mut Find
     }
     chosen.files.extend(path);
     Ok(Some(chosen))
+}
+
+/// The text of a machine file that was located; without a path that of the demo machine, with a warning.
+///
+/// # Errors
+/// Where the file cannot be read.
+pub(super) fn source_of(path: Option<&Path>, found: Found, findings: &mut Findings) -> Result<Source, Stop> {
+    match path {
+        Some(path) => input::read(path, FileId(0), &format!("machine file, {}", found.words())),
+        None => {
+            voice::note(|| format!("machine: the demo machine, {}", found.words()));
+            findings.add(
+                Diagnostic::nowhere(
+                    Code::NO_MACHINE,
+                    format!("the embedded demo machine is used: no --machine was given and no {NEAREST} was found"),
+                    format!(
+                        "give --machine M.toml, name the machine file in {VARIABLE}, or put it beside the program as {NEAREST}"
+                    ),
+                ),
+                &[],
+            );
+            demo()
+        }
+    }
 }
 
 /// Reads a machine from its file and its set-up files; `None` where findings forbid to use it.
@@ -135,14 +180,10 @@ pub(super) fn read(source: &Source, setups: &[PathBuf], findings: &mut Findings)
     let mut parts = vec![source.bytes()];
     let mut sources = Vec::new();
     for path in setups {
-        let setup = input::read(path, FileId(0))?;
-        let members = archive::saved_data(path, setup.bytes())?.unwrap_or_else(|| vec![setup.clone()]);
-        for member in members {
-            let found = if member.name() != setup.name() || is_saved_data(path, member.bytes()) {
-                apply_archive(&member, &mut machine)
-            } else {
-                apply_setup(&member, &mut machine)
-            };
+        let (setup, members) = members(path)?;
+        for Member { source: member, is_saved_data } in members {
+            let found =
+                if is_saved_data { apply_archive(&member, &mut machine) } else { apply_setup(&member, &mut machine) };
             is_usable &= !found.iter().any(Diagnostic::is_error);
             findings.extend(found, std::slice::from_ref(&member));
         }
@@ -173,6 +214,28 @@ pub(super) fn read(source: &Source, setups: &[PathBuf], findings: &mut Findings)
     }))
 }
 
+/// What a set-up file holds.
+pub(super) struct Member {
+    pub(super) source: Source,
+    /// Whether it is in the control's own language rather than TOML.
+    pub(super) is_saved_data: bool,
+}
+
+/// A set-up file and what it holds: itself, or the data of an archive.
+///
+/// # Errors
+/// Where it cannot be read.
+pub(super) fn members(path: &Path) -> Result<(Source, Vec<Member>), Stop> {
+    let setup = input::read(path, FileId(0), "set-up file, --setup")?;
+    let inside = archive::saved_data(path, setup.bytes())?.unwrap_or_else(|| vec![setup.clone()]);
+    let member = |source: Source| {
+        let is_saved_data = source.name() != setup.name() || is_saved_data(path, source.bytes());
+        Member { source, is_saved_data }
+    };
+    let members = inside.into_iter().map(member).collect();
+    Ok((setup, members))
+}
+
 /// Whether a set-up file is in the control's own language rather than TOML.
 fn is_saved_data(path: &Path, bytes: &[u8]) -> bool {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
@@ -190,14 +253,30 @@ fn demo() -> Result<Source, Stop> {
         .map_err(|_| Stop::Usage("the demo machine is too large".into()))
 }
 
+/// The machine file: `named`, else that of the environment, else the nearest one; none where the demo machine must do.
+pub(super) fn locate(named: Option<&Path>, program: &Path) -> (Option<PathBuf>, Found) {
+    if let Some(named) = named {
+        return (Some(named.to_path_buf()), Found::Option);
+    }
+    // A variable that is set to nothing counts as one that is not set.
+    if let Some(path) = std::env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
+        return (Some(path.into()), Found::Environment);
+    }
+    match nearest(program) {
+        Some((path, found)) => (Some(path), found),
+        None => (None, Found::Demo),
+    }
+}
+
 /// The nearest machine file, from the folder of the program upwards, then from the working folder upwards.
-fn nearest(program: &Path) -> Option<PathBuf> {
+fn nearest(program: &Path) -> Option<(PathBuf, Found)> {
     let upwards = |folder: PathBuf| {
         let folder = folder.canonicalize().ok()?;
         folder.ancestors().map(|folder| folder.join(NEAREST)).find(|file| file.is_file())
     };
     let beside = (!is_standard_stream(program)).then(|| program.parent().map(|parent| Path::new(".").join(parent)));
-    beside.flatten().and_then(upwards).or_else(|| upwards(PathBuf::from(".")))
+    let above_program = beside.flatten().and_then(upwards).map(|file| (file, Found::AboveProgram));
+    above_program.or_else(|| Some((upwards(PathBuf::from("."))?, Found::AboveWorkingFolder)))
 }
 
 /// `sinumerik, grundig, …`.
@@ -223,6 +302,6 @@ mod tests {
         std::fs::create_dir_all(&inner).unwrap();
         std::fs::write(folder.path().join(NEAREST), "").unwrap();
         let found = nearest(&inner.join("p.mpf")).unwrap();
-        assert_eq!(found, folder.path().canonicalize().unwrap().join(NEAREST));
+        assert_eq!(found, (folder.path().canonicalize().unwrap().join(NEAREST), Found::AboveProgram));
     }
 }

@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &MeasuredArguments) -> Result<ExitCode, Stop> {
 
 /// Reads the table and writes its copy; `None` where findings forbid it.
 fn correct(arguments: &MeasuredArguments, findings: &mut Findings) -> Result<Option<Measured>, Stop> {
-    let source = input::read(&arguments.data, FileId(0))?;
+    let source = input::read(&arguments.data, FileId(0), "positions")?;
     let target = Target::new(&arguments.output)?;
     let Some(mut chosen) = machine_choice::choose(&arguments.machine, &arguments.data, findings)? else {
         return Ok(None);

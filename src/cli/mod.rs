@@ -9,6 +9,7 @@ mod calibrate;
 mod calibrated;
 mod calibrated_report;
 mod check;
+mod completions;
 mod conditions;
 mod diagnose;
 mod diagnose_faults;
@@ -26,8 +27,10 @@ mod library;
 mod load;
 mod machine;
 mod machine_choice;
+mod man;
 mod measured;
 mod measurement;
+mod origin;
 mod output;
 mod parameters;
 mod plan;
@@ -50,6 +53,7 @@ mod tables_compare;
 mod tables_read;
 mod value;
 mod verify;
+mod voice;
 mod watch;
 mod writing;
 
@@ -63,15 +67,22 @@ use stop::Stop;
 
 /// Runs the command of a command line; the first argument is the name of the program.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let command = match arguments::parse(arguments) {
-        Ok(command) => command,
+    let (voice, command) = match arguments::parse(arguments) {
+        Ok(parsed) => parsed,
         Err(message) => {
             // Help and version are asked for and go to standard output; a reader that went away does not matter.
             let _ = message.print();
             return if message.use_stderr() { ExitCode::Usage } else { ExitCode::Done };
         }
     };
-    match dispatch(&command) {
+    voice::choose(voice);
+    voice::note(voice::version);
+    if let Some(name) = command.silent_work() {
+        progress::begin(name);
+    }
+    let ended = dispatch(&command);
+    progress::end();
+    match ended {
         Ok(code) => code,
         Err(Stop::ReaderGone) => ExitCode::Done,
         Err(Stop::Usage(sentence)) => {
@@ -107,17 +118,30 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Figures(arguments) => figures::run(arguments),
         Command::Machine(command) => machine::run(command),
         Command::Explain(arguments) => explain::run(arguments),
+        Command::Completions(arguments) => completions::run(arguments),
+        Command::Man(arguments) => man::run(arguments),
     }
 }
 
 /// Prints a result on standard output.
 fn print(text: &str) -> Result<(), Stop> {
+    progress::end();
     let mut out = std::io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Stop::output(&error))
 }
 
-/// Prints a sentence or a table for the person on standard error, colors stripped where nobody sees them.
+/// Prints a sentence or a table for the person on standard error; nothing with `--quiet`.
 fn tell(text: &str) {
+    if !voice::is_quiet() {
+        progress::end();
+        say(text);
+    }
+}
+
+/// Prints on standard error, colors stripped where nobody sees them.
+fn say(text: &str) {
+    progress::clear();
+    // Who closed standard error does not want to know.
     let _ = anstream::stderr().lock().write_all(text.as_bytes());
 }
 
@@ -149,5 +173,6 @@ fn deliver(
 /// Prints what ended the run.
 fn complain(sentence: &str) {
     let style = clap::builder::styling::AnsiColor::BrightRed.on_default().bold();
-    tell(&format!("{style}error{style:#}: {sentence}\n"));
+    progress::end();
+    say(&format!("{style}error{style:#}: {sentence}\n"));
 }

@@ -9,6 +9,7 @@ use std::io::{self, BufWriter, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::input::is_standard_stream;
+use super::progress;
 use super::stop::Stop;
 
 /// Bytes gathered before they go to the disk.
@@ -143,6 +144,7 @@ impl Spool {
         text.rewind().map_err(fault)?;
         match &target {
             Target::Standard => {
+                progress::end();
                 let mut out = io::stdout().lock();
                 io::copy(&mut text, &mut out).and_then(|_| out.flush()).map_err(fault)?;
                 Ok(None)

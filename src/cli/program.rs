@@ -6,17 +6,19 @@ use std::rc::Rc;
 
 use super::archive;
 use super::arguments::ProgramChoice;
-use super::findings::Findings;
+use super::findings::{Findings, Hint};
 use super::input::{self, STANDARD_INPUT, is_standard_stream};
 use super::library::FolderLibrary;
 use super::machine_choice::{Chosen, dialect_names};
 use super::output::Target;
 use super::progress::Progress;
 use super::stop::Stop;
+use super::voice;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::dialect::{self, Dialect};
 use crate::exec::{Execution, Library, NoLibrary, Options, RapidOrder};
 use crate::machine::Machine;
+use crate::machine::file::nearest;
 use crate::snc::Element;
 use crate::source::{FileId, Source};
 use crate::syntax::sinumerik::Macros;
@@ -45,7 +47,8 @@ pub(super) fn open(
     chosen: Option<&Chosen>,
     findings: &mut Findings,
 ) -> Result<Option<Opened>, Stop> {
-    let dialect = resolve(choice.dialect.as_deref(), chosen, source)?;
+    let (dialect, why) = resolve(choice.dialect.as_deref(), chosen, source)?;
+    voice::note(|| format!("dialect of {}: {}, {why}", source.name(), dialect.name));
     if !dialect.is_executable {
         findings.add(
             Diagnostic::nowhere(
@@ -59,9 +62,16 @@ pub(super) fn open(
     }
     if let Some(other) = dialect::guess(source.name(), source.bytes()).filter(|other| other.name != dialect.name) {
         // Where the program is understood all the same nothing is said.
-        let hint =
+        let help =
             format!("the file reads like {}: try --dialect {} and a machine file of it", other.title, other.name);
-        findings.hint(source, hint);
+        let sentence = format!(
+            "{} reads like {} and was read as {} ({why}): try --dialect {} and a machine file of it",
+            source.name(),
+            other.title,
+            dialect.title,
+            other.name
+        );
+        findings.hint(source, Hint { help, sentence: choice.dialect.is_none().then_some(sentence) });
     }
     let path = Path::new(source.name());
     let search_path = chosen.map_or(&[][..], |chosen| &chosen.machine.control.search_path);
@@ -95,14 +105,22 @@ fn library_of(program: Option<&Path>, search_path: &[String]) -> (Box<dyn Librar
 
 /// The dialect: the option, then the machine file, then file name and content. The demo machine was not chosen by anybody,
 /// so its dialect is the last resort.
-fn resolve(name: Option<&str>, chosen: Option<&Chosen>, source: &Source) -> Result<&'static Dialect, Stop> {
+/// The second value says why it is this one.
+fn resolve(name: Option<&str>, chosen: Option<&Chosen>, source: &Source) -> Result<(&'static Dialect, String), Stop> {
     if let Some(name) = name {
-        return dialect::find(name)
-            .ok_or_else(|| Stop::Usage(format!("there is no dialect '{name}'; there are {}", dialect_names())));
+        let found = dialect::find(name).map(|dialect| (dialect, "--dialect".to_owned()));
+        return found.ok_or_else(|| {
+            let guess = nearest(name, dialect::DIALECTS.iter().map(|dialect| dialect.name));
+            let guess = guess.map_or_else(String::new, |near| format!("; did you mean --dialect {near}?"));
+            Stop::Usage(format!("there is no dialect '{name}'; for --dialect there are {}{guess}", dialect_names()))
+        });
     }
-    let of_machine =
-        chosen.filter(|chosen| !chosen.is_demo).and_then(|chosen| dialect::find(&chosen.machine.controller));
-    Ok(of_machine.or_else(|| dialect::guess(source.name(), source.bytes())).unwrap_or_else(dialect::sinumerik))
+    let of_machine = chosen.filter(|chosen| !chosen.is_demo).and_then(|chosen| {
+        Some((dialect::find(&chosen.machine.controller)?, "the controller of the machine file".to_owned()))
+    });
+    let of_file =
+        || Some((dialect::guess(source.name(), source.bytes())?, "by the name or the first lines".to_owned()));
+    Ok(of_machine.or_else(of_file).unwrap_or_else(|| (dialect::sinumerik(), "as nothing says otherwise".to_owned())))
 }
 
 /// Reads the bytes of a program.
@@ -111,9 +129,10 @@ fn resolve(name: Option<&str>, chosen: Option<&Chosen>, source: &Source) -> Resu
 /// Where the file cannot be read.
 pub(super) fn read(path: &Path) -> Result<Source, Stop> {
     if let Some(archive) = archive::open(path)? {
+        voice::note(|| format!("read {}: program in an archive of the control", path.display()));
         return archive.main();
     }
-    input::read(path, FileId(0))
+    input::read(path, FileId(0), "program")
 }
 
 /// Adds a finding where the output would overwrite one of the files that were read.

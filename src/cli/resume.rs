@@ -21,7 +21,7 @@ const MOST_SHOWN: usize = 40;
 
 /// Shows the plan, or carries it out.
 pub(super) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop> {
-    let source = input::read(&arguments.journal, FileId(0))?;
+    let source = input::read(&arguments.journal, FileId(0), "journal")?;
     let shown = arguments.journal.display();
     if feed::is_held(&arguments.journal) {
         return Err(Stop::Usage(format!("the job of {shown} is still running")));
@@ -104,7 +104,7 @@ fn began_with(told: &Told) -> Result<FeedArguments, Stop> {
     let words = told.head.iter().filter(|(name, _)| name == "argument").map(|(_, value)| value.as_str());
     let words = std::iter::once("ncfix").chain(words);
     match arguments::parse(words.map(std::ffi::OsString::from)) {
-        Ok(Command::Feed(feed)) => Ok(*feed),
+        Ok((_, Command::Feed(feed))) => Ok(*feed),
         _ => Err(Stop::Usage("the journal does not say how the job began".into())),
     }
 }

@@ -49,7 +49,7 @@ fn find(arguments: &SensorsArguments, findings: &mut Findings, report: &mut Sens
     let mut sources: Vec<Source> = Vec::new();
     let paths: Vec<&PathBuf> = arguments.data.iter().chain(&arguments.verify).chain(&arguments.log).collect();
     for (path, number) in paths.iter().zip(0_u16..) {
-        sources.push(input::read(path, FileId(number))?);
+        sources.push(input::read(path, FileId(number), "run of temperatures")?);
     }
     let target = arguments.output.as_deref().map(Target::new).transpose()?;
     let first = arguments.data.first().map_or(std::path::Path::new("."), PathBuf::as_path);

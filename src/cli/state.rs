@@ -29,7 +29,7 @@ pub(super) fn read(choice: &StateChoice, chosen: &mut Chosen, findings: &mut Fin
     let mut parts = Vec::new();
     let mut is_logged = false;
     for path in &choice.state {
-        let source = input::read(path, FileId(0))?;
+        let source = input::read(path, FileId(0), "state, --state")?;
         let is_table = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
         let is_log = is_table || log::is_log(&source);
         is_logged |= is_log;

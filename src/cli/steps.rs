@@ -12,7 +12,7 @@ use super::machine_choice::{self, Chosen};
 use super::output::{Spool, Target};
 use super::print;
 use super::program::{self, Running};
-use super::progress::Progress;
+use super::progress::{self, Progress};
 use super::state;
 use super::stop::Stop;
 use super::value::ToolVector;
@@ -43,6 +43,7 @@ pub(super) fn run(arguments: &StepsArguments) -> Result<ExitCode, Stop> {
         print(&json::line(&report).map_err(Stop::Usage)?)?;
     } else if report.answer.is_some() {
         let page = report.page(Colors::Ansi);
+        progress::end();
         let mut out = anstream::stdout().lock();
         out.write_all(page.as_bytes()).and_then(|()| out.flush()).map_err(|error| Stop::output(&error))?;
     }

@@ -156,7 +156,7 @@ pub(super) fn active(
 
 /// The files with tables at a path: the file itself, or those in an archive.
 fn members(path: &Path) -> Result<Vec<Source>, Stop> {
-    let source = input::read(path, FileId(0))?;
+    let source = input::read(path, FileId(0), "compensation tables")?;
     match archive::saved_data(path, source.bytes())? {
         None => Ok(vec![source]),
         Some(members) => {

@@ -16,7 +16,7 @@ const MAX_SYNTAX_FINDINGS: usize = 10;
 #[derive(Clone, Debug)]
 pub struct Document {
     file: FileId,
-    root: Table,
+    pub(super) root: Table,
 }
 
 /// A table; entries in the order of the file.

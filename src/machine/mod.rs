@@ -17,6 +17,7 @@ mod kinematics;
 mod macro_control;
 mod opaque;
 mod orientation;
+pub mod origin;
 mod output_control;
 mod section;
 mod setting;

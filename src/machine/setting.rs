@@ -36,7 +36,7 @@ impl Setting {
 }
 
 /// A name as the execution looks it up: upper case, without blanks.
-fn normal(key: &str) -> String {
+pub(super) fn normal(key: &str) -> String {
     key.chars().filter(|letter| !letter.is_whitespace()).map(|letter| letter.to_ascii_uppercase()).collect()
 }
 

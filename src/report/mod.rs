@@ -15,6 +15,7 @@ pub mod machine;
 pub mod markup;
 pub mod measured;
 pub mod number;
+pub mod origin;
 pub mod page;
 pub mod plot;
 pub mod presets;

@@ -2,7 +2,7 @@
 //!
 //! The only user of `annotate-snippets`. The text carries colors; whoever prints it strips them where nobody sees them.
 
-use annotate_snippets::{AnnotationKind, Level, Origin, Renderer, Snippet};
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
 use super::excerpt::{Excerpt, printable};
 use crate::diagnostic::{Diagnostic, Severity};
@@ -52,6 +52,19 @@ pub fn draw(diagnostic: &Diagnostic, source: Option<&Source>, colors: Colors) ->
         }
     };
     let mut drawn = renderer.term_width(WIDTH).render(&[group]);
+    drawn.push('\n');
+    drawn
+}
+
+/// Draws a sentence that helps with several findings at once. Ends with a line feed.
+#[must_use]
+pub fn hint(sentence: &str, colors: Colors) -> String {
+    let renderer = match colors {
+        Colors::Ansi => Renderer::styled(),
+        Colors::Plain => Renderer::plain(),
+    };
+    let title = Level::HELP.primary_title(printable(sentence));
+    let mut drawn = renderer.term_width(WIDTH).render(&[Group::with_title(title)]);
     drawn.push('\n');
     drawn
 }

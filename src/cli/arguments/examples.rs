@@ -23,14 +23,17 @@ Examples:
   ncfix machine presets mayer-13 --machine mill.toml";
 
 pub(super) const SHOW: &str = "\
+Sources: geometry (location and motion errors), coupling (functions of two axes), reversal (backlash, lateral play), load (weight of the \
+workpiece), structure (segments that warm up), drift (weighted temperatures), expansion (scales, workpiece). Deviations are those of the tool \
+relative to the workpiece, along the axes of F.
+
+With --origin every value is named with the place where it was written: a line of the machine file or of a set-up file, or default.
+
 Examples:
   ncfix machine show mill.toml
   ncfix machine show mill.toml --at X100,Y50,Z-20,C30 --tool 120 --sense X+,Y-
   ncfix machine show mill.toml --at X100,Y50,Z-20 --state warm.toml --load 1700@0,0,-280 --json
-
-Sources: geometry (location and motion errors), coupling (functions of two axes), reversal (backlash, lateral play), load (weight of the \
-workpiece), structure (segments that warm up), drift (weighted temperatures), expansion (scales, workpiece). Deviations are those of the tool \
-relative to the workpiece, along the axes of F.";
+  ncfix machine show --origin --setup job.toml";
 
 pub(super) const PRESETS: &str = "\
 Examples:
@@ -41,3 +44,18 @@ pub(super) const EXPLAIN: &str = "\
 Examples:
   ncfix explain E0203
   ncfix explain";
+
+pub(super) const COMPLETIONS: &str = "\
+A shell reads the script when it starts: bash from ~/.local/share/bash-completion/completions/ncfix, zsh from a file _ncfix in a folder of $fpath, \
+fish from ~/.config/fish/completions/ncfix.fish, PowerShell and elvish from a line in their profile.
+
+Examples:
+  ncfix completions bash > ~/.local/share/bash-completion/completions/ncfix
+  source <(ncfix completions bash)
+  ncfix completions fish > ~/.config/fish/completions/ncfix.fish";
+
+pub(super) const MAN: &str = "\
+Examples:
+  ncfix man | man -l -
+  ncfix man machine show | man -l -
+  ncfix man -o /usr/local/share/man/man1";

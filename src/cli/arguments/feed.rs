@@ -19,8 +19,6 @@ broke off can be taken up again.
 
 Links: grbl, marlin, heidenhain-fe1, … (docs/feed.md), or a profile of your own.
 
-Exit status: 0 done, 2 usage, 3 program not understood, 4 refused, 5 link, 6 the control refused or was reset, 7 sensors, 130 stopped by a person.
-
 Examples:
   ncfix feed part.ngc --machine mill.toml --link grbl --dry-run
   ncfix feed part.ngc --machine mill.toml --link grbl --port /dev/ttyUSB0 --sensors sensors.toml

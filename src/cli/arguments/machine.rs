@@ -74,17 +74,20 @@ pub(in crate::cli) struct ShowArguments {
     #[command(flatten)]
     /// The condition of the machine.
     pub(in crate::cli) state: StateChoice,
-    /// Print one JSON object on standard output
-    #[arg(long, requires = "at")]
+    /// Show where every value comes from: file and line, or default
+    #[arg(long, conflicts_with = "at")]
+    pub(in crate::cli) origin: bool,
+    /// Print one JSON object on standard output, with --at or --origin
+    #[arg(long)]
     pub(in crate::cli) json: bool,
 }
 
 /// `ncfix machine check`.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct MachineArguments {
-    /// Machine file
+    /// Machine file; without it that of NCFIX_MACHINE, then the nearest ncfix.toml from the working folder upwards
     #[arg(value_name = "M.toml")]
-    pub(in crate::cli) file: PathBuf,
+    pub(in crate::cli) file: Option<PathBuf>,
     /// Set-up file with zero offsets and tools: TOML, or data as the control saves them; may be given several times
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) setup: Vec<PathBuf>,

@@ -16,7 +16,7 @@ For each number of sensors the best ones are found by exact search. The number i
 the last third of every run, which is held back) as well as any, within one standard error.
 
 With --watch the argument is the file of live sensors (docs/sensors.md): their values are read and shown, with age and state, until Ctrl-C or for \
---for seconds. Exit status 4 where one of them is not good at the end.
+--for seconds. It ends with status 4 where one of them is not good at the end.
 
 Examples:
   ncfix sensors S.toml --watch

@@ -1,0 +1,65 @@
+//! How much is said on standard error, and with it the notes of `--verbose`.
+//!
+//! All commands share it, as they share standard error; what goes to standard output does not depend on it.
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// How much is said.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Voice {
+    /// `--quiet`: errors only.
+    Quiet,
+    /// Findings, and in tables and sentences what was done.
+    #[default]
+    Usual,
+    /// `--verbose`: notes too, on which files were read and what was chosen.
+    Verbose,
+}
+
+/// The choice for this process.
+static CHOSEN: AtomicU8 = AtomicU8::new(Voice::Usual as u8);
+
+/// Chooses.
+pub(super) fn choose(voice: Voice) {
+    CHOSEN.store(voice as u8, Ordering::Relaxed);
+}
+
+/// Whether only errors are said.
+pub(super) fn is_quiet() -> bool {
+    CHOSEN.load(Ordering::Relaxed) == Voice::Quiet as u8
+}
+
+/// Notes that were said: a file that is read again is no news.
+static SAID: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+
+/// Says something that is only worth knowing where it is asked how a result came about.
+pub(super) fn note(text: impl FnOnce() -> String) {
+    if CHOSEN.load(Ordering::Relaxed) == Voice::Verbose as u8 {
+        let text = text();
+        let line = format!("note: {text}\n");
+        if SAID.lock().unwrap_or_else(PoisonError::into_inner).insert(text) {
+            super::say(&line);
+        }
+    }
+}
+
+/// Which version this is, and how it was built.
+pub(super) fn version() -> String {
+    let features = [
+        ("modbus", cfg!(feature = "modbus")),
+        ("mqtt", cfg!(feature = "mqtt")),
+        ("mtconnect", cfg!(feature = "mtconnect")),
+        ("opcua", cfg!(feature = "opcua")),
+    ];
+    let built_in: Vec<&str> = features.into_iter().filter(|(_, is_in)| *is_in).map(|(name, _)| name).collect();
+    let profile = if cfg!(debug_assertions) { "debug" } else { "release" };
+    format!(
+        "ncfix {}, {profile} build for {} on {}, features: {}",
+        env!("CARGO_PKG_VERSION"),
+        std::env::consts::OS,
+        std::env::consts::ARCH,
+        if built_in.is_empty() { "none".to_owned() } else { built_in.join(", ") }
+    )
+}
