@@ -39,16 +39,57 @@ fn nothing_at_all_is_wrong_usage() {
     Shop::new().run([""; 0]).exits(2);
 }
 
+/// The commands that a help lists.
+fn listed(help: &str) -> Vec<String> {
+    let commands = help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1);
+    let commands = commands.take_while(|line| !line.is_empty());
+    // Further lines of a long description begin farther in.
+    let names = commands.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    names.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").map(str::to_owned).collect()
+}
+
 #[test]
-fn the_help_of_every_command_has_examples() {
+fn the_help_of_every_command_says_its_statuses_and_ends_with_examples() {
     let shop = Shop::new();
-    let all = shop.run(["--help"]).exits(0).stdout;
-    let commands = all.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1);
-    let commands: Vec<&str> =
-        commands.take_while(|line| !line.is_empty()).filter_map(|line| line.split_whitespace().next()).collect();
-    assert!(commands.len() > 8, "{commands:?}");
-    for command in commands.into_iter().filter(|command| *command != "help") {
-        let help = shop.run([command, "--help"]).exits(0).stdout;
-        assert!(help.contains("Examples:"), "{command}\n{help}");
+    let all = listed(&shop.run(["--help"]).exits(0).stdout);
+    assert!(all.len() > 20, "{all:?}");
+    let mut commands: Vec<Vec<String>> = vec![Vec::new()];
+    commands.extend(all.into_iter().map(|command| vec![command]));
+    let machine = listed(&shop.run(["machine", "--help"]).exits(0).stdout);
+    assert_eq!(machine, ["check", "show", "presets"]);
+    commands.extend(machine.into_iter().map(|command| vec!["machine".to_owned(), command]));
+    for command in commands {
+        let help = shop.run(command.iter().map(String::as_str).chain(["--help"])).exits(0).stdout;
+        let (said, examples) = help.split_once("\nExamples:\n").unwrap_or_else(|| panic!("{command:?}\n{help}"));
+        assert!(said.contains("Exit status:\n  0  done"), "{command:?}\n{help}");
+        // Nothing but commands to try; a long one is wrapped.
+        for line in examples.lines() {
+            let is_example = line.starts_with("  ncfix ") || line.starts_with("  source <(ncfix ");
+            assert!(is_example || line.starts_with("  ") && line.len() < 100, "{command:?} ends with: {line}");
+        }
+        assert!(examples.starts_with("  ncfix "), "{command:?}: {examples}");
+        let of_link = ["feed", "resume"].iter().any(|name| command.iter().any(|word| word == name));
+        assert_eq!(said.contains("  6  the control has refused"), of_link, "{command:?}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_command_line_names_what_to_write() {
+    let shop = Shop::new().file("part.mpf", "N10 M30\n");
+    for (words, says) in [
+        (&["part.mpf"][..], "<--output <OUT>|--in-place>"),
+        (&["chek", "part.mpf"], "did you mean `ncfix check`?"),
+        (&["check", "part.mpf", "--machin", "m.toml"], "'--machine'"),
+        (
+            &["check", "part.mpf", "--machine", "m.toml"],
+            "cannot read m.toml: there is no such file or folder (machine file, --machine)",
+        ),
+        (&["check", "part.mpf", "--setup", "s.toml"], "(set-up file, --setup)"),
+        (&["part.mpf", "-o", "o.mpf", "--state", "s.toml"], "(state, --state)"),
+        (&["check", "part.mpf", "--dialect", "funuc"], "did you mean --dialect fanuc?"),
+        (&["part.mpf", "-o", "o.mpf", "--tolerance", "5"], "'--tolerance <LENGTH>': '5' has no unit"),
+        (&["machine", "show", "--json"], "give --at or --origin"),
+    ] {
+        shop.run(words).exits(2).says(says);
     }
 }

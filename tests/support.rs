@@ -112,6 +112,7 @@ impl Shop {
         let mut command = Command::new(env!("CARGO_BIN_EXE_ncfix"));
         command.args(arguments.into_iter().map(|argument| argument.as_ref().to_owned()));
         command.current_dir(self.folder.path()).env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE");
+        command.env_remove("NCFIX_MACHINE");
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }

@@ -39,11 +39,12 @@ use std::path::PathBuf;
 
 use clap::builder::NonEmptyStringValueParser;
 use clap::error::ErrorKind;
-use clap::{Args, FromArgMatches as _, Subcommand};
+use clap::{ArgGroup, Args, FromArgMatches as _, Subcommand};
 
 use super::value;
 use super::voice::Voice;
 use crate::geometry::AxisVector;
+use crate::machine::file::nearest;
 
 const AFTER_HELP: &str = "\
 Machine: --machine, else the environment variable NCFIX_MACHINE, else the nearest ncfix.toml in the folder of the program or above it, else in the \
@@ -87,7 +88,8 @@ where
 {
     let definition = definition();
     let words = switches::moved_behind(arguments.into_iter().map(Into::into).collect(), &definition);
-    let matches = definition.try_get_matches_from(words).map_err(explained)?;
+    let first = words.get(1).map(|word| word.to_string_lossy().into_owned()).unwrap_or_default();
+    let matches = definition.try_get_matches_from(words).map_err(|error| explained(error, &first))?;
     let command = if matches.subcommand_name().is_some() {
         Command::from_arg_matches(&matches)
     } else {
@@ -98,13 +100,15 @@ where
 
 /// A file or option where a command should stand is taken for the program of the default command, and what follows for a command that
 /// conflicts with it; the message for that helps nobody.
-fn explained(error: clap::Error) -> clap::Error {
+fn explained(error: clap::Error, first: &str) -> clap::Error {
     if error.kind() != ErrorKind::ArgumentConflict || !error.to_string().contains("the subcommand") {
         return error;
     }
     let commands: Vec<String> = definition().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+    let meant = nearest(first, commands.iter().map(String::as_str));
     let message = format!(
-        "a command comes first, before its options, and there is one file without a command; the commands are {}",
+        "a command comes first, before its options, and there is one file without a command; {}the commands are {}",
+        meant.map_or_else(String::new, |meant| format!("did you mean `ncfix {meant}`? ")),
         commands.join(", ")
     );
     definition().error(ErrorKind::InvalidSubcommand, message)
@@ -184,19 +188,24 @@ impl Command {
         Some(match self {
             Command::Fix(_) => "fix",
             Command::Check(_) => "check",
+            Command::Snc(arguments) if arguments.output.is_some() => "snc",
             Command::Verify(_) => "verify",
             Command::Measured(_) => "measured",
             Command::Steps(_) => "steps",
             Command::Load(_) => "load",
             Command::Diagnose(_) => "diagnose",
             Command::Sensors(arguments) if !arguments.watch => "sensors",
+            Command::Feed(_) => "feed",
+            Command::Realtime(_) => "realtime",
+            Command::Resume(_) => "resume",
             Command::Plan(_) => "plan",
             Command::Calibrate(_) => "calibrate",
             Command::Simulate(_) => "simulate",
             Command::Figures(_) => "figures",
             Command::Tables(_) => "tables",
             Command::Machine(_) => "machine",
-            _ => return None,
+            Command::Snc(_) | Command::Sensors(_) => return None,
+            Command::Explain(_) | Command::Completions(_) | Command::Man(_) => return None,
         })
     }
 }
@@ -233,15 +242,16 @@ pub(super) struct ProgramChoice {
 
 /// `ncfix fix`.
 #[derive(Clone, Debug, Args)]
+#[command(group(ArgGroup::new("target").args(["output", "in_place"]).required(true)))]
 pub(super) struct FixArguments {
     /// Part program; - for standard input
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
     /// Corrected program; - for standard output
-    #[arg(short, long, value_name = "OUT", required_unless_present = "in_place")]
+    #[arg(short, long, value_name = "OUT")]
     pub(super) output: Option<PathBuf>,
     /// Overwrite IN and keep the original as IN.bak (IN.bak1 … where that exists)
-    #[arg(long, conflicts_with = "output")]
+    #[arg(long)]
     pub(super) in_place: bool,
     #[command(flatten)]
     /// Which machine.

@@ -124,7 +124,9 @@ fn changes(before: &Machine, after: &Machine, source: &Source) -> Vec<OriginRow>
         out.push(OriginRow { path, value, origin: place(source, mark) });
     };
     for tool in after.tools.iter().filter(|tool| !before.tools.contains(tool)) {
-        let Tool { number, edge, length_mm: [l1, l2, l3], radius_mm, name } = tool;
+        let Tool { number, edge, length_mm, radius_mm, name } = tool;
+        // A sum of nothing is no negative zero to a person.
+        let [l1, l2, l3] = length_mm.map(|length_mm| length_mm + 0.0);
         let mark = format!("[{number},{edge}]");
         let path = |key: &str| format!("tool[{number},{edge}].{key}");
         add(path("number"), number.to_string(), &mark);

@@ -48,7 +48,7 @@ impl Line {
     fn tick(&mut self, name: &str, started: Instant) -> bool {
         let is_at_work = self.at_work == Some(started);
         if is_at_work && self.shared.is_none_or(|shared| shared.elapsed() > SHARES_LAST) {
-            self.draw(&format!("{name}: {} s", started.elapsed().as_secs()));
+            self.draw(&format!("{name}: {:.1} s", started.elapsed().as_secs_f64()));
         }
         is_at_work
     }

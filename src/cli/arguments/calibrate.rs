@@ -13,20 +13,20 @@ A measurement is a table NAME.csv and its description NAME.toml beside it: docs/
 unknown of each set-up. START.toml gives axes and chain, and the errors to begin with; its text stays, and only the parameters of the model change. \
 Where the data cannot tell the parameters apart the message says which, and nothing is written.
 
-Examples:
-  ncfix calibrate balls.csv circles.csv --machine start.toml --model mayer-13 -o machine.toml --hold-out balls_2.csv
-  ncfix calibrate balls.csv --machine start.toml --model mayer-13 -o machine.toml --report balls.html
-  ncfix calibrate balls.csv --machine start.toml --model growth.txt --state shift.csv --load 2000 -o machine.toml
-  ncfix calibrate laser.csv --machine start.toml --model none --select motion --knots 50mm -o machine.toml
-  ncfix calibrate laser.csv level.csv --machine start.toml --model spaan-21 --select EXX,EYX1@300 -o machine.toml
-
 Columns of temperatures and load_N in a table say in which condition a row was read; --state, --time and --load say it for all measurements where the \
 tables do not, those held out too.
 
 --select finds which further parameters the data needs: candidates enter, leave and take each other's place as long as a criterion falls, are tested with \
 the correlation of neighbouring readings, and must say something of readings that were held out. Candidates are presets, motion (all motion errors of the \
 linear axes), errors (EXX), parameters (EXX2@150) and files with one of them in each line, with commas between them; errors have degrees up to \
---degree, and knots every --knots inside what was measured.";
+--degree, and knots every --knots inside what was measured.
+
+Examples:
+  ncfix calibrate balls.csv circles.csv --machine start.toml --model mayer-13 -o machine.toml --hold-out balls_2.csv
+  ncfix calibrate balls.csv --machine start.toml --model mayer-13 -o machine.toml --report balls.html
+  ncfix calibrate balls.csv --machine start.toml --model growth.txt --state shift.csv --load 2000 -o machine.toml
+  ncfix calibrate laser.csv --machine start.toml --model none --select motion --knots 50mm -o machine.toml
+  ncfix calibrate laser.csv level.csv --machine start.toml --model spaan-21 --select EXX,EYX1@300 -o machine.toml";
 
 /// `ncfix calibrate`.
 #[derive(Clone, Debug, Args)]

@@ -5,7 +5,7 @@ use std::io::{IsTerminal as _, Write as _};
 use std::time::Duration;
 
 use crate::cli::stop::Stop;
-use crate::cli::{print, tell};
+use crate::cli::{print, tell, voice};
 use crate::feed::Event;
 use crate::geometry::{AXES, AXIS_COUNT};
 use crate::report::feed::{Said, Status};
@@ -40,7 +40,7 @@ impl Show {
     pub(super) fn new(is_json: bool) -> Show {
         Show {
             is_json,
-            is_terminal: std::io::stderr().is_terminal(),
+            is_terminal: std::io::stderr().is_terminal() && !voice::is_quiet(),
             shown: None,
             is_drawn: false,
             frozen: None,
