@@ -182,3 +182,39 @@ fn every_sample_machine_has_its_origins() {
         assert!(values >= keys.count(), "{name}: {values}\n{}", run.stdout);
     }
 }
+
+#[test]
+fn the_defaults_are_those_of_the_documents() {
+    let run = Shop::new().file("m.toml", SMALL).run(["machine", "show", "m.toml", "--origin"]).exits(0);
+    let mut compared = 0;
+    for document in ["docs/settings.md", "docs/grundig.md"] {
+        let text = std::fs::read_to_string(crate::support::repository(document)).unwrap();
+        for line in text.lines().filter(|line| line.starts_with("| `")) {
+            let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+            let keys: Vec<&str> = cells[1].split('`').skip(1).step_by(2).collect();
+            let values: Vec<&str> = cells[2].split(", ").map(|value| value.trim_matches('`')).collect();
+            for (key, value) in keys.iter().zip(&values).filter(|_| keys.len() == values.len()) {
+                let path = format!("control.{key} ");
+                let shown = run.stdout.lines().find(|line| line.starts_with(&path) && line.ends_with("  default"));
+                // What the documents put in words has no value that could be written.
+                let is_value = value.starts_with(|first: char| first.is_ascii_digit() || "\"[{".contains(first))
+                    || matches!(*value, "true" | "false");
+                if let (Some(line), true) = (shown, is_value && !value.contains([' ', ';'])) {
+                    let said = line[path.len()..].trim().trim_end_matches("default").trim();
+                    assert_eq!(said, *value, "{document}: {key}");
+                    compared += 1;
+                }
+            }
+        }
+    }
+    assert!(compared > 30, "{compared}");
+}
+
+#[test]
+fn what_a_kind_of_error_leaves_out_has_a_default_too() {
+    let periodic = "\n[[motion]]\ncomponent = \"EXX\"\nkind = \"periodic\"\nperiod_mm = 10\namplitude_um = 1\n";
+    let shop = Shop::new().file("m.toml", SMALL.to_owned() + periodic);
+    let run = shop.run(["machine", "show", "m.toml", "--origin"]).exits(0);
+    assert_eq!(row(&run, "motion[1].phase_deg"), ("0", "default"));
+    assert_eq!(row(&run, "motion[1].period_mm"), ("10", "m.toml:27"));
+}

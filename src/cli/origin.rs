@@ -104,7 +104,9 @@ fn fill_in(values: &mut Vec<OriginRow>, machine: &Machine) {
         }
     }
     for section in sections {
-        for (key, value) in defaults(&section, machine) {
+        let kind = format!("{section}.kind");
+        let kind = values.iter().find(|row| row.path == kind).map(|row| row.value.clone());
+        for (key, value) in defaults(&section, kind.as_deref(), machine) {
             let path = format!("{section}.{key}");
             // A key may be a section of its own, such as macro_codes.
             let is_written = |row: &OriginRow| {

@@ -404,8 +404,8 @@ and behind are looked at. Check that a smaller tool is not meant.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"
 "The machine file has no value for this tool. For check and snc zero is used; a correction is refused.";
     NO_MACHINE = "W0304" "demo machine used"
-"Neither --machine nor the environment variable NCFIX_MACHINE names a machine file and there is no ncfix.toml in this folder or above it, so the embedded demo machine was used. The output is
-good for looking at, not for a real machine.";
+"Neither --machine nor the environment variable NCFIX_MACHINE names a machine file, and there is no ncfix.toml in this folder or above
+it, so the embedded demo machine was used. The output is good for looking at, not for a real machine.";
     TOLERANCE_NOT_REACHED = "W0305" "tolerance not reached"
 "At some place the pieces became as short as 0.01 mm, or as fine as the increment, and still deviate by more than --tolerance. The
 tolerance is below what the increment can express, or the error model has a step there.";

@@ -89,9 +89,9 @@ pub fn written(file: &Document, source: &Source) -> Vec<Written> {
 }
 
 /// The keys of a section of a machine that hold a value though they may not be written, with that value. The section is that of
-/// [`Written::path`] without the last key.
+/// [`Written::path`] without the last key; `own_kind` is what it says of its `kind`, as it is written.
 #[must_use]
-pub fn defaults(section: &str, machine: &Machine) -> Vec<(String, String)> {
+pub fn defaults(section: &str, own_kind: Option<&str>, machine: &Machine) -> Vec<(String, String)> {
     let kind = kind_of(section);
     let own = |row: &(&str, &str)| (row.0.to_owned(), row.1.to_owned());
     let listed = OF_SECTIONS.iter().find(|(name, _)| *name == kind);
@@ -105,6 +105,7 @@ pub fn defaults(section: &str, machine: &Machine) -> Vec<(String, String)> {
             rows.push(("increment_deg".into(), fresh.increment_mm.to_string()));
         }
         "axis" if section.ends_with(['A', 'B', 'C']) => rows.push(("modulo".into(), "false".into())),
+        "motion" if own_kind == Some("\"periodic\"") => rows.push(("phase_deg".into(), "0".into())),
         "zero_offset" => {
             for axis in machine.topology.axis_set().iter() {
                 let unit = if axis.is_rotary() { "deg" } else { "mm" };
@@ -206,7 +207,7 @@ mod tests {
         for controller in ["sinumerik", "fanuc", "grundig", "rs274"] {
             let bare = machine(&text(controller, |_| String::new()));
             let of = |section: &str| {
-                let rows = defaults(section, &bare).into_iter().filter(|(key, _)| key != "controller");
+                let rows = defaults(section, None, &bare).into_iter().filter(|(key, _)| key != "controller");
                 rows.map(|(key, value)| format!("{key} = {value}\n")).collect()
             };
             assert_eq!(machine(&text(controller, of)), bare, "{controller}");
@@ -245,7 +246,7 @@ mod tests {
             let (_, findings) = read_machine(&Document::parse(&source).unwrap());
             let unknown = findings.iter().find(|finding| finding.message.contains("qqqqqqqq")).unwrap();
             let (_, known) = unknown.help.split_once("known here: ").unwrap();
-            let listed = defaults(section, &bare);
+            let listed = defaults(section, None, &bare);
             for key in known.split(", ").filter(|key| !NOTHING.contains(key) && !key.starts_with("reference_point_")) {
                 assert!(listed.iter().any(|(name, _)| name == key), "{section} {key}");
             }
