@@ -19,6 +19,7 @@ pub mod page;
 pub mod plot;
 pub mod presets;
 mod scale;
+pub mod review;
 pub mod selection;
 pub mod sensors;
 pub mod shares;
