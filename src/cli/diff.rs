@@ -6,9 +6,9 @@ mod pager;
 use super::arguments::DiffArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
+use super::pair::{Outcome, Pair};
 use super::stop::Stop;
-use super::verify::{Outcome, Pair};
-use super::{fix, print, program, tell};
+use super::{fix, print, tell};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{AXES, Axis};
 use crate::report::json;
@@ -22,14 +22,17 @@ use pager::Page;
 
 /// Rows in the object for programs where nothing else is said.
 const ROWS_OF_JSON: usize = 20;
+/// A line of a corrected program is hardly shorter, bytes.
+const LEAST_LINE: u64 = 16;
 /// An angle counts what it makes at this arm, mm.
 const ARM_MM: f64 = 1000.0;
 
 /// Compares two programs.
 pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
-    let corrected = program::read(&arguments.corrected)?;
-    let mut rows: Vec<Row> = Vec::new();
+    // As many as lines there may be; memory that is not written is not taken.
+    let bytes = std::fs::metadata(&arguments.corrected).map_or(0, |data| data.len());
+    let mut rows: Vec<Row> = Vec::with_capacity(usize::try_from(bytes / LEAST_LINE).unwrap_or(0));
     let pair = Pair {
         original: &arguments.original,
         corrected: &arguments.corrected,
@@ -48,7 +51,8 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         }
         return Ok(findings.exit_code());
     };
-    let job = Job { arguments, rows: &rows, outcome: &outcome, corrected: &corrected };
+    let Some(corrected) = outcome.sources[1].first() else { return Err(Stop::Usage("nothing was executed".into())) };
+    let job = Job { arguments, rows: &rows, outcome: &outcome, corrected };
     let mut review = job.review();
     if let Some(limit) = review.limits.iter().find(|limit| !limit.is_kept) {
         let message =
@@ -56,7 +60,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         let help = "look at the largest rows with --top 20; correct again where they are not meant";
         findings.add(Diagnostic::nowhere(Code::CORRECTION_TOO_LARGE, message, help), &[]);
     }
-    let listing = Listing::new(arguments, &rows, &outcome.sources, &corrected);
+    let listing = Listing::new(arguments, &rows, &outcome.sources[0], corrected);
     if arguments.json {
         (review.rows, review.more_rows) = listing.some(arguments.top.unwrap_or(ROWS_OF_JSON));
         review.diagnostics = findings.json();
@@ -113,7 +117,7 @@ impl Job<'_> {
             let unit = if one.axis.is_rotary() { "urad" } else { "um" };
             (one.axis.to_string(), Figures { unit, max, max_line: one.max_at.original.1, mean, rms, p99 })
         });
-        let original = self.outcome.sources.first();
+        let original = self.outcome.sources[0].first();
         let limits = self.arguments.fail_above.map(|limit_mm| {
             let largest = self.rows.iter().map(|row| row.largest(&axes)).fold(0.0, f64::max);
             let name = "the largest change of an axis".to_owned();

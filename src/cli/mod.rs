@@ -30,6 +30,7 @@ mod machine_choice;
 mod measured;
 mod measurement;
 mod output;
+mod pair;
 mod parameters;
 mod plan;
 mod presets;

@@ -117,9 +117,11 @@ pub struct Changed {
 }
 
 /// Width of a word that is changed, with the space behind it.
-const WORD: usize = 38;
+const WORD: usize = 35;
+/// Width of a number.
+const NUMBER: usize = 9;
 /// Width of what stands before the words.
-const HEAD: usize = 11;
+const HEAD: usize = 10;
 
 /// How a page is drawn.
 #[derive(Clone, Copy, Debug)]
@@ -160,7 +162,15 @@ impl Review {
         }
         for limit in &self.limits {
             let verdict = if limit.is_kept { "kept" } else { "PASSED" };
-            row("limit", &format!("{} {} of {}: {verdict}", limit.name, micrometers(limit.value_um), micrometers(limit.limit_um)));
+            row(
+                "limit",
+                &format!(
+                    "{} {} of {}: {verdict}",
+                    limit.name,
+                    micrometers(limit.value_um),
+                    micrometers(limit.limit_um)
+                ),
+            );
         }
         if !self.axes.is_empty() {
             out.push_str("\n  axis        max    at line       mean        RMS       99 %\n");
@@ -197,7 +207,7 @@ impl Row {
         if self.folded > 0 {
             let _ = writeln!(out, "{:HEAD$}… {} not changed", "", grouped(self.folded));
         }
-        let name = if self.number.is_empty() { format!("line {}", self.line) } else { self.number.clone() };
+        let name = if self.number.is_empty() { format!("L{}", self.line) } else { self.number.clone() };
         let split = if self.pieces > 1 { format!("1:{}", self.pieces) } else { String::new() };
         let head = match &self.file {
             Some(file) => format!("{file} {name} {split}"),
@@ -208,12 +218,18 @@ impl Row {
         if head.chars().count() >= HEAD {
             let _ = write!(out, "\n{:HEAD$}", "");
         }
-        let columns = ((look.width.saturating_sub(HEAD)) / WORD).max(1);
-        for (place, word) in self.words.iter().enumerate() {
-            if place > 0 && place % columns == 0 {
+        let mut at = HEAD;
+        for word in &self.words {
+            let (cell, width) = word.cell(look);
+            if at > HEAD && at + width > look.width {
+                out.truncate(out.trim_end().len());
                 let _ = write!(out, "\n{:HEAD$}", "");
+                at = HEAD;
             }
-            out.push_str(&word.cell(look));
+            out.push_str(&cell);
+            let space = WORD.saturating_sub(width).max(1);
+            out.extend(std::iter::repeat_n(' ', space));
+            at += width + space;
         }
         let end = out.trim_end().len();
         out.truncate(end);
@@ -223,12 +239,17 @@ impl Row {
 }
 
 impl Changed {
-    /// `X     10.000 → 10.0123    (+12.3 µm)`
-    fn cell(&self, look: &Look) -> String {
-        let (after, shown) = (&self.after, self.colored(look));
-        let blanks = " ".repeat(9_usize.saturating_sub(after.chars().count()));
-        let added = format!("({} {})", signed(self.added), unit_of(self.unit));
-        format!("{:<2}{:>9} → {shown}{blanks} {added:<14}", self.axis, self.before)
+    /// `X     10.000 → 10.0123    (+12.3 µm)`, and its width.
+    fn cell(&self, look: &Look) -> (String, usize) {
+        let blanks = " ".repeat(NUMBER.saturating_sub(self.after.chars().count()));
+        let added = significant(self.added);
+        let added = if added.contains('.') { added.trim_end_matches('0').trim_end_matches('.') } else { &added };
+        let sign = if self.added > 0.0 { "+" } else { "" };
+        let text = |after: &str| {
+            let (axis, before, unit) = (&self.axis, &self.before, unit_of(self.unit));
+            format!("{axis:<2}{before:>NUMBER$} → {after}{blanks} ({sign}{added} {unit})")
+        };
+        (text(&self.colored(look)), text(&self.after).chars().count())
     }
 
     /// The new number, its digits that are others in color.

@@ -23,9 +23,9 @@ pub struct Row {
     pub line: u32,
     /// Line of the corrected program, from 1.
     pub corrected_line: u32,
-    /// What was added to the command of each axis, by slot, mm and rad.
+    /// What was added to the word of each axis, by slot, mm and rad.
     pub added: [f32; AXIS_COUNT],
-    /// How far the tip of the original is from its nominal place, on the error model, mm.
+    /// How far the tip of the original is from its nominal place, on the error model, mm, where the piece is left as it was.
     pub error_mm: f32,
     /// Bits of [`Row::RAPID`] and the others.
     flags: u8,
@@ -47,7 +47,7 @@ impl Row {
     #[must_use]
     pub fn new(follow: &Follow) -> Row {
         let added = AXES.map(|axis| {
-            let added = follow.command[axis] - follow.nominal[axis];
+            let added = follow.written[axis] - follow.nominal[axis];
             if added.abs() < NOTHING { 0.0 } else { added as f32 }
         });
         let [before, after] = follow.feeds;

@@ -11,7 +11,7 @@ use crate::geometry::Axis;
 /// What `ncfix diff --help` says last.
 pub(super) const AFTER_HELP: &str = "\
 Both programs are executed, on the machine that is given or found as for a correction, so that expressions, loops and frames are numbers. What is \
-shown is the change of the commands of the axes; \"1:3\" is a move that became three pieces.
+shown is what was added to the words of the axes, in the coordinates in which the corrected program writes; \"1:3\" is a move that became three pieces.
 
 Examples:
   ncfix diff part.mpf part_corrected.mpf --machine mill.toml

@@ -109,7 +109,7 @@ impl<'a> Listing<'a> {
             }
         }
         if folded > 0 {
-            page.write(&format!("           … {folded} not changed\n"))?;
+            page.write(&format!("{:10}… {folded} not changed\n", ""))?;
         }
         Ok(())
     }
@@ -132,43 +132,71 @@ impl<'a> Listing<'a> {
             number: block_number(&before).unwrap_or_default().to_owned(),
             corrected: [first.corrected_line, last.corrected_line],
             pieces: own.iter().filter(|row| !row.is_on_the_spot()).count() as u64,
-            words: self.axes.iter().filter(is_changed).map(|&axis| self.word(row, &before, axis)).collect(),
+            words: self.words(row, &before, self.axes.iter().filter(is_changed).copied()),
             folded,
         }
     }
 
-    /// A word that is changed.
-    fn word(&self, row: &Row, before: &str, axis: Axis) -> Changed {
-        let added = row.added(axis);
-        let (unit, shown) = if axis.is_rotary() { ("urad", urad_from_rad(added)) } else { ("um", um_from_mm(added)) };
-        let mut out = Changed { axis: axis.to_string(), added: shown, unit, ..Changed::default() };
+    /// The words of axes that are changed.
+    fn words(&self, row: &Row, before: &str, axes: impl Iterator<Item = Axis>) -> Vec<Changed> {
+        let after = self.corrected.line(row.corrected_line);
+        let [of_before, of_after] = [before, &after].map(words);
+        axes.map(|axis| {
+            let written = word_of(&of_before, axis);
+            match word_of(&of_after, axis) {
+                Some(word) => changed(row, axis, Some(word), written),
+                None => self.above(row, axis, written),
+            }
+        })
+        .collect()
+    }
+
+    /// A word that stands above, as its value goes on.
+    fn above(&self, row: &Row, axis: Axis, written: Option<&Word<'_>>) -> Changed {
         let highest = row.corrected_line.saturating_sub(ABOVE).max(1);
-        for line in (highest..=row.corrected_line).rev() {
+        for line in (highest..row.corrected_line).rev() {
             let text = self.corrected.line(line);
-            let Some(word) = word_of(&text, axis) else { continue };
-            let (after, digits) = (word.number.unwrap_or_default(), decimals(word.value));
-            out.after = word.value.to_owned();
-            let in_units = if axis.is_rotary() { added.to_degrees() } else { added };
-            let was = after - in_units;
-            // As it was written, where that is the number; else what it was when it was executed.
-            let written = word_of(before, axis).filter(|word| {
-                word.number.is_some_and(|number| (number - was).abs() < 0.6 * 10_f64.powi(-(digits as i32)))
-            });
-            out.before = written.map_or_else(|| format!("{was:.digits$}"), |word| word.value.to_owned());
-            break;
+            if let Some(word) = word_of(&words(&text), axis) {
+                return changed(row, axis, Some(word), written);
+            }
         }
-        out
+        changed(row, axis, None, written)
+    }
+}
+
+/// A word that is changed, from that of the corrected program and that of the original.
+fn changed(row: &Row, axis: Axis, word: Option<&Word<'_>>, written: Option<&Word<'_>>) -> Changed {
+    let added = row.added(axis);
+    let (unit, shown) = if axis.is_rotary() { ("urad", urad_from_rad(added)) } else { ("um", um_from_mm(added)) };
+    let mut out = Changed { axis: axis.to_string(), added: shown, unit, ..Changed::default() };
+    let Some(word) = word else { return out };
+    let digits = decimals(word.value);
+    let was = word.number.unwrap_or_default() - if axis.is_rotary() { added.to_degrees() } else { added };
+    // As it was written, where that is the number; else what it was when it was executed.
+    let near = 0.6 * 10_f64.powi(-(digits as i32));
+    let written = written.filter(|written| written.number.is_some_and(|number| (number - was).abs() < near));
+    out.after = word.value.to_owned();
+    out.before = written.map_or_else(|| rounded(was, digits), |word| word.value.to_owned());
+    out
+}
+
+/// A number with so many decimals, and no minus in front of zero.
+fn rounded(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(bare) if bare.bytes().all(|byte| matches!(byte, b'0' | b'.')) => bare.to_owned(),
+        _ => text,
     }
 }
 
 /// The word of an axis with a number.
-fn word_of(line: &str, axis: Axis) -> Option<Word<'_>> {
-    let letter = axis.to_string();
+fn word_of<'w, 't>(words: &'w [Word<'t>], axis: Axis) -> Option<&'w Word<'t>> {
+    let letter = axis.letter();
     let is_own = |address: &str| {
         let bare = address.strip_prefix("POS[").and_then(|rest| rest.strip_suffix(']')).unwrap_or(address);
         // X, and X1 as machines name their axes.
-        bare.eq_ignore_ascii_case(&letter)
-            || bare.get(..1).is_some_and(|head| head.eq_ignore_ascii_case(&letter)) && bare.get(1..) == Some("1")
+        bare.as_bytes().first().is_some_and(|first| first.eq_ignore_ascii_case(&letter))
+            && matches!(&bare[1..], "" | "1")
     };
-    words(line).into_iter().find(|word| is_own(word.address) && word.number.is_some())
+    words.iter().find(|word| is_own(word.address) && word.number.is_some())
 }

@@ -12,7 +12,7 @@ use std::iter::Peekable;
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
-use crate::machine::Machine;
+use crate::machine::{Kinematics, Machine};
 use crate::model::Model;
 use crate::snc::{Element, Origin};
 
@@ -40,6 +40,8 @@ const MOST_SHARE: f64 = 1.5;
 const ROTARY_ARM_MM: f64 = 10.0;
 /// Where the tip moves at least by this share of what the rotary axes do, it alone tells the place.
 const TIP_DECIDES: f64 = 0.1;
+/// A piece whose end differs by less than arithmetic does is left as it was, mm and rad.
+const SAME_MM: f64 = 1e-8;
 /// Steps of the search for the nearest place on the original move.
 const NEAREST_STEPS: usize = 4;
 /// Pieces shorter than this, half of the shortest that is made, stand on the spot and have no place along the move, mm.
@@ -71,11 +73,11 @@ pub struct Follow {
     pub is_first: bool,
     /// A step on the spot: its place is that where the move stands.
     pub on_the_spot: bool,
-    /// Where the original has the axes at the end of the piece, mm and rad.
+    /// Where the original is at the end of the piece, in the coordinates in which the corrected program writes, mm and rad.
     pub nominal: AxisVector,
-    /// Where the piece ends, mm and rad.
-    pub command: AxisVector,
-    /// How far the tip of the original is from its nominal place there, on the error model, mm.
+    /// Where the piece ends, in the same.
+    pub written: AxisVector,
+    /// How far the tip of the original is from its nominal place there, on the error model, mm; 0 where the piece is changed.
     pub error_mm: f64,
     /// Whether the program has stated where all axes are that it moves.
     pub is_stated: bool,
@@ -127,12 +129,14 @@ pub fn compare_seeing(
 ) -> Result<Comparison, Diagnostic> {
     let has_backlash = AXES.into_iter().any(|axis| model.features(axis).backlash);
     let mut corrected = Walk::new(corrected, machine, has_backlash).peekable();
+    let kinematics = Kinematics::new(machine);
     let mut prediction = Prediction::default();
     let mut carried = Offset::default();
     for step in Walk::new(original, machine, has_backlash) {
         let mut group = Group {
             model,
             grouping,
+            kinematics: &kinematics,
             step: &step,
             has_backlash,
             carried,
@@ -181,6 +185,7 @@ impl Offset {
 struct Group<'a> {
     model: &'a Model,
     grouping: Grouping,
+    kinematics: &'a Kinematics,
     step: &'a Step,
     has_backlash: bool,
     /// Offset at which the group began: an uncorrected program carries its errors along.
@@ -237,7 +242,13 @@ impl Group<'_> {
     /// A piece that has covered the original move up to the parameter.
     fn seen(&self, piece: &Step, is_first: bool, on_the_spot: bool) -> Follow {
         let nominal = self.step.route.at(self.parameter);
-        let state = if self.has_backlash { self.step.state_at(self.parameter) } else { self.step.state };
+        let [nominal, written] = [&nominal, &piece.route.end].map(|command| piece.programmed(command, self.kinematics));
+        let error_mm = |nominal: &AxisVector| {
+            let state = if self.has_backlash { self.step.state_at(self.parameter) } else { self.step.state };
+            self.model.tip_error_mm(nominal, nominal, &self.step.tool_mm, &state).norm()
+        };
+        // Only for what is left as it was does anybody ask why.
+        let is_left = (written - nominal).max_abs(&AXES) < SAME_MM;
         Follow {
             original: self.step.origin,
             corrected: piece.origin,
@@ -245,8 +256,8 @@ impl Group<'_> {
             is_first,
             on_the_spot,
             nominal,
-            command: piece.route.end,
-            error_mm: self.model.tip_error_mm(&nominal, &nominal, &self.step.tool_mm, &state).norm(),
+            written,
+            error_mm: if is_left { error_mm(&self.step.route.at(self.parameter)) } else { 0.0 },
             is_stated: self.step.is_counted,
             feeds: [self.step.feed, piece.feed],
         }

@@ -1,12 +1,14 @@
 //! The moves of a program, one by one, with what has been stated before each.
 
+use std::sync::Arc;
+
 use super::super::lost_axes;
 use super::super::route::Route;
 use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT, ON_THE_SPOT_MM};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AxisSet, AxisVector, Vector};
-use crate::machine::{Machine, State};
-use crate::snc::{Element, Kind, Origin};
+use crate::machine::{Kinematics, Machine, State};
+use crate::snc::{Element, Kind, Origin, Setup};
 
 /// Half the step over which the sense of motion is looked up, as a parameter.
 pub(super) const SENSE_STEP: f64 = 1e-4;
@@ -18,6 +20,10 @@ pub(super) struct Step {
     pub(super) route: Route,
     pub(super) rapid: bool,
     pub(super) feed: f64,
+    /// What the coordinates of the program mean.
+    pub(super) setup: Arc<Setup>,
+    /// Written as machine coordinates.
+    pub(super) in_machine_frame: bool,
     pub(super) tool_mm: Vector,
     /// Sense of motion before the move.
     pub(super) state: State,
@@ -37,6 +43,18 @@ impl Step {
         let [before, behind] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|place| self.route.at(place));
         state.note_stated(self.stated, &before, &behind);
         state
+    }
+
+    /// An axis command as this program would write it here: coordinates of the frame in force, of the tip in the workpiece under a transformation.
+    pub(super) fn programmed(&self, command: &AxisVector, kinematics: &Kinematics) -> AxisVector {
+        if self.in_machine_frame {
+            let mut out = *command;
+            out.set_xyz(out.xyz() + self.setup.tool_mm);
+            return out;
+        }
+        let is_transformed = self.setup.transform.is_some();
+        let position = if is_transformed { kinematics.on_workpiece(command, &self.setup.tool_mm) } else { *command };
+        self.setup.programmed(&position)
     }
 
     /// Sense of motion before the end, where rounding does not turn an arc that ends at a turning point of an axis.
@@ -59,6 +77,7 @@ pub(super) struct Walk<'a, I> {
     has_backlash: bool,
     position: AxisVector,
     tool_mm: Vector,
+    setup: Arc<Setup>,
     state: State,
     known: AxisSet,
     ever_named: AxisSet,
@@ -74,6 +93,7 @@ impl<'a, I> Walk<'a, I> {
             has_backlash,
             position: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
+            setup: Arc::default(),
             state: State::default(),
             known: AxisSet::EMPTY,
             ever_named: AxisSet::EMPTY,
@@ -107,6 +127,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 }
                 Kind::Setup(setup) => {
                     self.tool_mm = setup.tool_mm;
+                    self.setup = setup;
                     continue;
                 }
                 Kind::Move(motion) => motion,
@@ -117,6 +138,8 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 origin: element.origin,
                 route: Route::new(self.position, motion.target, motion.arc),
                 rapid: motion.rapid,
+                setup: Arc::clone(&self.setup),
+                in_machine_frame: motion.in_machine_frame,
                 feed: if motion.rapid { 0.0 } else { motion.feed },
                 tool_mm: self.tool_mm,
                 state: self.state,
