@@ -126,3 +126,26 @@ fn the_page_keeps_its_width_and_has_colors_where_they_are_wanted() {
     }
     assert!(!page.contains('\u{1b}'));
 }
+
+#[test]
+fn programs_that_do_not_run_here_are_compared_as_they_are_written() {
+    let shop = Shop::new()
+        .file("old.nc", "O1 (A PART)\nN10 G0 X1. Y2.\nN20 G1 Z-3.5 F100.\nN30 X4.\nM30\n")
+        .file("new.nc", "O1\nG0X1.000Y2.0\nG1 Z-3.512 F100 (DEEPER)\nG4 P1.\nX4.\nM30\n")
+        .file("alike.nc", "N1 O1\nN2 G00 X1 Y2\nN3 G01 Z-3.5 F0100\nX4\nM30");
+    shop.run(["diff", "old.nc", "alike.nc", "--text"]).exits(0);
+    let json = shop.run(["diff", "old.nc", "new.nc", "--text", "--json"]).exits(1).json();
+    assert_eq!(
+        (json["same_lines"].as_u64(), json["changed"].as_u64(), json["new"].as_u64()),
+        (Some(4), Some(1), Some(1))
+    );
+    assert!((json["words"]["Z"]["max"].as_f64().unwrap() + 0.012).abs() < 1e-12, "{json}");
+    let text = shop.run(["diff", "old.nc", "new.nc", "--text"]).exits(1).stdout;
+    assert!(text.contains("L3        Z      -3.5 → -3.512    (-0.0120)\nnew L4    + G4 P1.\n"), "{text}");
+    shop.run(["diff", "old.nc", "new.nc", "--text", "--fail-above", "0.02mm"]).exits(4);
+    shop.run(["diff", "old.nc", "alike.nc", "--text", "--fail-above", "0.02mm"]).exits(0);
+    let one = shop.run(["diff", "old.nc", "new.nc", "--text", "--top", "1"]).exits(1).stdout;
+    assert!(one.contains("+ G4 P1.") && !one.contains("-3.512 "), "{one}");
+    // A program that is no program for this machine says how it can be compared.
+    shop.run(["diff", "old.nc", "new.nc", "--machine", &machine("demo")]).exits(3).says("--text");
+}

@@ -2,6 +2,7 @@
 
 mod listing;
 mod pager;
+mod text;
 
 use super::arguments::DiffArguments;
 use super::exit_code::ExitCode;
@@ -29,6 +30,9 @@ const ARM_MM: f64 = 1000.0;
 
 /// Compares two programs.
 pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
+    if arguments.text {
+        return text::run(arguments);
+    }
     let mut findings = Findings::default();
     // As many as lines there may be; memory that is not written is not taken.
     let bytes = std::fs::metadata(&arguments.corrected).map_or(0, |data| data.len());
@@ -47,7 +51,10 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
             print(&json::line(&review).map_err(Stop::Usage)?)?;
         } else {
             findings.draw();
-            tell(&format!("{}; nothing was compared\n", findings.count()));
+            tell(&format!(
+                "{}; nothing was compared; --text compares the words as they are written\n",
+                findings.count()
+            ));
         }
         return Ok(findings.exit_code());
     };

@@ -263,3 +263,109 @@ impl Changed {
         }
     }
 }
+
+/// The result of `ncfix diff --text`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct TextReview {
+    /// Version of this object.
+    pub schema: u32,
+    /// Whether the programs say the same.
+    pub same: bool,
+    /// `text`.
+    pub compared: &'static str,
+    /// Names of both programs.
+    pub files: [String; 2],
+    /// Lines that say the same.
+    pub same_lines: u64,
+    /// Lines with other numbers.
+    pub changed: u64,
+    /// Lines of the first program alone, and of the second.
+    pub gone: u64,
+    /// See `gone`.
+    pub new: u64,
+    /// What became of the numbers, by address, in the unit of the programs.
+    pub words: BTreeMap<String, WordFigures>,
+    /// The rows that were asked for.
+    pub rows: Vec<TextLine>,
+    /// Lines that differ and are not among the rows.
+    pub more_rows: u64,
+}
+
+/// What became of the numbers of an address.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names say it")]
+pub struct WordFigures {
+    pub count: u64,
+    pub max: f64,
+    pub max_line: u32,
+}
+
+/// A line that differs: its numbers in both programs, and its words, or its text where the other program lacks it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names say it")]
+pub struct TextLine {
+    pub lines: [Option<u32>; 2],
+    pub words: Vec<TextWord>,
+    pub text: String,
+}
+
+/// A word with another number.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names say it")]
+pub struct TextWord {
+    pub address: String,
+    pub before: String,
+    pub after: String,
+    pub added: f64,
+}
+
+impl TextReview {
+    /// The summary.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let mut out = String::new();
+        let [same, changed, gone, new] = [self.same_lines, self.changed, self.gone, self.new].map(grouped);
+        let _ = writeln!(out, "lines        {same} the same, {changed} with other numbers, {gone} gone, {new} new");
+        for (address, one) in &self.words {
+            let _ = writeln!(
+                out,
+                "  {address:<4} {:>9} times, by up to {:+.6} at line {}",
+                grouped(one.count),
+                one.max,
+                one.max_line
+            );
+        }
+        out
+    }
+}
+
+impl TextLine {
+    /// The row for a terminal, with a line feed behind every line.
+    #[must_use]
+    pub fn line(&self, look: &Look) -> String {
+        let name = match self.lines {
+            [Some(one), _] => format!("L{one}"),
+            [None, other] => format!("new L{}", other.unwrap_or(0)),
+        };
+        let mut out = format!("{name:<HEAD$}");
+        if self.words.is_empty() {
+            let sign = if self.lines[0].is_some() { '-' } else { '+' };
+            let _ = write!(out, "{sign} {}", self.text);
+        }
+        let mut at = HEAD;
+        for word in &self.words {
+            let cell =
+                format!("{:<2}{:>NUMBER$} → {:<NUMBER$} ({:+.4})", word.address, word.before, word.after, word.added);
+            let width = cell.chars().count() + 2;
+            if at > HEAD && at + width > look.width {
+                let _ = write!(out, "\n{:HEAD$}", "");
+                at = HEAD;
+            }
+            let _ = write!(out, "{cell}  ");
+            at += width;
+        }
+        out.truncate(out.trim_end().len());
+        out.push('\n');
+        out
+    }
+}

@@ -1,9 +1,11 @@
 //! What changed between a program and its corrected one: rows, and what they add up to.
 //!
 //! A row is a piece of the corrected program beside the place of the original that it belongs to ([`crate::path::Follow`]): both programs are executed, so
-//! that expressions, loops, frames and modal words are values. What a row shows of the text comes from [`words`].
+//! that expressions, loops, frames and modal words are values. What a row shows of the text comes from [`words`]. Programs that do not run here are
+//! compared as they are written ([`text`]).
 
 mod summary;
+pub mod text;
 pub mod words;
 
 pub use summary::{AxisFigures, Left, Place, Summary};

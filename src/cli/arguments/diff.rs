@@ -18,6 +18,7 @@ Examples:
   ncfix diff part.mpf part_corrected.mpf --top 20
   ncfix diff part.mpf part_corrected.mpf --only 5um --axis Z
   ncfix diff part.mpf part_corrected.mpf --fail-above 50um --json > review.json
+  ncfix diff old.nc new.nc --text --tolerance 1um
 
 Exit status:
   0  the same, or nothing above --fail-above
@@ -57,6 +58,9 @@ pub(in crate::cli) struct DiffArguments {
     /// Exit status 4 where an axis is changed by more, else 0
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) fail_above: Option<f64>,
+    /// Compare the words as they are written, without a machine: block numbers, comments and the way numbers are written do not count
+    #[arg(long)]
+    pub(in crate::cli) text: bool,
     /// The summary without rows
     #[arg(long)]
     pub(in crate::cli) summary: bool,

@@ -15,21 +15,21 @@ use crate::units::{um_from_mm, urad_from_rad};
 const ABOVE: u32 = 200;
 
 /// The lines of a file.
-struct Text<'a> {
+pub(super) struct Text<'a> {
     source: &'a Source,
     /// Where each line begins.
     starts: Vec<u32>,
 }
 
 impl<'a> Text<'a> {
-    fn new(source: &'a Source) -> Text<'a> {
+    pub(super) fn new(source: &'a Source) -> Text<'a> {
         let ends = source.bytes().iter().enumerate().filter(|(_, byte)| **byte == source.line_end());
         let starts = std::iter::once(0).chain(ends.map(|(place, _)| place as u32 + 1)).collect();
         Text { source, starts }
     }
 
     /// A line by its number, from 1. Bytes that are not UTF-8 are Latin-1, of which only letters and digits matter here.
-    fn line(&self, number: u32) -> String {
+    pub(super) fn line(&self, number: u32) -> String {
         let at = number.saturating_sub(1) as usize;
         let bytes = self.source.bytes();
         let from = self.starts.get(at).map_or(bytes.len(), |start| *start as usize);
