@@ -1,7 +1,8 @@
 //! Two programs compared as they are written: for programs that do not run here, or that have nothing to do with each other.
 //!
-//! Lines are aligned by what they say without their numbers, so that a program of which every line is changed is aligned as well as one of which none
-//! is. Block numbers, comments, blanks and the way a number is written do not count: `X3.100F30.` is `N10 X3.1 F030`.
+//! Lines are aligned by what they say and where they lead to a millimetre, so that a program of which every line is changed is aligned as well as one of
+//! which none is. Block numbers, comments, blanks, the way a number is written and repeated modal words do not count: `X3.100F30.` is
+//! `N10 G1 X3.1 F030` where G1 holds.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
@@ -39,59 +40,126 @@ pub struct Change {
     pub added: f64,
 }
 
-/// The lines of a program that say anything, with their numbers.
-fn lines(bytes: &[u8], end: u8) -> Vec<(u32, String)> {
-    let all = bytes.split(|byte| *byte == end).zip(1_u32..);
-    let texts = all.map(|(line, number)| (number, String::from_utf8_lossy(line).into_owned()));
-    texts.filter(|(_, text)| !words(text).is_empty()).collect()
+/// A line that says anything.
+struct Line {
+    number: u32,
+    text: String,
+    /// What it says without numbers.
+    loose: u64,
+    /// The same with where the axes are to a millimetre.
+    near: u64,
+    /// Where the axes are behind it, and the feed, as far as numbers tell; NaN where they do not.
+    now: [f64; MODAL.len()],
 }
 
-/// What a line says without its numbers.
-fn key(text: &str) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    for word in words(text) {
-        word.address.to_ascii_uppercase().hash(&mut hasher);
-        let is_code = CODES.iter().any(|code| word.address.eq_ignore_ascii_case(code));
-        match word.number {
-            Some(number) if is_code => number.to_bits().hash(&mut hasher),
-            Some(_) => {}
-            None => word.value.to_ascii_uppercase().hash(&mut hasher),
+/// The lines of a program that say anything. Positions, feed and the kind of motion go on from line to line, so that one who repeats them and one
+/// who does not say the same.
+fn lines(bytes: &[u8], end: u8) -> Vec<Line> {
+    let mut now = [f64::NAN; MODAL.len()];
+    let mut motion = f64::NAN;
+    let mut out = Vec::new();
+    for (line, number) in bytes.split(|byte| *byte == end).zip(1_u32..) {
+        let text = String::from_utf8_lossy(line).into_owned();
+        let words = words(&text);
+        if words.is_empty() {
+            continue;
+        }
+        let mut hasher = DefaultHasher::new();
+        let mut moves = false;
+        for word in &words {
+            if is_motion(word) {
+                motion = word.number.unwrap_or(motion);
+            } else if let Some(place) = modal(word) {
+                now[place] = word.number.unwrap_or(f64::NAN);
+                moves |= place < FEED;
+            } else {
+                word.address.to_ascii_uppercase().hash(&mut hasher);
+                let is_code = CODES.iter().any(|code| word.address.eq_ignore_ascii_case(code));
+                match word.number {
+                    Some(number) if is_code => number.to_bits().hash(&mut hasher),
+                    Some(_) => {}
+                    None => word.value.to_ascii_uppercase().hash(&mut hasher),
+                }
+            }
+        }
+        if moves {
+            motion.to_bits().hash(&mut hasher);
+        }
+        let loose = hasher.finish();
+        let places = now.iter().take(FEED).map(|place| if place.is_nan() { i64::MIN } else { place.round() as i64 });
+        places.for_each(|place| place.hash(&mut hasher));
+        let near = if moves { hasher.finish() } else { loose };
+        drop(words);
+        out.push(Line { number, text, loose, near, now });
+    }
+    out
+}
+
+/// Addresses whose numbers hold until another one comes.
+const MODAL: [&str; 10] = ["X", "Y", "Z", "A", "B", "C", "U", "V", "W", "F"];
+/// The place of the feed among them.
+const FEED: usize = MODAL.len() - 1;
+
+fn modal(word: &Word<'_>) -> Option<usize> {
+    MODAL.iter().position(|address| word.address.eq_ignore_ascii_case(address))
+}
+
+/// G0 to G3.
+fn is_motion(word: &Word<'_>) -> bool {
+    word.address.eq_ignore_ascii_case("G") && word.number.is_some_and(|number| (0.0..=3.0).contains(&number))
+}
+
+/// The words of two lines whose numbers differ by more than the tolerance.
+fn changes(one: &Line, other: &Line, tolerance: f64) -> Vec<Change> {
+    let [of_one, of_other] = [&one.text, &other.text].map(|text| words(text));
+    let mut out = Vec::new();
+    let mut note = |address: &str, texts: [&str; 2], numbers: [Option<f64>; 2]| {
+        let [Some(before), Some(after)] = numbers else { return };
+        let added = after - before;
+        if added.abs() > tolerance {
+            out.push(Change { address: address.to_ascii_uppercase(), texts: texts.map(str::to_owned), added });
+        }
+    };
+    // Where a line does not repeat what holds, that counts.
+    let holds = |line: &Line, place: Option<usize>| place.map(|place| line.now[place]).filter(|held| !held.is_nan());
+    for word in of_one.iter().filter(|word| !is_motion(word)) {
+        let same = of_other.iter().find(|other| other.address.eq_ignore_ascii_case(word.address));
+        let number = same.map_or(holds(other, modal(word)), |other| other.number);
+        note(word.address, [word.value, same.map_or("", |other| other.value)], [word.number, number]);
+    }
+    for word in of_other.iter().filter(|word| !is_motion(word)) {
+        if !of_one.iter().any(|one| one.address.eq_ignore_ascii_case(word.address)) {
+            note(word.address, ["", word.value], [holds(one, modal(word)), word.number]);
         }
     }
-    hasher.finish()
-}
-
-/// The words of two lines with the same key whose numbers differ by more than the tolerance.
-fn changes(one: &str, other: &str, tolerance: f64) -> Vec<Change> {
-    let pairs = words(one).into_iter().zip(words(other));
-    let change = |(one, other): (Word<'_>, Word<'_>)| {
-        let added = other.number? - one.number?;
-        let texts = [one.value.to_owned(), other.value.to_owned()];
-        (added.abs() > tolerance).then(|| Change { address: one.address.to_ascii_uppercase(), texts, added })
-    };
-    pairs.filter_map(change).collect()
+    out
 }
 
 /// Aligns two programs, whose lines end with these bytes. Numbers that differ by no more than the tolerance are the same.
 #[must_use]
 pub fn compare([one, other]: [(&[u8], u8); 2], tolerance: f64) -> Vec<Pairing> {
     let [one, other] = [one, other].map(|(bytes, end)| lines(bytes, end));
-    let [one_keys, other_keys] = [&one, &other].map(|all| all.iter().map(|(_, text)| key(text)).collect::<Vec<u64>>());
+    let [one_keys, other_keys] = [&one, &other].map(|all| all.iter().map(|line| line.near).collect::<Vec<u64>>());
     let deadline = Some(Instant::now() + LONGEST);
     let steps = capture_diff_slices_deadline(Algorithm::Myers, &one_keys, &other_keys, deadline);
     let mut out = Vec::with_capacity(one.len().max(other.len()));
+    let pair = |out: &mut Vec<Pairing>, one: &Line, other: &Line| {
+        let numbers = [one.number, other.number];
+        let changes = changes(one, other, tolerance);
+        out.push(if changes.is_empty() { Pairing::Same(numbers) } else { Pairing::Changed(numbers, changes) });
+    };
     for step in steps {
-        let (of_one, of_other) = (step.old_range(), step.new_range());
+        let (of_one, of_other) = (&one[step.old_range()], &other[step.new_range()]);
         if let DiffOp::Equal { .. } = step {
-            for (one, other) in one[of_one].iter().zip(&other[of_other]) {
-                let numbers = [one.0, other.0];
-                let changes = changes(&one.1, &other.1, tolerance);
-                out.push(if changes.is_empty() { Pairing::Same(numbers) } else { Pairing::Changed(numbers, changes) });
-            }
-        } else {
-            out.extend(one[of_one].iter().map(|(number, _)| Pairing::Gone(*number)));
-            out.extend(other[of_other].iter().map(|(number, _)| Pairing::New(*number)));
+            of_one.iter().zip(of_other).for_each(|(one, other)| pair(&mut out, one, other));
+            continue;
         }
+        // Positions on both sides of a half millimetre, or farther apart: still the same lines where they say the same but for the numbers.
+        let alike = of_one.iter().zip(of_other).take_while(|(one, other)| one.loose == other.loose).count();
+        let alike = if of_one.len() == of_other.len() { alike } else { 0 };
+        of_one.iter().zip(of_other).take(alike).for_each(|(one, other)| pair(&mut out, one, other));
+        out.extend(of_one.iter().skip(alike).map(|line| Pairing::Gone(line.number)));
+        out.extend(of_other.iter().skip(alike).map(|line| Pairing::New(line.number)));
     }
     out
 }
@@ -125,9 +193,35 @@ mod tests {
     }
 
     #[test]
+    fn a_line_that_came_in_between_shifts_no_other() {
+        let line = |k: u32, by: f64| format!("X{:.4} Y{:.4}\n", f64::from(k) * 1.7 + by, f64::from(k * k) / 50.0 - by);
+        let one: String = (0..300).map(|k| line(k, 0.0)).collect();
+        let other: String =
+            (0..300).map(|k| if k == 100 { "X170.5\n".to_owned() + &line(k, 0.012) } else { line(k, 0.012) }).collect();
+        let (one, other) = (format!("G1 F100\n{one}"), format!("G1 F100\n{other}"));
+        let found = compare([(one.as_bytes(), b'\n'), (other.as_bytes(), b'\n')], 0.02);
+        let new: Vec<u32> =
+            found.iter().filter_map(|line| if let Pairing::New(k) = line { Some(*k) } else { None }).collect();
+        assert!(new.len() <= 2 && !new.is_empty() && new.iter().all(|k| (100..=104).contains(k)), "{new:?}");
+        assert!(found.iter().filter(|line| matches!(line, Pairing::Same(_))).count() >= 298);
+    }
+
+    #[test]
+    fn repeated_modal_words_are_the_same() {
+        let one = "G1 X1 Y2 F100\nX3\nY5\nG0 Z4\n";
+        let other = "G1 X1 Y2 F100\nG1 X3 Y2\nG1 X3.01 Y5 F100\nG1 Z4\n";
+        let found = compare([(one.as_bytes(), b'\n'), (other.as_bytes(), b'\n')], 0.0);
+        assert_eq!(found[..2], [Pairing::Same([1, 1]), Pairing::Same([2, 2])]);
+        let Pairing::Changed([3, 3], changes) = &found[2] else { panic!("{found:?}") };
+        assert_eq!((changes[0].address.as_str(), &changes[0].texts), ("X", &[String::new(), "3.01".to_owned()]));
+        // Rapid is not feed.
+        assert_eq!(found[3..], [Pairing::Gone(4), Pairing::New(4)]);
+    }
+
+    #[test]
     fn lines_that_came_and_went_are_named() {
         let one = "G0 X1\nG1 X2 F100\nG1 X3\nM30\n";
-        let other = "G0 X1\nG1 X2.5 F100\nG4 F1\nM30\n";
+        let other = "G0 X1\nG1 X2.4 F100\nG4 F1\nM30\n";
         let found = compare([(one.as_bytes(), b'\n'), (other.as_bytes(), b'\n')], 0.0);
         let names: Vec<&str> = found
             .iter()
