@@ -23,67 +23,64 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     let texts = sources.each_ref().map(Text::new);
     let mut review = TextReview { schema: 1, compared: "text", ..TextReview::default() };
     review.files = [&arguments.original, &arguments.corrected].map(|path| path.display().to_string());
-    let wanted = |change: &&Change| {
-        let is_axis = |address: &str| arguments.axis.iter().any(|axis| address == axis.to_string());
-        arguments.axis.is_empty() || is_axis(&change.address)
+    let is_wanted = |word: &TextWord| {
+        arguments.axis.is_empty() || arguments.axis.iter().any(|axis| word.address == axis.to_string())
     };
-    let mut rows: Vec<TextLine> = Vec::new();
-    for pairing in &found {
-        match pairing {
-            Pairing::Same(_) => review.same_lines += 1,
-            Pairing::Gone(line) => {
-                review.gone += 1;
-                rows.push(TextLine {
-                    lines: [Some(*line), None],
-                    text: short(&texts[0].line(*line)),
-                    ..TextLine::default()
-                });
-            }
-            Pairing::New(line) => {
-                review.new += 1;
-                rows.push(TextLine {
-                    lines: [None, Some(*line)],
-                    text: short(&texts[1].line(*line)),
-                    ..TextLine::default()
-                });
-            }
+    let row = |place: usize| -> Option<TextLine> {
+        let alone = |lines: [Option<u32>; 2], text: String| TextLine { lines, text: short(&text), words: Vec::new() };
+        Some(match found.at(place)? {
+            Pairing::Same(_) => return None,
+            Pairing::Gone(line) => alone([Some(line), None], texts[0].line(line)),
+            Pairing::New(line) => alone([None, Some(line)], texts[1].line(line)),
             Pairing::Changed([one, other], changes) => {
-                let words: Vec<TextWord> = changes.iter().filter(wanted).map(word).collect();
+                let words: Vec<TextWord> = changes.into_iter().map(word).filter(is_wanted).collect();
                 if words.is_empty() {
-                    review.same_lines += 1;
-                    continue;
+                    return None;
                 }
-                review.changed += 1;
-                note(&mut review.words, &words, *one);
-                rows.push(TextLine { lines: [Some(*one), Some(*other)], words, ..TextLine::default() });
+                TextLine { lines: [Some(one), Some(other)], words, text: String::new() }
             }
+        })
+    };
+    // Lines that came or went are the largest change of all. Rows are made again when they are shown: there may be millions.
+    let mut sizes: Vec<(f64, usize)> = Vec::new();
+    for place in 0..found.count() {
+        let Some(row) = row(place) else {
+            review.same_lines += 1;
+            continue;
+        };
+        match row.lines {
+            [Some(line), Some(_)] => {
+                review.changed += 1;
+                note(&mut review.words, &row.words, line);
+            }
+            [Some(_), None] => review.gone += 1,
+            _ => review.new += 1,
         }
+        let largest = row.words.iter().map(|word| word.added.abs()).fold(0.0, f64::max);
+        sizes.push((if row.words.is_empty() { f64::INFINITY } else { largest }, place));
     }
-    let largest = |row: &TextLine| row.words.iter().map(|word| word.added.abs()).fold(0.0, f64::max);
-    review.same = rows.is_empty();
-    let all = rows.len();
-    let is_passed =
-        arguments.fail_above.is_some_and(|limit| rows.iter().any(|row| largest(row) > limit || row.words.is_empty()));
+    review.same = sizes.is_empty();
+    let all = sizes.len();
+    let is_passed = arguments.fail_above.is_some_and(|limit| sizes.iter().any(|(size, _)| *size > limit));
     if let Some(least) = arguments.only {
-        rows.retain(|row| row.words.is_empty() || largest(row) >= least);
+        sizes.retain(|(size, _)| *size >= least);
     }
     if arguments.top.is_some() {
-        // Lines that came or went are the largest change of all.
-        let size = |row: &TextLine| if row.words.is_empty() { f64::INFINITY } else { largest(row) };
-        rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        sizes.sort_by(|a, b| b.0.total_cmp(&a.0));
     }
-    rows.truncate(arguments.top.unwrap_or(if arguments.json { ROWS_OF_JSON } else { usize::MAX }));
-    review.more_rows = (all - rows.len()) as u64;
+    sizes.truncate(arguments.top.unwrap_or(if arguments.json { ROWS_OF_JSON } else { usize::MAX }));
+    review.more_rows = (all - sizes.len()) as u64;
+    let rows = sizes.into_iter().filter_map(|(_, place)| row(place));
     if arguments.json {
-        review.rows = rows;
+        review.rows = rows.collect();
         print(&json::line(&review).map_err(Stop::Usage)?)?;
     } else {
         let mut page = Page::open(arguments.no_pager);
         page.write(&review.summary())?;
-        if !arguments.summary && !rows.is_empty() {
+        if !arguments.summary && !review.same {
             page.write("\n")?;
             let look = page.look();
-            for row in &rows {
+            for row in rows {
                 page.write(&row.line(&look))?;
             }
         }
@@ -96,9 +93,9 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     })
 }
 
-fn word(change: &Change) -> TextWord {
-    let [before, after] = change.texts.clone();
-    TextWord { address: change.address.clone(), before, after, added: change.added }
+fn word(change: Change) -> TextWord {
+    let [before, after] = change.texts;
+    TextWord { address: change.address, before, after, added: change.added }
 }
 
 /// Takes words into the figures of their addresses.
