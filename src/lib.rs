@@ -43,6 +43,7 @@
 //! | [`sense`] | live sensors: sources in threads, what is believed of their values | programs, models |
 //! | [`drip`] | from corrected pieces to lines of a link: second step, dosing, text | links, files |
 //! | [`realtime`] | kernel on tables, cycle of a control, dosing, handover, rings in shared memory, why set-points are compensated | programs, files |
+//! | [`review`] | what changed between a program and its corrected one: rows, what they add up to, words of a line | files |
 //! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
 //! | [`cli`] | one file per command; the only room that opens files, but for the sources of sensors | — |
 //!
@@ -97,6 +98,7 @@ pub mod numeric;
 pub mod path;
 pub mod realtime;
 pub mod report;
+pub mod review;
 pub mod sense;
 pub mod snc;
 pub mod source;

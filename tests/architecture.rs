@@ -34,7 +34,8 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     // The machine for the reader of TOML and for logs of temperatures only.
     ("sense", &["machine"]),
     ("realtime", &["model", "machine", "geometry"]),
-    ("report", &["geometry", "path", "tables", "emit", "machine", "model", "snc"]),
+    ("review", &["path", "geometry"]),
+    ("report", &["geometry", "path", "tables", "emit", "machine", "model", "snc", "review"]),
     (
         "cli",
         &[
@@ -55,6 +56,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "feed",
             "drip",
             "sense",
+            "review",
             "report",
         ],
     ),

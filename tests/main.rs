@@ -22,6 +22,7 @@ mod calibration_report;
 mod cli_calibrate;
 mod cli_check;
 mod cli_conditions;
+mod cli_diff;
 mod cli_explain;
 mod cli_feed;
 mod cli_fix;

@@ -3,6 +3,7 @@
 mod calibrate;
 mod correction;
 mod diagnose;
+mod diff;
 mod examples;
 mod feed;
 mod figures;
@@ -21,6 +22,7 @@ mod tables;
 pub(super) use calibrate::CalibrateArguments;
 pub(super) use correction::{ArcChoice, CorrectionChoice, FiveAxisChoice, FrameChoice, RapidChoice, RotaryChoice};
 pub(super) use diagnose::DiagnoseArguments;
+pub(super) use diff::DiffArguments;
 pub(super) use feed::{FeedArguments, ResumeArguments};
 pub(super) use figures::FiguresArguments;
 pub(super) use help::{CompletionsArguments, EXAMPLES, ManArguments, STATUSES};
@@ -129,6 +131,9 @@ pub(super) enum Command {
     /// Compare the errors of an original and a corrected program on the error model
     #[command(after_help = examples::VERIFY)]
     Verify(VerifyArguments),
+    /// Show what was changed between an original and a corrected program
+    #[command(after_help = diff::AFTER_HELP)]
+    Diff(Box<DiffArguments>),
     /// Subtract the corrections from positions that were read on the machine (measurement mode)
     #[command(after_help = measured::AFTER_HELP)]
     Measured(MeasuredArguments),

@@ -7,6 +7,8 @@ use crate::diagnostic::Diagnostic;
 pub enum ExitCode {
     /// Done; there may be warnings. Also when the reader of standard output went away.
     Done = 0,
+    /// Two programs differ, and that was the question.
+    Different = 1,
     /// Wrong usage: options that contradict each other, a file that cannot be read or written.
     Usage = 2,
     /// The program was not understood: a fault in its text, or something that is not supported yet. Nothing was written.

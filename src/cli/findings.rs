@@ -77,6 +77,13 @@ impl Findings {
         }
     }
 
+    /// Takes over what was found elsewhere.
+    pub(super) fn absorb(&mut self, other: Findings) {
+        for (finding, source) in other.kept {
+            self.add(finding, source.as_slice());
+        }
+    }
+
     /// Says beforehand what helps where the language of a file turns out to be wrong.
     pub(super) fn hint(&mut self, source: &Source, hint: Hint) {
         self.hints.insert(source.name().to_owned(), hint);

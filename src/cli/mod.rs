@@ -14,6 +14,7 @@ mod conditions;
 mod diagnose;
 mod diagnose_faults;
 mod diagnosed_report;
+mod diff;
 mod exit_code;
 mod explain;
 mod extended;
@@ -32,6 +33,7 @@ mod measured;
 mod measurement;
 mod origin;
 mod output;
+mod pair;
 mod parameters;
 mod plan;
 mod presets;
@@ -103,6 +105,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Check(arguments) => check::run(arguments),
         Command::Snc(arguments) => snc::run(arguments),
         Command::Verify(arguments) => verify::run(arguments),
+        Command::Diff(arguments) => diff::run(arguments),
         Command::Measured(arguments) => measured::run(arguments),
         Command::Steps(arguments) => steps::run(arguments),
         Command::Tables(arguments) => tables::run(arguments),

@@ -31,7 +31,9 @@ mod treatment;
 mod trial;
 mod volume;
 
-pub use compare::{CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Grouping, ON_THE_SPOT, compare};
+pub use compare::{
+    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Follow, Grouping, ON_THE_SPOT, compare, compare_seeing,
+};
 pub use corrector::Corrector;
 pub use increment::Increments;
 pub use live::{Allows, Applied, Asked, Doses, Live};

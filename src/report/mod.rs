@@ -19,6 +19,7 @@ pub mod origin;
 pub mod page;
 pub mod plot;
 pub mod presets;
+pub mod review;
 mod scale;
 pub mod selection;
 pub mod sensors;

@@ -6,17 +6,20 @@
 //! the text are not needed, so programs of other origin, or an original beside itself, can be compared too; where a program is known
 //! to carry them ([`Grouping::ByMarks`]), they decide instead.
 
+mod step;
+
 use std::iter::Peekable;
 
-use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::geometry::{AXES, AxisSet, AxisVector, ROTARY_AXES, Vector};
-use crate::machine::{Machine, State};
+use crate::diagnostic::Diagnostic;
+use crate::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
+use crate::machine::{Kinematics, Machine};
 use crate::model::Model;
-use crate::snc::{Element, Kind, Origin};
+use crate::snc::{Element, Origin};
+
+use step::{SENSE_STEP, Step, Walk};
 
 use super::prediction::{Pair, sample_count, sample_place};
-use super::route::Route;
-use super::{Prediction, Spread, lost_axes};
+use super::{Prediction, Spread};
 
 /// Distance of the samples along the path, mm.
 const SAMPLE_MM: f64 = 1.0;
@@ -37,10 +40,10 @@ const MOST_SHARE: f64 = 1.5;
 const ROTARY_ARM_MM: f64 = 10.0;
 /// Where the tip moves at least by this share of what the rotary axes do, it alone tells the place.
 const TIP_DECIDES: f64 = 0.1;
+/// A piece whose end differs by less than arithmetic does is left as it was, mm and rad.
+const SAME_MM: f64 = 1e-8;
 /// Steps of the search for the nearest place on the original move.
 const NEAREST_STEPS: usize = 4;
-/// Half the step over which the sense of motion is looked up, as a parameter.
-const SENSE_STEP: f64 = 1e-4;
 /// Pieces shorter than this, half of the shortest that is made, stand on the spot and have no place along the move, mm.
 const ON_THE_SPOT_MM: f64 = 0.005;
 
@@ -55,6 +58,31 @@ pub struct Comparison {
     pub samples: u64,
     /// Where in the original the largest error of the corrected program lies.
     pub max_at: Option<Origin>,
+}
+
+/// A piece of the corrected program beside the place of the original that it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Follow {
+    /// The move of the original.
+    pub original: Origin,
+    /// The piece.
+    pub corrected: Origin,
+    /// Rapid or with feed.
+    pub rapid: bool,
+    /// The first piece of its move.
+    pub is_first: bool,
+    /// A step on the spot: its place is that where the move stands.
+    pub on_the_spot: bool,
+    /// Where the original is at the end of the piece, in the coordinates in which the corrected program writes, mm and rad.
+    pub nominal: AxisVector,
+    /// Where the piece ends, in the same.
+    pub written: AxisVector,
+    /// How far the tip of the original is from its nominal place there, on the error model, mm; 0 where the piece is changed.
+    pub error_mm: f64,
+    /// Whether the program has stated where all axes are that it moves.
+    pub is_stated: bool,
+    /// Feeds of the original and of the piece, as the programs have them; 0 where there is none.
+    pub feeds: [f64; 2],
 }
 
 /// The comment, without the signs that make it one, of a piece that continues the move of the block above it.
@@ -84,14 +112,31 @@ pub fn compare(
     machine: &Machine,
     model: &Model,
 ) -> Result<Comparison, Diagnostic> {
+    compare_seeing(original, corrected, grouping, machine, model, &mut |_| {})
+}
+
+/// The same; every piece of the corrected program is shown on the way.
+///
+/// # Errors
+/// `E0311` where the moves of the one do not follow those of the other.
+pub fn compare_seeing(
+    original: impl Iterator<Item = Element>,
+    corrected: impl Iterator<Item = Element>,
+    grouping: Grouping,
+    machine: &Machine,
+    model: &Model,
+    see: &mut dyn FnMut(Follow),
+) -> Result<Comparison, Diagnostic> {
     let has_backlash = AXES.into_iter().any(|axis| model.features(axis).backlash);
     let mut corrected = Walk::new(corrected, machine, has_backlash).peekable();
+    let kinematics = Kinematics::new(machine);
     let mut prediction = Prediction::default();
     let mut carried = Offset::default();
     for step in Walk::new(original, machine, has_backlash) {
         let mut group = Group {
             model,
             grouping,
+            kinematics: &kinematics,
             step: &step,
             has_backlash,
             carried,
@@ -99,7 +144,7 @@ pub fn compare(
             has_begun: false,
             parameter: 0.0,
         };
-        carried = group.follow(&mut corrected, &mut prediction)?;
+        carried = group.follow(&mut corrected, &mut prediction, see)?;
     }
     match corrected.find(|step| step.route.size_mm() > SAME_END_MM) {
         Some(rest) => Err(rest.mismatch("the corrected program goes on behind the end of the original")),
@@ -110,130 +155,6 @@ pub fn compare(
 impl From<&Pair> for Comparison {
     fn from(pair: &Pair) -> Comparison {
         Comparison { before: pair.before, after: pair.after, samples: pair.after.samples, max_at: pair.max_at }
-    }
-}
-
-/// A move of one of the programs.
-#[derive(Clone, Debug)]
-struct Step {
-    origin: Origin,
-    route: Route,
-    rapid: bool,
-    tool_mm: Vector,
-    /// Sense of motion before the move.
-    state: State,
-    /// Axes that were stated before it.
-    stated: AxisSet,
-    is_counted: bool,
-    /// Whether it is marked as a further piece of the move above it.
-    continues: bool,
-    /// Whether it is marked as a step on the spot.
-    on_the_spot: bool,
-}
-
-impl Step {
-    /// Sense of motion at a parameter.
-    fn state_at(&self, parameter: f64) -> State {
-        let mut state = self.state;
-        let [before, behind] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|place| self.route.at(place));
-        state.note_stated(self.stated, &before, &behind);
-        state
-    }
-
-    /// Sense of motion before the end, where rounding does not turn an arc that ends at a turning point of an axis.
-    fn state_before_end(&self) -> State {
-        let share = (ON_THE_SPOT_MM / self.route.size_mm().max(ON_THE_SPOT_MM)).clamp(SENSE_STEP, 0.5);
-        self.state_at(1.0 - share)
-    }
-
-    fn mismatch(&self, message: &str) -> Diagnostic {
-        let place = Place { file: self.origin.file, span: self.origin.span };
-        let help = "compare a program with what was made from it, on the same machine";
-        Diagnostic::at(Code::CANNOT_ALIGN, place, message, help)
-    }
-}
-
-/// The moves of a stream of elements.
-struct Walk<'a, I> {
-    elements: I,
-    machine: &'a Machine,
-    has_backlash: bool,
-    position: AxisVector,
-    tool_mm: Vector,
-    state: State,
-    known: AxisSet,
-    ever_named: AxisSet,
-    continues: bool,
-    on_the_spot: bool,
-}
-
-impl<'a, I> Walk<'a, I> {
-    fn new(elements: I, machine: &'a Machine, has_backlash: bool) -> Self {
-        Walk {
-            elements,
-            machine,
-            has_backlash,
-            position: AxisVector::ZERO,
-            tool_mm: Vector::zeros(),
-            state: State::default(),
-            known: AxisSet::EMPTY,
-            ever_named: AxisSet::EMPTY,
-            continues: false,
-            on_the_spot: false,
-        }
-    }
-}
-
-impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
-    type Item = Step;
-
-    fn next(&mut self) -> Option<Step> {
-        loop {
-            let element = self.elements.next()?;
-            if element.starts_block {
-                // A mark belongs to its own line, which may move nothing.
-                self.continues = false;
-                self.on_the_spot = false;
-            }
-            let lost = lost_axes(&element, self.machine);
-            self.known = self.known.difference(lost);
-            self.state.forget(lost);
-            let motion = match element.kind {
-                Kind::Comment(text) => {
-                    let text = text.strip_prefix(b";").or_else(|| text.strip_prefix(b"(")?.strip_suffix(b")"));
-                    let is_one_of = |marks: [&str; 2]| marks.iter().any(|mark| text == Some(mark.as_bytes()));
-                    self.continues = is_one_of([CONTINUES, CONTINUES_ON_THE_SPOT]);
-                    self.on_the_spot = is_one_of([ON_THE_SPOT, CONTINUES_ON_THE_SPOT]);
-                    continue;
-                }
-                Kind::Setup(setup) => {
-                    self.tool_mm = setup.tool_mm;
-                    continue;
-                }
-                Kind::Move(motion) => motion,
-                _ => continue,
-            };
-            self.ever_named = self.ever_named.union(motion.named);
-            let step = Step {
-                origin: element.origin,
-                route: Route::new(self.position, motion.target, motion.arc),
-                rapid: motion.rapid,
-                tool_mm: self.tool_mm,
-                state: self.state,
-                stated: self.known,
-                is_counted: motion.named.difference(self.known).is_empty()
-                    && self.ever_named.difference(motion.known).is_empty(),
-                continues: std::mem::take(&mut self.continues),
-                on_the_spot: std::mem::take(&mut self.on_the_spot),
-            };
-            if self.has_backlash {
-                self.state.note_stated(self.known, &step.route.at(0.0), &step.route.at(SENSE_STEP));
-                self.state.note_stated(self.known, &step.route.at(1.0 - SENSE_STEP), &motion.target);
-            }
-            self.position = motion.target;
-            self.known = motion.known;
-            return Some(step);
-        }
     }
 }
 
@@ -264,6 +185,7 @@ impl Offset {
 struct Group<'a> {
     model: &'a Model,
     grouping: Grouping,
+    kinematics: &'a Kinematics,
     step: &'a Step,
     has_backlash: bool,
     /// Offset at which the group began: an uncorrected program carries its errors along.
@@ -282,12 +204,14 @@ impl Group<'_> {
         &mut self,
         corrected: &mut Peekable<Walk<'_, I>>,
         prediction: &mut Prediction,
+        see: &mut dyn FnMut(Follow),
     ) -> Result<Offset, Diagnostic> {
         let whole_mm = self.step.route.size_mm();
         loop {
             let Some(piece) = corrected.next() else {
                 return Err(self.step.mismatch("the corrected program ends before this move of the original"));
             };
+            let is_first = !self.has_begun;
             let is_torn = self.grouping == Grouping::ByMarks && piece.continues != self.has_begun;
             self.has_begun = true;
             if is_torn || piece.rapid != self.step.rapid || self.length_mm > MOST_SHARE * whole_mm + MEANT_END_MM {
@@ -303,6 +227,7 @@ impl Group<'_> {
                 self.sample(&piece, to, prediction);
                 self.parameter = to;
             }
+            see(self.seen(&piece, is_first, stands));
             if is_complete && self.off_mm(&offset) > MEANT_END_MM {
                 return Err(self
                     .step
@@ -311,6 +236,30 @@ impl Group<'_> {
             if is_complete {
                 return Ok(offset);
             }
+        }
+    }
+
+    /// A piece that has covered the original move up to the parameter.
+    fn seen(&self, piece: &Step, is_first: bool, on_the_spot: bool) -> Follow {
+        let nominal = self.step.route.at(self.parameter);
+        let [nominal, written] = [&nominal, &piece.route.end].map(|command| piece.programmed(command, self.kinematics));
+        let error_mm = |nominal: &AxisVector| {
+            let state = if self.has_backlash { self.step.state_at(self.parameter) } else { self.step.state };
+            self.model.tip_error_mm(nominal, nominal, &self.step.tool_mm, &state).norm()
+        };
+        // Only for what is left as it was does anybody ask why.
+        let is_left = (written - nominal).max_abs(&AXES) < SAME_MM;
+        Follow {
+            original: self.step.origin,
+            corrected: piece.origin,
+            rapid: piece.rapid,
+            is_first,
+            on_the_spot,
+            nominal,
+            written,
+            error_mm: if is_left { error_mm(&self.step.route.at(self.parameter)) } else { 0.0 },
+            is_stated: self.step.is_counted,
+            feeds: [self.step.feed, piece.feed],
         }
     }
 

@@ -1,0 +1,78 @@
+//! Where pages go: to a pager where standard output is a terminal, else to standard output as it is.
+
+use std::io::{IsTerminal as _, Write};
+use std::process::{Child, Command, Stdio};
+
+use crate::cli::stop::Stop;
+use crate::report::review::Look;
+
+/// Columns where no terminal says how many it has.
+const WIDTH: usize = 100;
+/// Columns at least.
+const LEAST: usize = 80;
+
+/// A page that is being written.
+pub(super) struct Page {
+    pager: Option<Child>,
+    out: Box<dyn Write>,
+    look: Look,
+    is_over: bool,
+}
+
+impl Page {
+    /// Begins a page; `plain` keeps it from a pager.
+    pub(super) fn open(plain: bool) -> Page {
+        let is_terminal = std::io::stdout().is_terminal();
+        let columns = std::env::var("COLUMNS").ok().and_then(|text| text.trim().parse::<usize>().ok());
+        let width = columns.unwrap_or(WIDTH).clamp(LEAST, 1000);
+        let choice = anstream::AutoStream::choice(&std::io::stdout());
+        let look = Look { width, has_color: choice != anstream::ColorChoice::Never };
+        let mut pager = if is_terminal && !plain { pager() } else { None };
+        let out: Box<dyn Write> = match pager.as_mut().and_then(|child| child.stdin.take()) {
+            Some(stdin) => Box::new(std::io::BufWriter::new(stdin)),
+            None => Box::new(std::io::BufWriter::new(std::io::stdout())),
+        };
+        Page { pager, out, look, is_over: false }
+    }
+
+    /// How rows are drawn.
+    pub(super) fn look(&self) -> Look {
+        self.look
+    }
+
+    /// Appends text. A reader of a pager who has seen enough ends nothing else.
+    pub(super) fn write(&mut self, text: &str) -> Result<(), Stop> {
+        if self.is_over {
+            return Ok(());
+        }
+        match self.out.write_all(text.as_bytes()) {
+            Err(_) if self.pager.is_some() => self.is_over = true,
+            written => written.map_err(|error| Stop::output(&error))?,
+        }
+        Ok(())
+    }
+
+    /// Ends the page, and waits until the pager is left.
+    pub(super) fn close(mut self) {
+        // A reader that went away does not matter.
+        let _ = self.out.flush();
+        drop(self.out);
+        if let Some(mut pager) = self.pager {
+            let _ = pager.wait();
+        }
+    }
+}
+
+/// The pager of the person: `NCFIX_PAGER`, `PAGER`, else less, which shows a short page at once and ends.
+fn pager() -> Option<Child> {
+    let named = ["NCFIX_PAGER", "PAGER"].into_iter().find_map(|name| std::env::var(name).ok());
+    let command = named.unwrap_or_else(|| "less".to_owned());
+    let mut words = command.split_whitespace();
+    let program = words.next().filter(|program| *program != "cat")?;
+    let mut pager = Command::new(program);
+    pager.args(words).stdin(Stdio::piped());
+    if std::env::var_os("LESS").is_none() {
+        pager.env("LESS", "FRX");
+    }
+    pager.spawn().ok()
+}

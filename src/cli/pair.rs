@@ -1,0 +1,248 @@
+//! Two programs executed side by side, and their moves compared: what `ncfix verify` and `ncfix diff` have in common.
+
+use std::cell::RefCell;
+use std::panic::resume_unwind;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+use super::arguments::{MachineChoice, ProgramChoice, StateChoice, VerifyArguments};
+use super::findings::Findings;
+use super::machine_choice::{self, Chosen};
+use super::program::{self, Running};
+use super::state;
+use super::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::emit;
+use crate::exec::RapidOrder;
+use crate::path::{self, Follow, Grouping};
+use crate::snc::Element;
+use crate::source::{FileId, Source};
+
+/// Two programs and how they are executed.
+pub(super) struct Pair<'a> {
+    pub(super) original: &'a Path,
+    pub(super) corrected: &'a Path,
+    pub(super) machine: &'a MachineChoice,
+    pub(super) state: &'a StateChoice,
+    pub(super) program: &'a ProgramChoice,
+}
+
+impl<'a> From<&'a VerifyArguments> for Pair<'a> {
+    fn from(arguments: &'a VerifyArguments) -> Pair<'a> {
+        Pair {
+            original: &arguments.original,
+            corrected: &arguments.corrected,
+            machine: &arguments.machine,
+            state: &arguments.state,
+            program: &arguments.program,
+        }
+    }
+}
+
+impl<'p> Pair<'p> {
+    /// Opens both programs and walks them side by side; `None` where findings forbid it.
+    pub(super) fn compare(
+        &self,
+        findings: &mut Findings,
+        see: &mut dyn FnMut(Follow),
+    ) -> Result<Option<Outcome>, Stop> {
+        // Both are read before anything else: a file that is missing is the first thing to know.
+        let sources = [program::read(self.original)?, program::read(self.corrected)?];
+        let Some(mut chosen) = machine_choice::choose(self.machine, self.original, findings)? else {
+            return Ok(None);
+        };
+        if !state::apply(self.state, &mut chosen, findings)? {
+            return Ok(None);
+        }
+        let open = |source: &Source| {
+            let mut own = Findings::default();
+            let opened = program::open(source, self.program, Some(&chosen), &mut own);
+            (opened, own)
+        };
+        let [original, corrected] = std::thread::scope(|scope| {
+            let corrected = scope.spawn(|| open(&sources[1]));
+            [open(&sources[0]), corrected.join().unwrap_or_else(|fault| resume_unwind(fault))]
+        });
+        findings.absorb(original.1);
+        findings.absorb(corrected.1);
+        let (Some(original), Some(corrected)) = (original.0?, corrected.0?) else { return Ok(None) };
+        Ok(self.walked([original, corrected], &sources, &chosen, findings, see))
+    }
+
+    fn walked(
+        &self,
+        [original, corrected]: [program::Opened; 2],
+        sources: &[Source; 2],
+        chosen: &Chosen,
+        findings: &mut Findings,
+        see: &mut dyn FnMut(Follow),
+    ) -> Option<Outcome> {
+        let start = |opened: program::Opened, path: &'p Path| {
+            let is_stamped = emit::is_stamped(opened.source.bytes());
+            let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
+            Running::start(opened, path, self.program, &chosen.machine, false, rapid_order)
+        };
+        if let Some(model) = emit::stamped_model(sources[1].bytes())
+            && model != chosen.hash
+        {
+            let message = format!(
+                "{} was corrected for the model {model}, and is compared on {}",
+                sources[1].name(),
+                chosen.hash
+            );
+            let help = "give --machine the machine file that it was corrected with";
+            findings.add(Diagnostic::nowhere(Code::OTHER_STAMP, message, help), sources);
+        }
+        let stamped_state = emit::stamped_state(sources[1].bytes());
+        if emit::is_stamped(sources[1].bytes()) && stamped_state != chosen.state {
+            let said = |state: &Option<String>| state.clone().unwrap_or_else(|| "none".into());
+            let message = format!(
+                "{} was corrected for the state {}, and is compared in {}",
+                sources[1].name(),
+                said(&stamped_state),
+                said(&chosen.state)
+            );
+            let help = "give the same --state, --time, --zero-time, --zero-at and --load as for the correction";
+            findings.add(Diagnostic::nowhere(Code::OTHER_STAMP, message, help), sources);
+        }
+        let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());
+        let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };
+        let (sender, parts) = sync_channel(AHEAD);
+        std::thread::scope(|scope| {
+            // One core executes the corrected program ahead, the other one the original, and compares.
+            let run = move || send(start(corrected, self.corrected).silent(), &sender);
+            let ahead = scope.spawn(run);
+            let corrected = Ahead { parts, now: Vec::new().into_iter() };
+            let original = start(original, self.original);
+            walk((original, corrected), grouping, chosen, findings, see, || {
+                ahead.join().unwrap_or_else(|fault| resume_unwind(fault))
+            })
+        })
+    }
+}
+
+/// An element, or a finding with the files that it may be in.
+type Item = Result<Element, (Diagnostic, Vec<Source>)>;
+
+/// Elements that are handed on together, and how many such parts may wait.
+const PART: usize = 4096;
+const AHEAD: usize = 4;
+
+/// Executes a program to its end, or until nobody wants its elements any more; its files.
+fn send(mut running: Running<'_>, to: &SyncSender<Vec<Item>>) -> Vec<Source> {
+    loop {
+        let mut part = Vec::with_capacity(PART);
+        while part.len() < PART {
+            match running.next() {
+                Some(Ok(element)) => part.push(Ok(element)),
+                Some(Err(finding)) => part.push(Err((finding, running.sources().to_vec()))),
+                None => break,
+            }
+        }
+        if part.is_empty() || to.send(part).is_err() {
+            return running.sources().to_vec();
+        }
+    }
+}
+
+/// The elements of a program that is executed ahead.
+struct Ahead {
+    parts: Receiver<Vec<Item>>,
+    now: std::vec::IntoIter<Item>,
+}
+
+impl Iterator for Ahead {
+    type Item = Item;
+
+    fn next(&mut self) -> Option<Item> {
+        loop {
+            if let Some(item) = self.now.next() {
+                return Some(item);
+            }
+            self.now = self.parts.recv().ok()?.into_iter();
+        }
+    }
+}
+
+/// Compares two running programs; `files` ends the corrected one and gives its files.
+fn walk(
+    (mut original, corrected): (Running<'_>, Ahead),
+    grouping: Grouping,
+    chosen: &Chosen,
+    findings: &mut Findings,
+    see: &mut dyn FnMut(Follow),
+    files: impl FnOnce() -> Vec<Source>,
+) -> Option<Outcome> {
+    let model = chosen.model();
+    let increments = [chosen.machine.control.increment_mm, chosen.machine.control.increment_rad];
+    let shared = RefCell::new(std::mem::take(findings));
+    let items = std::iter::from_fn(|| {
+        let item = original.next()?;
+        Some(item.map_err(|finding| (finding, original.sources().to_vec())))
+    });
+    let result = {
+        let original = Clean { items, findings: &shared, mark: 0 };
+        let corrected = Clean { items: corrected, findings: &shared, mark: OF_CORRECTED };
+        path::compare_seeing(original, corrected, grouping, &chosen.machine, &model, see)
+    };
+    let sources = [original.sources().to_vec(), files()];
+    let source = |marked: FileId| {
+        let marks = [0, OF_CORRECTED];
+        let mut all = sources.iter().zip(marks).flat_map(|(own, mark)| own.iter().map(move |one| (one, mark)));
+        all.find(|(one, mark)| one.id().0 ^ mark == marked.0).map(|(one, _)| one.clone())
+    };
+    let max_at = result.as_ref().ok().and_then(|comparison| comparison.max_at);
+    let max_at = max_at.and_then(|origin| Some((origin.line, source(origin.file)?.name().to_owned())));
+    let source = result.as_ref().err().and_then(|diagnostic| diagnostic.place).and_then(|place| source(place.file));
+    *findings = shared.into_inner();
+    match result {
+        Ok(comparison) => Some(Outcome { comparison, max_at, sources, increments }).filter(|_| !findings.has_errors()),
+        // Where a program could not be executed to its end, that it does not match the other one is no news.
+        Err(_) if findings.has_errors() => None,
+        Err(mut diagnostic) => {
+            if let (Some(place), Some(source)) = (&mut diagnostic.place, &source) {
+                place.file = source.id();
+            }
+            findings.add(diagnostic, source.as_slice());
+            None
+        }
+    }
+}
+
+/// What a comparison found.
+pub(super) struct Outcome {
+    pub(super) comparison: path::Comparison,
+    /// Line and file of the largest error that is left.
+    pub(super) max_at: Option<(u32, String)>,
+    /// The files of the original, and those of the corrected program.
+    pub(super) sources: [Vec<Source>; 2],
+    /// Of the control, mm and rad.
+    pub(super) increments: [f64; 2],
+}
+
+/// Added to the file numbers of the corrected program: both programs count their files from 0, and a finding must be drawn in the
+/// right one.
+const OF_CORRECTED: u16 = 1 << 15;
+
+/// The elements of a program without its findings, which are put aside.
+struct Clean<'f, I> {
+    items: I,
+    findings: &'f RefCell<Findings>,
+    mark: u16,
+}
+
+impl<I: Iterator<Item = Item>> Iterator for Clean<'_, I> {
+    type Item = Element;
+
+    fn next(&mut self) -> Option<Element> {
+        loop {
+            match self.items.next()? {
+                Ok(mut element) => {
+                    element.origin.file.0 ^= self.mark;
+                    return Some(element);
+                }
+                Err((finding, sources)) => self.findings.borrow_mut().add(finding, &sources),
+            }
+        }
+    }
+}

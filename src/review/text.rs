@@ -1,0 +1,290 @@
+//! Two programs compared as they are written: for programs that do not run here, or that have nothing to do with each other.
+//!
+//! Lines are aligned by what they say and where they lead to a millimetre, so that a program of which every line is changed is aligned as well as one of
+//! which none is. Block numbers, comments, blanks, the way a number is written and repeated modal words do not count: `X3.100F30.` is
+//! `N10 G1 X3.1 F030` where G1 holds.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::time::{Duration, Instant};
+
+use similar::{Algorithm, DiffOp, capture_diff_slices_deadline};
+
+use super::words::{Word, words};
+
+/// After this time lines are aligned as well as they are by then.
+const LONGEST: Duration = Duration::from_secs(5);
+/// Addresses whose numbers are codes: another one is another line.
+const CODES: [&str; 6] = ["G", "M", "T", "D", "H", "L"];
+
+/// What became of a line.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pairing {
+    /// It says the same: lines of both, from 1.
+    Same([u32; 2]),
+    /// It says the same with other numbers.
+    Changed([u32; 2], Vec<Change>),
+    /// It is in the first program only.
+    Gone(u32),
+    /// It is in the second program only.
+    New(u32),
+}
+
+/// A word with another number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change {
+    /// Its address.
+    pub address: String,
+    /// As it is written in both.
+    pub texts: [String; 2],
+    /// The second number less the first, in the unit of the programs.
+    pub added: f64,
+}
+
+/// A line that says anything.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    number: u32,
+    /// Where it begins, and how long it is, in bytes.
+    at: (u32, u32),
+    /// What it says without numbers.
+    loose: u64,
+    /// The same with where the axes are to a millimetre.
+    near: u64,
+    /// Where the axes are behind it, and the feed, as far as numbers tell; NaN where they do not.
+    now: [f64; MODAL.len()],
+}
+
+/// The lines of a program that say anything. Positions, feed and the kind of motion go on from line to line, so that one who repeats them and one
+/// who does not say the same.
+fn lines(bytes: &[u8], end: u8) -> Vec<Line> {
+    let mut now = [f64::NAN; MODAL.len()];
+    let mut motion = f64::NAN;
+    let mut out = Vec::new();
+    let mut next = 0_usize;
+    for (line, number) in bytes.split(|byte| *byte == end).zip(1_u32..) {
+        let at = (next as u32, line.len() as u32);
+        next += line.len() + 1;
+        let text = String::from_utf8_lossy(line);
+        let words = words(&text);
+        if words.is_empty() {
+            continue;
+        }
+        let mut hasher = DefaultHasher::new();
+        let mut moves = false;
+        for word in &words {
+            if is_motion(word) {
+                motion = word.number.unwrap_or(motion);
+            } else if let Some(place) = modal(word) {
+                now[place] = word.number.unwrap_or(f64::NAN);
+                moves |= place < FEED;
+            } else {
+                word.address.to_ascii_uppercase().hash(&mut hasher);
+                let is_code = CODES.iter().any(|code| word.address.eq_ignore_ascii_case(code));
+                match word.number {
+                    Some(number) if is_code => number.to_bits().hash(&mut hasher),
+                    Some(_) => {}
+                    None => word.value.to_ascii_uppercase().hash(&mut hasher),
+                }
+            }
+        }
+        if moves {
+            motion.to_bits().hash(&mut hasher);
+        }
+        let loose = hasher.finish();
+        let places = now.iter().take(FEED).map(|place| if place.is_nan() { i64::MIN } else { place.round() as i64 });
+        places.for_each(|place| place.hash(&mut hasher));
+        let near = if moves { hasher.finish() } else { loose };
+        out.push(Line { number, at, loose, near, now });
+    }
+    out
+}
+
+/// Addresses whose numbers hold until another one comes.
+const MODAL: [&str; 10] = ["X", "Y", "Z", "A", "B", "C", "U", "V", "W", "F"];
+/// The place of the feed among them.
+const FEED: usize = MODAL.len() - 1;
+
+fn modal(word: &Word<'_>) -> Option<usize> {
+    MODAL.iter().position(|address| word.address.eq_ignore_ascii_case(address))
+}
+
+/// G0 to G3.
+fn is_motion(word: &Word<'_>) -> bool {
+    word.address.eq_ignore_ascii_case("G") && word.number.is_some_and(|number| (0.0..=3.0).contains(&number))
+}
+
+/// The words of two lines whose numbers differ by more than the tolerance.
+fn changes([one, other]: [&Line; 2], texts: [&str; 2], tolerance: f64) -> Vec<Change> {
+    let [of_one, of_other] = texts.map(words);
+    // Codes are the same where lines are aligned.
+    let counts = |word: &&Word<'_>| !CODES.iter().any(|code| word.address.eq_ignore_ascii_case(code));
+    let mut out = Vec::new();
+    let mut note = |address: &str, texts: [&str; 2], numbers: [Option<f64>; 2]| {
+        let [Some(before), Some(after)] = numbers else { return };
+        let added = after - before;
+        if added.abs() > tolerance {
+            out.push(Change { address: address.to_ascii_uppercase(), texts: texts.map(str::to_owned), added });
+        }
+    };
+    // Where a line does not repeat what holds, that counts.
+    let holds = |line: &Line, place: Option<usize>| place.map(|place| line.now[place]).filter(|held| !held.is_nan());
+    for word in of_one.iter().filter(counts) {
+        let same = of_other.iter().find(|other| other.address.eq_ignore_ascii_case(word.address));
+        let number = same.map_or(holds(other, modal(word)), |other| other.number);
+        note(word.address, [word.value, same.map_or("", |other| other.value)], [word.number, number]);
+    }
+    for word in of_other.iter().filter(counts) {
+        if !of_one.iter().any(|one| one.address.eq_ignore_ascii_case(word.address)) {
+            note(word.address, ["", word.value], [holds(one, modal(word)), word.number]);
+        }
+    }
+    out
+}
+
+/// Two programs, aligned. What became of a line is looked at when it is asked for: there may be millions.
+#[derive(Debug)]
+pub struct Aligned<'a> {
+    bytes: [&'a [u8]; 2],
+    lines: [Vec<Line>; 2],
+    /// Places of lines that belong together, or stand alone.
+    pairs: Vec<[u32; 2]>,
+    tolerance: f64,
+}
+
+/// No line.
+const NONE: u32 = u32::MAX;
+
+/// Aligns two programs, whose lines end with these bytes. Numbers that differ by no more than the tolerance are the same.
+#[must_use]
+pub fn compare(programs: [(&[u8], u8); 2], tolerance: f64) -> Aligned<'_> {
+    let [one, other] = programs.map(|(bytes, end)| lines(bytes, end));
+    let [one_keys, other_keys] = [&one, &other].map(|all| all.iter().map(|line| line.near).collect::<Vec<u64>>());
+    let deadline = Some(Instant::now() + LONGEST);
+    let steps = capture_diff_slices_deadline(Algorithm::Myers, &one_keys, &other_keys, deadline);
+    let mut pairs = Vec::with_capacity(one.len().max(other.len()));
+    for step in steps {
+        let (of_one, of_other) = (step.old_range(), step.new_range());
+        // Positions on both sides of a half millimetre, or farther apart: still the same lines where they say the same but for the numbers.
+        let is_alike = |(one_at, other_at): &(usize, usize)| one[*one_at].loose == other[*other_at].loose;
+        let alike = match step {
+            DiffOp::Equal { .. } => of_one.len(),
+            _ if of_one.len() == of_other.len() => of_one.clone().zip(of_other.clone()).take_while(is_alike).count(),
+            _ => 0,
+        };
+        pairs.extend(of_one.clone().zip(of_other.clone()).take(alike).map(|(one, other)| [one as u32, other as u32]));
+        pairs.extend(of_one.skip(alike).map(|one| [one as u32, NONE]));
+        pairs.extend(of_other.skip(alike).map(|other| [NONE, other as u32]));
+    }
+    Aligned { bytes: programs.map(|(bytes, _)| bytes), lines: [one, other], pairs, tolerance }
+}
+
+impl Aligned<'_> {
+    /// How many lines there are, each pair once.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// What became of a line, by its place in the order of both programs.
+    #[must_use]
+    pub fn at(&self, place: usize) -> Option<Pairing> {
+        let [one, other] = *self.pairs.get(place)?;
+        let line = |program: usize, at: u32| self.lines[program].get(at as usize);
+        Some(match (line(0, one), line(1, other)) {
+            (Some(one), Some(other)) => {
+                let [before, after] = [self.text(0, one), self.text(1, other)];
+                let changes = changes([one, other], [&before, &after], self.tolerance);
+                let numbers = [one.number, other.number];
+                if changes.is_empty() { Pairing::Same(numbers) } else { Pairing::Changed(numbers, changes) }
+            }
+            (Some(one), None) => Pairing::Gone(one.number),
+            (None, other) => Pairing::New(other?.number),
+        })
+    }
+
+    /// All of them, in order.
+    pub fn all(&self) -> impl Iterator<Item = Pairing> {
+        (0..self.count()).filter_map(|place| self.at(place))
+    }
+
+    fn text(&self, program: usize, line: &Line) -> std::borrow::Cow<'_, str> {
+        let (from, length) = (line.at.0 as usize, line.at.1 as usize);
+        String::from_utf8_lossy(self.bytes[program].get(from..from + length).unwrap_or_default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(programs: [(&[u8], u8); 2], tolerance: f64) -> Vec<Pairing> {
+        compare(programs, tolerance).all().collect()
+    }
+
+    #[test]
+    fn numbers_comments_and_spelling_do_not_count() {
+        let one = "%\nN10 X3.100 F30.0 (FIRST)\nG1 Y2\nM30\n";
+        let other = "N5 x3.1F030\n\nN20 G01 Y2. ; same\nM30";
+        let found = all([(one.as_bytes(), b'\n'), (other.as_bytes(), b'\n')], 0.0);
+        assert_eq!(found, [Pairing::Same([2, 1]), Pairing::Same([3, 3]), Pairing::Same([4, 4])]);
+    }
+
+    #[test]
+    fn every_line_may_have_another_number() {
+        let one: String = (0..500).map(|k| format!("N{k} G1 X{k} Y{}\n", 2 * k)).collect();
+        let other: String = (0..500).map(|k| format!("G1 X{k}.0123 Y{}\n", 2 * k)).collect();
+        let found = all([(one.as_bytes(), b'\n'), (other.as_bytes(), b'\n')], 0.0);
+        assert_eq!(found.len(), 500);
+        let Pairing::Changed([8, 8], changes) = &found[7] else { panic!("{:?}", found[7]) };
+        assert_eq!(
+            (changes[0].address.as_str(), changes[0].texts.clone()),
+            ("X", ["7".to_owned(), "7.0123".to_owned()])
+        );
+        assert!((changes[0].added - 0.0123).abs() < 1e-12 && changes.len() == 1);
+        let alike = all([(one.as_bytes(), b'\n'), (other.as_bytes(), b'\n')], 0.02);
+        assert!(alike.iter().all(|line| matches!(line, Pairing::Same(_))));
+    }
+
+    #[test]
+    fn a_line_that_came_in_between_shifts_no_other() {
+        let line = |k: u32, by: f64| format!("X{:.4} Y{:.4}\n", f64::from(k) * 1.7 + by, f64::from(k * k) / 50.0 - by);
+        let one: String = (0..300).map(|k| line(k, 0.0)).collect();
+        let other: String =
+            (0..300).map(|k| if k == 100 { "X170.5\n".to_owned() + &line(k, 0.012) } else { line(k, 0.012) }).collect();
+        let (one, other) = (format!("G1 F100\n{one}"), format!("G1 F100\n{other}"));
+        let found = all([(one.as_bytes(), b'\n'), (other.as_bytes(), b'\n')], 0.02);
+        let new: Vec<u32> =
+            found.iter().filter_map(|line| if let Pairing::New(k) = line { Some(*k) } else { None }).collect();
+        assert!(new.len() <= 2 && !new.is_empty() && new.iter().all(|k| (100..=104).contains(k)), "{new:?}");
+        assert!(found.iter().filter(|line| matches!(line, Pairing::Same(_))).count() >= 298);
+    }
+
+    #[test]
+    fn repeated_modal_words_are_the_same() {
+        let one = "G1 X1 Y2 F100\nX3\nY5\nG0 Z4\n";
+        let other = "G1 X1 Y2 F100\nG1 X3 Y2\nG1 X3.01 Y5 F100\nG1 Z4\n";
+        let found = all([(one.as_bytes(), b'\n'), (other.as_bytes(), b'\n')], 0.0);
+        assert_eq!(found[..2], [Pairing::Same([1, 1]), Pairing::Same([2, 2])]);
+        let Pairing::Changed([3, 3], changes) = &found[2] else { panic!("{found:?}") };
+        assert_eq!((changes[0].address.as_str(), &changes[0].texts), ("X", &[String::new(), "3.01".to_owned()]));
+        // Rapid is not feed.
+        assert_eq!(found[3..], [Pairing::Gone(4), Pairing::New(4)]);
+    }
+
+    #[test]
+    fn lines_that_came_and_went_are_named() {
+        let one = "G0 X1\nG1 X2 F100\nG1 X3\nM30\n";
+        let other = "G0 X1\nG1 X2.4 F100\nG4 F1\nM30\n";
+        let found = all([(one.as_bytes(), b'\n'), (other.as_bytes(), b'\n')], 0.0);
+        let names: Vec<&str> = found
+            .iter()
+            .map(|line| match line {
+                Pairing::Same(_) => "same",
+                Pairing::Changed(..) => "changed",
+                Pairing::Gone(_) => "gone",
+                Pairing::New(_) => "new",
+            })
+            .collect();
+        assert_eq!(names, ["same", "changed", "gone", "new", "same"]);
+    }
+}
