@@ -33,6 +33,15 @@ const OF_ALL: &[(ExitCode, &str)] = &[
     (ExitCode::Refused, "refused, for any other error; nothing was written"),
 ];
 
+/// The statuses of `ncfix diff`, whose results are statuses too.
+const OF_DIFF: &[(ExitCode, &str)] = &[
+    (ExitCode::Done, "the same, or nothing above --fail-above"),
+    (ExitCode::Different, "different"),
+    (ExitCode::Usage, "wrong usage, or a file that cannot be read"),
+    (ExitCode::NotUnderstood, "a program was not understood"),
+    (ExitCode::Refused, "a change above --fail-above, or the one program does not follow the other"),
+];
+
 /// Those of commands that talk to a control.
 const OF_LINK: &[(ExitCode, &str)] = &[
     (ExitCode::Link, "the link cannot be opened, or is gone"),
@@ -49,7 +58,8 @@ impl ExitCode {
         let talks = matches!(name, "feed" | "resume");
         let further = if talks { OF_LINK } else { &[] };
         let last = if talks || name == "realtime" { OF_LONG } else { &[] };
-        OF_ALL.iter().chain(further).chain(last).copied()
+        let own = if name == "diff" { OF_DIFF } else { OF_ALL };
+        own.iter().chain(further).chain(last).copied()
     }
 
     /// The status that follows from findings.

@@ -82,6 +82,8 @@ impl Findings {
         for (finding, source) in other.kept {
             self.add(finding, source.as_slice());
         }
+        self.hints.extend(other.hints);
+        self.misread.extend(other.misread);
     }
 
     /// Says beforehand what helps where the language of a file turns out to be wrong.

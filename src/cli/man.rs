@@ -19,6 +19,9 @@ const ENVIRONMENT: [(&str, &str); 2] = [
     ("NO_COLOR", "Findings are drawn without colors where it is set."),
 ];
 
+/// What it says to `ncfix diff`.
+const PAGERS: (&str, &str) = ("NCFIX_PAGER, PAGER", "What shows a long page on a terminal; without them less.");
+
 /// Prints a page, or writes all of them.
 pub(super) fn run(arguments: &ManArguments) -> Result<ExitCode, Stop> {
     let mut root = definition().disable_help_subcommand(true);
@@ -83,7 +86,8 @@ fn page(command: &Command, path: &str) -> io::Result<String> {
         term(&mut roff, &(code as u8).to_string(), meaning);
     }
     roff.control("SH", ["ENVIRONMENT"]);
-    ENVIRONMENT.iter().for_each(|(name, meaning)| term(&mut roff, name, meaning));
+    let pagers = (command.get_name() == "diff").then_some(&PAGERS);
+    ENVIRONMENT.iter().chain(pagers).for_each(|(name, meaning)| term(&mut roff, name, meaning));
     if let Some((_, examples)) = rest.split_once(EXAMPLES) {
         roff.control("SH", ["EXAMPLES"]);
         paragraph(&mut roff, examples);

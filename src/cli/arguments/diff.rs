@@ -18,14 +18,7 @@ Examples:
   ncfix diff part.mpf part_corrected.mpf --top 20
   ncfix diff part.mpf part_corrected.mpf --only 5um --axis Z
   ncfix diff part.mpf part_corrected.mpf --fail-above 50um --json > review.json
-  ncfix diff old.nc new.nc --text --tolerance 1um
-
-Exit status:
-  0  the same, or nothing above --fail-above
-  1  different
-  2  wrong usage, or a file that cannot be read
-  3  a program was not understood
-  4  a change above --fail-above, or the one program does not follow the other";
+  ncfix diff old.nc new.nc --text --tolerance 1um";
 
 /// `ncfix diff`.
 #[derive(Clone, Debug, Args)]

@@ -3,6 +3,7 @@
 use std::io::{IsTerminal as _, Write};
 use std::process::{Child, Command, Stdio};
 
+use crate::cli::progress;
 use crate::cli::stop::Stop;
 use crate::report::review::Look;
 
@@ -22,6 +23,7 @@ pub(super) struct Page {
 impl Page {
     /// Begins a page; `plain` keeps it from a pager.
     pub(super) fn open(plain: bool) -> Page {
+        progress::end();
         let is_terminal = std::io::stdout().is_terminal();
         let columns = std::env::var("COLUMNS").ok().and_then(|text| text.trim().parse::<usize>().ok());
         let width = columns.unwrap_or(WIDTH).clamp(LEAST, 1000);

@@ -1,0 +1,32 @@
+//! Which commands work for long before they print anything.
+
+use super::Command;
+
+impl Command {
+    /// The name of a command that may be at work for long before it prints anything; `None` where it prints as it goes.
+    pub(in crate::cli) fn silent_work(&self) -> Option<&'static str> {
+        Some(match self {
+            Command::Fix(_) => "fix",
+            Command::Check(_) => "check",
+            Command::Snc(arguments) if arguments.output.is_some() => "snc",
+            Command::Verify(_) => "verify",
+            Command::Diff(_) => "diff",
+            Command::Measured(_) => "measured",
+            Command::Steps(_) => "steps",
+            Command::Load(_) => "load",
+            Command::Diagnose(_) => "diagnose",
+            Command::Sensors(arguments) if !arguments.watch => "sensors",
+            Command::Feed(_) => "feed",
+            Command::Realtime(_) => "realtime",
+            Command::Resume(_) => "resume",
+            Command::Plan(_) => "plan",
+            Command::Calibrate(_) => "calibrate",
+            Command::Simulate(_) => "simulate",
+            Command::Figures(_) => "figures",
+            Command::Tables(_) => "tables",
+            Command::Machine(_) => "machine",
+            Command::Snc(_) | Command::Sensors(_) => return None,
+            Command::Explain(_) | Command::Completions(_) | Command::Man(_) => return None,
+        })
+    }
+}
