@@ -66,6 +66,7 @@ impl Findings {
         for (finding, source) in other.kept {
             self.add(finding, source.as_slice());
         }
+        self.hints.extend(other.hints);
     }
 
     /// Says beforehand what helps where the language of a file turns out to be wrong.
