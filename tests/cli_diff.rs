@@ -53,7 +53,7 @@ fn rows_have_what_hand_arithmetic_gives() {
     // X0 Y0 has no error.
     assert_eq!(json["left"]["without an error of an increment"], 1, "{json}");
     assert_eq!((json["compared"].as_str(), json["schema"].as_u64()), (Some("executed"), Some(1)));
-    // 16 µm in X at N20; from −6 µm in X at N50 to nothing; then 16 µm in Y.
+    // X gets 16, 14, −6, 0 µm one after the other, and then Y −16: the largest step is from 14 to −6.
     assert!((json["largest_step"]["um"].as_f64().unwrap() - 20.0).abs() < 0.1, "{json}");
 }
 
@@ -65,7 +65,11 @@ fn the_status_says_whether_they_differ() {
     shop.run(diff(&["--tolerance", "17um"])).exits(0);
     shop.run(diff(&["--axis", "Z"])).exits(0);
     shop.run(diff(&["--fail-above", "17um"])).exits(0);
-    shop.run(diff(&["--fail-above", "15um"])).exits(4).says("E0303").says("16.0 µm");
+    let run = shop.run(diff(&["--fail-above", "15um"])).exits(4).says("E0303").says("16.0 µm");
+    assert!(run.stdout.contains("of 15.0 µm: EXCEEDED"), "{}", run.stdout);
+    assert!(shop.run(diff(&["--fail-above", "17um"])).exits(0).stdout.contains("of 17.0 µm: kept"));
+    // 16 µm are not above 16 µm.
+    shop.run(diff(&["--fail-above", "16um"])).exits(0);
     shop.run(diff(&["--fail-above", "15um", "--axis", "X", "--axis", "Z"])).exits(4);
     shop.run(["diff", "part.mpf", "none.mpf", "--machine", "mill.toml"]).exits(2);
     let shop = shop.file("other.mpf", "N10 G90 G71 G54\nN20 G0 X100 Y200 Z50\nN40 G1 X20 F1000\n");

@@ -1,7 +1,8 @@
 //! The gates: chance, size, gain on unseen parts, data held out.
 
 use super::cause::{Candidate, Effect};
-use super::fold::{Selections, confirmed, counts, unseen, worth};
+use super::fold::{confirmed, counts, worth};
+use super::held_out::{Selections, unseen};
 use super::readings::{doing, left_of, rms};
 use super::rejected::{Gate, Rejections};
 use super::search::{Field, Taken, Weights};

@@ -26,6 +26,11 @@ impl Tables {
         lock(&self.0).get(&weight.key()).map(|(_, table)| Arc::clone(table))
     }
 
+    /// The same for another field.
+    pub(super) fn copy(&self) -> Tables {
+        Tables(Mutex::new(lock(&self.0).clone()))
+    }
+
     /// Keeps one, and its weight with it: the key of one that is gone may become that of another one.
     pub(super) fn put(&self, weight: &Weight, table: Arc<Vec<f64>>) {
         let mut all = lock(&self.0);

@@ -28,6 +28,7 @@ mod freedom;
 mod gates;
 mod group;
 mod held;
+mod held_out;
 mod jackknife;
 mod judge;
 mod known;

@@ -1,8 +1,11 @@
 //! What some candidates would gain, those that a part of the readings shows to be promising: the others are not brought up to date until they are.
 
-use super::score::{Own, Scores, gain};
+use std::sync::Arc;
+
+use super::cause::Candidate;
+use super::score::{Layout, Own, Scores, gain};
 use super::search::Field;
-use crate::numeric::{Gain, Series, in_parts};
+use crate::numeric::{Gain, Series};
 
 /// So many are looked at in all readings.
 const MOST: usize = 100;
@@ -48,10 +51,12 @@ impl Field<'_, '_> {
         gains.resize(self.candidates.len(), NOTHING);
         let later: Vec<usize> =
             (from..gains.len()).filter(|&number| is_in.get(number).copied().unwrap_or(false)).collect();
-        let of_later =
-            |number: &usize| self.candidates.get(*number).map_or(NOTHING, |one| series.gain(&self.columns(one)));
-        for (number, gain) in later.iter().zip(in_parts(&later, &of_later)) {
-            gains[*number] = gain;
+        let of_later: Vec<Candidate> =
+            later.iter().filter_map(|&number| self.candidates.get(number)).cloned().collect();
+        let layout = Arc::new(Layout::new(self.scene, &of_later, &self.tables));
+        let scores = Scores::new(&layout, self.scene, &self.factors, series).gains(series);
+        for (&number, gain) in later.iter().zip(scores) {
+            gains[number] = gain;
         }
         gains
     }

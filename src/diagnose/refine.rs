@@ -6,11 +6,13 @@ use super::scene::Through;
 use super::search::Field;
 use crate::geometry::Axis;
 use crate::model::name::ErrorName;
-use crate::numeric::Series;
+use crate::numeric::{Series, peak};
 
-/// Half of the width of the peak of a period, cycles over the travel, and steps towards its top.
+/// Half of the width of the peak of a period, cycles over the travel.
 pub(super) const PEAK: f64 = 0.4;
-const REFINED: usize = 14;
+/// How close to the top, of the width that is searched, and trials on the way.
+const REFINED: f64 = 5e-4;
+const TRIALS: usize = 18;
 /// The amplitude of another name of a wave is larger by this at most.
 const LARGER: f64 = 1.5;
 
@@ -71,22 +73,7 @@ impl Field<'_, '_> {
         with: &dyn Fn(f64) -> Option<Candidate>,
     ) -> Option<Candidate> {
         let gain = |at: f64| with(at).map_or(0.0, |one| series.gain(&self.columns(&one)).squares);
-        let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
-        let [mut low, mut high] = [low, high];
-        let (mut left, mut right) = (high - golden * (high - low), low + golden * (high - low));
-        let (mut at_left, mut at_right) = (gain(left), gain(right));
-        for _ in 0..REFINED {
-            if at_left > at_right {
-                (high, right, at_right) = (right, left, at_left);
-                left = high - golden * (high - low);
-                at_left = gain(left);
-            } else {
-                (low, left, at_left) = (left, right, at_right);
-                right = low + golden * (high - low);
-                at_right = gain(right);
-            }
-        }
-        let best = f64::midpoint(low, high);
-        with(best).filter(|_| gain(best) > gain(middle))
+        let (best, most) = peak(low, high, REFINED * (high - low), TRIALS, &gain);
+        with(best).filter(|_| most > gain(middle))
     }
 }

@@ -106,6 +106,11 @@ impl<'s, 'a> Part<'s, 'a> {
         Part { sample, field }
     }
 
+    /// The same for another search.
+    pub(super) fn beside(&self) -> Part<'s, 'a> {
+        Part { sample: self.sample, field: self.field.beside(self.field.candidates.len()) }
+    }
+
     /// The candidates that came since, in the place of those that went.
     fn follow(&mut self, candidates: &[Candidate]) {
         let known = self.field.layout.count();

@@ -3,9 +3,10 @@
 use super::account::{Account, swing};
 use super::cause::{CAUSES, Candidate, Cause, Effect, periodic, thermal};
 use super::doubt::Doubt;
-use super::fold::{Selections, counts};
+use super::fold::counts;
 use super::gates::{confirm, hold};
 use super::held::{Compared, compare};
+use super::held_out::Selections;
 use super::jackknife::{u95, without_parts};
 use super::mimic::RIVAL;
 use super::noise::{self, is_angle};

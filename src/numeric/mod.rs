@@ -5,13 +5,17 @@ pub mod least_squares;
 mod leave_out;
 pub mod normal;
 mod parallel;
+mod peak;
 mod series;
 pub mod stepwise;
 pub mod student;
 pub mod sums;
+mod upright;
 
 pub use least_squares::{RANK_LIMIT, Solution, System};
 pub use leave_out::{Beside, LeaveOut};
 pub use normal::{Normal, Step};
 pub use parallel::in_parts;
+pub use peak::peak;
 pub use series::{Direction, Gain, Series};
+pub use upright::Upright;

@@ -161,7 +161,7 @@ impl Review {
             row("largest step", &format!("{} from one piece to the next, at line {}", micrometers(step.um), step.line));
         }
         for limit in &self.limits {
-            let verdict = if limit.is_kept { "kept" } else { "PASSED" };
+            let verdict = if limit.is_kept { "kept" } else { "EXCEEDED" };
             row(
                 "limit",
                 &format!(

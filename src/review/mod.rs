@@ -103,7 +103,9 @@ impl Row {
     /// What was added to an axis, mm or rad.
     #[must_use]
     pub fn added(&self, axis: Axis) -> f64 {
-        f64::from(self.added[axis.slot()])
+        // A hundredth of a nanometre: what is stored has noise behind that, and a limit that is just kept shall be kept.
+        const PARTS: f64 = 1e8;
+        (f64::from(self.added[axis.slot()]) * PARTS).round() / PARTS
     }
 
     /// The largest of what was added to some axes, in µm and µrad: one number to sort by.

@@ -197,6 +197,7 @@ impl Trail {
             if known < READINGS * columns.len() {
                 return None;
             }
+            let mut more = Vec::new();
             for column in columns {
                 let mut own: Vec<f64> =
                     channel.at.iter().map(|(row, _)| column.get(*row).copied().unwrap_or(0.0)).collect();
@@ -212,9 +213,10 @@ impl Trail {
                 }
                 let size = own.iter().map(|own| own.abs()).fold(0.0, f64::max);
                 if size > 0.0 {
-                    channel.senses.push(own.into_iter().map(|own| own / size).collect());
+                    more.push(own.into_iter().map(|own| own / size).collect());
                 }
             }
+            channel.go_with(more);
             channel.left = channel.beside_visits(None);
             channel.sum_up();
         }

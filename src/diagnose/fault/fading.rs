@@ -42,7 +42,7 @@ fn left(trail: &Trail, column: &dyn Fn(usize) -> f64) -> f64 {
             known.iter().map(|&k| of(k) - means[channel.group[k]][0] / means[channel.group[k]][1]).collect()
         };
         let mut series = Series::new(&vec![0; known.len()], &vec![1.0 / channel.noise; known.len()], 0.0);
-        for sense in &channel.senses {
+        for sense in channel.senses() {
             series.take(&centred(&|k| sense[k]));
         }
         series.take(&centred(&|k| column(channel.at[k].0)));

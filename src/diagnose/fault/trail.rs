@@ -4,11 +4,13 @@
 //! what is left has a time but no place. Faults of a moment are looked for there, so that no effect of the machine is taken for one.
 
 use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
 
 use super::{median, spread};
 use crate::diagnose::scene::{Item, NO_ROW, Scene};
 use crate::geometry::AXES;
 use crate::measure::data::DataSet;
+use crate::numeric::Upright;
 
 /// Visits that make a middle.
 const VISITS: usize = 3;
@@ -27,7 +29,9 @@ pub(super) struct Channel {
     /// Of how many places there are repetitions.
     pub(super) groups: usize,
     /// What may go with the senses of axes, where every visit comes from another side.
-    pub(super) senses: Vec<Vec<f64>>,
+    senses: Vec<Vec<f64>>,
+    /// What they span in the readings that count, once it was asked for.
+    spanned: OnceLock<Arc<Upright>>,
     /// What is left beside its repetitions, mm or rad; NaN for those that do not count.
     pub(super) left: Vec<f64>,
     /// Noise from one to the next, mm or rad.
@@ -150,7 +154,7 @@ impl Trail {
         let all = trail.channels.iter_mut().zip(raw).zip(places).filter(|((own, _), _)| !own.at.is_empty());
         for ((own, raw), places) in all {
             if is_repeated && !has_sense {
-                own.senses = senses(scene, &items, &places);
+                own.go_with(senses(scene, &items, &places));
             }
             let mut steps: Vec<usize> = own.at.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
             steps.sort_unstable();
@@ -216,6 +220,23 @@ impl Trail {
 }
 
 impl Channel {
+    pub(super) fn senses(&self) -> &[Vec<f64>] {
+        &self.senses
+    }
+
+    /// Readings may go with these as well.
+    pub(super) fn go_with(&mut self, columns: Vec<Vec<f64>>) {
+        self.senses.extend(columns);
+        self.spanned = OnceLock::new();
+    }
+
+    /// What the senses span in those readings that count, which stay the same.
+    pub(super) fn spanned(&self, known: &[usize]) -> Arc<Upright> {
+        let of_known = |column: &Vec<f64>| known.iter().map(|&k| column[k]).collect();
+        let make = || Arc::new(Upright::new(&self.senses.iter().map(of_known).collect::<Vec<Vec<f64>>>()));
+        self.spanned.get_or_init(make).clone()
+    }
+
     pub(super) fn sum_up(&mut self) {
         let mut sum = (0.0, 0);
         self.sums = std::iter::once(sum)

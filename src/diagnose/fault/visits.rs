@@ -7,7 +7,6 @@ use std::collections::HashMap;
 
 use super::trail::{Channel, Trail};
 use super::{median, spread};
-use crate::numeric::Series;
 
 /// Readings are far out from so many spreads on.
 const FAR: f64 = 6.0;
@@ -143,7 +142,7 @@ impl Channel {
                 group.iter().for_each(|&k| left[k] = own(k) - middle);
             }
             let column: Vec<f64> = known.iter().map(|&k| f64::from(u8::from(is_inside(k))) - share(k)).collect();
-            if !self.senses.is_empty() {
+            if !self.senses().is_empty() {
                 self.take_senses_out(&known, &column, &mut left);
             }
             if range.is_empty() {
@@ -170,24 +169,15 @@ impl Channel {
     /// Takes out what goes with the senses of the axes, beside a shift of some rows, which stays.
     fn take_senses_out(&self, known: &[usize], shift: &[f64], left: &mut [f64]) {
         let own: Vec<f64> = known.iter().map(|&k| left[k]).collect();
-        let mut columns: Vec<Vec<f64>> =
-            self.senses.iter().map(|column| known.iter().map(|&k| column[k]).collect()).collect();
-        let senses = columns.len();
-        if shift.iter().any(|shift| *shift != 0.0) {
-            columns.push(shift.to_vec());
-        }
+        let senses = self.spanned(known);
+        let shift = shift.iter().any(|shift| *shift != 0.0).then_some(shift);
         let mut rest = own.clone();
         for round in 0..2 {
             let limit = FAR * spread(rest.iter().copied());
-            let weights: Vec<f64> = rest.iter().map(|rest| if rest.abs() <= limit { 1.0 } else { 0.0 }).collect();
-            let mut series = Series::new(&vec![0; own.len()], &weights, 0.0);
-            series.set_values(&own);
-            let (amounts, _) = series.amounts(&columns);
-            let used = if round == 0 { columns.len() } else { senses };
-            let of = |k: usize| -> f64 {
-                columns.iter().zip(&amounts).take(used).map(|(column, amount)| column[k] * amount).sum()
-            };
-            rest = (0..own.len()).map(|k| own[k] - of(k)).collect();
+            let counts: Vec<bool> = rest.iter().map(|rest| rest.abs() <= limit).collect();
+            let (fitted, amount) = senses.fitted(&own, &counts, shift);
+            let shifted = |k: usize| if round == 0 { shift.map_or(0.0, |shift| shift[k] * amount) } else { 0.0 };
+            rest = (0..own.len()).map(|k| own[k] - fitted[k] - shifted(k)).collect();
         }
         known.iter().zip(rest).for_each(|(&k, rest)| left[k] = rest);
     }

@@ -8,6 +8,8 @@
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DMatrixView};
 
+use crate::numeric::peak;
+
 /// Columns (rows of the data) that are multiplied at once.
 const BLOCK: usize = 512;
 /// No correlation is assumed to be larger, nor one below 0: that would make slow effects look surer than they are.
@@ -16,8 +18,8 @@ pub(super) const MOST: f64 = 0.99;
 const TRIALS: usize = 24;
 /// Rounds over the groups of noise.
 const ROUNDS: usize = 2;
-/// Share of the interval that is left at each trial of the golden section.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// How close to the best one they come, of what is left to 1 in logarithms.
+const CLOSE: f64 = 1e-5;
 
 /// Where the rows of one group of noise stand, and which of them begin a series; groups stand one after the other.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -189,20 +191,6 @@ pub(super) fn with(correlation: &[f64], number: usize, rho: f64) -> Vec<f64> {
 fn least(at: impl Fn(f64) -> f64) -> f64 {
     // In what is left to 1, whose logarithm is what correlations differ by.
     let rho = |scale: f64| 1.0 - (1.0 - MOST).powf(scale);
-    let (mut low, mut high) = (0.0, 1.0);
-    let (mut one, mut two) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-    let (mut at_one, mut at_two) = (at(rho(one)), at(rho(two)));
-    for _ in 0..TRIALS {
-        if at_one <= at_two {
-            (high, two, at_two) = (two, one, at_one);
-            one = high - GOLDEN * (high - low);
-            at_one = at(rho(one));
-        } else {
-            (low, one, at_one) = (one, two, at_two);
-            two = low + GOLDEN * (high - low);
-            at_two = at(rho(two));
-        }
-    }
-    let middle = rho(f64::midpoint(low, high));
-    if at(0.0) <= at(middle) { 0.0 } else { middle }
+    let (scale, most) = peak(0.0, 1.0, CLOSE, TRIALS, &|scale| -at(rho(scale)));
+    if at(0.0) <= -most { 0.0 } else { rho(scale) }
 }
