@@ -34,7 +34,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     // The machine for the reader of TOML and for logs of temperatures only.
     ("sense", &["machine"]),
     ("realtime", &["model", "machine", "geometry"]),
-    ("review", &["path", "geometry"]),
+    ("review", &["path", "snc", "geometry"]),
     ("report", &["geometry", "path", "tables", "emit", "machine", "model", "snc", "review"]),
     (
         "cli",

@@ -1,23 +1,23 @@
 //! `ncfix diff`: what was changed between an original and a corrected program.
 
+mod job;
 mod listing;
+pub(super) mod page;
 mod pager;
 mod text;
 
 use super::arguments::DiffArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
-use super::pair::{Outcome, Pair};
+use super::pair::Pair;
 use super::stop::Stop;
-use super::{fix, print, tell};
+use super::{print, program, tell};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{AXES, Axis};
 use crate::report::json;
-use crate::report::review::{Figures, Limit, Review, Step};
-use crate::review::{Row, Summary};
-use crate::source::Source;
-use crate::units::{um_from_mm, urad_from_rad};
+use crate::report::review::Review;
+use crate::review::Trace;
 
+use job::Job;
 use listing::Listing;
 use pager::Page;
 
@@ -25,8 +25,6 @@ use pager::Page;
 const ROWS_OF_JSON: usize = 20;
 /// A line of a corrected program is hardly shorter, bytes.
 const LEAST_LINE: u64 = 16;
-/// An angle counts what it makes at this arm, mm.
-const ARM_MM: f64 = 1000.0;
 
 /// Compares two programs.
 pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
@@ -34,9 +32,9 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         return text::run(arguments);
     }
     let mut findings = Findings::default();
-    // As many as lines there may be; memory that is not written is not taken.
-    let bytes = std::fs::metadata(&arguments.corrected).map_or(0, |data| data.len());
-    let mut rows: Vec<Row> = Vec::with_capacity(usize::try_from(bytes / LEAST_LINE).unwrap_or(0));
+    let target = arguments.html.as_deref().map(page::target).transpose()?;
+    let journal = arguments.journal.as_deref().map(page::journal).transpose()?;
+    let mut trace = room_for(&arguments.corrected, target.is_some());
     let pair = Pair {
         original: &arguments.original,
         corrected: &arguments.corrected,
@@ -44,8 +42,12 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         state: &arguments.state,
         program: &arguments.program,
     };
-    let outcome = pair.compare(&mut findings, &mut |follow| rows.push(Row::new(&follow)))?;
-    let Some(outcome) = outcome else {
+    if let Some(target) = &target {
+        program::protect(target, [&arguments.original, &arguments.corrected], &mut findings);
+    }
+    let has_places = target.is_some();
+    let outcome = pair.compare(&mut findings, &mut |follow| trace.see(&follow, has_places))?;
+    let Some(outcome) = outcome.filter(|_| !findings.has_errors()) else {
         if arguments.json {
             let review = Review { schema: 1, diagnostics: findings.json(), ..Review::default() };
             print(&json::line(&review).map_err(Stop::Usage)?)?;
@@ -59,24 +61,30 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         return Ok(findings.exit_code());
     };
     let Some(corrected) = outcome.sources[1].first() else { return Err(Stop::Usage("nothing was executed".into())) };
-    let job = Job { arguments, rows: &rows, outcome: &outcome, corrected };
-    let mut review = job.review();
+    let job = Job { arguments, trace: &trace, outcome: &outcome, corrected };
+    let mut review = job.review(&findings);
     if let Some(limit) = review.limits.iter().find(|limit| !limit.is_kept) {
         let message =
             format!("{} reaches {:.1} µm, more than the {:.1} µm allowed", limit.name, limit.value_um, limit.limit_um);
         let help = "look at the largest rows with --top 20; correct again where they are not meant";
         findings.add(Diagnostic::nowhere(Code::CORRECTION_TOO_LARGE, message, help), &[]);
     }
-    let listing = Listing::new(arguments, &rows, &outcome.sources[0], corrected);
-    if arguments.json {
+    let listing = Listing::new(arguments, &trace.rows, &outcome.sources[0], corrected);
+    if target.is_some() || arguments.json {
         (review.rows, review.more_rows) = listing.some(arguments.top.unwrap_or(ROWS_OF_JSON));
         review.diagnostics = findings.json();
+    }
+    if let Some(target) = target {
+        page::write(target, &review, &trace, &outcome, journal.as_ref())?;
+    }
+    if arguments.json {
         print(&json::line(&review).map_err(Stop::Usage)?)?;
     } else {
         findings.draw();
-        let mut page = Page::open(arguments.no_pager);
+        let mut page = Page::open(arguments.no_pager || arguments.html.is_some());
         page.write(&review.summary())?;
-        if !arguments.summary && review.changed > 0 {
+        // Who asks for the page has the rows there.
+        if !arguments.summary && review.changed > 0 && arguments.html.is_none() {
             page.write("\n")?;
             listing.draw(&mut page)?;
         }
@@ -88,74 +96,8 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     Ok(if review.same || arguments.fail_above.is_some() { ExitCode::Done } else { ExitCode::Different })
 }
 
-/// Both programs, compared.
-struct Job<'a> {
-    arguments: &'a DiffArguments,
-    rows: &'a [Row],
-    outcome: &'a Outcome,
-    corrected: &'a Source,
-}
-
-/// The axes that are asked for.
-fn axes_of(arguments: &DiffArguments) -> Vec<Axis> {
-    AXES.into_iter().filter(|axis| arguments.axis.is_empty() || arguments.axis.contains(axis)).collect()
-}
-
-/// What is the same, mm and rad.
-fn tolerance_of(arguments: &DiffArguments) -> [f64; 2] {
-    let mm = arguments.tolerance.unwrap_or(0.0);
-    [mm, mm / ARM_MM]
-}
-
-impl Job<'_> {
-    /// The report without its rows.
-    fn review(&self) -> Review {
-        let axes = axes_of(self.arguments);
-        let found = Summary::of(self.rows, &axes, tolerance_of(self.arguments), self.outcome.increments[0]);
-        let left = [
-            ("without an error of an increment", found.left.no_error),
-            ("before the axes were stated", found.left.unstated),
-            ("rapid", found.left.rapid),
-            ("that are not corrected", found.left.other),
-        ];
-        let figures = found.axes.iter().map(|one| {
-            let scale: fn(f64) -> f64 = if one.axis.is_rotary() { urad_from_rad } else { um_from_mm };
-            let [max, mean, rms, p99] = [one.max, one.mean, one.rms, one.p99].map(scale);
-            let unit = if one.axis.is_rotary() { "urad" } else { "um" };
-            (one.axis.to_string(), Figures { unit, max, max_line: one.max_at.original.1, mean, rms, p99 })
-        });
-        let original = self.outcome.sources[0].first();
-        let limits = self.arguments.fail_above.map(|limit_mm| {
-            let largest = self.rows.iter().map(|row| row.largest(&axes)).fold(0.0, f64::max);
-            let name = "the largest change of an axis".to_owned();
-            Limit { name, value_um: largest, limit_um: um_from_mm(limit_mm), is_kept: largest <= um_from_mm(limit_mm) }
-        });
-        Review {
-            schema: 1,
-            same: found.changed == 0,
-            compared: "executed",
-            files: [&self.arguments.original, &self.arguments.corrected].map(|path| path.display().to_string()),
-            bytes: [original.map_or(0, |source| source.bytes().len() as u64), self.corrected.bytes().len() as u64],
-            moves: [found.moves, found.pieces],
-            changed: found.changed,
-            split: found.split,
-            left: left.into_iter().filter(|(_, count)| *count > 0).collect(),
-            other_feeds: found.other_feeds,
-            axes: figures.collect(),
-            largest_step: found.largest_step.map(|(mm, at)| Step { um: um_from_mm(mm), line: at.original.1 }),
-            longest_line: longest(self.corrected),
-            before: Some(fix::spread(&self.outcome.comparison.before)),
-            after: Some(fix::spread(&self.outcome.comparison.after)),
-            limits: limits.into_iter().collect(),
-            ..Review::default()
-        }
-    }
-}
-
-/// Length and number of the longest line.
-fn longest(source: &Source) -> [u64; 2] {
-    let lines = source.bytes().split(|&byte| byte == source.line_end()).enumerate();
-    let length = |line: &[u8]| line.strip_suffix(b"\r").unwrap_or(line).len() as u64;
-    let longest = lines.map(|(number, line)| [length(line), number as u64 + 1]);
-    longest.max_by(|a, b| a[0].cmp(&b[0]).then(b[1].cmp(&a[1]))).unwrap_or_default()
+/// For as many rows as a corrected program may have lines.
+pub(super) fn room_for(corrected: &std::path::Path, has_places: bool) -> Trace {
+    let bytes = std::fs::metadata(corrected).map_or(0, |data| data.len());
+    Trace::new(usize::try_from(bytes / LEAST_LINE).unwrap_or(0), has_places)
 }

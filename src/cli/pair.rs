@@ -1,6 +1,7 @@
 //! Two programs executed side by side, and their moves compared: what `ncfix verify` and `ncfix diff` have in common.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::panic::resume_unwind;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -14,6 +15,8 @@ use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit;
 use crate::exec::RapidOrder;
+use crate::geometry::Axis;
+use crate::machine::Kinematics;
 use crate::path::{self, Follow, Grouping};
 use crate::snc::Element;
 use crate::source::{FileId, Source};
@@ -44,7 +47,7 @@ impl<'p> Pair<'p> {
     pub(super) fn compare(
         &self,
         findings: &mut Findings,
-        see: &mut dyn FnMut(Follow),
+        see: &mut dyn FnMut(Follow<'_>),
     ) -> Result<Option<Outcome>, Stop> {
         // Both are read before anything else: a file that is missing is the first thing to know.
         let sources = [program::read(self.original)?, program::read(self.corrected)?];
@@ -75,7 +78,7 @@ impl<'p> Pair<'p> {
         sources: &[Source; 2],
         chosen: &Chosen,
         findings: &mut Findings,
-        see: &mut dyn FnMut(Follow),
+        see: &mut dyn FnMut(Follow<'_>),
     ) -> Option<Outcome> {
         let start = |opened: program::Opened, path: &'p Path| {
             let is_stamped = emit::is_stamped(opened.source.bytes());
@@ -170,11 +173,19 @@ fn walk(
     grouping: Grouping,
     chosen: &Chosen,
     findings: &mut Findings,
-    see: &mut dyn FnMut(Follow),
+    see: &mut dyn FnMut(Follow<'_>),
     files: impl FnOnce() -> Vec<Source>,
 ) -> Option<Outcome> {
     let model = chosen.model();
     let increments = [chosen.machine.control.increment_mm, chosen.machine.control.increment_rad];
+    let kinematics = Kinematics::new(&chosen.machine);
+    let mut beyond: BTreeMap<Axis, (u64, u32)> = BTreeMap::new();
+    let mut see = |follow: Follow<'_>| {
+        if let Some(axis) = kinematics.beyond_travel(&follow.command) {
+            beyond.entry(axis).or_insert((0, follow.corrected.line)).0 += 1;
+        }
+        see(follow);
+    };
     let shared = RefCell::new(std::mem::take(findings));
     let items = std::iter::from_fn(|| {
         let item = original.next()?;
@@ -183,7 +194,7 @@ fn walk(
     let result = {
         let original = Clean { items, findings: &shared, mark: 0 };
         let corrected = Clean { items: corrected, findings: &shared, mark: OF_CORRECTED };
-        path::compare_seeing(original, corrected, grouping, &chosen.machine, &model, see)
+        path::compare_seeing(original, corrected, grouping, &chosen.machine, &model, &mut see)
     };
     let sources = [original.sources().to_vec(), files()];
     let source = |marked: FileId| {
@@ -196,7 +207,15 @@ fn walk(
     let source = result.as_ref().err().and_then(|diagnostic| diagnostic.place).and_then(|place| source(place.file));
     *findings = shared.into_inner();
     match result {
-        Ok(comparison) => Some(Outcome { comparison, max_at, sources, increments }).filter(|_| !findings.has_errors()),
+        Ok(comparison) => {
+            let machine = MachineUsed {
+                name: chosen.machine.name.clone(),
+                model: chosen.hash.clone(),
+                state: chosen.state.clone(),
+            };
+            Some(Outcome { comparison, max_at, sources, increments, beyond, machine })
+                .filter(|_| !findings.has_errors())
+        }
         // Where a program could not be executed to its end, that it does not match the other one is no news.
         Err(_) if findings.has_errors() => None,
         Err(mut diagnostic) => {
@@ -218,6 +237,18 @@ pub(super) struct Outcome {
     pub(super) sources: [Vec<Source>; 2],
     /// Of the control, mm and rad.
     pub(super) increments: [f64; 2],
+    /// Pieces of the corrected program that end beyond the travel of an axis: how many, and the line of the first.
+    pub(super) beyond: BTreeMap<Axis, (u64, u32)>,
+    pub(super) machine: MachineUsed,
+}
+
+/// On which machine they were executed.
+pub(super) struct MachineUsed {
+    pub(super) name: String,
+    /// Hash of its file.
+    pub(super) model: String,
+    /// Hash of its state.
+    pub(super) state: Option<String>,
 }
 
 /// Added to the file numbers of the corrected program: both programs count their files from 0, and a finding must be drawn in the

@@ -171,6 +171,7 @@ impl<'a> Lines<'a> {
                 offset: slots(&self.about.shift),
                 target: slots(&self.about.asked),
                 busy_s,
+                temperatures_c: None,
             });
         }
         !is_first

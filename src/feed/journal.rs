@@ -5,8 +5,9 @@
 //! ```text
 //! ncfix journal 1
 //! # program 5a1e… part.mpf
-//! 0 F 12 9c41f00a 37 51 X+0.0123 Z-0.0040   frozen: number, CRC-32 of the text, line of the source, element of the corrected program, what the
-//!                                           second step adds (mm, degrees)
+//! 0 T 24.125 nose                           the temperature of a sensor, °C, that counts from here on
+//! 0 F 12 9c41f00a 37 51 X+0.0123 Z-0.0040/-0.0051   frozen: number, CRC-32 of the text, line of the source, element of the corrected program,
+//!                                           what the second step adds (mm, degrees), and what the model asks for where that is more or less
 //! 31 A 12                                   acknowledged, with all before it
 //! 35 X 10                                   carried out, with all before it
 //! 31 L 12                                   left, with all before it, over a link without answers
@@ -28,7 +29,7 @@ use super::dialogue::Event;
 use super::{Ended, Line, Record, crc32};
 
 /// The first line.
-const FIRST: &str = "ncfix journal 1";
+pub(super) const FIRST: &str = "ncfix journal 1";
 /// Records are written through this often, at least.
 const GROUP: Duration = Duration::from_millis(50);
 /// Axes are written with so many decimals, mm or degrees.
@@ -121,12 +122,19 @@ impl<S: Store> Journal<S> {
 
 impl<S: Store> Record for Journal<S> {
     fn frozen(&mut self, line: &Line, now: Duration) -> io::Result<()> {
+        for (sensor, temperature_c) in line.temperatures_c.iter().flat_map(|all| all.iter()) {
+            self.note(now, &format!("T {temperature_c:.3} {}", sensor.replace(['\n', '\r'], " ")));
+        }
         let mut text = format!("F {} {:08x} {} {}", line.number, crc32(&line.text), line.source_line, line.element);
         for axis in AXES {
-            let offset = line.offset[axis.slot()];
-            if offset != 0.0 {
-                let shown = if axis.is_rotary() { offset.to_degrees() } else { offset };
-                let _ = write!(text, " {axis}{shown:+.DECIMALS$}");
+            let [offset, target] = [&line.offset, &line.target].map(|of| {
+                let value = of[axis.slot()];
+                format!("{:+.DECIMALS$}", if axis.is_rotary() { value.to_degrees() } else { value })
+            });
+            let is_nothing = |text: &str| text.bytes().all(|byte| !matches!(byte, b'1'..=b'9'));
+            if !is_nothing(&offset) || !is_nothing(&target) {
+                let asked = if target == offset { String::new() } else { format!("/{target}") };
+                let _ = write!(text, " {axis}{offset}{asked}");
             }
         }
         self.note(now, &text);
@@ -271,7 +279,7 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
                 }
                 told.ended = Some(rest.to_owned());
             }
-            ("R" | "W", _) => {}
+            ("R" | "W" | "T", _) => {}
             _ => return fault("a record of an unknown kind"),
         }
     }

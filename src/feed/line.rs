@@ -1,5 +1,6 @@
 //! One line on its way to a control.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use crate::geometry::AXIS_COUNT;
@@ -21,6 +22,8 @@ pub struct Line {
     pub target: [f64; AXIS_COUNT],
     /// How long the control is busy with it, s; 0 where it does not move.
     pub busy_s: f64,
+    /// Temperatures by sensor, °C, that count from this line on, where they are others than before.
+    pub temperatures_c: Option<Arc<[(String, f64)]>>,
 }
 
 /// No block takes longer: eleven days.

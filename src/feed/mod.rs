@@ -21,6 +21,7 @@ mod line;
 pub mod port;
 mod profile;
 mod sender;
+mod shown;
 mod wire;
 
 pub use dialogue::{Dialogue, Event, Halt, PROTOCOLS, Protocol};
@@ -30,4 +31,5 @@ pub use journal::{Frozen, Journal, Store, Told, read as read_journal};
 pub use line::{Line, crc32};
 pub use profile::{Flow, Frame, PROFILES, Parity, Profile, Serial, Window};
 pub use sender::{Ended, GONE, Port, Progress, Record, Sender, Supplied, Supply};
+pub use shown::{Shown, shown};
 pub use wire::Wire;

@@ -49,6 +49,26 @@ impl Markup {
         let _ = write!(Escaped(&mut self.text), "{text}");
     }
 
+    /// A script, or data in the place of one, which HTML takes as they are: nothing in it may end it. Of texts that are not ours only base64 and JSON
+    /// without `<` come here.
+    ///
+    /// # Errors
+    /// The text, where it would end the script.
+    pub fn script<'t>(&mut self, attributes: Attributes<'_>, text: &'t str) -> Result<(), &'t str> {
+        let ends_it = |place: usize| {
+            let rest = text.get(place..).unwrap_or_default();
+            rest.starts_with("<!--") || rest.get(..8).is_some_and(|start| start.eq_ignore_ascii_case("</script"))
+        };
+        if text.match_indices('<').any(|(place, _)| ends_it(place)) {
+            return Err(text);
+        }
+        self.open("script", attributes);
+        self.text.push('>');
+        self.text.push_str(text);
+        self.text.push_str("</script>\n");
+        Ok(())
+    }
+
     /// Whether nothing was written.
     #[must_use]
     pub fn is_empty(&self) -> bool {

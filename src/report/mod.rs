@@ -28,4 +28,5 @@ pub mod steps;
 pub mod svg;
 pub mod tables;
 pub mod terminal;
+pub mod verdict;
 pub mod watch;

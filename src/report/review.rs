@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::correction::error_rows;
 use super::json::{Finding, Spread};
 use super::number::{grouped, micrometers, significant};
+use super::verdict::{Grade, Verdict};
 
 /// The result of `ncfix diff`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -30,8 +31,12 @@ pub struct Review {
     pub split: u64,
     /// Moves that are left as they are, by reason.
     pub left: BTreeMap<&'static str, u64>,
-    /// Pieces with another feed.
+    /// Pieces with another feed, and the smallest and the largest of them as a share of what it was.
     pub other_feeds: u64,
+    /// See `other_feeds`.
+    pub feed_share: Option<[f64; 2]>,
+    /// Pieces that end beyond the travel of an axis.
+    pub beyond_travel: BTreeMap<String, Beyond>,
     /// What was added, by axis: X … in µm, A … in µrad.
     pub axes: BTreeMap<String, Figures>,
     /// The largest change from one piece to the next, µm, and where.
@@ -44,6 +49,10 @@ pub struct Review {
     pub after: Option<Spread>,
     /// Limits, and whether they are kept.
     pub limits: Vec<Limit>,
+    /// Whether it should run, and why.
+    pub verdict: Verdict,
+    /// Where all this comes from: versions and hashes.
+    pub provenance: BTreeMap<&'static str, String>,
     /// The rows that were asked for.
     pub rows: Vec<Row>,
     /// Moves that are changed and are not among the rows.
@@ -62,6 +71,15 @@ pub struct Figures {
     pub mean: f64,
     pub rms: f64,
     pub p99: f64,
+}
+
+/// Pieces beyond the travel of an axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Beyond {
+    /// How many.
+    pub pieces: u64,
+    /// The line of the corrected program of the first of them.
+    pub line: u32,
 }
 
 /// The largest change from one piece to the next.
@@ -150,7 +168,10 @@ impl Review {
             row("left alone", &left.join(", "));
         }
         if self.other_feeds > 0 {
-            row("feed", &format!("{} pieces with another feed", grouped(self.other_feeds)));
+            let by = self.feed_share.map_or_else(String::new, |[least, most]| {
+                format!(", {:+.1} % to {:+.1} %", 100.0 * (least - 1.0), 100.0 * (most - 1.0))
+            });
+            row("feed", &format!("{} pieces with another feed{by}", grouped(self.other_feeds)));
         }
         let [before, after] = self.bytes;
         let growth = 100.0 * (after as f64 - before as f64) / before.max(1) as f64;
@@ -160,17 +181,10 @@ impl Review {
         if let Some(step) = &self.largest_step {
             row("largest step", &format!("{} from one piece to the next, at line {}", micrometers(step.um), step.line));
         }
-        for limit in &self.limits {
-            let verdict = if limit.is_kept { "kept" } else { "EXCEEDED" };
-            row(
-                "limit",
-                &format!(
-                    "{} {} of {}: {verdict}",
-                    limit.name,
-                    micrometers(limit.value_um),
-                    micrometers(limit.limit_um)
-                ),
-            );
+        row("verdict", self.verdict.sentence());
+        // Findings stand above by themselves, and errors below.
+        for reason in self.verdict.reasons.iter().filter(|reason| reason.grade > Grade::Ok && reason.code.is_none()) {
+            row("", &reason.text);
         }
         if !self.axes.is_empty() {
             out.push_str("\n  axis        max    at line       mean        RMS       99 %\n");

@@ -4,11 +4,15 @@
 //! that expressions, loops, frames and modal words are values. What a row shows of the text comes from [`words`]. Programs that do not run here are
 //! compared as they are written ([`text`]).
 
+mod pairs;
 mod summary;
 pub mod text;
+mod trace;
 pub mod words;
 
+pub use pairs::pairs;
 pub use summary::{AxisFigures, Left, Place, Summary};
+pub use trace::Trace;
 
 use crate::geometry::{AXES, AXIS_COUNT, Axis};
 use crate::path::Follow;
@@ -47,7 +51,7 @@ impl Row {
 
     /// A row from a piece.
     #[must_use]
-    pub fn new(follow: &Follow) -> Row {
+    pub fn new(follow: &Follow<'_>) -> Row {
         let added = AXES.map(|axis| {
             let added = follow.written[axis] - follow.nominal[axis];
             if added.abs() < NOTHING { 0.0 } else { added as f32 }
@@ -68,6 +72,12 @@ impl Row {
             error_mm: follow.error_mm as f32,
             flags: flags.into_iter().filter(|(_, is_set)| *is_set).fold(0, |all, (flag, _)| all | flag),
         }
+    }
+
+    /// All that is told of the row beside numbers: 1 rapid, 2 first piece of its move, 4 on the spot, 8 before the axes were stated, 16 with another feed.
+    #[must_use]
+    pub fn flags(&self) -> u8 {
+        self.flags
     }
 
     /// Rapid or with feed.

@@ -17,6 +17,7 @@ Examples:
   ncfix diff part.mpf part_corrected.mpf --machine mill.toml
   ncfix diff part.mpf part_corrected.mpf --top 20
   ncfix diff part.mpf part_corrected.mpf --only 5um --axis Z
+  ncfix diff part.mpf part_corrected.mpf --html review.html
   ncfix diff part.mpf part_corrected.mpf --fail-above 50um --json > review.json
   ncfix diff old.nc new.nc --text --tolerance 1um";
 
@@ -51,6 +52,12 @@ pub(in crate::cli) struct DiffArguments {
     /// Exit status 4 where an axis is changed by more, else 0
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) fail_above: Option<f64>,
+    /// Write a page with plots, the path and all lines side by side: one file that opens in a browser without a network
+    #[arg(long, value_name = "PAGE.html", conflicts_with = "text")]
+    pub(in crate::cli) html: Option<PathBuf>,
+    /// Show the temperatures and corrections of a transfer on the page, from its journal (`ncfix feed --journal`)
+    #[arg(long, value_name = "JOB.jsonl", requires = "html")]
+    pub(in crate::cli) journal: Option<PathBuf>,
     /// Compare the words as they are written, without a machine: block numbers, comments and the way numbers are written do not count
     #[arg(long)]
     pub(in crate::cli) text: bool,

@@ -1,7 +1,7 @@
 //! The rows of a comparison: which, in which order, with the words of the text.
 
+use super::job::{axes_of, tolerance_of};
 use super::pager::Page;
-use super::{axes_of, tolerance_of};
 use crate::cli::arguments::DiffArguments;
 use crate::cli::stop::Stop;
 use crate::geometry::Axis;

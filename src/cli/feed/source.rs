@@ -87,6 +87,9 @@ pub(super) struct Source<'a> {
     is_beyond: bool,
     passed: u64,
     is_over: bool,
+    /// The temperatures of the moment, until a line has told them.
+    temperatures_c: Option<Arc<[(String, f64)]>>,
+    told: Option<Arc<[(String, f64)]>>,
     /// Whether a shift beyond the limit for a warning was met: how far, and the line of the source.
     pub(super) warned: Option<(String, u32)>,
     /// How long the control is busy with what was supplied, s.
@@ -118,6 +121,8 @@ impl<'a> Source<'a> {
             is_beyond: false,
             passed: 0,
             is_over: false,
+            temperatures_c: None,
+            told: None,
             warned: None,
             busy_s: 0.0,
             number: 0,
@@ -195,6 +200,9 @@ impl Source<'_> {
                 self.passed += 1;
                 // What is passed over is not dosed: the first way that is sent begins without.
                 let now = if self.passed > self.skip { self.thermal.now() } else { Now::default() };
+                if now.temperatures_c.is_some() {
+                    self.temperatures_c = now.temperatures_c;
+                }
                 if let Err(finding) = self.lines.take(output, now.model.as_ref(), now.is_frozen) {
                     return Supplied::Fault(finding.message);
                 }
@@ -218,7 +226,12 @@ impl Source<'_> {
 impl Supply for Source<'_> {
     fn next(&mut self) -> Supplied {
         let next = self.held.take().map_or_else(|| self.advance(), Supplied::Line);
-        let Supplied::Line(line) = next else { return next };
+        let Supplied::Line(mut line) = next else { return next };
+        let is_news = |now: &Arc<_>| self.told.as_ref().is_none_or(|told| !Arc::ptr_eq(told, now));
+        if let Some(now) = self.temperatures_c.take_if(|now| is_news(now)) {
+            self.told = Some(Arc::clone(&now));
+            line.temperatures_c = Some(now);
+        }
         // The way there goes out when the first line is ready.
         match self.first.pop_front() {
             Some(first) => {
@@ -241,4 +254,6 @@ pub(super) struct Now {
     pub(super) model: Option<Arc<Model>>,
     /// Whether sensors are in doubt.
     pub(super) is_frozen: bool,
+    /// The temperatures of the model, °C.
+    pub(super) temperatures_c: Option<Arc<[(String, f64)]>>,
 }

@@ -111,25 +111,28 @@ impl Watch {
         let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
         // What was good stays in force as long as something is in doubt.
         shared.now.is_frozen = standing != Standing::Good;
-        if model.is_some() {
-            shared.now.model = model;
+        if let Some((model, readings)) = model {
+            shared.now.model = Some(model);
+            shared.now.temperatures_c = Some(readings);
         }
         shared.standing = standing;
         shared.age = age;
     }
 
-    fn model(&mut self, now: Duration) -> Arc<Model> {
+    /// The model, and the temperatures that it is for.
+    fn model(&mut self, now: Duration) -> (Arc<Model>, Arc<[(String, f64)]>) {
         let time_s = self.from_s + now.as_secs_f64();
         let readings: Vec<(String, f64)> =
             self.panel.channels().filter_map(|reading| Some((reading.name.clone(), reading.value_c?))).collect();
-        for (name, value_c) in readings {
-            self.condition.add_reading(&name, time_s, value_c);
+        for (name, value_c) in &readings {
+            self.condition.add_reading(name, time_s, *value_c);
         }
         self.condition.set_time(time_s);
         if self.looked.is_none() && self.zero_now {
             self.condition.set_zero_at(time_s);
         }
         self.looked = Some(now);
-        Arc::new(Model::at(&self.job.chosen.machine, &self.job.chosen.errors, &self.condition))
+        let model = Model::at(&self.job.chosen.machine, &self.job.chosen.errors, &self.condition);
+        (Arc::new(model), readings.into())
     }
 }

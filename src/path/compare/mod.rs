@@ -14,7 +14,7 @@ use crate::diagnostic::Diagnostic;
 use crate::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
 use crate::machine::{Kinematics, Machine};
 use crate::model::Model;
-use crate::snc::{Element, Origin};
+use crate::snc::{Element, Origin, WordValue};
 
 use step::{SENSE_STEP, Step, Walk};
 
@@ -62,7 +62,7 @@ pub struct Comparison {
 
 /// A piece of the corrected program beside the place of the original that it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Follow {
+pub struct Follow<'a> {
     /// The move of the original.
     pub original: Origin,
     /// The piece.
@@ -83,6 +83,10 @@ pub struct Follow {
     pub is_stated: bool,
     /// Feeds of the original and of the piece, as the programs have them; 0 where there is none.
     pub feeds: [f64; 2],
+    /// The axis command of the piece, mm and rad.
+    pub command: AxisVector,
+    /// The tool word that stands above the piece.
+    pub tool: Option<&'a WordValue>,
 }
 
 /// The comment, without the signs that make it one, of a piece that continues the move of the block above it.
@@ -125,7 +129,7 @@ pub fn compare_seeing(
     grouping: Grouping,
     machine: &Machine,
     model: &Model,
-    see: &mut dyn FnMut(Follow),
+    see: &mut dyn FnMut(Follow<'_>),
 ) -> Result<Comparison, Diagnostic> {
     let has_backlash = AXES.into_iter().any(|axis| model.features(axis).backlash);
     let mut corrected = Walk::new(corrected, machine, has_backlash).peekable();
@@ -204,7 +208,7 @@ impl Group<'_> {
         &mut self,
         corrected: &mut Peekable<Walk<'_, I>>,
         prediction: &mut Prediction,
-        see: &mut dyn FnMut(Follow),
+        see: &mut dyn FnMut(Follow<'_>),
     ) -> Result<Offset, Diagnostic> {
         let whole_mm = self.step.route.size_mm();
         loop {
@@ -240,7 +244,7 @@ impl Group<'_> {
     }
 
     /// A piece that has covered the original move up to the parameter.
-    fn seen(&self, piece: &Step, is_first: bool, on_the_spot: bool) -> Follow {
+    fn seen<'p>(&self, piece: &'p Step, is_first: bool, on_the_spot: bool) -> Follow<'p> {
         let nominal = self.step.route.at(self.parameter);
         let [nominal, written] = [&nominal, &piece.route.end].map(|command| piece.programmed(command, self.kinematics));
         let error_mm = |nominal: &AxisVector| {
@@ -260,6 +264,8 @@ impl Group<'_> {
             error_mm: if is_left { error_mm(&self.step.route.at(self.parameter)) } else { 0.0 },
             is_stated: self.step.is_counted,
             feeds: [self.step.feed, piece.feed],
+            command: piece.route.end,
+            tool: piece.tool.as_deref(),
         }
     }
 

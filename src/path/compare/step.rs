@@ -8,7 +8,7 @@ use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT, ON_THE_SPOT_MM};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AxisSet, AxisVector, Vector};
 use crate::machine::{Kinematics, Machine, State};
-use crate::snc::{Element, Kind, Origin, Setup};
+use crate::snc::{Element, Kind, Origin, Setup, WordValue};
 
 /// Half the step over which the sense of motion is looked up, as a parameter.
 pub(super) const SENSE_STEP: f64 = 1e-4;
@@ -25,6 +25,8 @@ pub(super) struct Step {
     /// Written as machine coordinates.
     pub(super) in_machine_frame: bool,
     pub(super) tool_mm: Vector,
+    /// The tool word that stands above it.
+    pub(super) tool: Option<Arc<WordValue>>,
     /// Sense of motion before the move.
     pub(super) state: State,
     /// Axes that were stated before it.
@@ -77,6 +79,7 @@ pub(super) struct Walk<'a, I> {
     has_backlash: bool,
     position: AxisVector,
     tool_mm: Vector,
+    tool: Option<Arc<WordValue>>,
     setup: Arc<Setup>,
     state: State,
     known: AxisSet,
@@ -93,6 +96,7 @@ impl<'a, I> Walk<'a, I> {
             has_backlash,
             position: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
+            tool: None,
             setup: Arc::default(),
             state: State::default(),
             known: AxisSet::EMPTY,
@@ -130,6 +134,10 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                     self.setup = setup;
                     continue;
                 }
+                Kind::Tool(word) => {
+                    self.tool = Some(Arc::new(word));
+                    continue;
+                }
                 Kind::Move(motion) => motion,
                 _ => continue,
             };
@@ -142,6 +150,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 in_machine_frame: motion.in_machine_frame,
                 feed: if motion.rapid { 0.0 } else { motion.feed },
                 tool_mm: self.tool_mm,
+                tool: self.tool.clone(),
                 state: self.state,
                 stated: self.known,
                 is_counted: motion.named.difference(self.known).is_empty()

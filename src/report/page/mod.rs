@@ -4,6 +4,7 @@
 pub mod calibration;
 pub mod diagnosis;
 mod parts;
+pub mod review;
 pub mod stability;
 
 use std::fmt::Display;
@@ -42,16 +43,23 @@ code{font-family:ui-monospace,Consolas,monospace;font-size:.92em}\n\
 /// A page with a title; `inside` writes what follows the heading.
 #[must_use]
 pub fn page(title: &str, inside: impl FnOnce(&mut Markup)) -> String {
+    page_with(title, "", "default-src 'none'; style-src 'unsafe-inline'", inside)
+}
+
+/// The same with more style, and with what a browser may load or run.
+fn page_with(title: &str, style: &str, policy: &str, inside: impl FnOnce(&mut Markup)) -> String {
     let mut out = Markup::new();
     out.element("html", &[("lang", &"en")], |out| {
         out.element("head", &[], |out| {
             out.empty("meta", &[("charset", &"utf-8")]);
             out.empty("meta", &[("name", &"viewport"), ("content", &"width=device-width, initial-scale=1")]);
-            let policy = "default-src 'none'; style-src 'unsafe-inline'";
             out.empty("meta", &[("http-equiv", &"Content-Security-Policy"), ("content", &policy)]);
             out.leaf("title", &[], title);
             out.leaf("style", &[], STYLE);
             out.leaf("style", &[], PAGE_STYLE);
+            if !style.is_empty() {
+                out.leaf("style", &[], style);
+            }
         });
         out.element("body", &[], |out| {
             out.leaf("h1", &[], title);

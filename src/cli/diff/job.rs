@@ -1,0 +1,118 @@
+//! Two programs compared, as a report.
+
+use std::collections::BTreeMap;
+
+use crate::cli::arguments::DiffArguments;
+use crate::cli::findings::Findings;
+use crate::cli::fix;
+use crate::cli::machine_choice::whole_hash;
+use crate::cli::pair::Outcome;
+use crate::emit;
+use crate::geometry::{AXES, Axis};
+use crate::report::review::{Beyond, Figures, Limit, Review, Step};
+use crate::report::verdict::{LEFT, Verdict};
+use crate::review::{Summary, Trace};
+use crate::source::Source;
+use crate::units::{um_from_mm, urad_from_rad};
+
+/// An angle counts what it makes at this arm, mm.
+const ARM_MM: f64 = 1000.0;
+
+/// Both programs, compared.
+pub(super) struct Job<'a> {
+    pub(super) arguments: &'a DiffArguments,
+    pub(super) trace: &'a Trace,
+    pub(super) outcome: &'a Outcome,
+    pub(super) corrected: &'a Source,
+}
+
+/// The axes that are asked for.
+pub(super) fn axes_of(arguments: &DiffArguments) -> Vec<Axis> {
+    AXES.into_iter().filter(|axis| arguments.axis.is_empty() || arguments.axis.contains(axis)).collect()
+}
+
+/// What is the same, mm and rad.
+pub(super) fn tolerance_of(arguments: &DiffArguments) -> [f64; 2] {
+    let mm = arguments.tolerance.unwrap_or(0.0);
+    [mm, mm / ARM_MM]
+}
+
+impl Job<'_> {
+    /// The report without its rows.
+    pub(super) fn review(&self, findings: &Findings) -> Review {
+        let axes = axes_of(self.arguments);
+        let found = Summary::of(&self.trace.rows, &axes, tolerance_of(self.arguments), self.outcome.increments[0]);
+        let counts = [found.left.no_error, found.left.unstated, found.left.rapid, found.left.other];
+        let left = LEFT.iter().map(|(why, _)| *why).zip(counts);
+        let figures = found.axes.iter().map(|one| {
+            let scale: fn(f64) -> f64 = if one.axis.is_rotary() { urad_from_rad } else { um_from_mm };
+            let [max, mean, rms, p99] = [one.max, one.mean, one.rms, one.p99].map(scale);
+            let unit = if one.axis.is_rotary() { "urad" } else { "um" };
+            (one.axis.to_string(), Figures { unit, max, max_line: one.max_at.original.1, mean, rms, p99 })
+        });
+        let original = self.outcome.sources[0].first();
+        let limits = self.arguments.fail_above.map(|limit_mm| {
+            let largest = self.trace.rows.iter().map(|row| row.largest(&axes)).fold(0.0, f64::max);
+            let name = "the largest change of an axis".to_owned();
+            Limit { name, value_um: largest, limit_um: um_from_mm(limit_mm), is_kept: largest <= um_from_mm(limit_mm) }
+        });
+        let beyond = self.outcome.beyond.iter();
+        let beyond = beyond.map(|(axis, &(pieces, line))| (axis.to_string(), Beyond { pieces, line }));
+        let mut review = Review {
+            schema: 1,
+            same: found.changed == 0,
+            compared: "executed",
+            files: [&self.arguments.original, &self.arguments.corrected].map(|path| path.display().to_string()),
+            bytes: [original.map_or(0, |source| source.bytes().len() as u64), self.corrected.bytes().len() as u64],
+            moves: [found.moves, found.pieces],
+            changed: found.changed,
+            split: found.split,
+            left: left.filter(|(_, count)| *count > 0).collect(),
+            other_feeds: found.other_feeds,
+            feed_share: self.trace.feeds,
+            beyond_travel: beyond.collect(),
+            axes: figures.collect(),
+            largest_step: found.largest_step.map(|(mm, at)| Step { um: um_from_mm(mm), line: at.original.1 }),
+            longest_line: longest(self.corrected),
+            before: Some(fix::spread(&self.outcome.comparison.before)),
+            after: Some(fix::spread(&self.outcome.comparison.after)),
+            limits: limits.into_iter().collect(),
+            provenance: self.provenance(),
+            diagnostics: findings.json(),
+            ..Review::default()
+        };
+        review.verdict = Verdict::of(&review);
+        review
+    }
+}
+
+impl Job<'_> {
+    /// Where the comparison comes from.
+    fn provenance(&self) -> BTreeMap<&'static str, String> {
+        let machine = &self.outcome.machine;
+        let mut all = BTreeMap::from([
+            ("made by", format!("ncfix {}", env!("CARGO_PKG_VERSION"))),
+            ("machine", machine.name.clone()),
+            ("machine file, SHA-256", machine.model.clone()),
+            ("corrected program, SHA-256", whole_hash(self.corrected.bytes())),
+        ]);
+        if let Some(original) = self.outcome.sources[0].first() {
+            all.insert("original program, SHA-256", whole_hash(original.bytes()));
+        }
+        let stamp = [
+            ("corrected for the machine file", emit::stamped_model(self.corrected.bytes())),
+            ("corrected for the state", emit::stamped_state(self.corrected.bytes())),
+            ("state, SHA-256", machine.state.clone()),
+        ];
+        all.extend(stamp.into_iter().filter_map(|(what, value)| Some((what, value?))));
+        all
+    }
+}
+
+/// Length and number of the longest line.
+fn longest(source: &Source) -> [u64; 2] {
+    let lines = source.bytes().split(|&byte| byte == source.line_end()).enumerate();
+    let length = |line: &[u8]| line.strip_suffix(b"\r").unwrap_or(line).len() as u64;
+    let longest = lines.map(|(number, line)| [length(line), number as u64 + 1]);
+    longest.max_by(|a, b| a[0].cmp(&b[0]).then(b[1].cmp(&a[1]))).unwrap_or_default()
+}

@@ -1,0 +1,51 @@
+//! The page of a comparison: written whole or not at all.
+
+use std::path::Path;
+
+use crate::cli::calibrated_report::publish;
+use crate::cli::input::{self, is_standard_stream};
+use crate::cli::machine_choice::digest;
+use crate::cli::output::Target;
+use crate::cli::pair::Outcome;
+use crate::cli::stop::Stop;
+use crate::feed::{Shown, shown};
+use crate::report::page::review::{Journal, Program, Subject, review};
+use crate::report::review::Review;
+use crate::review::Trace;
+use crate::source::{FileId, Source};
+
+/// Where a page goes.
+pub(in crate::cli) fn target(path: &Path) -> Result<Target, Stop> {
+    if is_standard_stream(path) {
+        return Err(Stop::Usage("a page needs a file, not standard output".into()));
+    }
+    Target::new(path)
+}
+
+/// Writes the page.
+pub(in crate::cli) fn write(
+    target: Target,
+    object: &Review,
+    trace: &Trace,
+    outcome: &Outcome,
+    journal: Option<&Journal>,
+) -> Result<(), Stop> {
+    let originals: Vec<Program<'_>> = outcome.sources[0].iter().map(of).collect();
+    let Some(corrected) = outcome.sources[1].first().map(of) else { return Ok(()) };
+    let subject = Subject { review: object, trace, originals: &originals, corrected, journal };
+    let page = review(&subject, &digest).map_err(Stop::Usage)?;
+    publish(target, &page)
+}
+
+fn of(source: &Source) -> Program<'_> {
+    Program { name: source.name(), bytes: source.bytes(), line_end: source.line_end() }
+}
+
+/// Reads what the journal of a transfer says of temperatures and corrections.
+pub(in crate::cli) fn journal(path: &Path) -> Result<Journal, Stop> {
+    let source = input::read(path, FileId(0), "journal, --journal")?;
+    let text = String::from_utf8_lossy(source.bytes());
+    let Shown { times_s, sensors_c, axes_um } =
+        shown(&text).map_err(|(line, why)| Stop::Usage(format!("{}, line {line}: {why}", path.display())))?;
+    Ok(Journal { times_s, sensors_c, axes_um })
+}

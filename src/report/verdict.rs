@@ -1,0 +1,155 @@
+//! Whether a corrected program should run, and why: one line for each reason.
+
+use serde::Serialize;
+
+use super::json::Finding;
+use super::number::{grouped, micrometers};
+use super::review::Review;
+
+/// How good or bad something is; worse is larger.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Grade {
+    /// Nothing speaks against it.
+    #[default]
+    Ok,
+    /// A person should look at it.
+    Warn,
+    /// It should not run.
+    Bad,
+}
+
+/// A reason.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Reason {
+    /// How it speaks.
+    pub grade: Grade,
+    /// What was found.
+    pub text: String,
+    /// The code of the finding that it is, where it is one.
+    pub code: Option<&'static str>,
+}
+
+/// Whether it should run.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Verdict {
+    /// The worst of the reasons.
+    pub grade: Grade,
+    /// The reasons, the worst first.
+    pub reasons: Vec<Reason>,
+}
+
+impl Grade {
+    /// Its name, as pages and objects for programs have it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Grade::Ok => "ok",
+            Grade::Warn => "warn",
+            Grade::Bad => "bad",
+        }
+    }
+}
+
+impl Verdict {
+    /// The verdict on a comparison of which everything else is known.
+    #[must_use]
+    pub fn of(review: &Review) -> Verdict {
+        let mut reasons = Vec::new();
+        let mut say = |grade, text: String| reasons.push(Reason { grade, text, code: None });
+        if review.same {
+            say(Grade::Warn, "nothing was changed".into());
+        }
+        for limit in &review.limits {
+            let grade = if limit.is_kept { Grade::Ok } else { Grade::Bad };
+            let [value, most] = [limit.value_um, limit.limit_um].map(micrometers);
+            let than = if limit.is_kept { "within" } else { "more than" };
+            say(grade, format!("{} is {value}, {than} the {most} allowed", limit.name));
+        }
+        for (axis, beyond) in &review.beyond_travel {
+            let count = grouped(beyond.pieces);
+            let text = format!(
+                "{count} pieces end beyond the travel of {axis}, the first in line {} of the corrected program",
+                beyond.line
+            );
+            say(Grade::Bad, text);
+        }
+        if let (Some(before), Some(after)) = (review.before, review.after) {
+            let [from, to] = [before.max_um, after.max_um].map(micrometers);
+            // What an increment leaves where there was nothing is no loss.
+            let grows = after.max_um > before.max_um && after.rms_um > before.rms_um;
+            let (grade, verb) = if grows { (Grade::Bad, "grows") } else { (Grade::Ok, "goes") };
+            say(grade, format!("the largest error on the error model {verb} from {from} to {to}"));
+        }
+        for (why, is_harmless) in LEFT {
+            if let Some(count) = review.left.get(why).filter(|_| !is_harmless) {
+                say(Grade::Warn, format!("{} moves {why} are left as they were", grouped(*count)));
+            }
+        }
+        if review.other_feeds > 0 {
+            let by = review.feed_share.map(|[least, most]| {
+                let percent = |share: f64| format!("{:+.1} %", 100.0 * (share - 1.0));
+                format!(", by {} to {}", percent(least), percent(most))
+            });
+            say(
+                Grade::Warn,
+                format!("{} pieces have another feed{}", grouped(review.other_feeds), by.unwrap_or_default()),
+            );
+        }
+        let of_finding = |finding: &Finding| {
+            let text = format!("{} {}", finding.code, finding.message);
+            Reason { grade: grade_of(finding), text, code: Some(finding.code) }
+        };
+        reasons.extend(review.diagnostics.iter().map(of_finding));
+        reasons.sort_by_key(|reason| std::cmp::Reverse(reason.grade));
+        Verdict { grade: reasons.iter().map(|reason| reason.grade).max().unwrap_or_default(), reasons }
+    }
+
+    /// In one sentence.
+    #[must_use]
+    pub fn sentence(&self) -> &'static str {
+        match self.grade {
+            Grade::Ok => "nothing found that speaks against running it",
+            Grade::Warn => "to be looked at before it runs",
+            Grade::Bad => "should not run",
+        }
+    }
+}
+
+/// Why moves are left as they were, and whether that is as it should be.
+pub const LEFT: [(&str, bool); 4] = [
+    ("without an error of an increment", true),
+    ("before the axes were stated", false),
+    ("rapid", true),
+    ("that are not corrected", false),
+];
+
+fn grade_of(finding: &Finding) -> Grade {
+    if finding.severity == "error" { Grade::Bad } else { Grade::Warn }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::json::Spread;
+    use super::super::review::Limit;
+    use super::*;
+
+    #[test]
+    fn the_worst_reason_decides_and_comes_first() {
+        let spread = |max_um: f64| Spread { mean_um: max_um / 2.0, rms_um: max_um / 2.0, max_um };
+        let mut review = Review { before: Some(spread(40.0)), after: Some(spread(1.0)), ..Review::default() };
+        let verdict = Verdict::of(&review);
+        assert_eq!((verdict.grade, verdict.reasons.len()), (Grade::Ok, 1));
+        review.left.insert("before the axes were stated", 3);
+        review.left.insert("rapid", 3);
+        assert_eq!(Verdict::of(&review).grade, Grade::Warn);
+        let limit = |value_um: f64| Limit { name: "it".into(), value_um, limit_um: 10.0, is_kept: value_um <= 10.0 };
+        review.limits = vec![limit(9.0), limit(11.0)];
+        let verdict = Verdict::of(&review);
+        let grades: Vec<Grade> = verdict.reasons.iter().map(|reason| reason.grade).collect();
+        assert_eq!(grades, [Grade::Bad, Grade::Warn, Grade::Ok, Grade::Ok]);
+        assert!(verdict.reasons[0].text.contains("more than the 10.0 µm"), "{verdict:?}");
+        review.after = Some(spread(41.0));
+        assert_eq!(Verdict::of(&review).reasons.iter().filter(|one| one.grade == Grade::Bad).count(), 2);
+    }
+}
