@@ -38,6 +38,10 @@ pub struct TablesReport {
     pub made_for_tool_mm: Option<[f64; 3]>,
     /// What two sets of tables differ by, µm or µrad: root mean square and largest for each axis.
     pub difference: Vec<Difference>,
+    /// What `auto` aimed at: less than the tolerance, for the poses that it did not see.
+    pub aim: Option<String>,
+    /// Ranges that were asked for in place of the travel.
+    pub ranges: Vec<String>,
     /// What was tried by `auto`.
     pub tried: Vec<TriedReport>,
     /// Files that were written.
@@ -193,6 +197,9 @@ impl TablesReport {
         if self.rows.len() > MOST_ROWS {
             let _ = writeln!(page, "  and {} more", self.rows.len() - MOST_ROWS);
         }
+        if !self.ranges.is_empty() {
+            let _ = writeln!(page, "for a part of the travel: {}", self.ranges.join(", "));
+        }
         self.tried_page(&mut page);
         if let Some(check) = &self.check {
             let [x, y, z] = check.tool_mm;
@@ -235,6 +242,9 @@ impl TablesReport {
     }
 
     fn tried_page(&self, page: &mut String) {
+        if let Some(aim) = &self.aim {
+            let _ = writeln!(page, "  auto aims at {aim}: poses that it does not try have a little more");
+        }
         for one in &self.tried {
             let _ = match (&one.reason, one.tables, one.rms_um) {
                 (Some(reason), ..) => writeln!(page, "  tried {} with {} points: {reason}", one.scheme, one.points),

@@ -19,7 +19,7 @@ use crate::geometry::{Axis, AxisVector, LINEAR_AXES};
 use crate::machine::State;
 use crate::model::Accumulator;
 
-pub use auto::{Tried, choose};
+pub use auto::{AIM, Tried, choose};
 
 /// What tables are wanted.
 #[derive(Clone, Copy, Debug)]
