@@ -98,7 +98,9 @@ fn products_are_read_as_the_control_reads_them() {
     assert!((98.0..=100.0).contains(&most), "{most}");
     let same = ["tables", "--read", "INSTEAD.INI", "--compare", "BESIDE.INI", "--multiplication", "beside", "--json"];
     assert_eq!(shop.run(same).exits(0).json()["difference"][0]["max"], 0.0);
-    shop.run(["tables", "--read", "INSTEAD.INI", "BESIDE.INI"]).exits(4).says("E0901").says("another reading");
+    let others = table(2, "Y1", [0.0, 0.1], 4) + &table(3, "Z1", [0.0, 0.2], 0);
+    let shop = shop.file("OTHERS.INI", format!("; products of tables count beside the own value\n{others}M17\n"));
+    shop.run(["tables", "--read", "INSTEAD.INI", "OTHERS.INI"]).exits(4).says("E0901").says("another reading");
 }
 
 /// The same shop with another file.
@@ -115,4 +117,60 @@ fn tables_of_axes_that_the_machine_lacks_are_refused() {
     run.says("E0901").says("axis B, which the machine lacks");
     let shop = shop.file("active.toml", with("active_tables = [\"CEC.INI\"]")).file("part.mpf", "N30 M30\n");
     shop.run(["part.mpf", "-o", "out.mpf", "--machine", "active.toml"]).exits(4).says("E0901");
+}
+
+/// A blank cell holds the value of the row before: the sample of the documents is read from the command line too.
+#[test]
+fn blank_cells_are_read() {
+    let shop = Shop::new().file("axis-y.com", sample("axis-y.com")).file("wide.toml", WIDE);
+    let read = shop.run(["tables", "--read", "axis-y.com", "--json"]).exits(0).json();
+    assert_eq!(read["tables"].as_u64(), Some(3), "{read}");
+    shop.run(["tables", "--read", "axis-y.com", "--machine", "wide.toml", "--check"]).exits(0);
+    shop.run(["tables", "--read", "axis-y.com", "--format", "cec", "-o", "CEC.INI"]).exits(0);
+}
+
+#[test]
+fn values_that_no_machine_is_off_by() {
+    for (name, text, what) in [
+        ("v.csv", "A0Z\n0.2\n", "degrees"),
+        ("v.csv", "X EXX\n0 0\n9 12\n", "mm"),
+        ("v.csv", "X EAX\n0 0\n9 0.1\n", "degrees"),
+        ("v.csv", "X0Z\n-11\n", "mm"),
+        ("g.txt", "S1 P0 T1=0 T2=0 T3=0 R1=20000 R2=0 R3=0\nS1 P9 T1=0 T2=0 T3=0 R1=0 R2=0 R3=0\n", "degrees"),
+        ("g.txt", "S1 P0 T1=20000 T2=0 T3=0 R1=0 R2=0 R3=0\nS1 P9 T1=0 T2=0 T3=0 R1=0 R2=0 R3=0\n", "mm"),
+        ("m.hal", "setp matrixkins.C_xy 0.05\n", "in a metre"),
+        ("m.hal", "setp matrixkins.C_xx 25.4\n", "in a metre"),
+    ] {
+        let shop = Shop::new().file(name, text).file("wide.toml", WIDE);
+        shop.run(["tables", "--read", name, "--machine", "wide.toml", "--check"]).exits(4).says("E0901").says(what);
+    }
+}
+
+#[test]
+fn a_leadscrew_list_with_points_twice_or_too_many() {
+    let list = "kopf.log_achs_name X\nkw.ssfk.interval 10000\nkw.ssfk.kw_startpos 0\nkw.ssfk.kw_nr_max 2\nkw.ssfk.unit 1\n\
+                kw.ssfk.bilateral 0\nkw.ssfk.table[0].pos 10\nkw.ssfk.table[1].pos 30\n";
+    let read = |more: &str| Shop::new().file("x.lis", format!("{list}{more}")).run(["tables", "--read", "x.lis"]);
+    read("").exits(0);
+    read("kw.ssfk.table[1].pos 30\n").exits(0);
+    read("kw.ssfk.table[1].pos 31\n").exits(4).says("E0901").says("twice");
+    read("kw.ssfk.table[2].pos 9\n").exits(0).says("W0901").says("1 entries lie behind");
+}
+
+/// At X100 the scale of 40 µm/m is 4 µm; the table adds -0.1 mm/m · 100 mm = -10 µm: each has its own row.
+#[test]
+fn a_pose_shows_tables_in_a_row_of_their_own() {
+    let errors = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 4e-5]\n";
+    let shop = Shop::new()
+        .file("CEC.INI", table(0, "X1", [0.0, -0.04], 0) + "M17\n")
+        .file("m.toml", with("active_tables = [\"CEC.INI\"]") + errors);
+    let shown = shop.run(["machine", "show", "m.toml", "--at", "X100", "--json"]).exits(0).json();
+    let x = |source: &str| -> f64 {
+        let sources = shown["sources"].as_array().unwrap();
+        let share = sources.iter().find(|share| share["source"] == source).unwrap_or_else(|| panic!("{shown}"));
+        share["deviation"]["position_um"][0].as_f64().unwrap()
+    };
+    let motion = shown["sources"][0]["source"].as_str().unwrap().to_owned();
+    assert!((x(&motion) - 4.0).abs() < 1e-3 && (x("tables") + 10.0).abs() < 1e-2, "{shown}");
+    assert!((shown["sum"]["position_um"][0].as_f64().unwrap() + 6.0).abs() < 1e-2, "{shown}");
 }

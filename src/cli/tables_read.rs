@@ -10,6 +10,7 @@ use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AXES, Axis, Vector};
 use crate::machine::Machine;
+use crate::report::tables::rounded_mm;
 use crate::source::{FileId, Source, Span};
 use crate::tables::{Control, FORMATS, Format, Multiplication, Sense, Tables, Wiring, format};
 
@@ -213,8 +214,7 @@ const REMARKS: usize = 40;
 
 /// The remark that says for which tool the tables are.
 pub(super) fn tool_remark(tool_mm: &Vector) -> String {
-    // No minus in front of zero.
-    let [x, y, z] = [0, 1, 2].map(|index| tool_mm[index] + 0.0);
+    let [x, y, z] = rounded_mm(tool_mm);
     format!("{}{x} {y} {z}{}", TOOL[0], TOOL[1])
 }
 

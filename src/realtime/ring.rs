@@ -302,3 +302,18 @@ impl Client {
         self.words.set(STOP, 1, Ordering::Release);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Overrun;
+
+    /// Counts of a ring of 16: 5 set-points are answered.
+    #[test]
+    fn a_count_that_goes_back_is_no_huge_number() {
+        let found = |written: u64, read: u64| Overrun::of(written.wrapping_sub(5), 5_u64.wrapping_sub(read), 16);
+        assert_eq!(found(22, 5), Overrun::SetPoints(17));
+        assert_eq!(found(3, 5), Overrun::WentBack(2));
+        assert_eq!(found(5, 7), Overrun::CorrectionsRead(2));
+        assert_eq!(Overrun::of(0, 40, 16), Overrun::Corrections(40));
+    }
+}

@@ -140,6 +140,12 @@ impl From<&Errors> for ErrorsReport {
     }
 }
 
+/// A tool to a nanometre, without the digits that a direction of the spindle makes and without a minus in front of zero, mm.
+#[must_use]
+pub fn rounded_mm(tool_mm: &Vector) -> [f64; 3] {
+    [0, 1, 2].map(|index| (tool_mm[index] * 1e6).round() / 1e6 + 0.0)
+}
+
 impl CheckReport {
     /// The figures of a check; `worst` says where, the tool runs from the gauge point to the tip.
     #[must_use]
@@ -150,8 +156,7 @@ impl CheckReport {
             tables: (&check.tables).into(),
             exact: (&check.exact).into(),
             worst,
-            // No minus in front of zero.
-            tool_mm: [0, 1, 2].map(|index| tool_mm[index] + 0.0),
+            tool_mm: rounded_mm(tool_mm),
             senses: check.senses.iter().map(ToString::to_string).collect(),
         }
     }

@@ -180,10 +180,12 @@ impl Reader<'_> {
             }
             (field, _) if field.strip_prefix('_').is_some_and(|field| FIELDS.contains(&field)) => {
                 let name = field.trim_start_matches('_').to_owned();
-                if name == "IS_MODULO" && ![0.0, 1.0].contains(&number) {
+                let is_switch = name != "IS_MODULO" || [0.0, 1.0].contains(&number);
+                let before = raw.fields.insert(name, number);
+                if !is_switch {
                     let help = "write 0 or 1: what the control makes of another number is not known";
                     self.report.fault(line, one.value, format!("{} is {number}", one.name), help);
-                } else if raw.fields.insert(name, number).is_some_and(|before| before != number) {
+                } else if before.is_some_and(|before| before != number) {
                     let message = format!("{} of {} is there twice, with different values", one.name, shown(axis));
                     self.report.fault(line, one.text, message, super::TWICE);
                 }

@@ -176,11 +176,11 @@ impl Reader<'_> {
             }),
             _ => return self.unknown(line, one),
         };
+        let Some(raw) = self.raw.get_mut(&t) else { return };
+        let before = raw.fields.insert(field.to_owned(), number);
         if let Some((message, help)) = fault {
             self.report.fault(line, value, message, help);
-        } else if let Some(raw) = self.raw.get_mut(&t)
-            && raw.fields.insert(field.to_owned(), number).is_some_and(|before| before != number)
-        {
+        } else if before.is_some_and(|before| before != number) {
             self.twice(line, t, &one.name, one.text);
         }
     }
