@@ -14,7 +14,7 @@ const TURNING: &str = "[machine]\nname = \"turning\"\ntopology = \"wCBFXYZSt\"\n
     [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-200, 200]\n\
     [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-200, 200]\n\
     [axis.B]\ndirection = [0, -1, 0]\ntravel_deg = [-90, 90]\n\
-    [axis.C]\ndirection = [0, 0, -1]\n\
+    [axis.C]\ndirection = [0, 0, -1]\nmodulo = true\n\
     [spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n";
 const SCALE: &str = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 4e-5]\n";
 
@@ -75,7 +75,7 @@ fn a_play_to_the_side_is_left_over_and_does_not_block() {
 #[test]
 fn tables_over_an_axis_without_end_repeat() {
     let wave = "[[motion]]\ncomponent = \"EXC\"\nkind = \"table\"\n\
-                positions_deg = [-180, -90, 0, 90, 180]\nvalues_um = [3, 20, -4, -15, 3]\n";
+                positions_deg = [0, 90, 180, 270, 360]\nvalues_um = [3, 20, -4, -15, 3]\n";
     for (scheme, most) in [("free", 6.0), ("polynomial", 25.0), ("fik", 1.0)] {
         let shop = shop(TURNING, wave);
         let made =

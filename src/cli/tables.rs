@@ -78,7 +78,7 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
         wiring: &job.wiring,
     };
     let refuse = |findings: &mut Findings, why: String| {
-        findings.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, &help(&task)), &[]);
+        findings.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, help(&task)), &[]);
     };
     let (name, tables) = if let Some(scheme) = scheme {
         match scheme.tables(&task) {

@@ -43,8 +43,9 @@ impl Region {
                 continue;
             }
             *range = match data.travel {
-                Some([low, high]) if !data.modulo => [low.min(range[0]), high.max(range[1])],
-                _ => [range[0] - TAU, range[1] + TAU],
+                Some([low, high]) => [low.min(range[0]), high.max(range[1])],
+                None if data.modulo => [range[0] - TAU, range[1] + TAU],
+                None => continue,
             };
         }
         region

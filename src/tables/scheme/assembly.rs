@@ -169,8 +169,8 @@ impl<'a> Assembly<'a> {
 /// axis with a longer travel may have errors that do not repeat.
 pub(super) fn repeat(task: &Task<'_>, lookup: &mut Lookup) {
     let Some(data) = task.target.machine.axis(lookup.input).filter(|data| data.axis.is_rotary()) else { return };
-    let is_endless = data.modulo || data.travel.is_none();
-    let turns = is_endless || data.travel.is_some_and(|[low, high]| high - low > std::f64::consts::TAU + 1e-9);
+    let is_endless = data.modulo;
+    let turns = is_endless || data.travel.is_none_or(|[low, high]| high - low > std::f64::consts::TAU + 1e-9);
     let [start, end] = lookup.nodes.range();
     let (Some(&first), Some(&last)) = (lookup.values.first(), lookup.values.last()) else { return };
     let is_turn = turns && (end - start - 360.0).abs() < 1e-3;

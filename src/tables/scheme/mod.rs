@@ -115,6 +115,12 @@ impl<'a> Task<'a> {
         axes
     }
 
+    /// A position as error functions have it: within a turn from 0 for an axis without end.
+    fn in_turn(&self, axis: Axis, at: f64) -> f64 {
+        let is_endless = self.target.machine.axis(axis).is_some_and(|data| data.modulo);
+        if is_endless { at.rem_euclid(std::f64::consts::TAU) } else { at }
+    }
+
     /// The exact corrections at poses.
     fn exact(&self, poses: &[AxisVector]) -> Result<Vec<AxisVector>, String> {
         let state = State::default();
