@@ -15,7 +15,7 @@ pub struct Region {
 }
 
 impl Region {
-    /// The travel of the axes: a turn around zero of rotary axes that turn further. `Err` names a linear axis without travel.
+    /// The travel of the axes: a turn from zero of rotary axes without end, a turn around zero of others that turn further. `Err` names a linear axis without travel.
     ///
     /// # Errors
     /// The axis that has no travel.
@@ -93,6 +93,8 @@ fn range(data: &AxisData) -> Option<[f64; 2]> {
             Some([middle - PI, middle + PI])
         }
         Some(travel) => Some(travel),
+        // As the error functions of an axis without end, and the positions that its control shows.
+        None if data.modulo => Some([0.0, TAU]),
         None if data.axis.is_rotary() => Some([-PI, PI]),
         None => None,
     }
