@@ -186,7 +186,8 @@ fn idle(checked: &CheckReport, task: &Task<'_>) -> (String, String) {
 /// `0.95 um, 5 % below the tolerance`
 fn aim(tolerance_mm: f64) -> String {
     let below = (1.0 - scheme::AIM) * 100.0;
-    format!("{:.4} um, {below:.0} % below the tolerance", um_from_mm(scheme::AIM * tolerance_mm))
+    let aim = format!("{:.9}", um_from_mm(scheme::AIM * tolerance_mm));
+    format!("{} um, {below:.0} % below the tolerance", aim.trim_end_matches('0').trim_end_matches('.'))
 }
 
 fn tried_report(tried: &scheme::Tried) -> TriedReport {

@@ -220,6 +220,9 @@ impl TablesReport {
                 );
             }
             let _ = writeln!(page, "  most with tables at {}", check.worst);
+            if check.tables.rms_um > check.before.rms_um {
+                page.push_str("  more is left than there was: a constant part, which a zero offset takes, or tables that are not for this machine\n");
+            }
             if let Some([x, y, z]) = self.made_for_tool_mm {
                 let _ = writeln!(
                     page,
