@@ -1,5 +1,6 @@
 //! `ncfix tables --read`: files of controls with tables of several kinds, in several readings, damaged.
 
+use crate::archives::archive;
 use crate::support::{Shop, repository};
 
 /// A machine without errors, wide enough for the samples.
@@ -55,6 +56,24 @@ fn an_archive_gives_the_tables_of_all_its_members() {
         String::from_utf8_lossy(&sample("archive.arc")).replace("ENC_COMP[1,1,AX1]=0.01", "ENC_COMP[1,1,AX1]=x");
     let shop = shop.file("SAVE.ARC", damaged);
     shop.run(["part.mpf", "-o", "again.mpf", "--machine", "active.toml"]).exits(4).says("E0901");
+}
+
+/// The archive of a control with a folder: tables of any ending are read, a program that sets some is told.
+#[test]
+fn an_archive_with_folders_gives_all_tables() {
+    let sag = table(0, "Y1", [0.0, 0.01], 0) + "M17\n";
+    let screw = "$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.01\n$AA_ENC_COMP_STEP[0,AX1]=100\n\
+                 $AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\n$AA_ENC_COMP_IS_MODULO[0,AX1]=0\nM17\n";
+    let files = [("NC_CEC.INI", "DATA.DIR", sag.as_str()), ("AX1.EEC", "DATA.DIR", screw)];
+    let loader = ("LOAD.MPF", "MPF.DIR", "N10 $AN_CEC[0,0]=0.1\nN20 M30\n");
+    let shop = Shop::new().file("A.ARC", archive(&files)).file("B.ARC", archive(&[files[0], files[1], loader]));
+    for (name, codes) in [("A.ARC", vec![]), ("B.ARC", vec!["W0901"])] {
+        let run = shop.run(["tables", "--read", name, "--json"]).exits(0);
+        assert_eq!(
+            (run.json()["tables"].as_u64(), run.codes()),
+            (Some(2), codes.into_iter().map(str::to_owned).collect())
+        );
+    }
 }
 
 #[test]

@@ -98,7 +98,11 @@ pub(super) fn read(
 ) -> Result<Option<ReadTables>, Stop> {
     let mut files = Files::default();
     for path in paths {
-        for source in members(path)? {
+        let (sources, programs) = members(path)?;
+        for program in &programs {
+            findings.extend([not_read(program)], std::slice::from_ref(program));
+        }
+        for source in sources {
             let known = files.sets.last().map(|(format, _)| *format);
             let guesses = format::guesses(source.name(), source.bytes());
             let formats = match (reading.format, &guesses[..], known) {
@@ -277,21 +281,31 @@ pub(super) fn active(
     let read = read(paths, &reading, findings)?;
     let mut sources = Vec::new();
     for path in paths {
-        sources.extend(members(path)?);
+        sources.extend(members(path)?.0);
     }
     Ok(read.map(|read| (Control::new(machine, &read.tables), sources)))
 }
 
-/// The files with tables at a path: the file itself, or those in an archive.
-fn members(path: &Path) -> Result<Vec<Source>, Stop> {
+/// The files with tables at a path: the file itself, or those in an archive; and programs of the archive that have such variables.
+fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Stop> {
+    const PROGRAMS: [&str; 3] = [".MPF", ".SPF", ".CPF"];
     let source = input::read(path, FileId(0))?;
-    match archive::saved_data(path, source.bytes())? {
-        None => Ok(vec![source]),
-        Some(members) => {
-            let is_table = |member: &Source| format::guess(member.name(), member.bytes()).is_some();
-            Ok(members.into_iter().filter(is_table).collect())
-        }
-    }
+    let Some(files) = archive::files(path, source.bytes())? else { return Ok((vec![source], Vec::new())) };
+    // Only formats that name their variables are told from anything else that a control saves.
+    let is_table =
+        |file: &Source| format::guess(file.name(), file.bytes()).is_some_and(|format| !format.beside.is_empty());
+    let is_program = |file: &Source| {
+        let name = file.name().to_ascii_uppercase();
+        PROGRAMS.iter().any(|ending| name.ends_with(ending))
+    };
+    Ok(files.into_iter().filter(is_table).partition(|file| !is_program(file)))
+}
+
+/// A program that sets tables when it runs: whether it ran, an archive does not tell.
+fn not_read(program: &Source) -> Diagnostic {
+    let place = Place { file: program.id(), span: Span::new(0, 1) };
+    let help = "save the tables of the control as they are now, NC active data, if it ran";
+    Diagnostic::at(Code::UNUSED_TABLE, place, "a program with variables of tables, which is not read", help)
 }
 
 fn unknown(path: &Path) -> Stop {
