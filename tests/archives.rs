@@ -20,7 +20,7 @@ fn entry(name: &str, folder: &str, content: &str) -> Vec<u8> {
 }
 
 /// An archive of files with their folders.
-fn archive(files: &[(&str, &str, &str)]) -> Vec<u8> {
+pub(crate) fn archive(files: &[(&str, &str, &str)]) -> Vec<u8> {
     let mut bytes = entry("", "", ";---components---\n");
     bytes[..12].copy_from_slice(b"@@MMCIBN.002");
     let sum: u32 = bytes[..148].iter().chain(&bytes[156..512]).map(|&byte| u32::from(byte)).sum();

@@ -49,6 +49,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0902", "cli_tables: what_does_not_fit_is_refused_and_nothing_is_written"),
     ("W0901", "cli_tables: a_table_file_with_surplus_is_read_with_a_warning"),
     ("E0801", "realtime: a_line_that_is_no_set_point_ends_the_run"),
+    ("W0902", "cli_tables_read: products_are_read_as_the_control_reads_them"),
     ("W0801", "realtime: a_kernel_that_cannot_follow_the_model_is_pointed_out"),
     ("W0802", "realtime: a_state_that_breaks_leaves_the_kernel_in_force"),
     ("W0306", "cli_verify: a_correction_for_another_machine_is_pointed_out"),

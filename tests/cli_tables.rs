@@ -114,7 +114,8 @@ fn what_does_not_fit_is_refused_and_nothing_is_written() {
 #[test]
 fn a_table_file_with_surplus_is_read_with_a_warning() {
     let text = "%_N_NC_CEC_INI\nCHANDATA(1)\n$AN_CEC[0,0]=0\n$AN_CEC[0,1]=0.01\n$AN_CEC[0,2]=0.5\n$AN_CEC_INPUT_AXIS[0]=(AX2)\n\
-                $AN_CEC_OUTPUT_AXIS[0]=(AX3)\n$AN_CEC_STEP[0]=100\n$AN_CEC_MIN[0]=0\n$AN_CEC_MAX[0]=100\nM17\n";
+                $AN_CEC_OUTPUT_AXIS[0]=(AX3)\n$AN_CEC_STEP[0]=100\n$AN_CEC_MIN[0]=0\n$AN_CEC_MAX[0]=100\n$AN_CEC_DIRECTION[0]=0\n\
+                $AN_CEC_MULT_BY_TABLE[0]=0\n$AN_CEC_IS_MODULO[0]=0\nM17\n";
     let shop = Shop::new().file("CEC.INI", text);
     let run = shop.run(["tables", "--read", "CEC.INI", "--json"]).exits(0);
     assert_eq!(run.codes(), ["W0901"]);
@@ -161,7 +162,8 @@ fn the_45_degree_machine_from_the_command_line() {
 fn two_points(number: usize, values: [f64; 2], more: &str) -> String {
     format!(
         "$AN_CEC[{number},0]={}\n$AN_CEC[{number},1]={}\n$AN_CEC_INPUT_AXIS[{number}]=(AX2)\n$AN_CEC_OUTPUT_AXIS[{number}]=(AX3)\n\
-         $AN_CEC_STEP[{number}]=400\n$AN_CEC_MIN[{number}]=0\n$AN_CEC_MAX[{number}]=400\n{more}\n",
+         $AN_CEC_STEP[{number}]=400\n$AN_CEC_MIN[{number}]=0\n$AN_CEC_MAX[{number}]=400\n\
+         $AN_CEC_DIRECTION[{number}]=0\n$AN_CEC_MULT_BY_TABLE[{number}]=0\n$AN_CEC_IS_MODULO[{number}]=0\n{more}\nM17\n",
         values[0], values[1]
     )
 }

@@ -33,6 +33,8 @@ mod cli_select;
 mod cli_snc;
 mod cli_state;
 mod cli_tables;
+mod cli_tables_make;
+mod cli_tables_read;
 mod cli_verify;
 mod cli_voice;
 mod codes;

@@ -353,12 +353,21 @@ fn tables_of_esmaeili_are_multiplied() {
     assert!((correction(&beside) - (z + y + z * y + x)).abs() < 1e-15);
 }
 
-/// A table of an axis with values 1 and 3 at 0 and 100, and further lines.
+/// A table of an axis with values 1 and 3 at 0 and 100, further lines, and the fields that are not among them.
 fn ramp(t: usize, more: &str) -> String {
-    format!(
-        "$AN_CEC[{t},0]=1\n$AN_CEC[{t},1]=3\n$AN_CEC_INPUT_AXIS[{t}]=AX1\n$AN_CEC_OUTPUT_AXIS[{t}]=AX2\n\
-         $AN_CEC_STEP[{t}]=100\n$AN_CEC_MIN[{t}]=0\n$AN_CEC_MAX[{t}]=100\n{more}\n"
-    )
+    let fields = [
+        ("INPUT_AXIS", "AX1"),
+        ("OUTPUT_AXIS", "AX2"),
+        ("STEP", "100"),
+        ("MIN", "0"),
+        ("MAX", "100"),
+        ("DIRECTION", "0"),
+        ("MULT_BY_TABLE", "0"),
+        ("IS_MODULO", "0"),
+    ];
+    let rest = fields.into_iter().filter(|(name, _)| !more.contains(&format!("$AN_CEC_{name}")));
+    let rest: String = rest.map(|(name, value)| format!("$AN_CEC_{name}[{t}]={value}\n")).collect();
+    format!("$AN_CEC[{t},0]=1\n$AN_CEC[{t},1]=3\n{more}\n{rest}M17\n")
 }
 
 #[test]
@@ -373,8 +382,11 @@ fn weights_senses_repetition_and_products() {
     assert_eq!(y(&weighted, 50.0, 1), 1.0);
     let one_way = read(&ramp(0, "$AN_CEC_DIRECTION[0]=-1"));
     assert_eq!([1, -1, 0].map(|sense| y(&one_way, 50.0, sense)), [0.0, 2.0, 1.0]);
-    let repeated = read(&ramp(0, "$AN_CEC_IS_MODULO[0]=1"));
-    assert_eq!([150.0, -25.0, 225.0].map(|x| y(&repeated, x, 1)), [2.0, 2.5, 1.5]);
+    let repeated = read(&ramp(0, "$AN_CEC_IS_MODULO[0]=1\n$AN_CEC_INPUT_AXIS[0]=C1"));
+    let over_c = |position: f64| at(&repeated, Axis::C, position, 1, Axis::Y);
+    for (position, value) in [(150.0, 2.0), (-25.0, 2.5), (225.0, 1.5)] {
+        assert!((over_c(position) - value).abs() < 1e-12, "{position}");
+    }
     // Alone with itself: the square.
     let square = read(&ramp(0, "$AN_CEC_MULT_BY_TABLE[0]=1"));
     assert_eq!(y(&square, 50.0, 1), 4.0);
@@ -398,19 +410,32 @@ fn units_and_spellings_of_sag_tables() {
         // In which unit a control multiplies is not known.
         (format!("INCH\n{}", ramp(0, "$AN_CEC_MULT_BY_TABLE[0]=1")), vec!["E0901 2:1"]),
         (ramp(0, "$AN_CEC_MULT_BY_TABLE[0]=7"), vec!["E0901 1:1"]),
-        (ramp(0, "$AN_CEC_TYPE[0]=1"), vec!["E0901 8:17"]),
-        (ramp(0, "$AN_CEC[0,99999999999999999999]=1"), vec!["E0901 8:1"]),
-        (ramp(0, "$AN_CEC[0.1]=1"), vec!["E0901 8:1"]),
-        (ramp(0, "$AN_CEC[999,1]=1"), vec!["E0901 8:1"]),
-        (ramp(0, "$AN_CEC[0,1]=1,5"), vec!["E0901 8:14"]),
-        (ramp(0, "AN_CEC[0,1]=5"), vec!["E0901 8:1"]),
-        (ramp(0, "$AN_CEC[0,1]"), vec!["E0901 8:1"]),
-        (ramp(0, "INCH\n$AN_CEC[0,1]=3"), vec!["E0901 9:1"]),
+        (ramp(0, "$AN_CEC_TYPE[0]=1"), vec!["E0901 3:17"]),
+        (ramp(0, "$AN_CEC[0,99999999999999999999]=1"), vec!["E0901 3:1"]),
+        (ramp(0, "$AN_CEC[0.1]=1"), vec!["E0901 3:1"]),
+        (ramp(0, "$AN_CEC[999,1]=1"), vec!["E0901 3:1"]),
+        (ramp(0, "$AN_CEC[0,1]=1,5"), vec!["E0901 3:14"]),
+        (ramp(0, "AN_CEC[0,1]=5"), vec!["E0901 3:1"]),
+        (ramp(0, "$AN_CEC[0,1]"), vec!["E0901 3:1"]),
+        (
+            ramp(0, "INCH\n$AN_CEC[0,1]=3"),
+            vec![
+                "E0901 4:1",
+                "E0901 5:1",
+                "E0901 6:1",
+                "E0901 7:1",
+                "E0901 8:1",
+                "E0901 9:1",
+                "E0901 10:1",
+                "E0901 11:1",
+                "E0901 12:1",
+            ],
+        ),
         (ramp(0, "$AN_CEC[0,1]=3"), vec![]),
-        (ramp(0, "$AN_CEC[0,1]=4"), vec!["E0901 8:1"]),
-        (ramp(0, "$AN_CEC_DIRECTION[0]=7"), vec!["E0901 8:22"]),
-        (ramp(0, "$AN_CEC_MULT_BY_TABLE[0]=0.5"), vec!["E0901 8:26"]),
-        (ramp(0, "MSG(\"loaded\")"), vec!["W0901 8:1"]),
+        (ramp(0, "$AN_CEC[0,1]=4"), vec!["E0901 3:1"]),
+        (ramp(0, "$AN_CEC_DIRECTION[0]=7"), vec!["E0901 3:22"]),
+        (ramp(0, "$AN_CEC_MULT_BY_TABLE[0]=0.5"), vec!["E0901 3:26"]),
+        (ramp(0, "MSG(\"loaded\")"), vec!["W0901 3:1"]),
         (ramp(0, "$AN_CEC[0,2]=0"), vec![]),
         (ramp(0, "$AN_CEC[0,2]=7"), vec!["W0901 1:1"]),
         (ramp(0, "$SN_CEC_TABLE_ENABLE[0]=0"), vec!["W0901 1:1"]),
@@ -426,6 +451,36 @@ fn units_and_spellings_of_sag_tables() {
     ] {
         assert_eq!(read_as(named("cec"), "x.ini", text.clone()).1, expected, "{text}");
     }
+}
+
+/// The control keeps what it had in a field that is not written; a file that is cut off says nothing of what is lost.
+#[test]
+fn fields_that_are_missing_twice_or_impossible() {
+    let whole = ramp(0, "");
+    let without = |name: &str| -> String {
+        whole.lines().filter(|line| !line.contains(name)).map(|line| format!("{line}\n")).collect()
+    };
+    for name in ["_STEP", "_MIN", "_MAX", "_DIRECTION", "_MULT_BY_TABLE", "_IS_MODULO", "_INPUT_AXIS", "_OUTPUT_AXIS"] {
+        assert_eq!(read_as(named("cec"), "x.ini", without(name)).1, ["E0901 1:1"], "{name}");
+        let (_, findings) = read_as(named("cec"), "x.ini", whole.replace(name, &format!("{name}S")));
+        assert!(findings.contains(&"E0901 1:1".to_owned()), "{name}: {findings:?}");
+        assert!(findings.len() > 1, "the name that is not known is told too: {findings:?}");
+    }
+    assert_eq!(read_as(named("cec"), "x.ini", without("M17")).1, ["W0901 10:1"]);
+    let member = whole.replace("M17", "%_N_PART_MPF");
+    assert_eq!(read_as(named("cec"), "x.arc", member).1, ["W0901 10:1"]);
+    for (more, expected) in [
+        ("$AN_CEC_MAX[0]=200", "E0901 11:1"),
+        ("$AN_CEC_INPUT_AXIS[0]=AX3", "E0901 11:1"),
+        ("$AN_CEC_MULT_BY_TABLE[0]=1", "E0901 11:1"),
+        ("$AN_CEC_IS_MODULO[0]=7", "E0901 11:22"),
+        ("$SN_CEC_TABLE_ENABLE[0]=2", "E0901 11:25"),
+    ] {
+        let text = whole.replace("M17", &format!("{more}\nM17"));
+        assert_eq!(read_as(named("cec"), "x.ini", text).1, [expected], "{more}");
+    }
+    // A linear axis never comes round to where the table begins.
+    assert_eq!(read_as(named("cec"), "x.ini", ramp(0, "$AN_CEC_IS_MODULO[0]=1")).1, ["E0901 1:1"]);
 }
 
 #[test]
@@ -455,21 +510,29 @@ fn leadscrew_tables_of_two_measuring_systems() {
     let table = |m: usize, value: f64| {
         format!(
             "$AA_ENC_COMP[{m},0,Z1]={value}\n$AA_ENC_COMP[{m},1,Z1]=0\n$AA_ENC_COMP_STEP[{m},Z1]=10\n\
-             $AA_ENC_COMP_MIN[{m},Z1]=0\n$AA_ENC_COMP_MAX[{m},Z1]=10\n"
+             $AA_ENC_COMP_MIN[{m},Z1]=0\n$AA_ENC_COMP_MAX[{m},Z1]=10\n$AA_ENC_COMP_IS_MODULO[{m},Z1]=0\nM17\n"
         )
     };
     // Which of both is at work is not in the file; one that is not in use has no step.
     let (_, findings) = read_as(named("enc"), "x.ini", table(0, 0.5) + &table(1, 0.7));
-    assert_eq!(findings, ["E0901 6:1"]);
-    let idle = table(1, 0.0) + "$AA_ENC_COMP_STEP[1,Z1]=0\n";
+    assert_eq!(findings, ["E0901 8:1"]);
+    let idle = table(1, 0.0).replace("STEP[1,Z1]=10", "STEP[1,Z1]=0");
     let (tables, findings) = read_as(named("enc"), "x.ini", table(0, 0.5) + &idle);
-    assert_eq!((at(&tables, Axis::Z, 0.0, 1, Axis::Z), findings), (-0.5, vec!["W0901 6:1".to_owned()]));
-    for (line, place) in [
-        ("$AA_ENC_COMP_STEP[0,Z1]=-10", "E0901 1:1"),
-        ("$AA_ENC_COMP_MAX[0,Z1]=20", "E0901 1:1"),
-        ("$AA_ENC_COMP[0,0,Z1]=3", "E0901 6:1"),
+    assert_eq!((at(&tables, Axis::Z, 0.0, 1, Axis::Z), findings), (-0.5, vec!["W0901 8:1".to_owned()]));
+    for (from, to, place) in [
+        ("STEP[0,Z1]=10", "STEP[0,Z1]=-10", "E0901 1:1"),
+        ("MAX[0,Z1]=10", "MAX[0,Z1]=20", "E0901 1:1"),
+        ("IS_MODULO[0,Z1]=0", "IS_MODULO[0,Z1]=1", "E0901 1:1"),
+        ("IS_MODULO[0,Z1]=0", "IS_MODULO[0,Z1]=7", "E0901 6:30"),
+        ("MIN[0,Z1]", "MINN[0,Z1]", "E0901 1:1"),
+        ("MAX[0,Z1]=10\n", "", "E0901 3:1"),
+        ("M17", "$AA_ENC_COMP[0,0,Z1]=3\nM17", "E0901 7:1"),
+        ("M17", "$AA_ENC_COMP_MAX[0,Z1]=11\nM17", "E0901 7:1"),
+        ("M17", "", "W0901 6:1"),
     ] {
-        assert_eq!(read_as(named("enc"), "x.ini", table(0, 0.5) + line).1, [place], "{line}");
+        let findings = read_as(named("enc"), "x.ini", table(0, 0.5).replace(from, to)).1;
+        assert!(findings.contains(&place.to_owned()) || to.is_empty(), "{to}: {findings:?}");
+        assert!(!findings.is_empty(), "{from}");
     }
     assert_eq!(read_as(named("enc"), "x.ini", table(2, 0.5)).1[0], "E0901 1:1");
 }

@@ -182,7 +182,8 @@ proptest! {
             let sense = [Sense::Negative, Sense::Both, Sense::Positive][(sense + 1) as usize];
             let factor = factors[index].filter(|&factor| factor < lookups.len());
             let weight = if *has_weight { *weight } else { 1.0 };
-            let added = Lookup::added(Axis::Y, Axis::X, nodes, values.clone());
+            let input = if *modulo { Axis::C } else { Axis::Y };
+            let added = Lookup::added(input, Axis::X, nodes, values.clone());
             tables.lookups.push(Lookup { sense, modulo: *modulo, weight, factor, ..added });
         }
         (format.round)(&mut tables);

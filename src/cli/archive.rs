@@ -119,20 +119,25 @@ fn entries(bytes: &[u8]) -> Result<Vec<Entry>, usize> {
 /// Files with data of an archive in memory: tools, zero offsets, parameters, variables. `None` where the bytes are no archive.
 pub(super) fn saved_data(path: &Path, bytes: &[u8]) -> Result<Option<Vec<Source>>, Stop> {
     const ENDINGS: [&str; 6] = [".TOA", ".UFR", ".RPA", ".GUD", ".INI", ".TMA"];
+    let is_data = |file: &Source| {
+        let name = file.name().to_ascii_uppercase();
+        ENDINGS.iter().any(|ending| name.ends_with(ending))
+    };
+    Ok(files(path, bytes)?.map(|files| files.into_iter().filter(is_data).collect()))
+}
+
+/// All files of an archive in memory. `None` where the bytes are no archive.
+pub(super) fn files(path: &Path, bytes: &[u8]) -> Result<Option<Vec<Source>>, Stop> {
     if !bytes.starts_with(MAGIC) {
         return Ok(None);
     }
     let shown = path.display();
     let entries = entries(bytes).map_err(|at| Stop::Usage(format!("{shown} is damaged at byte {at}")))?;
-    let is_data = |entry: &Entry| {
-        let name = entry.name.to_ascii_uppercase();
-        ENDINGS.iter().any(|ending| name.ends_with(ending))
-    };
     let content = |entry: Entry| {
         let bytes = bytes.get(entry.content.clone()).unwrap_or_default().to_vec();
         Source::new(FileId(0), &format!("{shown}/{}/{}", entry.folder, entry.name), bytes).ok()
     };
-    Ok(Some(entries.into_iter().filter(is_data).filter_map(content).collect()))
+    Ok(Some(entries.into_iter().filter_map(content).collect()))
 }
 
 /// The bytes of a field before its first zero.

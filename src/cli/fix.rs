@@ -88,7 +88,7 @@ impl<'a> Job<'a> {
             return Ok(());
         }
         let own = (!arguments.in_place).then_some(&arguments.input);
-        program::protect(&self.target, chosen.files.iter().chain(own), findings);
+        program::protect_program(&self.target, chosen.files.iter().chain(own), findings);
         if let Some(increment_mm) = arguments.correction.increment {
             chosen.machine.control.increment_mm = increment_mm;
         }
@@ -131,7 +131,7 @@ impl<'a> Job<'a> {
         report.blocks_out = written.map_err(|error| spool.fault(&error))?;
         let running = corrector.elements();
         findings.extend(found, running.sources());
-        program::protect(&self.target, &running.files(), findings);
+        program::protect_program(&self.target, &running.files(), findings);
         let sources = running.sources();
         for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
             findings.add(corrected_before(stamped), sources);

@@ -137,12 +137,31 @@ pub(super) fn read(path: &Path) -> Result<Source, Stop> {
 
 /// Adds a finding where the output would overwrite one of the files that were read.
 pub(super) fn protect<'f>(target: &Target, files: impl IntoIterator<Item = &'f PathBuf>, findings: &mut Findings) {
+    protect_with(target, files, "choose another output", findings);
+}
+
+/// The same for a command that can overwrite its program.
+pub(super) fn protect_program<'f>(
+    target: &Target,
+    files: impl IntoIterator<Item = &'f PathBuf>,
+    findings: &mut Findings,
+) {
+    let help = "choose another output; to overwrite the program itself and keep it as a .bak file, give --in-place";
+    protect_with(target, files, help, findings);
+}
+
+fn protect_with<'f>(
+    target: &Target,
+    files: impl IntoIterator<Item = &'f PathBuf>,
+    help: &str,
+    findings: &mut Findings,
+) {
     if let Some(file) = files.into_iter().find(|file| target.is(file)) {
         findings.add(
             Diagnostic::nowhere(
                 Code::WRONG_FILE,
                 format!("the output would overwrite {}, which is an input of this run", file.display()),
-                "choose another output; to overwrite the program itself and keep it as a .bak file, give --in-place",
+                help,
             ),
             &[],
         );

@@ -1,32 +1,24 @@
 //! `ncfix tables`: makes compensation tables, checks them as the control interpolates, reads, draws, compares and converts them.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 
 use super::arguments::TablesArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
-use super::machine_choice::{self, Chosen};
-use super::output::{Spool, Target};
 use super::stop::Stop;
-use super::tables_compare::{difference, range_of};
-use super::tables_read;
-use super::value::ToolVector;
-use super::{print, program, state};
+use super::tables_job::{job, once};
+use super::tables_write::{publish, texts};
+use super::{print, tables_read, tables_reread};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{AxisVector, Vector};
-use crate::machine::{ActiveTables, Machine};
+use crate::geometry::Axis;
 use crate::model::Accumulator;
 use crate::report::json;
-use crate::report::tables::{CheckReport, TablesReport, TriedReport, picture};
-use crate::tables::check::check;
-use crate::tables::region::Region;
+use crate::report::number::significant;
+use crate::report::tables::{CheckReport, TablesReport, TriedReport};
+use crate::tables::FORMATS;
+use crate::tables::format::Holds;
 use crate::tables::scheme::{self, SCHEMES, Task};
-use crate::tables::{Control, FORMATS, Format, Orientation, Tables, Wiring};
 use crate::units::{um_from_mm, urad_from_rad};
-
-/// Start of the generator of the poses of a check: none of those of a scheme.
-const SEED: u64 = 0x43_4845_434b;
 
 /// Makes or reads tables.
 pub(super) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop> {
@@ -34,9 +26,15 @@ pub(super) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop> {
         print(&list())?;
         return Ok(ExitCode::Done);
     }
+    once("--axis-name", arguments.axis_name.iter().map(|(_, name)| name.clone()))?;
+    once("--axis-name", arguments.axis_name.iter().map(|(axis, _)| format!("axis {axis}")))?;
     let mut findings = Findings::default();
     let mut report = TablesReport::default();
-    let result = work(arguments, &mut report, &mut findings);
+    let result = if arguments.read.is_empty() {
+        make(arguments, &mut report, &mut findings)
+    } else {
+        tables_reread::work(arguments, &mut report, &mut findings)
+    };
     if !arguments.json || result.is_err() {
         findings.draw();
     }
@@ -49,75 +47,6 @@ pub(super) fn run(arguments: &TablesArguments) -> Result<ExitCode, Stop> {
         if goes_out { super::tell(&report.page()) } else { print(&report.page())? }
     }
     Ok(findings.exit_code())
-}
-
-/// Tools whose tips are no farther apart are one, mm.
-const SAME_TOOL_MM: f64 = 1e-6;
-
-/// What is asked, with the machine that it is asked of.
-struct Job<'a> {
-    arguments: &'a TablesArguments,
-    chosen: Chosen,
-    region: Region,
-    wiring: Wiring,
-    tool_mm: Vector,
-}
-
-fn work(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut Findings) -> Result<(), Stop> {
-    if arguments.read.is_empty() {
-        return make(arguments, report, findings);
-    }
-    let needs_machine = arguments.machine.machine.is_some() || arguments.check;
-    let job = if needs_machine { job(arguments, findings)? } else { None };
-    if needs_machine && job.is_none() {
-        return Ok(());
-    }
-    let mut wiring = job.as_ref().map_or_else(Wiring::usual, |job| job.wiring.clone());
-    arguments.axis_name.iter().for_each(|(axis, name)| wiring.rename(*axis, name));
-    // A format to read in is only asked for where nothing is written.
-    let asked = if arguments.output.is_none() { arguments.format } else { None };
-    let Some(read) = tables_read::read(&arguments.read, asked, &wiring, findings)? else { return Ok(()) };
-    report.note(&read.tables);
-    report.format = read.format.name.to_owned();
-    if let Some(job) = &job {
-        report.machine.clone_from(&job.chosen.machine.name);
-        if arguments.check {
-            report.check = Some(job.check(&read.tables));
-            let other = read.tool_mm.filter(|own| (own - job.tool_mm).norm() > SAME_TOOL_MM);
-            report.made_for_tool_mm = other.map(|own| [own.x, own.y, own.z]);
-        }
-    }
-    let other = match &arguments.compare {
-        None => None,
-        Some(path) => match tables_read::read(std::slice::from_ref(path), None, &wiring, findings)? {
-            Some(other) => Some(other),
-            None => return Ok(()),
-        },
-    };
-    if let Some(other) = &other {
-        let both = [&read.tables, &other.tables];
-        let found = match &job {
-            Some(job) => difference(both, Some(&job.chosen.machine), &job.region, job.tool_mm, SEED, arguments.poses),
-            None => difference(both, None, &range_of(both), Vector::zeros(), SEED, arguments.poses),
-        };
-        report.difference = found?;
-    }
-    let mut files = Vec::new();
-    if let (Some(format), Some(output)) = (arguments.format, &arguments.output) {
-        let mut tables = read.tables.clone();
-        (format.round)(&mut tables);
-        let notes = [format!("read from {}", shown(&arguments.read))];
-        files = texts(format, &tables, &wiring, &notes, output, findings);
-        report.format = format!("{} as {}", read.format.name, format.name);
-    } else if arguments.output.is_some() {
-        return Err(Stop::Usage("give --format to convert the tables, or leave -o out".into()));
-    }
-    let mut sets = vec![("", &read.tables)];
-    if let Some(other) = &other {
-        sets = vec![("first ", &read.tables), ("second ", &other.tables)];
-    }
-    let inputs: Vec<PathBuf> = arguments.read.iter().chain(&arguments.compare).cloned().collect();
-    publish(arguments, files, &sets, inputs, report, findings)
 }
 
 fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut Findings) -> Result<(), Stop> {
@@ -144,13 +73,12 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
         region: &job.region,
         points: arguments.points as usize,
         tolerance_mm: arguments.tolerance,
-        multiplication: arguments.multiplication.multiplication(),
+        multiplication: job.multiplication().unwrap_or_default(),
         format,
         wiring: &job.wiring,
     };
     let refuse = |findings: &mut Findings, why: String| {
-        let help = "ncfix tables --list shows what each format holds; try --scheme auto or a larger --tolerance";
-        findings.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, help), &[]);
+        findings.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, help(&task)), &[]);
     };
     let (name, tables) = if let Some(scheme) = scheme {
         match scheme.tables(&task) {
@@ -162,10 +90,11 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
         }
     } else {
         let (best, tried) = scheme::choose(&task);
+        report.aim = Some(aim(arguments.tolerance));
         report.tried = tried.iter().map(tried_report).collect();
         let Some((scheme, tables)) = best else {
             let tried: Vec<String> = report.tried.iter().map(said).collect();
-            refuse(findings, format!("no scheme leaves {} um: {}", um_from_mm(arguments.tolerance), tried.join("; ")));
+            refuse(findings, format!("no scheme leaves {}: {}", aim(arguments.tolerance), tried.join("; ")));
             return Ok(());
         };
         (scheme.name, tables)
@@ -174,20 +103,15 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
     name.clone_into(&mut report.scheme);
     format.name.clone_into(&mut report.format);
     report.note(&tables);
-    if tables.is_empty() {
-        findings.add(
-            Diagnostic::nowhere(
-                Code::TABLES_DO_NOT_FIT,
-                "the model has no errors that tables correct",
-                "calibrate the machine first",
-            ),
-            &[],
-        );
+    let checked = job.check(&tables);
+    if tables.are_zeros() {
+        report.tables = 0;
+        let (why, help) = idle(&checked, &task);
+        findings.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, help), &[]);
         return Ok(());
     }
-    let checked = job.check(&tables);
     let state = job.chosen.state.as_deref().map_or(String::new(), |state| format!(", state {state}"));
-    let notes = [
+    let mut notes = vec![
         format!(
             "ncfix {}: machine {} ({}{state}), scheme {name}",
             env!("CARGO_PKG_VERSION"),
@@ -201,147 +125,69 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
         ),
         format!("{}; measure before and after: with the wrong sign errors double", format.sign),
     ];
+    report.ranges = job.ranges();
+    if !report.ranges.is_empty() {
+        notes.push(format!("made for a part of the travel: {}", report.ranges.join(", ")));
+    }
     report.check = arguments.check.then_some(checked);
-    let files = texts(format, &tables, &job.wiring, &notes, output, findings);
+    let files = texts(format, &tables, &job.wiring, &notes, output, findings)?;
     publish(arguments, files, &[("", &tables)], job.chosen.files.clone(), report, findings)
 }
 
-/// The machine, the region and the names; `None` where findings forbid to use them.
-fn job<'a>(arguments: &'a TablesArguments, findings: &mut Findings) -> Result<Option<Job<'a>>, Stop> {
-    let beside = arguments.output.as_deref().or(arguments.read.first().map(PathBuf::as_path)).unwrap_or(Path::new("."));
-    let Some(mut chosen) = machine_choice::choose(&arguments.machine, beside, findings)? else { return Ok(None) };
-    // New tables are for the machine itself, and those that are checked stand for themselves.
-    chosen.machine.active_tables = ActiveTables::default();
-    if !state::apply(&arguments.state, &mut chosen, findings)? || findings.has_errors() {
-        return Ok(None);
-    }
-    let mut region = Region::travel(&chosen.machine).map_err(|axis| {
-        Stop::Usage(format!("axis {axis} has no travel; write travel_mm of it into the machine file"))
-    })?;
-    for &(axis, [low, high]) in &arguments.range {
-        let Some(data) = chosen.machine.axis(axis) else {
-            return Err(Stop::Usage(format!("--range: the machine has no axis {axis}")));
-        };
-        let unit = |value: f64| if axis.is_rotary() { value.to_radians() } else { value };
-        let range = [unit(low), unit(high)];
-        if let Some([lowest, highest]) =
-            data.travel.filter(|[lowest, highest]| range[0] < lowest - 1e-9 || range[1] > highest + 1e-9)
-        {
-            let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
-            return Err(Stop::Usage(format!("--range: {axis} travels from {} to {}", shown(lowest), shown(highest))));
-        }
-        region.set(axis, range);
-    }
-    let mut wiring = Wiring::of(&chosen.machine);
-    arguments.axis_name.iter().for_each(|(axis, name)| wiring.rename(*axis, name));
-    let tool_mm = match arguments.tool {
-        Some(ToolVector::Tip(tip_mm)) => tip_mm,
-        Some(ToolVector::Length(length_mm)) => chosen.machine.spindle.axis * -length_mm,
-        None => chosen.machine.spindle.axis * -longest_tool_mm(&chosen.machine),
-    };
-    Ok(Some(Job { arguments, chosen, region, wiring, tool_mm }))
+/// The axes whose sense of motion counts and which the format has no tables for.
+fn plays(task: &Task<'_>) -> Vec<String> {
+    let has_play = |axis: &Axis| task.target.model.features(*axis).backlash;
+    let is_left = !task.format.can_hold(Holds::Senses);
+    task.region.axes().filter(has_play).filter(|_| is_left).map(|axis| axis.to_string()).collect()
 }
 
-fn longest_tool_mm(machine: &Machine) -> f64 {
-    machine.tools.iter().map(|tool| tool.length_mm[0].abs()).fold(0.0, f64::max)
+/// What to do where tables do not fit.
+fn help(task: &Task<'_>) -> String {
+    let mut help =
+        "ncfix tables --list shows what each format holds; try --scheme auto or a larger --tolerance".to_owned();
+    if task.target.machine.axes.iter().flatten().any(|data| data.axis.is_rotary()) {
+        help += "; --orientation six-rows or off asks for less of the rotary axes, --range for a part of the travel";
+    }
+    let plays = plays(task).join(" ");
+    if !plays.is_empty() {
+        help += &format!(
+            "; what depends on the sense of {plays} is left: the control's backlash parameter takes it, or a format with senses"
+        );
+    }
+    help
 }
 
-impl Job<'_> {
-    fn target<'t>(&'t self, model: &'t crate::model::Model) -> crate::tables::Target<'t> {
-        crate::tables::Target {
-            machine: &self.chosen.machine,
-            model,
-            tool_mm: self.tool_mm,
-            orientation: self.arguments.orientation.map_or(Orientation::Smooth, |choice| choice.orientation()),
-        }
+/// Why tables would be all zeros, and what to do.
+fn idle(checked: &CheckReport, task: &Task<'_>) -> (String, String) {
+    let before = checked.before;
+    let is_nothing = |um: f64, urad: f64| um < 1e-3 && urad < 1e-3;
+    if is_nothing(before.max_um, before.tilt_max_urad) {
+        return ("the model has no errors that tables correct".into(), "calibrate the machine first".into());
     }
-
-    /// What tables leave over the volume; a grid knows no rotary axes.
-    fn check(&self, tables: &Tables) -> CheckReport {
-        let model = self.chosen.model();
-        let target = self.target(&model);
-        let mut region = self.region.clone();
-        if tables.grid.is_some() || tables.matrix.is_some() {
-            for (axis, [low, high]) in self.region.ranges.iter().filter(|(axis, _)| axis.is_rotary()) {
-                let at = 0_f64.clamp(*low, *high);
-                region.set(*axis, [at, at]);
-            }
-        }
-        let poses = region.poses(self.arguments.poses as usize, SEED);
-        let found = check(&target, &Control::new(&self.chosen.machine, tables), &poses);
-        CheckReport::new(&found, place(&region, &found.worst), &self.tool_mm)
+    let left = format!("{} um rms", significant(before.rms_um));
+    let plays = plays(task).join(" ");
+    if !plays.is_empty() {
+        let why = format!("all values would be 0: of the {left} nothing is left without the senses of {plays}");
+        let help = format!(
+            "{} has no tables for a sense of motion: enter the play into the control's backlash parameter, or choose cec, comp, ssfk or heidenhain",
+            task.format.title
+        );
+        return (why, help);
     }
+    if before.rms_um <= um_from_mm(task.tolerance_mm) {
+        let why =
+            format!("all values would be 0: the tip is off by {left} without tables, which is within the tolerance");
+        return (why, "choose a smaller --tolerance, or no tables".into());
+    }
+    let why = format!("all values would be 0 in the digits of {}, and the tip is off by {left}", task.format.title);
+    (why, help(task))
 }
 
-/// `X120.5 Y-3 A30`
-fn place(region: &Region, pose: &AxisVector) -> String {
-    let mut text = String::new();
-    for &(axis, _) in &region.ranges {
-        let value = if axis.is_rotary() { pose[axis].to_degrees() } else { pose[axis] };
-        let _ = write!(text, "{}{axis}{value:.1}", if text.is_empty() { "" } else { " " });
-    }
-    text
-}
-
-/// The files of tables; none where the control cannot take them, which the findings say.
-fn texts(
-    format: &Format,
-    tables: &Tables,
-    wiring: &Wiring,
-    notes: &[String],
-    output: &Path,
-    findings: &mut Findings,
-) -> Vec<(PathBuf, String)> {
-    for fault in format.faults_of(tables, wiring) {
-        let help = "try --scheme auto, fewer --points or a larger --tolerance; ncfix tables --list shows the limits";
-        findings.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, fault, help), &[]);
-    }
-    if findings.has_errors() {
-        return Vec::new();
-    }
-    let written = (format.write)(tables, wiring, notes);
-    let stem = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let name = |suffix: &str| {
-        if suffix.is_empty() { output.to_owned() } else { output.with_file_name(format!("{stem}{suffix}")) }
-    };
-    written.into_iter().map(|one| (name(&one.suffix), one.text)).collect()
-}
-
-/// Writes all files and the picture, or none.
-fn publish(
-    arguments: &TablesArguments,
-    mut files: Vec<(PathBuf, String)>,
-    sets: &[(&str, &Tables)],
-    inputs: Vec<PathBuf>,
-    report: &mut TablesReport,
-    findings: &mut Findings,
-) -> Result<(), Stop> {
-    if findings.has_errors() {
-        return Ok(());
-    }
-    if let Some(path) = &arguments.svg {
-        files.push((path.clone(), picture(sets)));
-    }
-    let mut spools = Vec::new();
-    for (path, text) in &files {
-        let target = Target::new(path)?;
-        if arguments.json && target == Target::Standard {
-            return Err(Stop::Usage("--json and the tables cannot both go to standard output; give -o a file".into()));
-        }
-        program::protect(&target, inputs.iter(), findings);
-        let mut spool = Spool::new(target)?;
-        let written = spool.writer().write_all(text.as_bytes());
-        written.map_err(|error| spool.fault(&error))?;
-        spools.push(spool);
-    }
-    if findings.has_errors() {
-        return Ok(());
-    }
-    for spool in spools {
-        spool.publish(false)?;
-    }
-    report.written = files.iter().map(|(path, _)| path.display().to_string()).collect();
-    Ok(())
+/// `0.95 um, 5 % below the tolerance`
+fn aim(tolerance_mm: f64) -> String {
+    let below = (1.0 - scheme::AIM) * 100.0;
+    let aim = format!("{:.9}", um_from_mm(scheme::AIM * tolerance_mm));
+    format!("{} um, {below:.0} % below the tolerance", aim.trim_end_matches('0').trim_end_matches('.'))
 }
 
 fn tried_report(tried: &scheme::Tried) -> TriedReport {
@@ -364,11 +210,6 @@ fn said(tried: &TriedReport) -> String {
             format!("{} with {} points leaves {:.2} um", tried.scheme, tried.points, rms.unwrap_or(f64::NAN))
         }
     }
-}
-
-fn shown(paths: &[PathBuf]) -> String {
-    let names = paths.iter().map(|path| path.file_name().unwrap_or_default().to_string_lossy().into_owned());
-    names.collect::<Vec<_>>().join(", ")
 }
 
 /// Formats and schemes.

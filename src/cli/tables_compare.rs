@@ -58,7 +58,7 @@ fn demo() -> Result<Machine, Stop> {
 
 /// The positions that tables cover.
 pub(super) fn range_of(both: [&Tables; 2]) -> Region {
-    let mut region = Region { ranges: Vec::new() };
+    let mut region = Region::default();
     let mut cover = |axis: Axis, [low, high]: [f64; 2]| {
         let unit = |value: f64| if axis.is_rotary() { value.to_radians() } else { value };
         let range = [unit(low), unit(high)];

@@ -8,17 +8,83 @@ use super::findings::Findings;
 use super::input;
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::geometry::Vector;
+use crate::geometry::{AXES, Axis, Vector};
 use crate::machine::Machine;
+use crate::report::tables::rounded_mm;
 use crate::source::{FileId, Source, Span};
-use crate::tables::{Control, FORMATS, Format, Tables, Wiring, format};
+use crate::tables::{Control, FORMATS, Format, Multiplication, Sense, Tables, Wiring, format};
 
 /// Tables that were read.
 pub(super) struct ReadTables {
     pub(super) tables: Tables,
-    pub(super) format: &'static Format,
+    /// The formats that they were in: a control may save tables of several kinds in one file.
+    pub(super) formats: Vec<&'static Format>,
     /// The tool that remarks of the file say they are for, from the gauge point to the tip, mm.
     pub(super) tool_mm: Option<Vector>,
+}
+
+impl ReadTables {
+    /// `cec, enc`
+    pub(super) fn names(&self) -> String {
+        self.formats.iter().map(|format| format.name).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// How files are read.
+#[derive(Clone, Copy)]
+pub(super) struct Reading<'a> {
+    /// The format; told by the files where it is not said.
+    pub(super) format: Option<&'static Format>,
+    /// What the control does with products; that of the files where it is not said.
+    pub(super) multiplication: Option<Multiplication>,
+    /// The machine whose control has the tables, where it is known.
+    pub(super) machine: Option<&'a Machine>,
+    /// How the control names the axes.
+    pub(super) wiring: &'a Wiring,
+}
+
+/// Files as far as they were read.
+#[derive(Default)]
+struct Files {
+    /// The tables of each format.
+    sets: Vec<(&'static Format, Tables)>,
+    earlier: Vec<(Source, BTreeSet<usize>)>,
+    /// What tables without numbers correct, over what, and in which sense.
+    unnumbered: Vec<(Axis, Axis, Sense)>,
+    /// For which reading of products the files say that they are.
+    mark: Option<Multiplication>,
+}
+
+impl Files {
+    fn read(&mut self, source: Source, format: &'static Format, reading: &Reading<'_>) -> (Vec<Diagnostic>, Source) {
+        let place = self.sets.iter().position(|(known, _)| known.name == format.name).unwrap_or_else(|| {
+            self.sets.push((format, Tables::default()));
+            self.sets.len() - 1
+        });
+        let Some((_, tables)) = self.sets.get_mut(place) else { return (Vec::new(), source) };
+        let before = tables.lookups.len();
+        let mut found = (format.read)(&source, reading.wiring, tables);
+        let numbers = (format.numbers)(&source);
+        let new = tables.lookups.get(before..).unwrap_or_default();
+        let new: Vec<_> = new.iter().map(|one| (one.input, one.output, one.sense)).collect();
+        if numbers.is_empty() {
+            found.extend(second(&source, &new, &self.unnumbered));
+            self.unnumbered.extend(new);
+        }
+        (found, source)
+    }
+
+    /// What a file says of products must be what the others say.
+    fn note_mark(&mut self, source: &Source) -> Option<Diagnostic> {
+        let mark = format::multiplication_of(source);
+        let fault = self.mark.zip(mark).filter(|(known, own)| known != own).map(|_| {
+            let place = Place { file: source.id(), span: Span::new(0, 1) };
+            let message = "its products are for another reading than those of the files before";
+            Diagnostic::at(Code::BAD_TABLES, place, message, "make all of them for one --multiplication")
+        });
+        self.mark = self.mark.or(mark);
+        fault
+    }
 }
 
 /// Reads tables from files; `None` where findings forbid to use them.
@@ -27,46 +93,122 @@ pub(super) struct ReadTables {
 /// Where a file cannot be read, or nothing tells its format.
 pub(super) fn read(
     paths: &[PathBuf],
-    asked: Option<&'static Format>,
-    wiring: &Wiring,
+    reading: &Reading<'_>,
     findings: &mut Findings,
 ) -> Result<Option<ReadTables>, Stop> {
-    let mut tables = Tables::default();
-    let mut known = asked;
-    let mut earlier: Vec<(Source, BTreeSet<usize>)> = Vec::new();
-    let mut is_mixed = false;
+    let mut files = Files::default();
     for path in paths {
-        for source in members(path)? {
-            let format = asked.or_else(|| format::guess(source.name(), source.bytes())).or(known);
-            let Some(format) = format else { return Err(unknown(path)) };
-            is_mixed |= known.is_some_and(|other| other.name != format.name);
-            known = Some(format);
-            let mut own = tables.clone();
-            let mut found = (format.read)(&source, wiring, &mut own);
-            let numbers = (format.numbers)(&source);
-            found.extend(again(&source, &numbers, &earlier).or_else(|| second(&source, &numbers, &tables, &own)));
-            tables = own;
+        let (sources, programs) = members(path)?;
+        for program in &programs {
+            findings.extend([not_read(program)], std::slice::from_ref(program));
+        }
+        for source in sources {
+            let known = files.sets.last().map(|(format, _)| *format);
+            let guesses = format::guesses(source.name(), source.bytes());
+            let formats = match (reading.format, &guesses[..], known) {
+                (Some(asked), ..) => vec![asked],
+                (None, [], Some(known)) => vec![known],
+                (None, [], None) => return Err(unknown(path)),
+                (None, ..) => guesses.clone(),
+            };
+            let mut found = Vec::new();
+            let mut source = source;
+            for &format in &formats {
+                let (own, back) = files.read(source, format, reading);
+                found.extend(own);
+                source = back;
+                found.extend(left_out(&source, format, &formats, &guesses));
+            }
+            let numbers = formats.iter().flat_map(|format| (format.numbers)(&source)).collect();
+            found.extend(again(&source, &numbers, &files.earlier));
+            found.extend(files.note_mark(&source));
             findings.extend(found, std::slice::from_ref(&source));
-            earlier.push((source, numbers));
+            files.earlier.push((source, numbers));
         }
     }
     let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
     let names = names.join(", ");
-    let nothing = || Stop::Usage(format!("no compensation table is in use in {names}"));
-    let format = known.ok_or_else(nothing)?;
     if findings.has_errors() {
         return Ok(None);
     }
-    // What the control would not take is damaged, or not what it seems.
-    for fault in format.faults_of(&tables, wiring).into_iter().filter(|_| !is_mixed) {
-        let help = "see that the file is whole and of this control; --format reads it as another one's";
-        findings.add(Diagnostic::nowhere(Code::BAD_TABLES, format!("{names}: {fault}"), help), &[]);
+    let tool_mm = files.earlier.iter().find_map(|(source, _)| tool_of(source.bytes()));
+    let formats: Vec<_> = files.sets.iter().filter(|(_, set)| !set.is_empty()).map(|(format, _)| *format).collect();
+    let mut tables = joined(files.sets, &names, reading, findings);
+    if tables.is_empty() && !findings.has_errors() {
+        return Err(Stop::Usage(format!("no compensation table is in use in {names}")));
     }
-    if tables.is_empty() {
-        return Err(nothing());
+    tables.multiplication = Multiplication::Instead;
+    if tables.lookups.iter().any(|one| one.factor.is_some()) {
+        tables.multiplication = multiplication(&names, reading.multiplication, files.mark, findings);
     }
-    let tool_mm = earlier.iter().find_map(|(source, _)| tool_of(source.bytes()));
-    Ok((!findings.has_errors()).then_some(ReadTables { tables, format, tool_mm }))
+    Ok((!findings.has_errors()).then_some(ReadTables { tables, formats, tool_mm }))
+}
+
+/// The tables of all formats together, where the control takes those of each.
+fn joined(sets: Vec<(&'static Format, Tables)>, names: &str, reading: &Reading<'_>, findings: &mut Findings) -> Tables {
+    let mut all = Tables::default();
+    let mut fault = |message: String, help: &str| {
+        findings.add(Diagnostic::nowhere(Code::BAD_TABLES, format!("{names}: {message}"), help), &[]);
+    };
+    for (format, tables) in sets {
+        // What the control would not take is damaged, or not what it seems. Cells that a file leaves blank are no fault.
+        let mut whole = tables.clone();
+        whole.multiplication = Multiplication::Instead;
+        (format.round)(&mut whole);
+        for message in format.faults_of(&whole, reading.wiring) {
+            fault(message, "see that the file is whole and of this control; --format reads it as another one's");
+        }
+        if !all.add(tables) {
+            let message = format!("the tables of {} are beside others of their kind", format.title);
+            fault(message, "name the files of one control only");
+        }
+    }
+    let lacks = |axis: &Axis| reading.machine.is_some_and(|machine| machine.axis(*axis).is_none());
+    for axis in AXES.into_iter().filter(lacks).filter(|&axis| all.names(axis)) {
+        let help = "leave out the table, or say which axis it is: axis_order in the machine file, --axis-name";
+        fault(format!("a table is of axis {axis}, which the machine lacks"), help);
+    }
+    all
+}
+
+/// What the control does with products: what was asked for, or what the files say, or the usual reading.
+fn multiplication(
+    names: &str,
+    asked: Option<Multiplication>,
+    mark: Option<Multiplication>,
+    findings: &mut Findings,
+) -> Multiplication {
+    match (asked, mark) {
+        (Some(asked), Some(mark)) if asked != mark => {
+            let message = format!("{names}: its products are written for a control that reads them the other way");
+            let help = "make the file again with the --multiplication of the control, or correct table_multiplication";
+            findings.add(Diagnostic::nowhere(Code::UNUSED_TABLE, message, help), &[]);
+        }
+        (None, None) => {
+            let message = format!("{names}: the product of two tables is taken instead of the own value");
+            let help = "say what the control does: --multiplication, or table_multiplication in the machine file";
+            findings.add(Diagnostic::nowhere(Code::PRODUCTS_ASSUMED, message, help), &[]);
+        }
+        _ => {}
+    }
+    asked.or(mark).unwrap_or_default()
+}
+
+/// Tables of the file that a format which was asked for does not have.
+fn left_out(
+    source: &Source,
+    format: &'static Format,
+    formats: &[&'static Format],
+    guesses: &[&'static Format],
+) -> Vec<Diagnostic> {
+    let is_read = |other: &Format| formats.iter().any(|one| one.name == other.name);
+    let others = guesses.iter().filter(|other| format.beside.contains(&other.name) && !is_read(other));
+    let told = others.map(|other| {
+        let message = format!("the file has tables of {} too, which are left out", other.title);
+        let place = Place { file: source.id(), span: Span::new(0, 1) };
+        Diagnostic::at(Code::UNUSED_TABLE, place, message, "leave out --format to read all of them")
+    });
+    told.collect()
 }
 
 /// What is written before and behind the tool in a remark.
@@ -76,8 +218,7 @@ const REMARKS: usize = 40;
 
 /// The remark that says for which tool the tables are.
 pub(super) fn tool_remark(tool_mm: &Vector) -> String {
-    // No minus in front of zero.
-    let [x, y, z] = [0, 1, 2].map(|index| tool_mm[index] + 0.0);
+    let [x, y, z] = rounded_mm(tool_mm);
     format!("{}{x} {y} {z}{}", TOOL[0], TOOL[1])
 }
 
@@ -118,22 +259,10 @@ fn again(source: &Source, numbers: &BTreeSet<usize>, earlier: &[(Source, BTreeSe
 }
 
 /// A second table for the same, where tables have no numbers.
-fn second(source: &Source, numbers: &BTreeSet<usize>, before: &Tables, after: &Tables) -> Option<Diagnostic> {
-    if !numbers.is_empty() {
-        return None;
-    }
-    let (known, new) = after.lookups.split_at(before.lookups.len().min(after.lookups.len()));
-    let same = new.iter().find(|one| {
-        known.iter().any(|other| (one.input, one.output, one.sense) == (other.input, other.output, other.sense))
-    });
-    let what = match same {
-        Some(one) => format!("table of {} over {}", one.output, one.input),
-        None if before.grid.is_some() && after.grid != before.grid => "grid".to_owned(),
-        None if before.matrix.is_some() && after.matrix != before.matrix => "matrix".to_owned(),
-        None => return None,
-    };
-    let message = format!("a second {what}");
+fn second(source: &Source, new: &[(Axis, Axis, Sense)], known: &[(Axis, Axis, Sense)]) -> Option<Diagnostic> {
+    let (input, output, _) = new.iter().find(|one| known.contains(one))?;
     let place = Place { file: source.id(), span: Span::new(0, 1) };
+    let message = format!("a second table of {output} over {input}");
     Some(Diagnostic::at(Code::BAD_TABLES, place, message, "name the files that are in the control now"))
 }
 
@@ -146,24 +275,37 @@ pub(super) fn active(
     machine: &Machine,
     findings: &mut Findings,
 ) -> Result<Option<(Control, Vec<Source>)>, Stop> {
-    let read = read(paths, None, &Wiring::of(machine), findings)?;
+    let wiring = Wiring::of(machine);
+    let multiplication = machine.active_tables.multiplication.map(Multiplication::from);
+    let reading = Reading { format: None, multiplication, machine: Some(machine), wiring: &wiring };
+    let read = read(paths, &reading, findings)?;
     let mut sources = Vec::new();
     for path in paths {
-        sources.extend(members(path)?);
+        sources.extend(members(path)?.0);
     }
     Ok(read.map(|read| (Control::new(machine, &read.tables), sources)))
 }
 
-/// The files with tables at a path: the file itself, or those in an archive.
-fn members(path: &Path) -> Result<Vec<Source>, Stop> {
+/// The files with tables at a path: the file itself, or those in an archive; and programs of the archive that have such variables.
+fn members(path: &Path) -> Result<(Vec<Source>, Vec<Source>), Stop> {
+    const PROGRAMS: [&str; 3] = [".MPF", ".SPF", ".CPF"];
     let source = input::read(path, FileId(0), "compensation tables")?;
-    match archive::saved_data(path, source.bytes())? {
-        None => Ok(vec![source]),
-        Some(members) => {
-            let is_table = |member: &Source| format::guess(member.name(), member.bytes()).is_some();
-            Ok(members.into_iter().filter(is_table).collect())
-        }
-    }
+    let Some(files) = archive::files(path, source.bytes())? else { return Ok((vec![source], Vec::new())) };
+    // Only formats that name their variables are told from anything else that a control saves.
+    let is_table =
+        |file: &Source| format::guess(file.name(), file.bytes()).is_some_and(|format| !format.beside.is_empty());
+    let is_program = |file: &Source| {
+        let name = file.name().to_ascii_uppercase();
+        PROGRAMS.iter().any(|ending| name.ends_with(ending))
+    };
+    Ok(files.into_iter().filter(is_table).partition(|file| !is_program(file)))
+}
+
+/// A program that sets tables when it runs: whether it ran, an archive does not tell.
+fn not_read(program: &Source) -> Diagnostic {
+    let place = Place { file: program.id(), span: Span::new(0, 1) };
+    let help = "save the tables of the control as they are now, NC active data, if it ran";
+    Diagnostic::at(Code::UNUSED_TABLE, place, "a program with variables of tables, which is not read", help)
 }
 
 fn unknown(path: &Path) -> Stop {

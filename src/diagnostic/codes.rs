@@ -360,7 +360,8 @@ too many or too few cells, an empty line. The run ends, because a control that g
 the control must hold the last correction, or stop. The message has line and column.";
     BAD_TABLES = "E0901" "compensation table that cannot be read"
 "A file of compensation tables for ncfix tables --read, or for machine.active_tables, is not what its format says: a number that is none, an axis that the
-machine lacks, a product with a table that is not there. Nothing of it is used, because half of a compensation moves the tool to a wrong place. Correct
+machine lacks, a product with a table that is not there, a field that is not written, or twice with different values (the control keeps what it had there, and nothing
+tells what that is). Nothing of it is used, because half of a compensation moves the tool to a wrong place. Correct
 the line, or name the format (--format) or the axes (--axis-name X=AX1).";
     TABLES_DO_NOT_FIT = "E0902" "tables that the control cannot take"
 "The tables that the scheme asks for are more, longer or larger than the control takes, or of a kind that it does not have. Nothing was written. Choose
@@ -478,5 +479,10 @@ of the way or more do that: a step in a table, a wrong unit. The program correct
 kernel in force stays, made for the state before, and the next reading follows.";
     UNUSED_TABLE = "W0901" "part of a table file that is not used"
 "Something in a file of compensation tables has no effect on the control or is not known: a table with step 0, values behind its end, points
-without a value, variables of another function. The rest is read. Look whether it was meant.";
+without a value, variables of another function, tables of another kind than --format, a remark on products that the control does not follow. The rest is read. A list that
+no M17 ends is pointed out too, because it may have been cut off. Look whether it was meant.";
+    PRODUCTS_ASSUMED = "W0902" "products of tables may be read otherwise"
+"A file has tables that are multiplied by others, and nothing says what the control adds then: the product instead of the own value of the table, which is what is
+taken, or beside it. The manuals can be read in both ways. Load one table with a value that can be seen, look, and say it: --multiplication instead or beside, or
+table_multiplication in [machine]. Files that ncfix writes say it themselves.";
 }

@@ -24,20 +24,49 @@ pub trait Compensation: Debug + Send + Sync {
     fn has_senses(&self, axis: Axis) -> bool;
 }
 
+/// What a table adds in the control that is multiplied by another one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TableProducts {
+    /// The product in place of its own value.
+    Instead,
+    /// The product beside its own value.
+    Beside,
+}
+
 /// The tables that are switched on.
 #[derive(Clone, Debug, Default)]
 pub struct ActiveTables {
     /// Their files, as the machine file names them.
     pub files: Vec<String>,
+    /// What the control does with products of tables, where the machine file says it.
+    pub multiplication: Option<TableProducts>,
     /// What they do; `None` until they are read.
     pub control: Option<Arc<dyn Compensation>>,
 }
 
-/// Two are the same where they name the same files.
+/// Two are the same where they name the same files and multiply alike.
 impl PartialEq for ActiveTables {
     fn eq(&self, other: &Self) -> bool {
-        self.files == other.files
+        self.files == other.files && self.multiplication == other.multiplication
     }
+}
+
+/// What is switched on, and what the control does with products.
+pub(super) fn read(section: &mut Section<'_>) -> ActiveTables {
+    let files = section.texts("active_tables").unwrap_or_default();
+    let multiplication = match section.text("table_multiplication") {
+        None => None,
+        Some("instead") => Some(TableProducts::Instead),
+        Some("beside") => Some(TableProducts::Beside),
+        Some(other) => {
+            let place = section.place_of("table_multiplication");
+            let help =
+                "write \"instead\" where the control adds the product in place of the own value, else \"beside\"";
+            section.report(Code::BAD_VALUE, place, format!("'{other}' says nothing of products"), help);
+            None
+        }
+    };
+    ActiveTables { files, multiplication, control: None }
 }
 
 /// The axes in the order of their numbers in the control.

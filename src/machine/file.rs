@@ -72,7 +72,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         controller,
         reference_temperature_c,
         sensor_references_c,
-        active_tables: ActiveTables { files: active_tables, control: None },
+        active_tables,
         axis_order,
         axes,
         spindle,
@@ -139,7 +139,7 @@ struct Head {
     topology: Option<(Topology, Place)>,
     controller: String,
     reference_temperature_c: f64,
-    active_tables: Vec<String>,
+    active_tables: ActiveTables,
     axis_order: Vec<Axis>,
 }
 
@@ -148,7 +148,7 @@ fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
     let written = section.required("topology", "\"wXYFZSt\"", Section::text);
     let controller = section.text("controller").unwrap_or("sinumerik").to_owned();
     let reference_temperature_c = section.number("reference_temperature_C").unwrap_or(20.0);
-    let active_tables = section.texts("active_tables").unwrap_or_default();
+    let active_tables = active::read(&mut section);
     let axis_order = active::read_axis_order(&mut section);
     let place = section.place_of("topology");
     let topology = written.and_then(|text| match text.parse::<Topology>() {

@@ -25,7 +25,7 @@ mod state;
 mod strain;
 mod zero_offset;
 
-pub use active::{ActiveTables, Compensation};
+pub use active::{ActiveTables, Compensation, TableProducts};
 pub use chain::{Branch, Topology, TopologyFault};
 pub use condition::{Condition, Load, ZeroPose};
 pub use contour_control::{CompensationCorner, CompensationStart};

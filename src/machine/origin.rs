@@ -238,6 +238,7 @@ mod tests {
             "rigid_tapping",
             "grundig_head",
             "initial_zero_offset",
+            "table_multiplication",
         ];
         let bare = machine(&text("sinumerik", |_| String::new()));
         for section in ["machine", "axis.X", "axis.C", "spindle", "control", "zero_offset.G54", "tool[5,1]"] {

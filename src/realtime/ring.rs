@@ -118,13 +118,32 @@ impl Shape {
     }
 }
 
-/// Counts that are more than a ring apart.
+/// Counts that do not fit: more than a ring apart, or behind where they were.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Overrun {
-    /// Set-points that were written and not read.
-    pub set_points: u64,
-    /// Corrections that were written and not read; huge where more were read than there are.
-    pub corrections: u64,
+pub enum Overrun {
+    /// So many set-points were written and not read.
+    SetPoints(u64),
+    /// The count of set-points written is so many below that of those read: it went back.
+    WentBack(u64),
+    /// So many corrections more were read than there are.
+    CorrectionsRead(u64),
+    /// The count of corrections read went back: so many were written and, it says, not read.
+    Corrections(u64),
+}
+
+impl Overrun {
+    /// What is wrong with how far the control is ahead with its set-points, or else with the corrections that it has not read.
+    #[cold]
+    fn of(waiting: u64, open: u64, capacity: u64) -> Overrun {
+        // A difference that went below zero stands in the upper half.
+        let is_below = |difference: u64| difference > u64::MAX / 2;
+        match waiting > capacity {
+            true if is_below(waiting) => Overrun::WentBack(waiting.wrapping_neg()),
+            true => Overrun::SetPoints(waiting),
+            false if is_below(open) => Overrun::CorrectionsRead(open.wrapping_neg()),
+            false => Overrun::Corrections(open),
+        }
+    }
 }
 
 /// The side of ncfix: makes the rings and answers.
@@ -183,7 +202,7 @@ impl Ring {
         let waiting = self.words.get(SET_POINTS_WRITTEN, Ordering::Acquire).wrapping_sub(read);
         let open = written.wrapping_sub(self.words.get(CORRECTIONS_READ, Ordering::Acquire));
         if waiting > self.shape.capacity || open > self.shape.capacity {
-            return Err(Overrun { set_points: waiting, corrections: open });
+            return Err(Overrun::of(waiting, open, self.shape.capacity));
         }
         if waiting == 0 || open == self.shape.capacity {
             return Ok(None);
@@ -281,5 +300,20 @@ impl Client {
     /// Asks ncfix to end.
     pub fn stop(&self) {
         self.words.set(STOP, 1, Ordering::Release);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Overrun;
+
+    /// Counts of a ring of 16: 5 set-points are answered.
+    #[test]
+    fn a_count_that_goes_back_is_no_huge_number() {
+        let found = |written: u64, read: u64| Overrun::of(written.wrapping_sub(5), 5_u64.wrapping_sub(read), 16);
+        assert_eq!(found(22, 5), Overrun::SetPoints(17));
+        assert_eq!(found(3, 5), Overrun::WentBack(2));
+        assert_eq!(found(5, 7), Overrun::CorrectionsRead(2));
+        assert_eq!(Overrun::of(0, 40, 16), Overrun::Corrections(40));
     }
 }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::json::Finding;
 use crate::geometry::{AXES, AxisVector, Vector};
-use crate::machine::{Condition, Machine, State};
+use crate::machine::{ActiveTables, Condition, Machine, State};
 use crate::model::{Accumulator, Effect, ErrorModel, Model, SOURCES};
 use crate::units::{um_from_mm, urad_from_rad};
 
@@ -59,6 +59,15 @@ impl Deviation {
         Vector::from(self.position_um).norm()
     }
 
+    /// What this is more than another.
+    fn less(&self, other: &Deviation) -> Deviation {
+        let apart = |own: [f64; 3], other: [f64; 3]| [0, 1, 2].map(|index| own[index] - other[index]);
+        Deviation {
+            position_um: apart(self.position_um, other.position_um),
+            rotation_urad: apart(self.rotation_urad, other.rotation_urad),
+        }
+    }
+
     fn counts(&self) -> bool {
         self.distance_um() >= LISTED || Vector::from(self.rotation_urad).norm() >= LISTED
     }
@@ -75,7 +84,9 @@ impl Shares {
         tool_mm: &Vector,
         state: &State,
     ) -> Shares {
-        let deviation = |wanted: &dyn Fn(&dyn Effect) -> bool| {
+        // Tables that are active in the control have a row of their own: without this every row would have them in it.
+        let bare = Machine { active_tables: ActiveTables::default(), ..machine.clone() };
+        let of = |machine: &Machine, wanted: &dyn Fn(&dyn Effect) -> bool| {
             let model = Model::summed(&Accumulator::sum(machine, errors, condition, wanted));
             let found = model.deviation(at, tool_mm, state);
             Deviation {
@@ -83,6 +94,8 @@ impl Shares {
                 rotation_urad: found.rotation.map(urad_from_rad).into(),
             }
         };
+        let deviation = |wanted: &dyn Fn(&dyn Effect) -> bool| of(&bare, wanted);
+        let sum = of(machine, &|_| true);
         let mut sources = Vec::new();
         for &source in SOURCES {
             let is_own = |effect: &dyn Effect| effect.source().name == source.name;
@@ -104,6 +117,11 @@ impl Shares {
             components.sort_by(|(_, one), (_, other)| other.distance_um().total_cmp(&one.distance_um()));
             sources.push(Share { source: source.name, title: source.title, deviation: deviation(&is_own), components });
         }
+        if machine.active_tables.control.is_some() {
+            let deviation = sum.less(&deviation(&|_| true));
+            let title = "tables in the control";
+            sources.push(Share { source: "tables", title, deviation, components: Vec::new() });
+        }
         let model = Model::at(machine, errors, condition);
         let own = || AXES.into_iter().filter(|&axis| machine.axis(axis).is_some());
         let shown = |axis: crate::geometry::Axis, units: [&str; 2], values: [f64; 2]| {
@@ -116,7 +134,7 @@ impl Shares {
             at: own().map(|axis| shown(axis, ["mm", "deg"], [at[axis], at[axis].to_degrees()])).collect(),
             tool_mm: (*tool_mm).into(),
             sources,
-            sum: deviation(&|_| true),
+            sum,
             correction: correction.map_or(Vec::new(), |correction| {
                 let value = |axis| [um_from_mm(correction[axis]), urad_from_rad(correction[axis])];
                 own().map(|axis| shown(axis, ["um", "urad"], value(axis))).collect()

@@ -38,6 +38,10 @@ pub struct TablesReport {
     pub made_for_tool_mm: Option<[f64; 3]>,
     /// What two sets of tables differ by, µm or µrad: root mean square and largest for each axis.
     pub difference: Vec<Difference>,
+    /// What `auto` aimed at: less than the tolerance, for the poses that it did not see.
+    pub aim: Option<String>,
+    /// Ranges that were asked for in place of the travel.
+    pub ranges: Vec<String>,
     /// What was tried by `auto`.
     pub tried: Vec<TriedReport>,
     /// Files that were written.
@@ -136,6 +140,12 @@ impl From<&Errors> for ErrorsReport {
     }
 }
 
+/// A tool to a nanometre, without the digits that a direction of the spindle makes and without a minus in front of zero, mm.
+#[must_use]
+pub fn rounded_mm(tool_mm: &Vector) -> [f64; 3] {
+    [0, 1, 2].map(|index| (tool_mm[index] * 1e6).round() / 1e6 + 0.0)
+}
+
 impl CheckReport {
     /// The figures of a check; `worst` says where, the tool runs from the gauge point to the tip.
     #[must_use]
@@ -146,8 +156,7 @@ impl CheckReport {
             tables: (&check.tables).into(),
             exact: (&check.exact).into(),
             worst,
-            // No minus in front of zero.
-            tool_mm: [0, 1, 2].map(|index| tool_mm[index] + 0.0),
+            tool_mm: rounded_mm(tool_mm),
             senses: check.senses.iter().map(ToString::to_string).collect(),
         }
     }
@@ -193,6 +202,9 @@ impl TablesReport {
         if self.rows.len() > MOST_ROWS {
             let _ = writeln!(page, "  and {} more", self.rows.len() - MOST_ROWS);
         }
+        if !self.ranges.is_empty() {
+            let _ = writeln!(page, "for a part of the travel: {}", self.ranges.join(", "));
+        }
         self.tried_page(&mut page);
         if let Some(check) = &self.check {
             let [x, y, z] = check.tool_mm;
@@ -208,6 +220,9 @@ impl TablesReport {
                 );
             }
             let _ = writeln!(page, "  most with tables at {}", check.worst);
+            if check.tables.rms_um > check.before.rms_um {
+                page.push_str("  more is left than there was: a constant part, which a zero offset takes, or tables that are not for this machine\n");
+            }
             if let Some([x, y, z]) = self.made_for_tool_mm {
                 let _ = writeln!(
                     page,
@@ -235,6 +250,9 @@ impl TablesReport {
     }
 
     fn tried_page(&self, page: &mut String) {
+        if let Some(aim) = &self.aim {
+            let _ = writeln!(page, "  auto aims at {aim}: poses that it does not try have a little more");
+        }
         for one in &self.tried {
             let _ = match (&one.reason, one.tables, one.rms_um) {
                 (Some(reason), ..) => writeln!(page, "  tried {} with {} points: {reason}", one.scheme, one.points),

@@ -34,6 +34,9 @@ pub use scheme::{SCHEMES, Scheme};
 pub use target::{Orientation, Target};
 pub use wiring::Wiring;
 
+use crate::geometry::Axis;
+use crate::machine::TableProducts;
+
 /// What a control is told. Kinds that a format does not have stay empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tables {
@@ -60,12 +63,47 @@ pub enum Multiplication {
     Beside,
 }
 
+impl From<TableProducts> for Multiplication {
+    fn from(products: TableProducts) -> Multiplication {
+        match products {
+            TableProducts::Instead => Multiplication::Instead,
+            TableProducts::Beside => Multiplication::Beside,
+        }
+    }
+}
+
 impl Tables {
     /// How many tables a control must hold: functions of one axis, or one for each grid, matrix and axis with error functions.
     #[must_use]
     pub fn count(&self) -> usize {
         let axes = self.errors.as_ref().map_or(0, |errors| errors.axes.len());
         self.lookups.len() + usize::from(self.grid.is_some()) + axes + usize::from(self.matrix.is_some())
+    }
+
+    /// Takes what others hold beside its own: a control with both adds both. `false` where both have what a control has once.
+    #[must_use]
+    pub fn add(&mut self, others: Tables) -> bool {
+        let first = self.lookups.len();
+        self.lookups.extend(others.lookups.into_iter().map(|mut lookup| {
+            lookup.factor = lookup.factor.map(|factor| factor + first);
+            lookup
+        }));
+        let is_once = (self.grid.is_none() || others.grid.is_none())
+            && (self.matrix.is_none() || others.matrix.is_none())
+            && (self.errors.is_none() || others.errors.is_none());
+        self.grid = self.grid.take().or(others.grid);
+        self.matrix = self.matrix.or(others.matrix);
+        self.errors = self.errors.take().or(others.errors);
+        is_once
+    }
+
+    /// Whether a table depends on an axis or corrects it.
+    #[must_use]
+    pub fn names(&self, axis: Axis) -> bool {
+        self.lookups.iter().any(|one| one.input == axis || one.output == axis)
+            || self.grid.as_ref().is_some_and(|grid| grid.axes.contains(&axis))
+            || self.errors.iter().flat_map(|errors| &errors.axes).any(|one| one.axis == axis)
+            || self.errors.iter().flat_map(|errors| &errors.location).any(|(name, _)| name.axis() == Some(axis))
     }
 
     /// How many values they hold.
@@ -75,6 +113,23 @@ impl Tables {
         let grid = self.grid.as_ref().map_or(0, |grid| grid.values.len() * 3);
         let axes = self.errors.as_ref().map_or(0, |errors| errors.axes.iter().map(|axis| axis.values.len() * 6).sum());
         lookups + grid + axes + self.matrix.map_or(0, |_| 9)
+    }
+
+    /// Whether every value is one that corrects nothing.
+    #[must_use]
+    pub fn are_zeros(&self) -> bool {
+        let is_identity = |matrix: &[[f64; 3]; 3]| {
+            let apart = |(row, values): (usize, &[f64; 3])| {
+                values.iter().enumerate().any(|(column, &value)| value != f64::from(u8::from(row == column)))
+            };
+            !matrix.iter().enumerate().any(apart)
+        };
+        let errors = || self.errors.iter().flat_map(|errors| &errors.axes).flat_map(|one| one.values.iter().flatten());
+        self.lookups.iter().flat_map(|one| &one.values).all(|&value| value == 0.0)
+            && self.grid.iter().flat_map(|grid| grid.values.iter().flatten()).all(|&value| value == 0.0)
+            && errors().all(|&value| value == 0.0)
+            && self.errors.iter().flat_map(|errors| &errors.location).all(|&(_, value)| value == 0.0)
+            && self.matrix.as_ref().is_none_or(is_identity)
     }
 
     /// Whether nothing would be corrected.

@@ -6,27 +6,49 @@ use crate::geometry::{Axis, AxisVector};
 use crate::machine::{AxisData, Machine, State};
 
 /// Ranges of the axes, mm or rad.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Region {
     /// Axes with the lowest and highest command, in slot order.
     pub ranges: Vec<(Axis, [f64; 2])>,
+    /// Axes whose range somebody chose.
+    chosen: Vec<Axis>,
 }
 
 impl Region {
-    /// The travel of the axes: a turn around zero of rotary axes that turn further. `Err` names a linear axis without travel.
+    /// The travel of the axes: a turn from zero of rotary axes without end, a turn around zero of others that turn further. `Err` names a linear axis without travel.
     ///
     /// # Errors
     /// The axis that has no travel.
     pub fn travel(machine: &Machine) -> Result<Region, Axis> {
         let ranges = machine.axes.iter().flatten().map(|data| Ok((data.axis, range(data).ok_or(data.axis)?)));
-        Ok(Region { ranges: ranges.collect::<Result<_, Axis>>()? })
+        Ok(Region { ranges: ranges.collect::<Result<_, Axis>>()?, chosen: Vec::new() })
     }
 
     /// Takes another range for an axis, mm or rad.
     pub fn set(&mut self, axis: Axis, range: [f64; 2]) {
         if let Some(entry) = self.ranges.iter_mut().find(|(one, _)| *one == axis) {
             entry.1 = range;
+            self.chosen.push(axis);
         }
+    }
+
+    /// Where commands really come: all of the travel of rotary axes of which this holds a turn, and a turn more on either side of those without
+    /// end. Tables that do not repeat are wrong there. Ranges that were chosen stay.
+    #[must_use]
+    pub fn reached(&self, machine: &Machine) -> Region {
+        let mut region = self.clone();
+        for (axis, range) in region.ranges.iter_mut().filter(|(axis, _)| !self.chosen.contains(axis)) {
+            let Some(data) = machine.axis(*axis).filter(|data| data.axis.is_rotary()) else { continue };
+            if range[1] - range[0] < TAU - 1e-9 {
+                continue;
+            }
+            *range = match data.travel {
+                Some([low, high]) => [low.min(range[0]), high.max(range[1])],
+                None if data.modulo => [range[0] - TAU, range[1] + TAU],
+                None => continue,
+            };
+        }
+        region
     }
 
     /// The range of an axis; that of a point at zero where it is not in the region.
@@ -71,6 +93,8 @@ fn range(data: &AxisData) -> Option<[f64; 2]> {
             Some([middle - PI, middle + PI])
         }
         Some(travel) => Some(travel),
+        // As the error functions of an axis without end, and the positions that its control shows.
+        None if data.modulo => Some([0.0, TAU]),
         None if data.axis.is_rotary() => Some([-PI, PI]),
         None => None,
     }

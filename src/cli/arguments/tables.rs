@@ -80,9 +80,10 @@ pub(in crate::cli) struct TablesArguments {
     /// How the control names an axis: X=AX1; may be given several times
     #[arg(long, value_name = "AXIS=NAME", value_parser = axis_name)]
     pub(in crate::cli) axis_name: Vec<(Axis, String)>,
-    /// What a table adds that is multiplied by another one: the product instead of its own value, or beside it
-    #[arg(long, value_enum, default_value_t)]
-    pub(in crate::cli) multiplication: MultiplicationChoice,
+    /// What a table adds that is multiplied by another one: the product instead of its own value, or beside it; without it what the file or
+    /// the machine file says, else instead
+    #[arg(long, value_enum)]
+    pub(in crate::cli) multiplication: Option<MultiplicationChoice>,
     /// Tool: its length in mm along the spindle, or X,Y,Z from the gauge point to the tip; without it that of the longest tool of the machine file
     #[arg(long, value_name = "LENGTH|X,Y,Z", value_parser = value::tool, allow_hyphen_values = true)]
     pub(in crate::cli) tool: Option<value::ToolVector>,
@@ -123,10 +124,9 @@ impl OrientationChoice {
 }
 
 /// See [`Multiplication`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum MultiplicationChoice {
     /// The product in place of the own value
-    #[default]
     Instead,
     /// The product beside the own value
     Beside,

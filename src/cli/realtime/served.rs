@@ -78,10 +78,13 @@ pub(super) fn serve(name: &str, records: u64, prepared: &mut Prepared, tally: &m
 
 /// What is said where a control goes over the end of a ring.
 fn refused(overrun: Overrun, records: u64, answered: u64) -> ExitCode {
-    let what = if overrun.set_points > records {
-        format!("the control wrote {} set-points into a ring of {records}", overrun.set_points)
-    } else {
-        "the control read more corrections than there are".to_owned()
+    let what = match overrun {
+        Overrun::SetPoints(count) => format!("the control wrote {count} set-points into a ring of {records}"),
+        Overrun::WentBack(count) => {
+            format!("the count of set-points written went back: it is {count} below those read")
+        }
+        Overrun::CorrectionsRead(count) => format!("the control read {count} more corrections than there are"),
+        Overrun::Corrections(_) => "the count of corrections read went back".to_owned(),
     };
     let help = format!(
         "{} set-points were answered; wait where the counts are {records} apart, or make the ring larger with --records",

@@ -37,6 +37,7 @@ pub(super) const FORMAT: Format = Format {
     write,
     read,
     numbers: super::without_numbers,
+    beside: &[],
     is_mine,
 };
 

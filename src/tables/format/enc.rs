@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::ini::{Assignment, Place};
+use super::ini::{self, Assignment, KEEPS_FIELDS, Place, missing};
 use super::limits::{Holds, Limits};
 use super::plain::{even_points, round_steps, weigh};
 use super::scan::{Line, MOST_POINTS, Report, lines, shown};
@@ -27,7 +27,7 @@ pub(super) const FORMAT: Format = Format {
     name: "enc",
     title: "SINUMERIK $AA_ENC_COMP",
     sign: "positive values move the axis in the negative direction, because they correct what the encoder tells",
-    holds: &[Holds::Own],
+    holds: &[Holds::Own, Holds::Repetition],
     // One for each of 31 axes; MD38000 takes 5000 points; no largest value is known.
     limits: Limits { tables: 31, points: 5000, value_mm: 0.0, resolution_mm: 1e-6 },
     round,
@@ -35,6 +35,7 @@ pub(super) const FORMAT: Format = Format {
     write,
     read,
     numbers: super::without_numbers,
+    beside: &["cec"],
     is_mine,
 };
 
@@ -56,6 +57,9 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
                 faults.push(format!("table {index} has one point, and $AA_ENC_COMP has two at least"));
             }
             Nodes::Even { .. } => {}
+        }
+        if one.modulo && !one.input.is_rotary() {
+            faults.push(format!("the table of {} repeats, and only rotary axes do", one.input));
         }
         if tables.lookups.iter().take(index).any(|other| other.input == one.input) {
             faults.push(format!("{} has a second table, and an encoder has one", one.input));
@@ -89,9 +93,11 @@ fn write(tables: &Tables, wiring: &Wiring, notes: &[String]) -> Vec<Written> {
 }
 
 fn is_mine(_: &str, bytes: &[u8]) -> bool {
-    let has = |word: &[u8]| bytes.windows(word.len()).any(|part| part.eq_ignore_ascii_case(word));
-    has(b"$AA_ENC_COMP") || has(b"_EEC_INI")
+    ini::has(bytes, "$AA_ENC_COMP", "_EEC_INI")
 }
+
+/// The fields without which a table in use is not known.
+const FIELDS: [&str; 4] = ["STEP", "MIN", "MAX", "IS_MODULO"];
 
 /// A table as far as it was read.
 #[derive(Clone, Debug, Default)]
@@ -99,12 +105,17 @@ struct Raw {
     /// Millimetres of its unit of length.
     unit_mm: f64,
     values: BTreeMap<usize, f64>,
-    step: f64,
-    min: f64,
-    max: f64,
-    modulo: bool,
+    /// Its fields, without `$AA_ENC_COMP_`.
+    fields: BTreeMap<String, f64>,
     /// Where it begins.
     span: Option<Span>,
+}
+
+impl Raw {
+    /// A field; 0 where it is not written.
+    fn field(&self, name: &str) -> f64 {
+        self.fields.get(name).copied().unwrap_or(0.0)
+    }
 }
 
 fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic> {
@@ -120,6 +131,7 @@ fn read(source: &Source, wiring: &Wiring, tables: &mut Tables) -> Vec<Diagnostic
             break;
         }
     }
+    place.end(&mut reader.report);
     reader.finish(wiring, tables)
 }
 
@@ -132,9 +144,11 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn assignment(&mut self, line: &Line<'_>, unit_mm: f64, one: &Assignment<'_>) {
         let Some(field) = one.name.strip_prefix("$AA_ENC_COMP") else {
-            if !one.name.contains("ENC_COMP") {
-                let message = format!("{} is not part of the leadscrew compensation", shown(&one.name));
-                self.report.unused(line, one.text, message, "read sag tables with --format cec");
+            // Sag tables are of another format, whose reader takes them.
+            let is_known = ["$AN_CEC", "$SN_CEC", "$MN_MM_CEC"].iter().any(|head| one.name.starts_with(head));
+            if !one.name.contains("ENC_COMP") && !is_known {
+                let message = format!("{} is not part of the leadscrew compensation and is left out", shown(&one.name));
+                self.report.unused(line, one.text, message, "see that nothing of the tables is lost");
             }
             return;
         };
@@ -164,10 +178,18 @@ impl Reader<'_> {
                 let help = format!("write $AA_ENC_COMP[0,point,axis]=value, with a point below {MOST_POINTS}");
                 self.report.fault(line, one.text, format!("'{}' has no number of a point", shown(one.text)), &help);
             }
-            ("_STEP", _) => raw.step = number,
-            ("_MIN", _) => raw.min = number,
-            ("_MAX", _) => raw.max = number,
-            ("_IS_MODULO", _) => raw.modulo = number != 0.0,
+            (field, _) if field.strip_prefix('_').is_some_and(|field| FIELDS.contains(&field)) => {
+                let name = field.trim_start_matches('_').to_owned();
+                let is_switch = name != "IS_MODULO" || [0.0, 1.0].contains(&number);
+                let before = raw.fields.insert(name, number);
+                if !is_switch {
+                    let help = "write 0 or 1: what the control makes of another number is not known";
+                    self.report.fault(line, one.value, format!("{} is {number}", one.name), help);
+                } else if before.is_some_and(|before| before != number) {
+                    let message = format!("{} of {} is there twice, with different values", one.name, shown(axis));
+                    self.report.fault(line, one.text, message, super::TWICE);
+                }
+            }
             _ => {
                 let message = format!("{} is not known and is left out", shown(&one.name));
                 self.report.unused(line, one.text, message, "look up what it does before the table is used");
@@ -186,17 +208,20 @@ impl Reader<'_> {
         raw.sort_by_key(|(_, one)| one.span);
         for ((name, m), one) in &raw {
             let span = one.span.unwrap_or_default();
-            if one.step != 0.0 && (one.step < 0.0 || one.max <= one.min) {
-                let [name, step, min, max] =
-                    [shown(name), one.step.to_string(), one.min.to_string(), one.max.to_string()];
-                let message = format!("the table of {name} has STEP {step}, MIN {min}, MAX {max}");
-                let help = "give it a step above 0 and MAX above MIN, or STEP 0 if it shall not be used";
-                self.report.fault_at(span, message, help);
+            let [step, min, max] = ["STEP", "MIN", "MAX"].map(|name| one.field(name));
+            if one.fields.get("STEP") == Some(&0.0) {
+                let message = format!("the table of {} is not in use: STEP 0", shown(name));
+                self.report.unused_at(span, message, "give it a step above 0 and MAX above MIN if it shall be used");
                 continue;
             }
-            if one.step == 0.0 {
-                let message = format!("the table of {} is not in use: STEP {}", shown(name), one.step);
-                self.report.unused_at(span, message, "give it a step above 0 and MAX above MIN if it shall be used");
+            if let Some(names) = missing("$AA_ENC_COMP_", &FIELDS, &one.fields) {
+                self.report.fault_at(span, format!("the table of {} has no {names}", shown(name)), KEEPS_FIELDS);
+                continue;
+            }
+            if step < 0.0 || max <= min {
+                let message = format!("the table of {} has STEP {step}, MIN {min}, MAX {max}", shown(name));
+                let help = "give it a step above 0 and MAX above MIN, or STEP 0 if it shall not be used";
+                self.report.fault_at(span, message, help);
                 continue;
             }
             if let Some(lookup) = self.lookup(wiring, name, *m, one, span) {
@@ -219,7 +244,8 @@ impl Reader<'_> {
             return None;
         };
         let scale = |value: f64| if axis.is_rotary() { value } else { value * raw.unit_mm };
-        let nodes = Nodes::Even { start: scale(raw.min), step: scale(raw.step), end: scale(raw.max) };
+        let [start, step, end] = ["MIN", "STEP", "MAX"].map(|name| scale(raw.field(name)));
+        let nodes = Nodes::Even { start, step, end };
         let count = nodes.count();
         if count > MOST_POINTS {
             let message = format!("the table of {} has {count} points", shown(name));
@@ -239,7 +265,11 @@ impl Reader<'_> {
             self.report.unused_at(span, message, "the control does not use them either");
         }
         let value = |n: usize| 0.0 - scale(raw.values.get(&n).copied().unwrap_or(0.0));
-        let modulo = raw.modulo;
+        let modulo = raw.field("IS_MODULO") != 0.0;
+        if modulo && !axis.is_rotary() {
+            let message = format!("the table of {axis} repeats, which is a linear axis");
+            self.report.fault_at(span, message, "write $AA_ENC_COMP_IS_MODULO 0: only rotary axes begin again");
+        }
         let values = (0..count).map(value).collect();
         Some(Lookup { modulo, sense: Sense::Both, ..Lookup::added(axis, axis, nodes, values) })
     }

@@ -37,6 +37,7 @@ pub(super) const FORMAT: Format = Format {
     write,
     read,
     numbers: super::without_numbers,
+    beside: &[],
     is_mine,
 };
 
@@ -189,7 +190,7 @@ impl Reader<'_> {
     fn position(&mut self, line: &Line<'_>, index: usize, at: &[&str]) {
         let mut rest = index;
         for (place, row) in self.axes.iter().enumerate() {
-            let expected = row.start + row.step * (rest % row.count) as f64;
+            let expected = rounded(row.start + row.step * (rest % row.count) as f64, DECIMALS);
             rest /= row.count;
             let Some(text) = at.get(place) else { break };
             let Some(position) = self.report.number(line, text) else { break };

@@ -11,14 +11,16 @@ use std::fmt::Write as _;
 
 use super::limits::{Holds, Limits};
 use super::plain::{find, inputs, name_points, points_of, sum, weigh};
-use super::{Format, Written};
+use super::{Format, Written, rounded};
 use crate::geometry::{AXES, Axis};
-use crate::tables::{Lookup, Sense, Tables, Wiring};
+use crate::tables::{Lookup, Nodes, Sense, Tables, Wiring};
 
 mod reader;
 
 /// Decimals of values and positions: the 0.0001 mm of which the spacings of a TNC 407 are multiples.
 const DECIMALS: usize = 4;
+/// A turn, degrees.
+const TURN: f64 = 360.0;
 /// Width of a column.
 const WIDTH: usize = 13;
 
@@ -27,7 +29,7 @@ pub(super) const FORMAT: Format = Format {
     name: "heidenhain",
     title: "HEIDENHAIN .COM/.CMA",
     sign: "values are added to the set-point, BACKLASH holds those of the negative direction; the manuals leave both open: try one large value",
-    holds: &[Holds::Own, Holds::Cross, Holds::Senses],
+    holds: &[Holds::Own, Holds::Cross, Holds::Senses, Holds::Repetition],
     // 256 points a table (TNC 407, module 9095, error 3); no largest value is known.
     limits: Limits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-4 },
     round,
@@ -35,17 +37,48 @@ pub(super) const FORMAT: Format = Format {
     write,
     read: reader::read,
     numbers: super::without_numbers,
+    beside: &[],
     is_mine,
 };
 
 /// Whether the points of a table are one turn of a rotary axis.
 fn is_turn(axis: Axis, points: &[f64]) -> bool {
-    axis.is_rotary() && points.first() == Some(&0.0) && points.last() == Some(&360.0)
+    axis.is_rotary() && points.first() == Some(&0.0) && points.last() == Some(&TURN)
 }
 
 /// The order of columns: the basic axis, then the others.
 fn columns(input: Axis) -> impl Iterator<Item = Axis> {
     std::iter::once(input).chain(AXES.into_iter().filter(move |&axis| axis != input))
+}
+
+/// Whether positions lie outside of 0 to 360 degrees.
+fn leaves_turn(one: &Lookup) -> bool {
+    let [start, end] = one.nodes.range();
+    start < 0.0 || end > TURN
+}
+
+/// Puts a table of a rotary axis that is no longer than a turn at the positions from 0 to 360 degrees where the control looks it up.
+fn wrap(one: &mut Lookup) {
+    let Nodes::At(before) = &one.nodes else { return };
+    let [start, end] = one.nodes.range();
+    if before.is_empty() || end - start > TURN + 1e-9 {
+        return;
+    }
+    let mut points: Vec<f64> = before.iter().map(|point| rounded(point.rem_euclid(TURN), DECIMALS)).collect();
+    points.extend([0.0, TURN]);
+    points.sort_by(f64::total_cmp);
+    points.dedup();
+    let value = |&point: &f64| {
+        let turns = [point, point - TURN, point + TURN];
+        let within = turns.into_iter().find(|at| (start..=end).contains(at));
+        // Beyond the table the nearer end holds.
+        let off = |at: &f64| (start - at).max(at - end);
+        let nearest = turns.into_iter().min_by(|one, other| off(one).total_cmp(&off(other)));
+        one.value(within.or(nearest).unwrap_or(point))
+    };
+    let values = points.iter().map(value).collect();
+    one.values = values;
+    one.nodes = Nodes::At(points);
 }
 
 /// Brings tables of one basic axis to the same points, one for each axis that they correct.
@@ -58,6 +91,9 @@ fn round(tables: &mut Tables) {
     let mut summed = Vec::new();
     for input in inputs(tables) {
         let mut group: Vec<Lookup> = tables.lookups.iter().filter(|one| one.input == input).cloned().collect();
+        if group.iter().any(|one| input.is_rotary() && leaves_turn(one)) {
+            group.iter_mut().for_each(wrap);
+        }
         let points = points_of(&group);
         if group.iter().any(|one| one.modulo) && !is_turn(input, &points) {
             summed.append(&mut group);
@@ -86,7 +122,9 @@ fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
             faults.push(format!("the table over {input} repeats, and only a turn from 0 to 360 degrees does"));
         }
         if input.is_rotary() && points.iter().any(|point| !(0.0..=360.0).contains(point)) {
-            faults.push(format!("the table over {input} leaves 0 to 360 degrees"));
+            faults.push(format!(
+                "the table over {input} is longer than the turn from 0 to 360 degrees: choose one with --range {input}=0..360"
+            ));
         }
         for output in columns(input) {
             let senses: Vec<Sense> = group.iter().filter(|one| one.output == output).map(|one| one.sense).collect();

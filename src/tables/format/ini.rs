@@ -1,10 +1,39 @@
 //! Initialisation programs of the SINUMERIK: members of an archive, units, assignments to variables with indices.
 
+use std::collections::BTreeMap;
+
 use super::scan::{Line, Report, shown};
+use crate::source::Span;
 use crate::units::MM_PER_INCH;
 
 /// What else stands in such a program and has nothing to do with the tables.
-const SILENT: [&str; 10] = ["M0", "M00", "M01", "M1", "M17", "M30", "M2", "M02", "RET", "NEWCONF"];
+const SILENT: [&str; 5] = ["M0", "M00", "M01", "M1", "NEWCONF"];
+/// What it ends with.
+const ENDS: [&str; 5] = ["M17", "M30", "M2", "M02", "RET"];
+
+/// What to do about a table that lacks a field.
+pub(super) const KEEPS_FIELDS: &str = "write every field as the control saves it, 0 too: the control keeps what it had there – 0 only where \
+     its memory was cleared – and nothing here tells what that is";
+
+/// The fields that a table lacks, with what their names begin with; `None` where it has all.
+pub(super) fn missing(prefix: &str, wanted: &[&str], there: &BTreeMap<String, f64>) -> Option<String> {
+    let names: Vec<String> =
+        wanted.iter().filter(|&&name| !there.contains_key(name)).map(|name| format!("{prefix}{name}")).collect();
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
+/// Whether a file has a variable of this name outside of its remarks; or else a member for it, and no variable of tables at all.
+pub(super) fn has(bytes: &[u8], variable: &str, member: &str) -> bool {
+    let contains =
+        |line: &[u8], word: &str| line.windows(word.len()).any(|part| part.eq_ignore_ascii_case(word.as_bytes()));
+    let lines = || {
+        let lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r');
+        lines.map(|line| line.split(|&byte| byte == b';').next().unwrap_or_default())
+    };
+    let has_variable = |variable: &str| lines().any(|line| contains(line, variable));
+    let has_member = || lines().any(|line| line.trim_ascii().starts_with(b"%") && contains(line, member));
+    has_variable(variable) || (has_member() && !["$AN_CEC", "$AA_ENC_COMP"].into_iter().any(has_variable))
+}
 
 /// `$NAME[index, index] = value`.
 #[derive(Debug)]
@@ -37,11 +66,21 @@ pub(super) struct Place {
     is_foreign: bool,
     /// Millimetres of a unit of length.
     pub(super) unit_mm: f64,
+    /// The last assignment behind which no end has come yet.
+    open: Option<Span>,
 }
 
 impl Place {
     pub(super) fn new(member: &'static str, mark: &'static str) -> Place {
-        Place { member, mark, is_foreign: false, unit_mm: 1.0 }
+        Place { member, mark, is_foreign: false, unit_mm: 1.0, open: None }
+    }
+
+    /// What a list that breaks off is told: an end that is missing is all that tells of lines that are.
+    pub(super) fn end(&mut self, report: &mut Report<'_>) {
+        if let Some(span) = self.open.take() {
+            let help = "see that the file is whole: the control ends it with M17";
+            report.unused_at(span, "no M17 comes behind this: the list may be cut off", help);
+        }
     }
 
     /// Calls back for each assignment to a system variable in a line.
@@ -53,6 +92,7 @@ impl Place {
     ) {
         let text = line.before(';').trim();
         if text.starts_with('%') {
+            self.end(report);
             self.is_foreign = !text.to_ascii_uppercase().contains(self.member);
             self.unit_mm = 1.0;
             return;
@@ -60,6 +100,10 @@ impl Place {
         for statement in statements(without_number(text)) {
             match self.assignment(line, report, statement) {
                 Some(assignment) if !self.is_foreign || assignment.name.contains(self.mark) => {
+                    // Settings and machine data stand in other lists too, which end otherwise.
+                    if assignment.name.starts_with("$A") {
+                        self.open = Some(line.span(assignment.text));
+                    }
                     found(self.unit_mm, assignment);
                 }
                 _ => {}
@@ -74,6 +118,10 @@ impl Place {
             return None;
         }
         let begins = |word: &str| text.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
+        if ENDS.iter().any(|word| text.eq_ignore_ascii_case(word)) {
+            self.open = None;
+            return None;
+        }
         if SILENT.iter().any(|word| text.eq_ignore_ascii_case(word)) || begins("CHANDATA") || begins("STOPRE") {
             return None;
         }

@@ -12,8 +12,12 @@ pub enum Holds {
     Cross,
     /// Products of two functions.
     Products,
-    /// Tables for one sense of motion.
+    /// Tables for one sense of motion that correct the same axis.
     Senses,
+    /// Tables for one sense of motion that correct another one.
+    CrossSenses,
+    /// Tables that begin again behind their end.
+    Repetition,
     /// A grid of corrections.
     Grid,
     /// Error functions for the control's own kinematics.
@@ -50,6 +54,12 @@ pub(super) fn kinds(format: &Format, tables: &Tables) -> Vec<String> {
             lookups.iter().any(|one| one.sense != crate::tables::Sense::Both),
             "tables for one sense of motion",
         ),
+        (
+            Holds::CrossSenses,
+            lookups.iter().any(|one| one.sense != crate::tables::Sense::Both && one.input != one.output),
+            "tables for one sense of motion that correct another axis",
+        ),
+        (Holds::Repetition, lookups.iter().any(|one| one.modulo), "tables that repeat"),
         (Holds::Grid, tables.grid.is_some(), "a grid of corrections"),
         (Holds::Errors, errors.is_some_and(|errors| !errors.axes.is_empty()), "error functions"),
         (Holds::Locations, errors.is_some_and(|errors| !errors.location.is_empty()), "location errors"),
@@ -86,6 +96,16 @@ pub(super) fn exceeded(limits: &Limits, tables: &Tables) -> Vec<String> {
     if let Some(errors) = &tables.errors {
         errors.axes.iter().for_each(|one| points(format!("the table of {}", one.axis), one.positions.len()));
     }
+    if let Some(matrix) = &tables.matrix {
+        let apart = |row: usize, column: usize| (matrix[row][column] - f64::from(u8::from(row == column))).abs();
+        let most = (0..9).map(|place| apart(place / 3, place % 3)).fold(0.0, f64::max);
+        if most > MOST_SLOPE {
+            let message = format!(
+                "a factor of the matrix is off by {most:.4}, and no axis is off by more than {MOST_MM} mm in a metre"
+            );
+            faults.push(message);
+        }
+    }
     let [largest_mm, largest_deg] = largest(tables);
     if limits.value_mm > 0.0 && largest_mm > limits.value_mm {
         faults.push(format!("a value of {largest_mm:.4} mm, and the control takes {} mm", limits.value_mm));
@@ -101,8 +121,10 @@ pub(super) fn exceeded(limits: &Limits, tables: &Tables) -> Vec<String> {
 /// More than any axis of a machine tool that moves at all is off by, mm and degrees: such a value is in another unit, or of no table.
 const MOST_MM: f64 = 10.0;
 const MOST_DEG: f64 = 5.0;
+/// The same of a factor of a matrix: 10 mm in a metre.
+const MOST_SLOPE: f64 = 0.01;
 
-/// The largest values of tables that are added or of a grid, mm and degrees; factors of products are none.
+/// The largest values of tables that are added, of a grid and of errors, mm and degrees; factors of products are none.
 fn largest(tables: &Tables) -> [f64; 2] {
     let named: Vec<usize> = tables.lookups.iter().filter_map(|one| one.factor).collect();
     let is_factor = |index: usize| tables.lookups[index].factor.is_some() || named.contains(&index);
@@ -111,7 +133,12 @@ fn largest(tables: &Tables) -> [f64; 2] {
     let (turned, moved): (Vec<_>, Vec<_>) = added.partition(|(_, one)| one.output.is_rotary());
     let of = |all: Vec<(usize, &Lookup)>| all.into_iter().map(|(_, one)| most(one)).fold(0.0, f64::max);
     let grid = tables.grid.iter().flat_map(|grid| grid.values.iter().flatten().map(|value| value.abs()));
-    let errors = tables.errors.iter().flat_map(|errors| &errors.axes);
-    let errors = errors.flat_map(|one| one.values.iter().flat_map(|row| row[..3].iter().map(|value| value.abs())));
-    [grid.chain(errors).fold(of(moved), f64::max), of(turned)]
+    let functions = tables.errors.iter().flat_map(|errors| &errors.axes).flat_map(|one| &one.values);
+    let functions = functions.flat_map(|row| row.iter().enumerate().map(|(index, value)| (index >= 3, value.abs())));
+    let locations = tables.errors.iter().flat_map(|errors| &errors.location);
+    let locations = locations.map(|(name, value)| (name.direction.is_rotation(), value.abs()));
+    let (angles, lengths): (Vec<_>, Vec<_>) = functions.chain(locations).partition(|(is_rotation, _)| *is_rotation);
+    let lengths = lengths.into_iter().map(|(_, value)| value);
+    let angles = angles.into_iter().map(|(_, value)| value.to_degrees());
+    [grid.chain(lengths).fold(of(moved), f64::max), angles.fold(of(turned), f64::max)]
 }

@@ -33,6 +33,7 @@ pub(super) const FORMAT: Format = Format {
     write,
     read,
     numbers: super::without_numbers,
+    beside: &[],
     is_mine,
 };
 

@@ -9,6 +9,7 @@ mod heidenhain;
 mod ini;
 mod isg;
 mod limits;
+mod marks;
 mod matrixkins;
 mod naming;
 mod plain;
@@ -17,6 +18,7 @@ mod shape;
 mod ssfk;
 
 pub use limits::{Holds, Limits};
+pub use marks::multiplication_of;
 
 use std::collections::BTreeSet;
 
@@ -47,6 +49,8 @@ pub struct Format {
     pub read: fn(&Source, &Wiring, &mut Tables) -> Vec<Diagnostic>,
     /// The numbers of the tables that a file has, where a second file with one of them takes the place of the first in the control.
     pub numbers: fn(&Source) -> BTreeSet<usize>,
+    /// The formats whose tables the same control may have in the same file, and adds.
+    pub beside: &'static [&'static str],
     /// Whether a file looks like this format, from its name and its first bytes.
     pub is_mine: fn(&str, &[u8]) -> bool,
 }
@@ -95,6 +99,15 @@ pub fn find(name: &str) -> Option<&'static Format> {
 #[must_use]
 pub fn guess(name: &str, bytes: &[u8]) -> Option<&'static Format> {
     FORMATS.iter().find(|format| (format.is_mine)(name, bytes))
+}
+
+/// All formats of which a file has tables: a control may save tables of several kinds in one.
+#[must_use]
+pub fn guesses(name: &str, bytes: &[u8]) -> Vec<&'static Format> {
+    // Only formats that name their variables stand side by side; the others take a file as a whole.
+    let Some(first) = guess(name, bytes) else { return Vec::new() };
+    let beside = FORMATS.iter().filter(|other| other.name != first.name && first.beside.contains(&other.name));
+    std::iter::once(first).chain(beside.filter(|other| (other.is_mine)(name, bytes))).collect()
 }
 
 impl Format {

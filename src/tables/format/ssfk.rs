@@ -14,7 +14,7 @@ use super::scan::{Line, MOST_POINTS, Report, lines, shown};
 use super::{Format, Written, naming, rounded};
 use crate::diagnostic::Diagnostic;
 use crate::geometry::Axis;
-use crate::source::Source;
+use crate::source::{Source, Span};
 use crate::tables::{Lookup, Nodes, Sense, Tables, Wiring};
 
 /// Units of a list in a millimetre or a degree.
@@ -27,7 +27,7 @@ pub(super) const FORMAT: Format = Format {
     name: "ssfk",
     title: "ISG/TwinCAT kw.ssfk",
     sign: "values are measured minus programmed position; the control adds their negatives",
-    holds: &[Holds::Own, Holds::Senses],
+    holds: &[Holds::Own, Holds::Senses, Holds::Repetition],
     // 1500 entries unless P-COMP-00059 says more; values have 32 bits (16 in old ones, 3.2767 mm).
     limits: Limits { tables: 0, points: 1500, value_mm: 3.2767, resolution_mm: 1e-4 },
     round,
@@ -35,6 +35,7 @@ pub(super) const FORMAT: Format = Format {
     write,
     read,
     numbers: super::without_numbers,
+    beside: &[],
     is_mine,
 };
 
@@ -47,10 +48,13 @@ fn round(tables: &mut Tables) {
     let mut summed = Vec::new();
     for input in inputs(tables) {
         let group: Vec<&Lookup> = tables.lookups.iter().filter(|one| one.input == input).collect();
-        if group.iter().any(|one| one.output != input) || (group.len() > 1 && group.iter().any(|one| one.modulo)) {
+        let are_alike = group.windows(2).all(|pair| {
+            pair[0].modulo == pair[1].modulo && (!pair[0].modulo || pair[0].nodes.range() == pair[1].nodes.range())
+        });
+        if group.iter().any(|one| one.output != input) || !are_alike {
             summed.extend(group.into_iter().cloned());
         } else {
-            // Alone, the values of a table that repeats are those of its points.
+            // Within the same turn the values of tables that repeat are those of their points.
             let modulo = group.iter().any(|one| one.modulo);
             let plain: Vec<Lookup> = group.into_iter().map(|one| Lookup { modulo: false, ..one.clone() }).collect();
             let group: Vec<&Lookup> = plain.iter().collect();
@@ -180,7 +184,13 @@ fn entry(list: &mut List, line: &Line<'_>, field: &str, value: &str, report: &mu
             let column = parts.and_then(|(_, name)| ["setpoint", "pos", "neg"].iter().position(|&one| one == name));
             let index = parts.and_then(|(index, _)| index.parse::<usize>().ok()).filter(|&index| index < MOST_POINTS);
             match (index, column) {
-                (Some(index), Some(column)) => list.points.entry(index).or_default()[column] = Some(number),
+                (Some(index), Some(column)) => {
+                    let cell = &mut list.points.entry(index).or_default()[column];
+                    if cell.replace(number).is_some_and(|before| before != number) {
+                        let message = format!("kw.ssfk.{} is there twice, with different values", shown(field));
+                        report.fault(line, field, message, super::TWICE);
+                    }
+                }
                 (None, Some(_)) => {
                     let help = format!("number the entries from 0 to {}", MOST_POINTS - 1);
                     report.fault(line, field, format!("'{}' is no entry of the table", shown(field)), &help);
@@ -224,6 +234,11 @@ fn finish(list: &List, tables: &mut Tables, report: &mut Report<'_>) {
             "give every entry its setpoint, or an interval",
         );
         return;
+    }
+    let surplus = list.points.range(list.count..).count();
+    if surplus > 0 {
+        let message = format!("{surplus} entries lie behind kw_nr_max {} and are not used", list.count);
+        report.unused_at(Span::new(0, 1), message, "see that kw.ssfk.kw_nr_max is the number of entries");
     }
     if missing > 0 {
         report.empty(&format!("{missing} entries have no value"), "write every value, 0 too");

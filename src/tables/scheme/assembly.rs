@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Task;
+use super::{Holds, Task};
 use crate::geometry::Axis;
 use crate::tables::format::rounded;
 use crate::tables::region::Region;
@@ -12,6 +12,9 @@ use crate::tables::{Lookup, Multiplication, Nodes, Tables};
 const POSITION_DECIMALS: usize = 6;
 /// What is smaller everywhere is no correction: a tenth of a nanometre, mm or rad.
 const NOTHING: f64 = 1e-7;
+
+/// Ends that are no farther apart differ by the noise of a fit, mm or degrees.
+const ENDS: f64 = 1e-5;
 
 /// Functions on their way to tables; values in mm or rad of the output.
 pub(super) struct Assembly<'a> {
@@ -139,25 +142,8 @@ impl<'a> Assembly<'a> {
         let unit = |value: f64| if output.is_rotary() { value.to_degrees() } else { value };
         let values: Vec<f64> = values.iter().map(|&value| unit(value)).collect();
         let mut lookup = Lookup::added(input, output, nodes(input, range, values.len()), values);
-        lookup.modulo = self.repeats(&lookup);
-        if let (true, Some(&first)) = (lookup.modulo, lookup.values.first())
-            && let Some(last) = lookup.values.last_mut()
-        {
-            *last = first;
-        }
+        repeat(self.task, &mut lookup);
         lookup
-    }
-
-    /// Whether a table of an axis that turns further than once repeats: it covers a turn and ends as it begins.
-    fn repeats(&self, lookup: &Lookup) -> bool {
-        let Some(data) = self.task.target.machine.axis(lookup.input).filter(|data| data.axis.is_rotary()) else {
-            return false;
-        };
-        let turns = data.modulo || data.travel.is_none_or(|[low, high]| high - low > std::f64::consts::TAU + 1e-9);
-        let [start, end] = lookup.nodes.range();
-        let (first, last) = (lookup.values.first().copied(), lookup.values.last().copied());
-        let gap = first.unwrap_or_default() - last.unwrap_or_default();
-        turns && (end - start - 360.0).abs() < 1e-3 && gap.abs() <= 1e-3 * largest(&lookup.values)
     }
 
     /// Puts what is the same everywhere into a table that is there, or one of the output itself.
@@ -175,6 +161,26 @@ impl<'a> Assembly<'a> {
             let count = self.added.get(&(output, input)).map_or(2, Vec::len);
             self.add(output, input, &vec![value; count]);
         }
+    }
+}
+
+/// Makes a table of an axis that turns further than once repeat, where it covers a turn and ends as it begins. An axis without end is at both
+/// ends in the same place: what differs there is noise of a fit, or what its terms cannot hold, and their mean stands at both. An
+/// axis with a longer travel may have errors that do not repeat.
+pub(super) fn repeat(task: &Task<'_>, lookup: &mut Lookup) {
+    let Some(data) = task.target.machine.axis(lookup.input).filter(|data| data.axis.is_rotary()) else { return };
+    let is_endless = data.modulo;
+    let turns = is_endless || data.travel.is_none_or(|[low, high]| high - low > std::f64::consts::TAU + 1e-9);
+    let [start, end] = lookup.nodes.range();
+    let (Some(&first), Some(&last)) = (lookup.values.first(), lookup.values.last()) else { return };
+    let is_turn = turns && (end - start - 360.0).abs() < 1e-3;
+    let is_same = (first - last).abs() <= f64::max(1e-3 * largest(&lookup.values), ENDS);
+    if is_turn && (is_endless || is_same) && task.format.can_hold(Holds::Repetition) {
+        lookup.modulo = true;
+        let both = f64::midpoint(first, last);
+        let count = lookup.values.len();
+        lookup.values[0] = both;
+        lookup.values[count - 1] = both;
     }
 }
 

@@ -3,7 +3,6 @@
 use super::{SCHEMES, Scheme, Task};
 use crate::geometry::Axis;
 use crate::tables::check::{Errors, Stand, left, stands};
-use crate::tables::format::Holds;
 use crate::tables::{Control, Tables};
 
 /// Poses at which schemes are compared, and at which tables are left out.
@@ -12,7 +11,7 @@ const SEED: u64 = 0x4155_544f;
 /// Points of a table that are tried, few first.
 const POINTS: [usize; 5] = [5, 9, 17, 33, 65];
 /// The share of the tolerance that the search aims at: other poses have a little more.
-const AIM: f64 = 0.95;
+pub const AIM: f64 = 0.95;
 
 /// A scheme that was tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,10 +27,10 @@ pub struct Tried {
 /// The tables with the fewest that reach the tolerance, and what was tried. `None` where no scheme does.
 #[must_use]
 pub fn choose(task: &Task<'_>) -> (Option<(&'static Scheme, Tables)>, Vec<Tried>) {
-    // What depends on the sense of motion counts where the control has tables for that.
-    let has_senses = |axis: &Axis| task.format.can_hold(Holds::Senses) && task.target.model.features(*axis).backlash;
+    // What depends on the sense of motion is left by a control that has no tables for it: it counts in any case.
+    let has_senses = |axis: &Axis| task.target.model.features(*axis).backlash;
     let axes: Vec<Axis> = task.region.axes().filter(has_senses).collect();
-    let poses = stands(&task.region.poses(POSES, SEED), &axes);
+    let poses = stands(&task.region.reached(task.target.machine).poses(POSES, SEED), &axes);
     let mut best: Option<(&Scheme, Tables)> = None;
     let mut tried = Vec::new();
     let most = task.format.limits.points;

@@ -125,7 +125,7 @@ impl<'a> Terms<'a> {
             let at = self.assembly.positions(axis_along);
             at.iter()
                 .map(|&at| {
-                    pose[axis_along] = at;
+                    pose[axis_along] = self.task.in_turn(axis_along, at);
                     function.value(axis, &pose, &state)
                 })
                 .collect()
@@ -142,7 +142,8 @@ impl<'a> Terms<'a> {
                 for &own in &lines {
                     for &other in &with {
                         let mut pose = middle;
-                        (pose[axis], pose[cross.with]) = (own, other);
+                        pose[axis] = self.task.in_turn(axis, own);
+                        pose[cross.with] = self.task.in_turn(cross.with, other);
                         let value = function.value(axis, &pose, &state);
                         if value.abs() > most.abs() {
                             (most, place) = (value, pose);

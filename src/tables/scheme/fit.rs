@@ -178,7 +178,12 @@ pub(super) fn fill(task: &Task<'_>, terms_of: &dyn Fn(Axis) -> Vec<Term>) -> Res
     let outputs = task.linear().into_iter().chain(task.target.rotary());
     let most = outputs.map(|axis| terms_of(axis).len()).max().unwrap_or(0);
     if most > MOST_TERMS {
-        return Err(format!("{most} values of a correction would have to be fitted at once; choose fewer --points"));
+        // The terms of an output that are free at every point grow with the points, the others do not.
+        let points = MOST_TERMS * task.points / most;
+        return Err(format!(
+            "{most} values of one axis would be fitted at once, and {MOST_TERMS} are the most that can be (the time goes with their third power): \
+             choose --points {points} or fewer; the schemes polynomial, trigonometric and fik take more"
+        ));
     }
     let poses = task.region.poses((most * POSES_A_TERM).max(LEAST_POSES), SEED);
     let state = State::default();

@@ -44,7 +44,9 @@ fn functions(task: &Task<'_>) -> Result<Tables, String> {
             }
             for (row, &at) in values.iter_mut().zip(&positions) {
                 match (name.carrier, is_location) {
-                    (Carrier::Axis(own), false) if own == axis => add_motion(row, *name, *function, axis, at),
+                    (Carrier::Axis(own), false) if own == axis => {
+                        add_motion(row, *name, *function, axis, task.in_turn(axis, at))
+                    }
                     (Carrier::Axis(own), true) if own == axis => add(row, &moved(*name, *value, one, at)),
                     (Carrier::Spindle, _) if last == Some(axis) => add(row, &spindle(task, *name, *value, one)),
                     _ => {}

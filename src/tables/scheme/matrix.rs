@@ -1,9 +1,12 @@
 //! A matrix between the axes and their motors: what is straight in the positions of X, Y and Z – scales and squareness.
 //!
-//! The nine numbers are fitted to the exact corrections without a constant, which a matrix does not have.
+//! The nine numbers are fitted to the exact corrections together with a constant of each axis. A matrix has no place for the constant – the arm of a
+//! tilted tool at Z0, say, which a zero offset takes – but without it in the fit it would bend scales and squareness.
 
 use super::{Holds, Scheme, Task};
+use crate::geometry::Axis;
 use crate::numeric::System;
+use crate::tables::region::Region;
 use crate::tables::{Orientation, Tables};
 
 pub(super) const SCHEME: Scheme = Scheme {
@@ -33,13 +36,24 @@ fn matrix(task: &Task<'_>) -> Result<Tables, String> {
     let wanted = task.exact(&poses)?;
     let mut matrix = [[0.0; 3]; 3];
     for ((i, row), output) in matrix.iter_mut().enumerate().zip(axes) {
-        let mut system = System::new(3);
+        let mut system = System::new(4);
         for (pose, correction) in poses.iter().zip(&wanted) {
-            system.add(&axes.map(|axis| pose[axis]), correction[output], 1.0);
+            // From the middle and in units of the range: an axis that stands still tells nothing, and all are alike in size.
+            let [x, y, z] = axes.map(|axis| scaled(&region, axis, pose[axis]));
+            system.add(&[x, y, z, 1.0], correction[output], 1.0);
         }
         let solution = system.solve_to(RANK_LIMIT).ok_or("the corrections are no numbers")?;
-        row.iter_mut().zip(solution.unknowns.iter()).for_each(|(to, value)| *to = *value);
+        for ((to, axis), value) in row.iter_mut().zip(axes).zip(solution.unknowns.iter()) {
+            let [low, high] = region.range(axis);
+            *to = if high > low { 2.0 * value / (high - low) } else { 0.0 };
+        }
         row[i] += 1.0;
     }
     Ok(Tables { matrix: Some(matrix), ..Tables::default() })
+}
+
+/// A position in units of half the range from the middle of it.
+fn scaled(region: &Region, axis: Axis, at: f64) -> f64 {
+    let [low, high] = region.range(axis);
+    if high > low { (2.0 * at - low - high) / (high - low) } else { 0.0 }
 }

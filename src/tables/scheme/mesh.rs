@@ -5,7 +5,7 @@
 //! at poses of its own. What is compared with the tolerance is the error that is left, not its change from one grid to the next
 //! (eq. 11), which ends the search too early.
 
-use super::{Holds, Scheme, Task};
+use super::{AIM, Holds, Scheme, Task};
 use crate::geometry::{Axis, AxisVector};
 use crate::machine::State;
 use crate::tables::check::left;
@@ -27,8 +27,6 @@ const SEED: u64 = 0x4752_4944;
 /// Most nodes along an axis, and in all.
 const MOST_NODES: usize = 200;
 const MOST_VALUES: usize = 1_000_000;
-/// The share of the tolerance that the search aims at: other poses have a little more.
-const AIM: f64 = 0.95;
 
 fn grid(task: &Task<'_>) -> Result<Tables, String> {
     let axes: [Axis; 3] = task.linear().try_into().map_err(|_| "a grid needs three linear axes".to_owned())?;
@@ -49,7 +47,7 @@ fn grid(task: &Task<'_>) -> Result<Tables, String> {
     // The sum of the errors along the axes is a first guess: a few rounds correct it.
     for _ in 0..8 {
         let count = smallest(&along, goal).ok_or_else(|| {
-            format!("a grid of {MOST_NODES} nodes along an axis does not reach {} mm", task.tolerance_mm)
+            format!("a grid of {MOST_NODES} nodes along an axis does not reach {:.4} um", task.tolerance_mm * 1e3)
         })?;
         let found = mesh.rms_mm(count, &verified)?;
         if found <= aim {
@@ -58,7 +56,7 @@ fn grid(task: &Task<'_>) -> Result<Tables, String> {
         }
         goal *= 0.95 * aim / found;
     }
-    Err(format!("no grid reaches {} mm", task.tolerance_mm))
+    Err(format!("no grid reaches {:.4} um", task.tolerance_mm * 1e3))
 }
 
 /// A grid in the making.

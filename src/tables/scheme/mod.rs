@@ -19,7 +19,7 @@ use crate::geometry::{Axis, AxisVector, LINEAR_AXES};
 use crate::machine::State;
 use crate::model::Accumulator;
 
-pub use auto::{Tried, choose};
+pub use auto::{AIM, Tried, choose};
 
 /// What tables are wanted.
 #[derive(Clone, Copy, Debug)]
@@ -113,6 +113,12 @@ impl<'a> Task<'a> {
             }
         }
         axes
+    }
+
+    /// A position as error functions have it: within a turn from 0 for an axis without end.
+    fn in_turn(&self, axis: Axis, at: f64) -> f64 {
+        let is_endless = self.target.machine.axis(axis).is_some_and(|data| data.modulo);
+        if is_endless { at.rem_euclid(std::f64::consts::TAU) } else { at }
     }
 
     /// The exact corrections at poses.

@@ -1,7 +1,9 @@
 //! Tables for one sense of motion: what an axis with a reversal error needs beside the mean of both senses.
+//!
+//! What a format cannot hold – a play that moves another axis, where only the axis itself has a table for each sense – is left over.
 
-use super::Task;
-use super::assembly::{nodes, positions};
+use super::assembly::{nodes, positions, repeat};
+use super::{Holds, Task};
 use crate::geometry::{AXES, Axis, AxisVector};
 use crate::machine::State;
 use crate::tables::{Lookup, Sense, Tables};
@@ -17,7 +19,8 @@ pub(super) fn tables(task: &Task<'_>) -> Tables {
         let at = positions(input, task.region, task.points);
         let halves: Option<Vec<AxisVector>> = at.iter().map(|&at| half_difference(task, input, at)).collect();
         let Some(halves) = halves else { continue };
-        for output in AXES {
+        let has_place = |output: &Axis| *output == input || task.format.can_hold(Holds::CrossSenses);
+        for output in AXES.into_iter().filter(has_place) {
             let mut values: Vec<f64> = halves.iter().map(|half| half[output]).collect();
             if values.iter().all(|value| value.abs() < NOTHING) {
                 continue;
@@ -30,6 +33,7 @@ pub(super) fn tables(task: &Task<'_>) -> Tables {
                 let nodes = nodes(input, task.region.range(input), values.len());
                 let mut one = Lookup::added(input, output, nodes, values.iter().map(|&value| unit(value)).collect());
                 one.sense = sense;
+                repeat(task, &mut one);
                 tables.lookups.push(one);
             }
         }

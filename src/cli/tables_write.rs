@@ -1,0 +1,82 @@
+//! Writes the files of compensation tables and their picture: all of them, or none.
+
+use std::path::{Path, PathBuf};
+
+use super::arguments::TablesArguments;
+use super::findings::Findings;
+use super::input::is_standard_stream;
+use super::output::{Spool, Target};
+use super::program;
+use super::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::report::tables::{TablesReport, picture};
+use crate::tables::{Format, Tables, Wiring};
+
+/// The files of tables; none where the control cannot take them, which the findings say.
+pub(super) fn texts(
+    format: &Format,
+    tables: &Tables,
+    wiring: &Wiring,
+    notes: &[String],
+    output: &Path,
+    findings: &mut Findings,
+) -> Result<Vec<(PathBuf, String)>, Stop> {
+    for fault in format.faults_of(tables, wiring) {
+        let help = "try --scheme auto, fewer --points or a larger --tolerance; ncfix tables --list shows the limits";
+        findings.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, fault, help), &[]);
+    }
+    if findings.has_errors() {
+        return Ok(Vec::new());
+    }
+    let written = (format.write)(tables, wiring, notes);
+    if is_standard_stream(output) && written.len() > 1 {
+        let what = format!("{} are {} files, and standard output is one", format.title, written.len());
+        return Err(Stop::Usage(format!("{what}; give -o the name that they begin with, such as -o mill")));
+    }
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = |suffix: &str| {
+        if suffix.is_empty() || is_standard_stream(output) {
+            output.to_owned()
+        } else {
+            output.with_file_name(format!("{stem}{suffix}"))
+        }
+    };
+    Ok(written.into_iter().map(|one| (name(&one.suffix), one.text)).collect())
+}
+
+/// Writes all files and the picture, or none.
+pub(super) fn publish(
+    arguments: &TablesArguments,
+    mut files: Vec<(PathBuf, String)>,
+    sets: &[(&str, &Tables)],
+    inputs: Vec<PathBuf>,
+    report: &mut TablesReport,
+    findings: &mut Findings,
+) -> Result<(), Stop> {
+    if findings.has_errors() {
+        return Ok(());
+    }
+    if let Some(path) = &arguments.svg {
+        files.push((path.clone(), picture(sets)));
+    }
+    let mut spools = Vec::new();
+    for (path, text) in &files {
+        let target = Target::new(path)?;
+        if arguments.json && target == Target::Standard {
+            return Err(Stop::Usage("--json and the tables cannot both go to standard output; give -o a file".into()));
+        }
+        program::protect(&target, inputs.iter(), findings);
+        let mut spool = Spool::new(target)?;
+        let written = spool.writer().write_all(text.as_bytes());
+        written.map_err(|error| spool.fault(&error))?;
+        spools.push(spool);
+    }
+    if findings.has_errors() {
+        return Ok(());
+    }
+    for spool in spools {
+        spool.publish(false)?;
+    }
+    report.written = files.iter().map(|(path, _)| path.display().to_string()).collect();
+    Ok(())
+}

@@ -1,0 +1,156 @@
+//! `ncfix tables --format`: what is made, what is told of it, and what is refused.
+
+use crate::support::Shop;
+
+/// A machine with three axes.
+const MILL: &str = "[machine]\nname = \"mill\"\ntopology = \"wFXYZSt\"\ncontroller = \"sinumerik\"\n\
+    [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 500]\n\
+    [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 400]\n\
+    [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 300]\n\
+    [spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n";
+/// A machine with a table that tilts, and one that turns without end.
+const TURNING: &str = "[machine]\nname = \"turning\"\ntopology = \"wCBFXYZSt\"\ncontroller = \"sinumerik\"\n\
+    [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-200, 200]\n\
+    [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-200, 200]\n\
+    [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-200, 200]\n\
+    [axis.B]\ndirection = [0, -1, 0]\ntravel_deg = [-90, 90]\n\
+    [axis.C]\ndirection = [0, 0, -1]\nmodulo = true\n\
+    [spindle]\norigin_mm = [0, 0, 0]\naxis = [0, 0, 1]\n";
+const SCALE: &str = "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 4e-5]\n";
+
+fn play(component: &str) -> String {
+    format!("[[motion]]\ncomponent = \"{component}\"\nkind = \"backlash\"\nvalue_um = 6\n")
+}
+
+fn shop(machine: &str, errors: &str) -> Shop {
+    Shop::new().file("m.toml", format!("{machine}{errors}"))
+}
+
+/// The words of a line that makes tables, and more.
+fn make<'a>(format: &'a str, scheme: &'a str, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let first = ["tables", "--machine", "m.toml", "--format", format, "--scheme", scheme, "-o", out];
+    first.into_iter().chain(more.iter().copied()).collect()
+}
+
+/// A play of 6 µm leaves 3 µm in either sense, which a format without senses cannot hold: its values would all be 0.
+#[test]
+fn a_format_without_senses_is_not_told_to_reach_what_it_leaves() {
+    for format in ["fanuc", "enc", "matrixkins"] {
+        let scheme = match format {
+            "fanuc" => "grid",
+            "enc" => "own",
+            _ => "matrix",
+        };
+        let shop = shop(MILL, &play("EXX"));
+        let run = shop.run(make(format, scheme, "out.txt", &["--tolerance", "1um"])).exits(4);
+        run.says("E0902").says("all values would be 0").says("3.00 um rms").says("backlash parameter");
+        let run = shop.run(make(format, "auto", "out.txt", &["--tolerance", "1um"])).exits(4);
+        run.says("E0902").says("no scheme leaves 0.95 um, 5 % below the tolerance").says("sense of X is left");
+        // Within the tolerance nothing is needed.
+        shop.run(make(format, "auto", "out.txt", &["--tolerance", "9um"])).exits(4).says("all values would be 0");
+        assert_eq!(shop.names(), ["m.toml"]);
+    }
+    let shop = shop(MILL, &(play("EXX") + SCALE));
+    let made = shop.run(make("fanuc", "grid", "grid.csv", &["--check", "--json"])).exits(0).json();
+    let left = made["check"]["tables"]["rms_um"].as_f64().unwrap();
+    assert!((left - 3.0).abs() < 0.05, "{made}");
+}
+
+/// A play of X that moves Y: the control has no table for it, and corrects the scale all the same. 3 µm are left and counted.
+#[test]
+fn a_play_to_the_side_is_left_over_and_does_not_block() {
+    for format in ["comp", "ssfk", "heidenhain"] {
+        let shop = shop(MILL, &(play("EYX") + SCALE));
+        let made = shop.run(make(format, "own", "out", &["--check", "--json"])).exits(0).json();
+        let left = made["check"]["tables"]["rms_um"].as_f64().unwrap();
+        assert!((left - 3.0).abs() < 0.05, "{format}: {made}");
+        shop.run(make(format, "auto", "other", &["--tolerance", "4um"])).exits(0);
+    }
+    let shop = shop(MILL, &(play("EYX") + SCALE));
+    let made = shop.run(make("cec", "fik", "CEC.INI", &["--check", "--json"])).exits(0).json();
+    assert!(made["check"]["tables"]["max_um"].as_f64().unwrap() < 0.05, "{made}");
+}
+
+/// Beyond half a turn a table that does not repeat holds its end value; errors of an axis without end repeat.
+#[test]
+fn tables_over_an_axis_without_end_repeat() {
+    let wave = "[[motion]]\ncomponent = \"EXC\"\nkind = \"table\"\n\
+                positions_deg = [0, 90, 180, 270, 360]\nvalues_um = [3, 20, -4, -15, 3]\n";
+    for (scheme, most) in [("free", 6.0), ("polynomial", 25.0), ("fik", 1.0)] {
+        let shop = shop(TURNING, wave);
+        let made =
+            shop.run(make("cec", scheme, "CEC.INI", &["--check", "--json", "--range", "B=0..0"])).exits(0).json();
+        let over_c: Vec<_> = made["rows"].as_array().unwrap().iter().filter(|row| row["input"] == "C").collect();
+        assert!(!over_c.is_empty() && over_c.iter().all(|row| row["modulo"] == true), "{scheme}: {made}");
+        let left = made["check"]["tables"]["max_um"].as_f64().unwrap();
+        assert!(left < most, "{scheme}: {left}");
+    }
+    // A control whose tables do not repeat leaves the end value beyond half a turn: the check reaches there.
+    let own = "[[motion]]\ncomponent = \"ECB\"\nkind = \"polynomial\"\ncoefficients = [2e-4]\n";
+    shop(TURNING, own).run(make("comp", "own", "c", &["--check", "--orientation", "off"]));
+}
+
+/// B from -90 to 90 degrees is looked up from 270 to 360 and from 0 to 90.
+#[test]
+fn a_rotary_range_below_zero_is_looked_up_within_the_turn() {
+    let wave = "[[motion]]\ncomponent = \"EXB\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-2]\n";
+    let shop = shop(TURNING, wave);
+    let words = ["--check", "--json", "--range", "C=0..0", "--points", "19", "--orientation", "off"];
+    let made = shop.run(make("heidenhain", "free", "mill", &words)).exits(0).json();
+    let check = &made["check"];
+    let [before, left] = ["before", "tables"].map(|one| check[one]["rms_um"].as_f64().unwrap());
+    assert!(before > 5.0 && left < 0.1 * before, "{made}");
+    let text = shop.text("mill-b.com");
+    let positions: Vec<f64> =
+        text.lines().skip(2).filter_map(|line| line.split_whitespace().nth(1)?.parse().ok()).collect();
+    assert!(positions.iter().all(|at| (0.0..=360.0).contains(at)) && positions.contains(&270.0), "{text}");
+}
+
+/// Z tilted about Y by 100 µrad with a tool of 150 mm: 15 µm at Z0, and 100 µm/m over Z. Only the slope is for the matrix.
+#[test]
+fn a_matrix_takes_slopes_and_leaves_constants() {
+    let shop = shop(MILL, "[location]\nEB0Z = 100\n");
+    shop.run(make("matrixkins", "matrix", "m.hal", &["--tool", "150"])).exits(0);
+    let text = shop.text("m.hal");
+    let value = |name: &str| -> f64 {
+        let line = text.lines().find_map(|line| line.strip_prefix(&format!("setp matrixkins.C_{name} "))).unwrap();
+        line.parse().unwrap()
+    };
+    assert!((value("xz").abs() - 1e-4).abs() < 1e-8, "{text}");
+    for (name, wanted) in [("xx", 1.0), ("xy", 0.0), ("yx", 0.0), ("yy", 1.0), ("yz", 0.0), ("zz", 1.0)] {
+        assert!((value(name) - wanted).abs() < 1e-7, "{name}: {text}");
+    }
+}
+
+#[test]
+fn what_was_asked_for_is_said() {
+    let shop = shop(MILL, SCALE);
+    let words = ["--tolerance", "1um", "--range", "X=10..200.5"];
+    let run = shop.run(make("cec", "auto", "CEC.INI", &words)).exits(0);
+    assert!(run.stdout.contains("auto aims at 0.95 um, 5 % below the tolerance"), "{}", run.stdout);
+    assert!(run.stdout.contains("for a part of the travel: X 10 .. 200.5 mm"), "{}", run.stdout);
+    assert!(shop.text("CEC.INI").contains("; made for a part of the travel: X 10 .. 200.5 mm"));
+    let whole = shop.run(make("cec", "own", "ALL.INI", &[])).exits(0);
+    assert!(!whole.stdout.contains("part of the travel") && !shop.text("ALL.INI").contains("part of the travel"));
+}
+
+#[test]
+fn options_that_contradict_are_refused() {
+    let shop = shop(MILL, &(SCALE.to_owned() + &SCALE.replace("EXX", "EYY")));
+    for words in [
+        ["--axis-name", "X=AX1", "--axis-name", "Y=ax1"],
+        ["--axis-name", "X=AX1", "--axis-name", "X=AX2"],
+        ["--range", "X=0..10", "--range", "X=0..20"],
+    ] {
+        shop.run(make("cec", "own", "CEC.INI", &words)).exits(2).says("given twice");
+    }
+    shop.run(make("comp", "own", "-", &[])).exits(2).says("standard output is one").says("-o mill");
+    let one = shop.run(make("cec", "own", "-", &[])).exits(0);
+    assert!(one.stdout.starts_with("%_N_NC_CEC_INI"), "{}", one.stdout);
+    let run = shop.run(make("enc", "own", "m.toml", &[])).exits(4).says("E0310");
+    assert!(!run.stderr.contains("--in-place"), "{}", run.stderr);
+    let run = shop.run(make("enc", "own", "EEC.INI", &["--points", "2000"])).exits(4);
+    run.says("E0902").says("--points 600 or fewer");
+    shop.run(make("enc", "own", "EEC.INI", &["--points", "600"])).exits(0);
+    shop.run(make("cec", "fik", "CEC.INI", &["--points", "2000"])).exits(0);
+}
