@@ -56,6 +56,7 @@ working folder or above it, else an embedded demo machine (with a warning, which
 Examples:
   ncfix part.mpf -o part_corrected.mpf --machine mill.toml
   ncfix part.mpf -o - --machine mill.toml | less
+  ncfix part.mpf -o part_corrected.mpf --review review.html
   ncfix check part.mpf
   ncfix snc part.mpf | head
   ncfix verify part.mpf part_corrected.mpf --machine mill.toml
@@ -243,6 +244,9 @@ pub(super) struct FixArguments {
     #[command(flatten)]
     /// How it is corrected.
     pub(super) correction: CorrectionChoice,
+    /// Write a page that shows what was changed, for a person to look at before the program runs: that of `ncfix diff --html`
+    #[arg(long, value_name = "PAGE.html")]
+    pub(super) review: Option<PathBuf>,
     /// Print the report as one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,

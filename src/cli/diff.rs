@@ -9,12 +9,14 @@ mod text;
 use super::arguments::DiffArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
-use super::pair::Pair;
+use super::output::Target;
+use super::pair::{Outcome, Pair};
 use super::stop::Stop;
 use super::{print, program, tell};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::json;
-use crate::report::review::Review;
+use crate::report::review::{Limit, Review};
+use crate::report::verdict::Verdict;
 use crate::review::Trace;
 
 use job::Job;
@@ -34,20 +36,10 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     let target = arguments.html.as_deref().map(page::target).transpose()?;
     let journal = arguments.journal.as_deref().map(page::journal).transpose()?;
-    let mut trace = room_for(&arguments.corrected, target.is_some());
-    let pair = Pair {
-        original: &arguments.original,
-        corrected: &arguments.corrected,
-        machine: &arguments.machine,
-        state: &arguments.state,
-        program: &arguments.program,
-    };
     if let Some(target) = &target {
         program::protect(target, [&arguments.original, &arguments.corrected], &mut findings);
     }
-    let has_places = target.is_some();
-    let outcome = pair.compare(&mut findings, &mut |follow| trace.see(&follow, has_places))?;
-    let Some(outcome) = outcome.filter(|_| !findings.has_errors()) else {
+    let Some((trace, outcome)) = compare(arguments, target.is_some(), &mut findings)? else {
         if arguments.json {
             let review = Review { schema: 1, diagnostics: findings.json(), ..Review::default() };
             print(&json::line(&review).map_err(Stop::Usage)?)?;
@@ -94,6 +86,43 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         return Ok(findings.exit_code());
     }
     Ok(if review.same || arguments.fail_above.is_some() { ExitCode::Done } else { ExitCode::Different })
+}
+
+/// Walks both programs; `None` where findings forbid it.
+fn compare(
+    arguments: &DiffArguments,
+    has_places: bool,
+    findings: &mut Findings,
+) -> Result<Option<(Trace, Outcome)>, Stop> {
+    let mut trace = room_for(&arguments.corrected, has_places);
+    let pair = Pair {
+        original: &arguments.original,
+        corrected: &arguments.corrected,
+        machine: &arguments.machine,
+        state: &arguments.state,
+        program: &arguments.program,
+    };
+    let outcome = pair.compare(findings, &mut |follow| trace.see(&follow, has_places))?;
+    Ok(outcome.filter(|_| !findings.has_errors()).map(|outcome| (trace, outcome)))
+}
+
+/// Writes the page of a program that was just corrected, and says what it says; `None` where findings forbid it. `limit` is what the correction was
+/// allowed.
+pub(super) fn review(
+    arguments: &DiffArguments,
+    limit: impl FnOnce(&Trace) -> Limit,
+    target: Target,
+    findings: &mut Findings,
+) -> Result<Option<Verdict>, Stop> {
+    let Some((trace, outcome)) = compare(arguments, true, findings)? else { return Ok(None) };
+    let Some(corrected) = outcome.sources[1].first() else { return Ok(None) };
+    let mut review = Job { arguments, trace: &trace, outcome: &outcome, corrected }.review(findings);
+    review.limits.push(limit(&trace));
+    review.verdict = Verdict::of(&review);
+    let listing = Listing::new(arguments, &trace.rows, &outcome.sources[0], corrected);
+    (review.rows, review.more_rows) = listing.some(ROWS_OF_JSON);
+    page::write(target, &review, &trace, &outcome, None)?;
+    Ok(Some(review.verdict))
 }
 
 /// For as many rows as a corrected program may have lines.

@@ -1,9 +1,11 @@
 //! `ncfix fix`: the whole way from a program to its corrected text.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::time::Instant;
 
-use super::arguments::FixArguments;
+use super::arguments::{DiffArguments, FixArguments};
+use super::diff;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::is_standard_stream;
@@ -17,10 +19,12 @@ use super::{print, tell};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::emit;
 use crate::exec::RapidOrder;
-use crate::geometry::AXES;
+use crate::geometry::{AXES, Axis};
 use crate::path::{self, Corrector, Prediction};
 use crate::report::correction::Correction;
 use crate::report::json;
+use crate::report::review::Limit;
+use crate::review::Trace;
 use crate::source::{Source, Span};
 use crate::units::{um_from_mm, urad_from_rad};
 
@@ -40,7 +44,10 @@ pub(super) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
         print(&json::line(&report).map_err(Stop::Usage)?)?;
     } else {
         findings.draw();
-        if findings.has_errors() {
+        if report.output.is_some() && findings.has_errors() {
+            tell(&report.table());
+            tell(&format!("{}; the program was written, its review was not\n", findings.count()));
+        } else if findings.has_errors() {
             tell(&format!("{}; nothing was written\n", findings.count()));
         } else {
             tell(&report.table());
@@ -56,6 +63,8 @@ struct Job<'a> {
     target: Target,
     /// The target as the user named it.
     target_name: String,
+    /// Where the page with the review goes.
+    page: Option<Target>,
 }
 
 impl<'a> Job<'a> {
@@ -68,9 +77,13 @@ impl<'a> Job<'a> {
         if arguments.json && is_standard_stream(output) {
             return Err(Stop::Usage("--json and the program cannot both go to standard output; give -o a file".into()));
         }
+        let page = arguments.review.as_deref().map(diff::page::target).transpose()?;
+        if page.is_some() && [output, &arguments.input].into_iter().any(|path| is_standard_stream(path)) {
+            return Err(Stop::Usage("--review needs a program in a file and -o a file: the page shows both".into()));
+        }
         let source = program::read(&arguments.input)?;
         let target = Target::new(output)?;
-        Ok(Job { arguments, source, target, target_name: output.display().to_string() })
+        Ok(Job { arguments, source, target, target_name: output.display().to_string(), page })
     }
 
     /// Reads the machine, corrects, and publishes the text if there is no error.
@@ -89,6 +102,10 @@ impl<'a> Job<'a> {
         }
         let own = (!arguments.in_place).then_some(&arguments.input);
         program::protect_program(&self.target, chosen.files.iter().chain(own), findings);
+        if let Some(page) = &self.page {
+            program::protect(page, chosen.files.iter().chain([&arguments.input]), findings);
+            self.keep_apart(page, findings);
+        }
         if let Some(increment_mm) = arguments.correction.increment {
             chosen.machine.control.increment_mm = increment_mm;
         }
@@ -105,6 +122,46 @@ impl<'a> Job<'a> {
             report.backup = Some(backup.display().to_string());
         }
         report.output = Some(self.target_name.clone());
+        self.review(findings, report)
+    }
+
+    /// A page that would be written over the program.
+    fn keep_apart(&self, page: &Target, findings: &mut Findings) {
+        let output = self.arguments.output.as_ref().unwrap_or(&self.arguments.input);
+        if *page == self.target || page.is(output) {
+            let message = format!("the review would overwrite {}", self.target_name);
+            findings.add(Diagnostic::nowhere(Code::WRONG_FILE, message, "choose another file for --review"), &[]);
+        }
+    }
+
+    /// Executes both programs as they are on the disk now, and writes the page about what was changed.
+    fn review(&self, findings: &mut Findings, report: &mut Correction) -> Result<(), Stop> {
+        let Some(page) = &self.page else { return Ok(()) };
+        // Two names of one file may be told only now that it is there.
+        self.keep_apart(page, findings);
+        if findings.has_errors() {
+            return Ok(());
+        }
+        let arguments = self.arguments;
+        let original = report.backup.as_ref().map_or_else(|| arguments.input.clone(), PathBuf::from);
+        let corrected = arguments.output.clone().unwrap_or_else(|| arguments.input.clone());
+        let comparison = DiffArguments::of_fix(arguments, original, corrected);
+        let allowed_um = um_from_mm(arguments.correction.max_correction);
+        let limit = |trace: &Trace| {
+            let axes: Vec<Axis> = AXES.into_iter().filter(|axis| !axis.is_rotary()).collect();
+            let value_um = trace.rows.iter().map(|row| row.largest(&axes)).fold(0.0, f64::max);
+            let name = "the largest correction of a linear axis".to_owned();
+            Limit { name, value_um, limit_um: allowed_um, is_kept: value_um <= allowed_um }
+        };
+        // What was found in the program is known already, and is found again.
+        let mut again = Findings::default();
+        let verdict = diff::review(&comparison, limit, page.clone(), &mut again)?;
+        if verdict.is_none() {
+            findings.absorb(again);
+        } else {
+            report.review = arguments.review.as_ref().map(|path| path.display().to_string());
+        }
+        report.verdict = verdict;
         Ok(())
     }
 

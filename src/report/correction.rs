@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::json::{Finding, Remaining, Spread};
 use super::number::{duration, grouped, micrometers, significant};
+use super::verdict::Verdict;
 
 /// The result of `ncfix fix`. Errors are distances of the tool tip from the programmed path, predicted on the error model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -33,6 +34,10 @@ pub struct Correction {
     pub output: Option<String>,
     /// The file that keeps the original of a program that was corrected in place.
     pub backup: Option<String>,
+    /// The page with the review; `null` where none was asked for or written.
+    pub review: Option<String>,
+    /// Whether the program should run, as the page says.
+    pub verdict: Option<Verdict>,
     /// Name of the machine.
     pub machine: String,
     /// Findings in the order in which they were met.
@@ -75,6 +80,15 @@ impl Correction {
         }
         if let Some(backup) = &self.backup {
             row("original", backup);
+        }
+        if let Some(review) = &self.review {
+            row("review", review);
+        }
+        if let Some(verdict) = &self.verdict {
+            row("verdict", verdict.sentence());
+            for text in verdict.doubts() {
+                row("", text);
+            }
         }
         out
     }
@@ -153,6 +167,8 @@ mod tests {
             max_at_file: Some("part.mpf".into()),
             output: Some("out.mpf".into()),
             backup: Some("part.mpf.bak".into()),
+            review: Some("review.html".into()),
+            verdict: Some(Verdict::default()),
             machine: "demo".into(),
             diagnostics: Vec::new(),
         }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::correction::error_rows;
 use super::json::{Finding, Spread};
 use super::number::{grouped, micrometers, significant};
-use super::verdict::{Grade, Verdict};
+use super::verdict::Verdict;
 
 /// The result of `ncfix diff`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -183,8 +183,8 @@ impl Review {
         }
         row("verdict", self.verdict.sentence());
         // Findings stand above by themselves, and errors below.
-        for reason in self.verdict.reasons.iter().filter(|reason| reason.grade > Grade::Ok && reason.code.is_none()) {
-            row("", &reason.text);
+        for text in self.verdict.doubts() {
+            row("", text);
         }
         if !self.axes.is_empty() {
             out.push_str("\n  axis        max    at line       mean        RMS       99 %\n");

@@ -105,6 +105,12 @@ impl Verdict {
         Verdict { grade: reasons.iter().map(|reason| reason.grade).max().unwrap_or_default(), reasons }
     }
 
+    /// What speaks against running it, without findings: those stand for themselves.
+    pub fn doubts(&self) -> impl Iterator<Item = &str> {
+        let against = self.reasons.iter().filter(|reason| reason.grade > Grade::Ok && reason.code.is_none());
+        against.map(|reason| reason.text.as_str())
+    }
+
     /// In one sentence.
     #[must_use]
     pub fn sentence(&self) -> &'static str {

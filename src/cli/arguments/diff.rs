@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::super::value;
-use super::{MachineChoice, ProgramChoice, StateChoice};
+use super::{FixArguments, MachineChoice, ProgramChoice, StateChoice};
 use crate::geometry::Axis;
 
 /// What `ncfix diff --help` says last.
@@ -70,6 +70,30 @@ pub(in crate::cli) struct DiffArguments {
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(in crate::cli) json: bool,
+}
+
+impl DiffArguments {
+    /// The comparison of a program with what `ncfix fix` made of it.
+    pub(in crate::cli) fn of_fix(fix: &FixArguments, original: PathBuf, corrected: PathBuf) -> DiffArguments {
+        DiffArguments {
+            original,
+            corrected,
+            machine: fix.machine.clone(),
+            state: fix.state.clone(),
+            program: fix.program.clone(),
+            top: None,
+            only: None,
+            axis: Vec::new(),
+            tolerance: None,
+            fail_above: None,
+            html: fix.review.clone(),
+            journal: None,
+            text: false,
+            summary: false,
+            no_pager: true,
+            json: false,
+        }
+    }
 }
 
 fn axis(text: &str) -> Result<Axis, String> {
