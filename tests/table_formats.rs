@@ -77,7 +77,8 @@ pub(crate) fn tables_for(format: &Format) -> Tables {
         let mut x = Lookup::added(Axis::X, Axis::X, own, irregular(count, 0.03));
         x.weight = 0.75;
         lookups.push(x);
-        lookups.push(Lookup::added(Axis::C, Axis::C, even(0.0, 45.0, 360.0), irregular(9, 0.002)));
+        let turn = Lookup::added(Axis::C, Axis::C, even(0.0, 45.0, 360.0), irregular(9, 0.002));
+        lookups.push(Lookup { modulo: format.can_hold(Holds::Repetition), ..turn });
     }
     if format.can_hold(Holds::Senses) {
         for (sense, start) in [(Sense::Positive, -50.0), (Sense::Negative, -60.0)] {
@@ -367,7 +368,8 @@ fn ramp(t: usize, more: &str) -> String {
     ];
     let rest = fields.into_iter().filter(|(name, _)| !more.contains(&format!("$AN_CEC_{name}")));
     let rest: String = rest.map(|(name, value)| format!("$AN_CEC_{name}[{t}]={value}\n")).collect();
-    format!("$AN_CEC[{t},0]=1\n$AN_CEC[{t},1]=3\n{more}\n{rest}M17\n")
+    let more = if more.is_empty() { String::new() } else { format!("{more}\n") };
+    format!("$AN_CEC[{t},0]=1\n$AN_CEC[{t},1]=3\n{more}{rest}M17\n")
 }
 
 #[test]
@@ -470,7 +472,7 @@ fn fields_that_are_missing_twice_or_impossible() {
     let member = whole.replace("M17", "%_N_PART_MPF");
     assert_eq!(read_as(named("cec"), "x.arc", member).1, ["W0901 10:1"]);
     for (more, expected) in [
-        ("$AN_CEC_MAX[0]=200", "E0901 11:1"),
+        ("$AN_CEC_MAX[0]=90", "E0901 11:1"),
         ("$AN_CEC_INPUT_AXIS[0]=AX3", "E0901 11:1"),
         ("$AN_CEC_MULT_BY_TABLE[0]=1", "E0901 11:1"),
         ("$AN_CEC_IS_MODULO[0]=7", "E0901 11:22"),

@@ -177,10 +177,11 @@ impl Reader<'_> {
             _ => return self.unknown(line, one),
         };
         let Some(raw) = self.raw.get_mut(&t) else { return };
-        let before = raw.fields.insert(field.to_owned(), number);
         if let Some((message, help)) = fault {
+            // Told once: what would follow from such a value is no news, and that the field is missing is not true.
+            raw.fields.entry(field.to_owned()).or_insert(if field == "ENABLE" { 1.0 } else { 0.0 });
             self.report.fault(line, value, message, help);
-        } else if before.is_some_and(|before| before != number) {
+        } else if raw.fields.insert(field.to_owned(), number).is_some_and(|before| before != number) {
             self.twice(line, t, &one.name, one.text);
         }
     }
