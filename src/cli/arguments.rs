@@ -11,6 +11,7 @@ mod help;
 mod load;
 mod machine;
 mod measured;
+mod page;
 mod plan;
 mod realtime;
 mod sensors;
@@ -30,6 +31,7 @@ pub(super) use help::{CompletionsArguments, EXAMPLES, ManArguments, STATUSES};
 pub(super) use load::LoadArguments;
 pub(super) use machine::{MachineArguments, MachineCommand, PresetArguments, ShowArguments, StateChoice};
 pub(super) use measured::MeasuredArguments;
+pub(super) use page::PageChoice;
 pub(super) use plan::PlanArguments;
 pub(super) use realtime::RealtimeArguments;
 pub(super) use sensors::SensorsArguments;
@@ -305,6 +307,9 @@ pub(super) struct VerifyArguments {
     #[command(flatten)]
     /// How the programs are executed.
     pub(super) program: ProgramChoice,
+    #[command(flatten)]
+    /// Which page.
+    pub(super) page: PageChoice,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,

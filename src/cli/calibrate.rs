@@ -12,6 +12,7 @@ use super::input::{self, is_standard_stream, one_stream};
 use super::machine_choice::{self, Chosen, short_hash};
 use super::measurement::{self, Measurement};
 use super::output::{Spool, Target};
+use super::pages::Pages;
 use super::stop::Stop;
 use super::{conditions, figures, parameters, print, repeated, select, state, tell};
 use crate::calibrate::{Compared, Fit, Options, Parameter, Refusal, fit, quality, reversals};
@@ -40,7 +41,7 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     let version = env!("CARGO_PKG_VERSION");
     let mut report = calibration::Calibration { model: arguments.model.clone(), version, ..Default::default() };
-    let page = calibrated_report::target(arguments.report.as_deref(), Some(&arguments.output), arguments.json)?;
+    let page = Pages::new(&arguments.page, Some(&arguments.output), arguments.json)?;
     let mut result = calibrate(arguments, page.as_ref(), &mut findings, &mut report);
     if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
         result = calibrated_report::write(page, arguments, &findings, &mut report);
@@ -64,7 +65,7 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
 
 fn calibrate(
     arguments: &CalibrateArguments,
-    page: Option<&Target>,
+    page: Option<&Pages>,
     findings: &mut Findings,
     report: &mut calibration::Calibration,
 ) -> Result<(), Stop> {
@@ -73,7 +74,7 @@ fn calibrate(
     let chosen = machine_choice::read(&start, &[], findings)?;
     let files = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
     let tables = arguments.data.iter().chain(&arguments.hold_out);
-    measurement::protect_inputs(std::iter::once(&target).chain(page), files, tables, findings)?;
+    measurement::protect_inputs(std::iter::once(&target).chain(page.and_then(Pages::target)), files, tables, findings)?;
     if page.is_some() && findings.has_errors() {
         return Ok(());
     }
@@ -254,7 +255,7 @@ impl Job<'_> {
                 }
             }
             let held = Held { data, quality, sigmas, weights, is_held_out };
-            report.data.extend(held.shown(&self.chosen.machine, self.arguments.report.is_some()));
+            report.data.extend(held.shown(&self.chosen.machine, self.arguments.page.is_wanted()));
         }
     }
 

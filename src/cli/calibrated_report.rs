@@ -1,13 +1,10 @@
 //! `ncfix calibrate --report`: the page, and what it shows of each measurement.
 
-use std::path::Path;
-
 use super::arguments::CalibrateArguments;
 use super::findings::Findings;
-use super::input::is_standard_stream;
 use super::machine_choice::short_hash;
 use super::measurement::Measurement;
-use super::output::{Spool, Target};
+use super::pages::Pages;
 use super::stop::Stop;
 use crate::calibrate::{Compared, Fit, Quality};
 use crate::geometry::Axis;
@@ -20,48 +17,19 @@ use crate::report::page;
 use crate::source::Source;
 use crate::units::{um_from_mm, urad_from_rad};
 
-/// Where the page shall go.
-///
-/// # Errors
-/// Where it cannot be written there.
-pub(super) fn target(report: Option<&Path>, output: Option<&Path>, json: bool) -> Result<Option<Target>, Stop> {
-    let Some(path) = report else { return Ok(None) };
-    if is_standard_stream(path) && (json || output.is_some_and(is_standard_stream)) {
-        return Err(Stop::Usage("standard output is taken already; give --report a file".into()));
-    }
-    let target = Target::new(path)?;
-    if !is_standard_stream(path) && output.is_some_and(|output| target.is(output) || path == output) {
-        return Err(Stop::Usage("--report and -o name the same file".into()));
-    }
-    Ok(Some(target))
-}
-
 /// Writes the page, also one that says only why there is no machine file.
 ///
 /// # Errors
 /// Where it cannot be written.
 pub(super) fn write(
-    target: Target,
+    pages: Pages,
     arguments: &CalibrateArguments,
     findings: &Findings,
     report: &mut Calibration,
 ) -> Result<(), Stop> {
     report.diagnostics = findings.json();
-    publish(target, &page::calibration::calibration(report))?;
-    report.report = arguments.report.as_ref().map(|path| path.display().to_string());
-    Ok(())
-}
-
-/// Writes a text as a whole.
-///
-/// # Errors
-/// Where it cannot be written.
-pub(super) fn publish(target: Target, text: &str) -> Result<(), Stop> {
-    let mut spool = Spool::new(target)?;
-    if let Err(error) = spool.writer().write_all(text.as_bytes()) {
-        return Err(spool.fault(&error));
-    }
-    spool.publish(false)?;
+    pages.publish(&page::calibration::calibration(report))?;
+    report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
     Ok(())
 }
 

@@ -10,6 +10,7 @@ use super::input::{self, is_standard_stream, one_stream};
 use super::machine_choice::{self, Chosen};
 use super::measurement::{self, Measurement};
 use super::output::Target;
+use super::pages::Pages;
 use super::progress::Progress;
 use super::stop::Stop;
 use super::{calibrated_report, diagnose_faults, diagnosed_report, print, tell};
@@ -38,13 +39,13 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     let mut report = diagnosis::Diagnosis { schema: SCHEMA, unit: "um", ..Default::default() };
     let mut shown = Shown { version: env!("CARGO_PKG_VERSION"), ..Shown::default() };
-    let page = calibrated_report::target(arguments.report.as_deref(), arguments.output.as_deref(), arguments.json)?;
+    let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
     let mut result = find(arguments, page.as_ref(), &mut findings, &mut report, &mut shown);
     if let (Some(page), Ok(())) = (page.filter(|_| !shown.inputs.is_empty()), &result) {
         report.diagnostics = findings.json();
-        result = calibrated_report::publish(page, &page::diagnosis::diagnosis(&report, &shown));
+        result = page.publish(&page::diagnosis::diagnosis(&report, &shown));
         if result.is_ok() {
-            report.report = arguments.report.as_ref().map(|path| path.display().to_string());
+            report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
         }
     }
     if result.is_ok() && arguments.json {
@@ -59,7 +60,7 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
     result?;
     if report.readings > 0 {
         let text = report.page();
-        if goes_out || arguments.report.as_deref().is_some_and(is_standard_stream) {
+        if goes_out || arguments.page.report.as_deref().is_some_and(is_standard_stream) {
             tell(&text);
         } else {
             print(&text)?;
@@ -74,7 +75,7 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
 
 fn find(
     arguments: &DiagnoseArguments,
-    page: Option<&Target>,
+    page: Option<&Pages>,
     findings: &mut Findings,
     report: &mut diagnosis::Diagnosis,
     shown: &mut Shown,
@@ -87,7 +88,12 @@ fn find(
         return Err(Stop::Usage("-o extends a machine file; give it with --machine".into()));
     }
     let tables = arguments.data.iter().chain(&arguments.holdout);
-    measurement::protect_inputs(target.iter().chain(page), chosen.files.clone(), tables, findings)?;
+    measurement::protect_inputs(
+        target.iter().chain(page.and_then(Pages::target)),
+        chosen.files.clone(),
+        tables,
+        findings,
+    )?;
     if findings.has_errors() {
         return Ok(());
     }

@@ -2,7 +2,7 @@
 
 mod job;
 mod listing;
-pub(super) mod page;
+mod page;
 mod pager;
 mod text;
 
@@ -12,7 +12,7 @@ use super::findings::Findings;
 use super::output::Target;
 use super::pair::{Outcome, Pair};
 use super::stop::Stop;
-use super::{print, program, tell};
+use super::{pages, print, program, tell};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::report::json;
 use crate::report::review::{Limit, Review};
@@ -34,7 +34,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         return text::run(arguments);
     }
     let mut findings = Findings::default();
-    let target = arguments.html.as_deref().map(page::target).transpose()?;
+    let target = arguments.html.as_deref().map(pages::file).transpose()?;
     let journal = arguments.journal.as_deref().map(page::journal).transpose()?;
     if let Some(target) = &target {
         program::protect(target, [&arguments.original, &arguments.corrected], &mut findings);

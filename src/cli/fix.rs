@@ -15,7 +15,7 @@ use super::program::{self, Opened, Running};
 use super::state;
 use super::stop::Stop;
 use super::writing::Writing;
-use super::{print, tell};
+use super::{pages, print, tell};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::emit;
 use crate::exec::RapidOrder;
@@ -77,7 +77,7 @@ impl<'a> Job<'a> {
         if arguments.json && is_standard_stream(output) {
             return Err(Stop::Usage("--json and the program cannot both go to standard output; give -o a file".into()));
         }
-        let page = arguments.review.as_deref().map(diff::page::target).transpose()?;
+        let page = arguments.review.as_deref().map(pages::file).transpose()?;
         if page.is_some() && [output, &arguments.input].into_iter().any(|path| is_standard_stream(path)) {
             return Err(Stop::Usage("--review needs a program in a file and -o a file: the page shows both".into()));
         }

@@ -33,6 +33,7 @@ mod measured;
 mod measurement;
 mod origin;
 mod output;
+mod pages;
 mod pair;
 mod parameters;
 mod plan;

@@ -2,30 +2,33 @@
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::arguments::{RotaryChoice, StepsArguments};
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
-use super::output::{Spool, Target};
-use super::print;
+use super::output::Target;
+use super::pages::{self, publish};
 use super::program::{self, Running};
 use super::progress::{self, Progress};
 use super::state;
 use super::stop::Stop;
 use super::value::ToolVector;
+use super::{input, print};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::exec::RapidOrder;
 use crate::geometry::{AXES, AxisVector, Vector};
 use crate::machine::Machine;
 use crate::path::{Answer, Line, Moves, Rotary, StepTrial, Steps, volume};
-use crate::report::json;
+use crate::report::compared::Input;
+use crate::report::plot::Picture as _;
+use crate::report::residual::Residual;
 use crate::report::steps::{StepReport, StepRow, Worst};
-use crate::report::svg;
 use crate::report::terminal::Colors;
-use crate::source::Source;
+use crate::report::{json, page};
+use crate::source::{FileId, Source};
 use crate::units::um_from_mm;
 
 /// Finds the step.
@@ -56,6 +59,7 @@ fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepRepor
     // What is missing is said before any work is done.
     let source = arguments.input.as_deref().map(program::read).transpose()?;
     let target = arguments.svg.as_deref().map(Target::new).transpose()?;
+    let page = arguments.report.as_deref().map(pages::file).transpose()?;
     if arguments.json && target == Some(Target::Standard) {
         return Err(Stop::Usage("--json and --svg cannot both go to standard output; give --svg a file".into()));
     }
@@ -66,7 +70,7 @@ fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepRepor
     if !state::apply(&arguments.state, &mut chosen, findings)? {
         return Ok(empty);
     }
-    if let Some(target) = &target {
+    for target in target.iter().chain(&page) {
         program::protect(target, chosen.files.iter().chain(&arguments.input), findings);
     }
     if findings.has_errors() {
@@ -111,13 +115,23 @@ fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepRepor
     }
     note(&mut report, &steps, &lines, &files, &chosen.machine);
     if let Some(target) = target {
-        let mut spool = Spool::new(target)?;
-        if let Err(error) = spool.writer().write_all(svg::steps(&report).as_bytes()) {
-            return Err(spool.fault(&error));
-        }
-        spool.publish(false)?;
+        publish(target, &Residual(&report).svg())?;
+    }
+    if let Some(page) = page {
+        report.diagnostics = findings.json();
+        let inputs = inputs(source.as_ref(), &chosen.files)?;
+        publish(page, &page::steps::steps(&report, &inputs))?;
     }
     Ok(report)
+}
+
+/// The files of a result.
+fn inputs(program: Option<&Source>, machine: &[PathBuf]) -> Result<Vec<Input>, Stop> {
+    let mut all: Vec<Input> = program.map(|one| pages::input(one, "program")).into_iter().collect();
+    for path in machine {
+        all.push(pages::input(&input::read(path, FileId(0), "machine file")?, "machine"));
+    }
+    Ok(all)
 }
 
 /// What a program gave.

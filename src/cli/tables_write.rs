@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use super::arguments::TablesArguments;
 use super::findings::Findings;
-use super::input::is_standard_stream;
+use super::input::{self, is_standard_stream};
 use super::output::{Spool, Target};
-use super::program;
 use super::stop::Stop;
+use super::{pages, program};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::report::tables::{TablesReport, picture};
+use crate::report::page;
+use crate::report::tables::{TablesReport, charts, picture};
+use crate::source::FileId;
 use crate::tables::{Format, Tables, Wiring};
 
 /// The files of tables; none where the control cannot take them, which the findings say.
@@ -71,6 +73,14 @@ pub(super) fn publish(
         written.map_err(|error| spool.fault(&error))?;
         spools.push(spool);
     }
+    let page = arguments.report.as_deref().map(pages::file).transpose()?;
+    if let Some(page) = &page {
+        program::protect(page, inputs.iter(), findings);
+        if let Some((path, _)) = files.iter().find(|(path, _)| page.is(path) || Some(path) == arguments.report.as_ref())
+        {
+            return Err(Stop::Usage(format!("--report and {} are one file", path.display())));
+        }
+    }
     if findings.has_errors() {
         return Ok(());
     }
@@ -78,5 +88,14 @@ pub(super) fn publish(
         spool.publish(false)?;
     }
     report.written = files.iter().map(|(path, _)| path.display().to_string()).collect();
+    if let (Some(page), Some(path)) = (page, &arguments.report) {
+        report.diagnostics = findings.json();
+        let mut all = Vec::new();
+        for path in &inputs {
+            all.push(pages::input(&input::read(path, FileId(0), "file")?, "read"));
+        }
+        pages::publish(page, &page::tables::tables(report, &charts(sets), &all))?;
+        report.written.push(path.display().to_string());
+    }
     Ok(())
 }

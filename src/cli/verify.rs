@@ -1,18 +1,41 @@
 //! `ncfix verify`: executes an original and a corrected program and compares the errors of both on the error model.
 
+use std::collections::BTreeMap;
+
 use super::arguments::VerifyArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
-use super::pair::Pair;
+use super::pages::{Pages, input};
+use super::pair::{Outcome, Pair};
 use super::stop::Stop;
-use super::{fix, print};
+use super::{fix, print, program};
+use crate::path::Follow;
 use crate::report::correction::error_rows;
-use crate::report::json;
+use crate::report::page::verification::verification;
+use crate::report::verification::{Piece, Verification};
+use crate::report::{compared, json};
+use crate::units::um_from_mm;
+
+/// Moves that are listed.
+const LARGEST: usize = 10;
 
 /// Compares two programs.
 pub(super) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
-    let outcome = Pair::from(arguments).compare(&mut findings, &mut |_| {})?;
+    let pages = Pages::new(&arguments.page, None, arguments.json)?;
+    if let Some(target) = pages.as_ref().and_then(Pages::target) {
+        program::protect(target, [&arguments.original, &arguments.corrected], &mut findings);
+    }
+    let mut along = Along::default();
+    let mut see = |follow: Follow<'_>| {
+        if pages.is_some() {
+            along.see(&follow);
+        }
+    };
+    let outcome = if findings.has_errors() { None } else { Pair::from(arguments).compare(&mut findings, &mut see)? };
+    if let (Some(pages), Some(outcome)) = (pages, &outcome) {
+        pages.publish(&verification(&along.verification(outcome, &findings)))?;
+    }
     let before = outcome.as_ref().map(|outcome| fix::spread(&outcome.comparison.before));
     let after = outcome.as_ref().map(|outcome| fix::spread(&outcome.comparison.after));
     if arguments.json {
@@ -27,4 +50,68 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
         }
     }
     Ok(findings.exit_code())
+}
+
+/// The errors along the path.
+#[derive(Debug, Default)]
+struct Along {
+    path_mm: f64,
+    /// Pieces that count so far: rapid ones until there is one with feed.
+    pieces: Vec<Piece>,
+    has_feed: bool,
+}
+
+impl Along {
+    fn see(&mut self, follow: &Follow<'_>) {
+        self.path_mm += follow.length_mm;
+        let Some(errors_mm) = follow.errors_mm else { return };
+        if !follow.rapid && !self.has_feed {
+            self.has_feed = true;
+            self.pieces.clear();
+        }
+        if follow.rapid && self.has_feed {
+            return;
+        }
+        let errors_um = errors_mm.map(|error| um_from_mm(error) as f32);
+        let path_m = (self.path_mm / 1e3) as f32;
+        self.pieces.push(Piece { file: follow.original.file.0, line: follow.original.line, path_m, errors_um });
+    }
+
+    /// With what the whole comparison found.
+    fn verification(self, outcome: &Outcome, findings: &Findings) -> Verification {
+        let name = |k: usize| outcome.sources[k].first().map_or_else(String::new, |source| source.name().to_owned());
+        let program = |k: usize, role: &'static str| outcome.sources[k].first().map(|source| input(source, role));
+        let mut inputs: Vec<compared::Input> =
+            [program(0, "original program"), program(1, "corrected program")].into_iter().flatten().collect();
+        let machine = &outcome.machine;
+        inputs.push(compared::Input { file: machine.name.clone(), role: "machine", hash: machine.model.clone() });
+        Verification {
+            files: [name(0), name(1)],
+            machine: machine.name.clone(),
+            before: Some(fix::spread(&outcome.comparison.before)),
+            after: Some(fix::spread(&outcome.comparison.after)),
+            samples: outcome.comparison.samples,
+            largest: self.largest(outcome),
+            pieces: self.pieces,
+            inputs,
+            diagnostics: findings.json(),
+        }
+    }
+
+    /// The lines of which most is left.
+    fn largest(&self, outcome: &Outcome) -> Vec<(String, [f64; 2])> {
+        let mut lines: BTreeMap<(u16, u32), [f32; 2]> = BTreeMap::new();
+        for piece in &self.pieces {
+            let most = lines.entry((piece.file, piece.line)).or_default();
+            *most = [0, 1].map(|k| most[k].max(piece.errors_um[k]));
+        }
+        let mut all: Vec<_> = lines.into_iter().collect();
+        all.sort_by(|(_, a), (_, b)| b[1].total_cmp(&a[1]));
+        let files = &outcome.sources[0];
+        let place = |(file, line): (u16, u32)| {
+            let name = files.iter().find(|source| source.id().0 == file).map_or("", |source| source.name());
+            format!("{name}:{line}")
+        };
+        all.into_iter().take(LARGEST).map(|(at, errors)| (place(at), errors.map(f64::from))).collect()
+    }
 }

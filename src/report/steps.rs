@@ -107,6 +107,18 @@ impl StepReport {
             let _ = writeln!(out, "{name:<13}{text}");
         };
         row("largest step", &self.answer_text());
+        for (name, text) in self.entries() {
+            row(name, &text);
+        }
+        row("time", &duration(self.seconds));
+        row("machine", &self.machine);
+        out
+    }
+
+    /// What is known beside the answer.
+    pub(super) fn entries(&self) -> Vec<(&'static str, String)> {
+        let mut entries = Vec::new();
+        let mut row = |name: &'static str, text: &str| entries.push((name, text.to_owned()));
         if let Some(worst) = self.worst.as_ref().filter(|_| self.residual_um > 0.0) {
             row("residual", &format!("{} at {}", micrometers(self.residual_um), place(&worst.at)));
             let line = match (&worst.file, worst.line) {
@@ -135,12 +147,10 @@ impl StepReport {
         if self.failures > 0 {
             row("left out", &format!("{} pieces without a correction", grouped(self.failures)));
         }
-        row("time", &duration(self.seconds));
-        row("machine", &self.machine);
-        out
+        entries
     }
 
-    fn answer_text(&self) -> String {
+    pub(super) fn answer_text(&self) -> String {
         let limit = micrometers(self.residual_limit_um);
         match (self.answer, self.largest_step_mm) {
             (Some("up_to"), Some(step)) => format!("{} mm for {limit}", rounded_down(step)),

@@ -92,6 +92,9 @@ pub struct CheckReport {
     pub tool_mm: [f64; 3],
     /// Axes whose sense of motion counts: every pose was reached in both.
     pub senses: Vec<String>,
+    /// Tip errors of all poses without correction and with the tables, µm, for pictures.
+    #[serde(skip)]
+    pub tips_um: [Vec<f64>; 2],
 }
 
 /// Errors of tip and tool axis.
@@ -158,6 +161,7 @@ impl CheckReport {
             worst,
             tool_mm: rounded_mm(tool_mm),
             senses: check.senses.iter().map(ToString::to_string).collect(),
+            tips_um: [&check.before, &check.tables].map(|one| one.tip_mm.iter().map(|mm| um_from_mm(*mm)).collect()),
         }
     }
 }
@@ -294,6 +298,12 @@ fn row(index: usize, one: &Lookup) -> Row {
 /// A picture of all tables: what each adds over its axis, mm or degrees; error functions in µm and µrad; a grid along lines through its middle.
 #[must_use]
 pub fn picture(sets: &[(&str, &Tables)]) -> String {
+    stacked(&charts(sets))
+}
+
+/// The same one by one.
+#[must_use]
+pub fn charts(sets: &[(&str, &Tables)]) -> Vec<Chart> {
     let mut charts: Vec<Chart> = Vec::new();
     let mut add = |title: String, across: String, up: &str, series: Series| match charts
         .iter_mut()
@@ -348,7 +358,7 @@ pub fn picture(sets: &[(&str, &Tables)]) -> String {
             }
         }
     }
-    stacked(&charts)
+    charts
 }
 
 /// Pictures one below the other as a file.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::StateChoice;
+use super::{PageChoice, StateChoice};
 use crate::cli::value;
 
 /// What `ncfix calibrate --help` says last.
@@ -58,9 +58,9 @@ pub(in crate::cli) struct CalibrateArguments {
     /// The machine file to write; - for standard output
     #[arg(short, long, value_name = "MACHINE.toml")]
     pub(in crate::cli) output: PathBuf,
-    /// Write a page (HTML) with tables and pictures of everything; also where the calibration is refused
-    #[arg(long, value_name = "REPORT.html")]
-    pub(in crate::cli) report: Option<PathBuf>,
+    #[command(flatten)]
+    /// Which page.
+    pub(in crate::cli) page: PageChoice,
     /// Measurements that are not fitted but say how good the result is
     #[arg(long, value_name = "DATA.csv", num_args = 1..)]
     pub(in crate::cli) hold_out: Vec<PathBuf>,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::MachineChoice;
+use super::{MachineChoice, PageChoice};
 
 /// What `ncfix diagnose --help` says last.
 pub(super) const AFTER_HELP: &str = "\
@@ -35,9 +35,9 @@ pub(in crate::cli) struct DiagnoseArguments {
     /// Write the machine file with what was found; - for standard output
     #[arg(short, long, value_name = "EXTENDED.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
-    /// Write a page (HTML) with pictures: readings before and after, each cause alone, evidence, what was rejected; also where the data is refused
-    #[arg(long, value_name = "REPORT.html")]
-    pub(in crate::cli) report: Option<PathBuf>,
+    #[command(flatten)]
+    /// Which page.
+    pub(in crate::cli) page: PageChoice,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(in crate::cli) json: bool,

@@ -15,7 +15,8 @@ residual. The answer is the largest step below which it stays within --residual.
 
 Examples:
   ncfix steps --machine mill.toml
-  ncfix steps part.mpf --machine mill.toml --residual 2um --svg steps.svg";
+  ncfix steps part.mpf --machine mill.toml --residual 2um --svg steps.svg
+  ncfix steps --machine mill.toml --report steps.html";
 
 /// `ncfix steps`.
 #[derive(Clone, Debug, Args)]
@@ -45,6 +46,9 @@ pub(in crate::cli) struct StepsArguments {
     /// Draw residual over step into a file
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) svg: Option<PathBuf>,
+    /// Write a page (HTML) with the picture and the table: one file that opens in a browser without a network
+    #[arg(long, value_name = "REPORT.html")]
+    pub(in crate::cli) report: Option<PathBuf>,
     /// Print one JSON object on standard output
     #[arg(long)]
     pub(in crate::cli) json: bool,

@@ -33,6 +33,7 @@ Examples:
   ncfix tables --machine mill.toml --format cec --scheme auto --tolerance 2um -o CEC.INI
   ncfix tables --read CEC.INI --machine mill.toml --check
   ncfix tables --read OLD.INI --compare CEC.INI --svg both.svg
+  ncfix tables --read CEC.INI --machine mill.toml --check --report cec.html
   ncfix tables --read EEC.INI --format comp -o joints.comp";
 
 /// `ncfix tables`.
@@ -90,6 +91,9 @@ pub(in crate::cli) struct TablesArguments {
     /// Draws the tables into a file
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) svg: Option<PathBuf>,
+    /// Write a page (HTML) with what the tables leave, pictures and tables: one file that opens in a browser without a network
+    #[arg(long, value_name = "REPORT.html")]
+    pub(in crate::cli) report: Option<PathBuf>,
     /// Lists formats and schemes
     #[arg(long)]
     pub(in crate::cli) list: bool,

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use crate::cli::calibrated_report::publish;
-use crate::cli::input::{self, is_standard_stream};
+use crate::cli::input;
 use crate::cli::machine_choice::digest;
 use crate::cli::output::Target;
+use crate::cli::pages::publish;
 use crate::cli::pair::Outcome;
 use crate::cli::stop::Stop;
 use crate::feed::{Shown, shown};
@@ -13,14 +13,6 @@ use crate::report::page::review::{Journal, Program, Subject, review};
 use crate::report::review::Review;
 use crate::review::Trace;
 use crate::source::{FileId, Source};
-
-/// Where a page goes.
-pub(in crate::cli) fn target(path: &Path) -> Result<Target, Stop> {
-    if is_standard_stream(path) {
-        return Err(Stop::Usage("a page needs a file, not standard output".into()));
-    }
-    Target::new(path)
-}
 
 /// Writes the page.
 pub(in crate::cli) fn write(

@@ -79,6 +79,10 @@ pub struct Follow<'a> {
     pub written: AxisVector,
     /// How far the tip of the original is from its nominal place there, on the error model, mm; 0 where the piece is changed.
     pub error_mm: f64,
+    /// The largest errors of the original and of the corrected program on the piece, mm; `None` where it does not count.
+    pub errors_mm: Option<[f64; 2]>,
+    /// Length of the path of the original that the piece covers, mm and what its rotary axes make of it.
+    pub length_mm: f64,
     /// Whether the program has stated where all axes are that it moves.
     pub is_stated: bool,
     /// Feeds of the original and of the piece, as the programs have them; 0 where there is none.
@@ -226,12 +230,15 @@ impl Group<'_> {
             let is_complete = self.is_complete(&offset, corrected.peek());
             // Lateral play leads across the path on such a step, so that nearness does not tell its place.
             let stands = self.grouping == Grouping::ByMarks && piece.on_the_spot;
+            let mut errors_mm = None;
+            let before = self.parameter;
             if !stands || is_complete {
                 let to = if is_complete { 1.0 } else { self.nearest(&piece) };
-                self.sample(&piece, to, prediction);
+                errors_mm = self.sample(&piece, to, prediction);
                 self.parameter = to;
             }
-            see(self.seen(&piece, is_first, stands));
+            let length_mm = whole_mm * (self.parameter - before);
+            see(Follow { errors_mm, length_mm, ..self.seen(&piece, is_first, stands) });
             if is_complete && self.off_mm(&offset) > MEANT_END_MM {
                 return Err(self
                     .step
@@ -262,6 +269,8 @@ impl Group<'_> {
             nominal,
             written,
             error_mm: if is_left { error_mm(&self.step.route.at(self.parameter)) } else { 0.0 },
+            errors_mm: None,
+            length_mm: 0.0,
             is_stated: self.step.is_counted,
             feeds: [self.step.feed, piece.feed],
             command: piece.route.end,
@@ -325,12 +334,14 @@ impl Group<'_> {
         parameter
     }
 
-    fn sample(&self, piece: &Step, to: f64, prediction: &mut Prediction) {
+    /// Adds the errors of a piece; the largest of the original and of the corrected program, where they count.
+    fn sample(&self, piece: &Step, to: f64, prediction: &mut Prediction) -> Option<[f64; 2]> {
         let size_mm = self.step.route.size_mm() * (to - self.parameter);
         let stands_still = size_mm < ON_THE_SPOT_MM && self.step.route.size_mm() > ON_THE_SPOT_MM;
         if stands_still || !self.step.is_counted || !prediction.wants(self.step.rapid) {
-            return;
+            return None;
         }
+        let mut largest = [0.0_f64; 2];
         let count = sample_count(size_mm, SAMPLE_MM);
         for k in 0..count {
             let fraction = sample_place(k, count);
@@ -345,6 +356,8 @@ impl Group<'_> {
             let before_mm = self.model.tip_error_mm(&nominal, &nominal, &self.step.tool_mm, &before).norm();
             let after_mm = self.model.tip_error_mm(&nominal, &command, &piece.tool_mm, &after).norm();
             prediction.add(self.step.rapid, before_mm, after_mm, &self.step.origin);
+            largest = [largest[0].max(before_mm), largest[1].max(after_mm)];
         }
+        Some(largest)
     }
 }

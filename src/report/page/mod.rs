@@ -1,11 +1,15 @@
 //! A report as one HTML file: it opens from the disk, asks no network for anything, needs no script, follows the light or dark scheme and
 //! prints. A page is XML at the same time ([`super::markup`]).
 
+pub mod apart;
 pub mod calibration;
 pub mod diagnosis;
 mod parts;
 pub mod review;
 pub mod stability;
+pub mod steps;
+pub mod tables;
+pub mod verification;
 
 use std::fmt::Display;
 

@@ -1,0 +1,100 @@
+//! Where pages and their pictures go: `--report` and `--svg`.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::arguments::PageChoice;
+use super::input::is_standard_stream;
+use super::machine_choice::short_hash;
+use super::output::{Spool, Target};
+use super::stop::Stop;
+use crate::report::compared::Input;
+use crate::report::page::apart::pictures;
+use crate::source::Source;
+
+/// What is wanted of a page.
+#[derive(Debug)]
+pub(super) struct Pages {
+    page: Option<Target>,
+    pictures: Option<PathBuf>,
+}
+
+impl Pages {
+    /// What was asked for, where anything was; `output` is what else is written.
+    ///
+    /// # Errors
+    /// Where it cannot be written there.
+    pub(super) fn new(choice: &PageChoice, output: Option<&Path>, json: bool) -> Result<Option<Pages>, Stop> {
+        let page = target(choice.report.as_deref(), output, json)?;
+        let pictures = choice.svg.clone();
+        if let Some(folder) = pictures.as_deref().filter(|folder| folder.exists() && !folder.is_dir()) {
+            return Err(Stop::Usage(format!("--svg needs a folder, and {} is none", folder.display())));
+        }
+        if pictures.as_deref().is_some_and(is_standard_stream) {
+            return Err(Stop::Usage("--svg needs a folder, not standard output: there are several pictures".into()));
+        }
+        Ok((page.is_some() || pictures.is_some()).then_some(Pages { page, pictures }))
+    }
+
+    /// The file of the page, which must not be an input.
+    pub(super) fn target(&self) -> Option<&Target> {
+        self.page.as_ref()
+    }
+
+    /// Writes the page, and its pictures into their folder, which is made where it is missing.
+    ///
+    /// # Errors
+    /// Where that is not possible.
+    pub(super) fn publish(self, page: &str) -> Result<(), Stop> {
+        if let Some(folder) = &self.pictures {
+            let fault = |error: &io::Error| Stop::file("write", folder, error);
+            std::fs::create_dir_all(folder).map_err(|error| fault(&error))?;
+            for one in pictures(page) {
+                publish(Target::new(&folder.join(one.name))?, &one.text)?;
+            }
+        }
+        self.page.map_or(Ok(()), |target| publish(target, page))
+    }
+}
+
+/// Where the page shall go.
+fn target(report: Option<&Path>, output: Option<&Path>, json: bool) -> Result<Option<Target>, Stop> {
+    let Some(path) = report else { return Ok(None) };
+    if is_standard_stream(path) && (json || output.is_some_and(is_standard_stream)) {
+        return Err(Stop::Usage("standard output is taken already; give --report a file".into()));
+    }
+    let target = Target::new(path)?;
+    if !is_standard_stream(path) && output.is_some_and(|output| target.is(output) || path == output) {
+        return Err(Stop::Usage("--report and -o name the same file".into()));
+    }
+    Ok(Some(target))
+}
+
+/// Where a page goes that cannot go to standard output.
+///
+/// # Errors
+/// Where it cannot be written there.
+pub(super) fn file(path: &Path) -> Result<Target, Stop> {
+    if is_standard_stream(path) {
+        return Err(Stop::Usage("a page needs a file, not standard output".into()));
+    }
+    Target::new(path)
+}
+
+/// A file that a page comes from.
+pub(super) fn input(source: &Source, role: &'static str) -> Input {
+    Input { file: source.name().to_owned(), role, hash: short_hash([source.bytes()]) }
+}
+
+/// Writes a text as a whole.
+///
+/// # Errors
+/// Where it cannot be written.
+pub(super) fn publish(target: Target, text: &str) -> Result<(), Stop> {
+    let mut spool = Spool::new(target)?;
+    if let Err(error) = spool.writer().write_all(text.as_bytes()) {
+        return Err(spool.fault(&error));
+    }
+    spool.publish(false)?;
+    Ok(())
+}
