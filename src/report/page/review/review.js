@@ -312,6 +312,7 @@ class Review {
     this.pair = streams.get('pair') ?? new Int32Array(0);
     this.size = this.sizes(this.added);
     this.largest = this.size.reduce((most, size) => Math.max(most, size), 0);
+    this.palest = this.paleSize();
     this.readTexts(streams);
     this.readMoves();
     this.readTools();
@@ -325,6 +326,17 @@ class Review {
       for (let row = 0; row < out.length; row++) out[row] = Math.max(out[row], Math.abs(values[row]));
     }
     return out;
+  }
+
+  /** Colours begin at 0, or where nearly all sizes are far from it, at these: else all of the path has one colour. */
+  paleSize() {
+    const low = ranked(this.size.slice(), this.largest, Math.floor(0.02 * this.count));
+    return low > 0.3 * this.largest && low < this.largest ? low : 0;
+  }
+
+  colorClass(size) {
+    const part = (size - this.palest) / Math.max(1, this.largest - this.palest);
+    return clamp(Math.floor(CLASSES * part), 0, CLASSES - 1);
   }
 
   readTexts(streams) {
@@ -851,7 +863,7 @@ class Path {
       return number < 0 ? nothing : review.added[number];
     });
     this.addedUnit = review.step * MM_PER_UM;
-    this.classes = Uint8Array.from(review.size, size => Math.min(CLASSES - 1, Math.floor(CLASSES * size / Math.max(1, review.largest))));
+    this.classes = Uint8Array.from(review.size, size => review.colorClass(size));
     this.readBoxes();
   }
 
@@ -873,12 +885,28 @@ class Path {
     });
   }
 
-  /** The smallest box around everything: its middle and its half sizes. */
-  box() {
-    const least = this.least.map(all => all.reduce((a, b) => Math.min(a, b), Infinity));
-    const most = this.most.map(all => all.reduce((a, b) => Math.max(a, b), -Infinity));
-    if (!Number.isFinite(least[0])) return { middle: [0, 0, 0], half: [1, 1, 1] };
-    return { middle: least.map((value, axis) => (value + most[axis]) / 2), half: least.map((value, axis) => (most[axis] - value) / 2) };
+  /** The smallest box around both paths: its middle and its half sizes. */
+  box(exaggeration) {
+    if (this.known?.exaggeration !== exaggeration) this.known = { exaggeration, ...this.boxOf(exaggeration) };
+    return this.known;
+  }
+
+  boxOf(exaggeration) {
+    const [middle, half] = [[0, 0, 0], [1, 1, 1]];
+    const factor = exaggeration * this.addedUnit;
+    for (let axis = 0; axis < 3; axis++) {
+      const [at, added] = [this.at[axis], this.added[axis]];
+      let [least, most] = [Infinity, -Infinity];
+      for (let row = 0; row < this.count; row++) {
+        if (this.flags[row] & FLAG.unstated) continue;
+        const place = at[row] * this.unit;
+        const moved = place + factor * added[row];
+        least = Math.min(least, place, moved);
+        most = Math.max(most, place, moved);
+      }
+      if (least <= most) [middle[axis], half[axis]] = [(least + most) / 2, (most - least) / 2];
+    }
+    return { middle, half };
   }
 
   place(row, exaggeration, out) {
@@ -891,7 +919,7 @@ class Path {
 /** One look at the path. A place on the canvas is linear in X, Y, Z. */
 class PathView {
   constructor(views, { name, axes, turn }) {
-    Object.assign(this, { views, name, axes, turn, path: views.path });
+    Object.assign(this, { views, name, axes, turn });
     this.base = make('canvas', {});
     this.top = make('canvas', { tabIndex: 0, role: 'img', 'aria-label': `Path, ${name}` });
     this.top.dataset.view = name;
@@ -919,7 +947,7 @@ class PathView {
 
   fit() {
     this.size();
-    const { middle, half } = this.path.box();
+    const { middle, half } = this.path.box(this.views.exaggeration);
     const rows = this.rows();
     this.center = rows.map(row => row.reduce((sum, part, axis) => sum + part * middle[axis], 0));
     const reach = rows.map(row => row.reduce((sum, part, axis) => sum + Math.abs(part) * half[axis], 0));
@@ -1099,7 +1127,7 @@ class PathView {
     ctx.stroke();
     ctx.textAlign = 'right';
     const added = 1000 * length / this.views.exaggeration;
-    ctx.fillText(`${plain(length)} mm, of what was added ${plain(added)} µm`, right, y - 7);
+    ctx.fillText(`${plain(length)} mm · added ${plain(added)} µm`, right, y - 7);
     ctx.textAlign = 'left';
   }
 
@@ -1144,7 +1172,7 @@ class PathView {
 
   /** Turns about the middle of the path, which stays where it is. */
   rotate(dx, dy) {
-    const { middle } = this.path.box();
+    const { middle } = this.path.box(this.views.exaggeration);
     const before = this.toScreen(middle);
     this.turn = [this.turn[0] - 0.008 * dx, clamp(this.turn[1] + 0.008 * dy, 0, Math.PI / 2)];
     const after = this.toScreen(middle);
@@ -1256,7 +1284,6 @@ class PathViews {
   constructor(app) {
     this.app = app;
     this.exaggeration = 1000;
-    this.path = new Path(app.review);
     this.largestMm = app.review.largest * app.review.step * MM_PER_UM;
     byId('path-controls').append(...this.controls());
     const half = Math.PI / 180;
@@ -1265,9 +1292,22 @@ class PathViews {
       { name: 'YZ', axes: [1, 2] }, { name: '3D', turn: [35 * half, 30 * half] },
     ].map(own => new PathView(this, own));
     byId('path-views').append(...this.views.map(view => view.figure));
-    this.views.forEach(view => view.fit());
+    // Drawn when it comes into sight: the page opens at its verdict.
+    const seen = new IntersectionObserver(entries => {
+      if (this.isDrawn || !entries.some(entry => entry.isIntersecting)) return;
+      this.start();
+    }, { rootMargin: '400px' });
+    seen.observe(byId('path-views'));
     const resized = oncePerFrame(() => this.redraw());
-    new ResizeObserver(() => { if (this.views[0].figure.clientWidth !== this.views[0].width) resized(); }).observe(byId('path-views'));
+    new ResizeObserver(() => { if (this.isDrawn && this.views[0].figure.clientWidth !== this.views[0].width) resized(); }).observe(byId('path-views'));
+  }
+
+  /** The path in blocks, and the views fitted to it. */
+  start() {
+    if (this.isDrawn) return;
+    this.isDrawn = true;
+    this.path = new Path(this.app.review);
+    this.views.forEach(view => { view.path = this.path; view.fit(); });
   }
 
   controls() {
@@ -1276,10 +1316,11 @@ class PathViews {
     slider.addEventListener('input', () => this.exaggerate(Number(slider.value)));
     const label = make('label', {}, make('span', {}, 'exaggeration'), slider, this.shown);
     this.swatches = RAMPS.light.map(() => make('i', {}));
-    const largest = this.app.review.largest * this.app.review.step;
-    const legend = make('span', { className: 'legend' }, '0', make('span', { className: 'ramp' }, ...this.swatches), `${largest.toFixed(1)} µm`);
+    const { palest, largest, step } = this.app.review;
+    const [from, to] = [palest > 0 ? `≤ ${(palest * step).toFixed(1)}` : '0', `${(largest * step).toFixed(1)} µm`];
+    const legend = make('span', { className: 'legend' }, from, make('span', { className: 'ramp' }, ...this.swatches), to);
     this.colorLegend();
-    const fit = button('Fit', 'All of the path in all views (double-click in one)', () => this.views.forEach(view => view.fit()));
+    const fit = button('Fit', 'All of the path in all views (double-click in one)', () => { this.start(); this.views.forEach(view => view.fit()); });
     const hint = 'grey: original, coloured: corrected; drag pans (3D: turns, with Shift pans), wheel zooms, click selects';
     return [label, legend, fit, make('span', { className: 'hint' }, hint)];
   }
@@ -1291,14 +1332,17 @@ class PathViews {
   exaggerate(power) {
     this.exaggeration = 10 ** power;
     this.shown.textContent = `×${grouped(Number(this.exaggeration.toPrecision(2)))}`;
-    this.views.forEach(view => view.redrawSoon());
+    if (this.isDrawn) this.views.forEach(view => view.redrawSoon());
   }
 
   select({ row }) {
-    this.views.forEach(view => { if (row >= 0) view.reveal(row); else view.drawTop(); });
+    if (!this.isDrawn) return;
+    const isPlaced = row >= 0 && !(this.app.review.flags[row] & FLAG.unstated);
+    this.views.forEach(view => { if (isPlaced) view.reveal(row); else view.drawTop(); });
   }
 
   redraw() {
+    this.start();
     this.colorLegend();
     this.views.forEach(view => view.draw());
   }
@@ -1341,8 +1385,8 @@ class Filters {
       this.axis.label, make('label', {}, make('span', {}, 'at least'), this.least, 'µm'), this.toolChoice.label, this.kind.label,
       this.tick('split', 'in several pieces'), this.tick('alone', 'left alone'), this.search,
       button('Clear', 'All lines', () => this.clear()),
-      button('▲ larger', 'The next larger deviation (p)', () => this.app.goLargest(-1)),
-      button('▼ largest', 'The largest deviation, then the next smaller (n)', () => this.app.goLargest(1)),
+      button('▲ larger (p)', 'The next larger deviation (p)', () => this.app.goLargest(-1)),
+      button('▼ next largest (n)', 'The largest deviation, then the next smaller (n)', () => this.app.goLargest(1)),
       this.count,
     ];
   }
@@ -1535,7 +1579,7 @@ class LineList {
 
   // The range that is scrolled may be taller than a browser allows; `top` is where the list is, in pixels as if it were not.
   tall() { return this.app.filters.shown() * LineList.HEIGHT; }
-  height() { return this.scroller.clientHeight || 500; }
+  height() { return this.seen; }
   lastTop() { return Math.max(0, this.tall() - this.height()); }
   shrink() { return (Math.min(this.tall(), LineList.TALLEST) - this.height()) / Math.max(1, this.lastTop()); }
 
@@ -1599,11 +1643,12 @@ class LineList {
 
   /** After the filter or the size has changed. */
   refresh() {
+    this.seen = this.scroller.clientHeight || 500;
     this.spacer.style.height = `${Math.min(this.tall(), LineList.TALLEST)}px`;
     this.none.hidden = this.tall() > 0;
     this.scrollTo(this.top);
     this.draw();
-    this.drawMap();
+    slices.start('map', this.measureMap());
   }
 
   draw() {
@@ -1614,7 +1659,7 @@ class LineList {
     while (this.rows.length < count) this.addRow();
     this.rows.forEach((row, k) => {
       row.element.hidden = k >= count;
-      if (k < count) this.fill(row, filters.itemAt(first + k));
+      if (k < count) this.fill(row, filters.itemAt(first + k), k === 0);
     });
     this.layer.style.transform = `translateY(${first * HEIGHT - this.top}px)`;
     this.drawWindow();
@@ -1634,24 +1679,25 @@ class LineList {
     return row;
   }
 
-  fill({ element, cells }, item) {
+  /** `isTop`: the first in sight repeats the original of which it is a piece. */
+  fill({ element, cells }, item, isTop) {
     const { review, selected } = this.app;
     const line = review.itemCorrected[item];
     const original = review.originalOf(item);
     const group = review.group(item);
-    const isFirst = group.place === 0;
+    const isNamed = group.place === 0 || isTop;
     const before = original && original.text.parts(original.line);
     const after = line > 0 ? review.text.parts(line) : null;
     const isLast = group.place === group.count - 1;
-    cells[0].textContent = original && isFirst ? (original.file > 0 ? '↳' : '') + grouped(original.line) : '';
+    cells[0].textContent = original && isNamed ? (original.file > 0 ? '↳' : '') + grouped(original.line) : '';
     cells[0].title = original && original.file > 0 ? original.text.name : '';
-    putCut(cells[1], before && isFirst ? before.text : '', []);
+    putCut(cells[1], before && isNamed ? before.text : '', []);
     this.fillBadge(cells[2], { original, line, group });
     cells[3].textContent = line > 0 ? grouped(line) : '';
     putCut(cells[4], after ? after.text : '', after && before && isLast ? marksOf(before, after) : []);
     this.fillAdded(cells, item);
     const isSelected = selected.item === item;
-    const kinds = [['selected', isSelected], ['dropped', !line], ['inserted', !original], ['piece', group.count > 1], ['last', isLast]];
+    const kinds = [['selected', isSelected], ['dropped', !line], ['inserted', !original], ['piece', group.count > 1], ['again', group.place > 0]];
     element.className = ['row', ...kinds.filter(([, is]) => is).map(([name]) => name)].join(' ');
     element.setAttribute('aria-selected', String(isSelected));
     element.id = isSelected ? 'selected-line' : '';
@@ -1679,20 +1725,22 @@ class LineList {
   }
 
   /** For each pixel of the strip the largest of the lines there. */
-  drawMap() {
+  * measureMap() {
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [Math.round(14 * ratio), Math.max(1, Math.round(this.height() * ratio))];
     const { filters, review } = this.app;
-    const sizes = filters.sizes ?? review.size;
+    const rowSizes = filters.sizes ?? review.size;
     const count = filters.shown();
-    this.mapSizes = new Int32Array(height).fill(-1);
+    const sizes = new Int32Array(height).fill(-1);
     for (let place = 0; place < count; place++) {
+      if (place % 20000 === 0) yield;
       const row = review.rowOfItem(filters.itemAt(place));
       if (row < 0) continue;
       const from = Math.floor(place * height / count);
       const to = Math.max(from + 1, Math.floor((place + 1) * height / count));
-      for (let y = from; y < to; y++) this.mapSizes[y] = Math.max(this.mapSizes[y], sizes[row]);
+      for (let y = from; y < to; y++) sizes[y] = Math.max(sizes[y], rowSizes[row]);
     }
+    this.mapSizes = sizes;
     Object.assign(this.map, { width, height });
     this.drawWindow();
   }
@@ -1705,7 +1753,7 @@ class LineList {
     const largest = Math.max(1, this.app.review.largest);
     this.mapSizes.forEach((size, y) => {
       if (size <= 0) return;
-      ctx.fillStyle = theme.ramp[Math.min(CLASSES - 1, Math.floor(CLASSES * size / largest))];
+      ctx.fillStyle = theme.ramp[this.app.review.colorClass(size)];
       ctx.fillRect(0, y, Math.max(2, width * size / largest), 1);
     });
     const tall = Math.max(1, this.tall());
@@ -1747,10 +1795,7 @@ class LineList {
     return out;
   }
 
-  redraw() {
-    this.draw();
-    this.drawMap();
-  }
+  redraw() { this.draw(); }
 
   filter() {
     const { item } = this.app.selected;
@@ -1769,7 +1814,7 @@ class LineList {
     this.printed.append(this.head.cloneNode(true));
     for (let place = 0; place < count; place++) {
       const row = this.newRow();
-      this.fill(row, filters.itemAt(place));
+      this.fill(row, filters.itemAt(place), place === 0);
       row.element.removeAttribute('id');
       this.printed.append(row.element);
     }
@@ -1959,9 +2004,10 @@ async function open() {
   darkScheme.addEventListener('change', () => app.redraw());
   window.addEventListener('beforeprint', () => app.print(true));
   window.addEventListener('afterprint', () => app.print(false));
-  window.__ncfix = Object.assign(app.tell(), {
-    rows: review.count, axes: figures,
-    get largest() { return Array.from(app.filters.largest().rows.subarray(0, 100)); },
+  window.__ncfix = Object.assign(app.tell(), { rows: review.count, axes: figures });
+  // Sorted when asked for: a million rows take a moment.
+  Object.defineProperty(window.__ncfix, 'largest', {
+    enumerable: true, get: () => Array.from(app.filters.largest().rows.subarray(0, 100)),
   });
   await new Promise(done => { requestAnimationFrame(() => setTimeout(done)); });
   Object.assign(window.__ncfix, { ready: true, opened_ms: performance.now() });
