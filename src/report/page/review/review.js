@@ -942,6 +942,7 @@ class PathView {
       canvas.width = Math.round(width * ratio);
       canvas.height = Math.round(height * ratio);
     }
+    this.figure.style.setProperty('--aspect', `${width} / ${height}`);
     Object.assign(this, { width, height, ratio });
   }
 
@@ -1560,7 +1561,7 @@ class LineList {
     const { review } = this.app;
     this.place.setAttribute('role', 'listbox');
     this.place.setAttribute('aria-label', 'Lines of the original and of the corrected program');
-    this.place.style.setProperty('--axes', Math.max(1, review.axes.length));
+    byId('list').style.setProperty('--axes', Math.max(1, review.axes.length));
     const axes = review.axes.map(({ name, unit }) => make('span', { className: 'n' }, `${name}, ${UNIT[unit] ?? unit}`));
     this.head = make('div', { className: 'row head' }, make('span', { className: 'n' }, 'line'), make('span', {}, baseName(review.original.name)),
       make('span', {}), make('span', { className: 'n' }, 'line'), make('span', {}, baseName(review.text.name)), ...axes);
