@@ -1963,7 +1963,6 @@ class App {
     const own = window.__ncfix ?? {};
     own.shown = this.filters.shown();
     own.selected = item < 0 ? null : { row, line: review.originalOf(item)?.line ?? 0, corrected: review.itemCorrected[item] };
-    own.marker = this.deviation.markerLeft();
     return own;
   }
 }
@@ -2007,8 +2006,10 @@ async function open() {
   window.addEventListener('afterprint', () => app.print(false));
   window.__ncfix = Object.assign(app.tell(), { rows: review.count, axes: figures });
   // Sorted when asked for: a million rows take a moment.
-  Object.defineProperty(window.__ncfix, 'largest', {
-    enumerable: true, get: () => Array.from(app.filters.largest().rows.subarray(0, 100)),
+  const largest = () => Array.from(app.filters.largest().rows.subarray(0, 100));
+  Object.defineProperties(window.__ncfix, {
+    largest: { enumerable: true, get: largest },
+    marker: { enumerable: true, get: () => app.deviation.markerLeft() },
   });
   await new Promise(done => { requestAnimationFrame(() => setTimeout(done)); });
   Object.assign(window.__ncfix, { ready: true, opened_ms: performance.now() });
