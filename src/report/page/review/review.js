@@ -196,6 +196,17 @@ class Templates {
     });
     this.start[templates.length] = letters.length;
     this.letters = Uint8Array.from(letters);
+    this.taken = [];
+  }
+
+  /** A template taken apart: the texts before, between and behind its numbers, and how each number was written. */
+  pieces(number) {
+    if (!this.taken[number]) {
+      const parts = (this.all[number] ?? '').split('\u0001');
+      const texts = parts.map((part, place) => (place === 0 ? part : part.slice(1)));
+      this.taken[number] = { texts, kinds: parts.slice(1).map(part => part.charCodeAt(0) - 0x30), start: this.start[number] };
+    }
+    return this.taken[number];
   }
 
   /** Counts the numbers of a template. */
@@ -207,10 +218,11 @@ class Templates {
 /** A number as it was written: `kind` is 0 without a point, else decimals + 1. */
 function written(value, scale, kind) {
   const decimals = Math.max(0, kind - 1);
-  const number = Math.round(value / 10 ** (scale - decimals));
+  const number = scale === decimals ? value : Math.round(value / 10 ** (scale - decimals));
+  if (decimals === 0) return kind > 0 ? `${number}.` : String(number);
   const digits = String(Math.abs(number)).padStart(decimals + 1, '0');
   const whole = digits.slice(0, digits.length - decimals);
-  return (number < 0 ? '-' : '') + whole + (kind > 0 ? `.${digits.slice(digits.length - decimals)}` : '');
+  return `${number < 0 ? '-' : ''}${whole}.${digits.slice(digits.length - decimals)}`;
 }
 
 /** A program: its lines are put together when they are asked for. */
@@ -224,6 +236,7 @@ class ProgramText {
     this.numbers = Array.from({ length: LETTERS }, (_, letter) => streams.get(`text.${key}.${letterName(letter)}`));
     this.marks = this.countAll();
     this.known = new Uint32Array(LETTERS);
+    this.places = new Uint32Array(LETTERS);
     this.knownLine = 0;
   }
 
@@ -260,25 +273,24 @@ class ProgramText {
   /** What is to be added to a number that is stored; the corrected program has a base. */
   value(stored) { return Number(stored); }
 
-  /** A line, from 1: its text, and its numbers with their places. */
-  parts(line) {
-    const number = this.template[line - 1];
-    const template = this.templates.all[number] ?? '';
-    const places = this.counts(line - 1).slice();
-    const numbers = [];
-    let [text, slot] = ['', this.templates.start[number]];
-    for (let at = 0; at < template.length;) {
-      const next = template.indexOf('\u0001', at);
-      text += template.slice(at, next < 0 ? template.length : next);
-      if (next < 0) break;
-      const letter = this.templates.letters[slot++];
-      const value = this.value(this.numbers[letter][places[letter]++], letter, line);
-      const digits = written(value, this.templates.scales[letter], template.charCodeAt(next + 1) - 0x30);
-      numbers.push({ letter, start: text.length, text: digits });
-      text += digits;
-      at = next + 2;
+  /** A line, from 1: its text, and its numbers with their places, which `told` takes. */
+  put(line, told) {
+    const { texts, kinds, start } = this.templates.pieces(this.template[line - 1]);
+    this.places.set(this.counts(line - 1));
+    let text = texts[0];
+    for (let slot = 0; slot < kinds.length; slot++) {
+      const letter = this.templates.letters[start + slot];
+      const value = this.value(this.numbers[letter][this.places[letter]++], letter, line);
+      const digits = written(value, this.templates.scales[letter], kinds[slot]);
+      told?.push({ letter, start: text.length, text: digits });
+      text += digits + texts[slot + 1];
     }
-    return { text, numbers };
+    return text;
+  }
+
+  parts(line) {
+    const numbers = [];
+    return { text: this.put(line, numbers), numbers };
   }
 }
 
@@ -977,7 +989,7 @@ class PathView {
     const few = theme.printing ? 30000 : 6000;
     const blocks = this.blocksInView();
     const rows = blocks.length * Path.BLOCK;
-    for (const _ of this.paint(this.base, blocks, few)); // eslint-disable-line no-unused-vars
+    for (const _ of this.paint(this.base, blocks, few));
     this.drawTop();
     slices.stop(`view ${this.name}`);
     clearTimeout(this.later);
@@ -1023,7 +1035,7 @@ class PathView {
     ctx.lineJoin = 'round';
     const stride = Math.max(1, Math.ceil(blocks.length * Path.BLOCK / most));
     for (const exaggeration of [0, this.views.exaggeration]) {
-      const pen = new Pen(ctx, this.ratio, exaggeration > 0);
+      const pen = new Pen(ctx, this.ratio, exaggeration > 0, this.matrix(this.ratio));
       let before = -2;
       for (let k = 0; k < blocks.length; k++) {
         this.trace(pen, blocks[k], stride, exaggeration, before === blocks[k] - 1);
@@ -1041,7 +1053,7 @@ class PathView {
   /** The lines of a block: of each stretch the row with the most added and the last one. */
   trace(pen, block, stride, exaggeration, isNext) {
     const { path } = this;
-    const m = this.matrix(this.ratio);
+    const m = pen.matrix;
     const factor = exaggeration * path.addedUnit;
     const [X, Y, Z] = path.at;
     const [dX, dY, dZ] = path.added;
@@ -1243,8 +1255,8 @@ const plain = value => String(Number(value.toPrecision(3)));
 
 /** Gathers lines by colour. What is closer than half a pixel and no larger is left out. */
 class Pen {
-  constructor(ctx, ratio, isColored) {
-    Object.assign(this, { ctx, ratio, isColored, x: 0, y: 0, last: 0, segments: 0, paths: new Map() });
+  constructor(ctx, ratio, isColored, matrix) {
+    Object.assign(this, { ctx, ratio, isColored, matrix, x: 0, y: 0, last: 0, segments: 0, paths: new Map() });
   }
 
   move(x, y) {
@@ -1423,7 +1435,7 @@ class Filters {
   * searching(wanted) {
     const { review } = this.app;
     const found = new Uint8Array(review.items);
-    const has = (text, line) => text.parts(line).text.toLowerCase().includes(wanted);
+    const has = (text, line) => text.put(line).toLowerCase().includes(wanted);
     for (let item = 0; item < review.items; item++) {
       const line = review.itemCorrected[item];
       const original = review.originalOf(item);
@@ -1789,7 +1801,7 @@ class LineList {
 
   wholeLine(program, line, isWhole) {
     const most = 400;
-    const { text } = program.parts(line);
+    const text = program.put(line);
     const code = make('code', {}, isWhole ? text : text.slice(0, most));
     const out = make('div', { className: 'whole' }, make('span', {}, `${baseName(program.name)} ${grouped(line)}`), code);
     if (!isWhole && text.length > most) out.append(button(`… all ${grouped(text.length)} characters`, '', () => this.showDetail(true)));
