@@ -243,3 +243,21 @@ fn a_million_readings_are_a_page_that_opens() {
     assert!(text.contains("99500 more rows are not shown") && text.contains("16 more circles are not drawn"));
     assert!(text.contains("33 others") && text.contains("not told"));
 }
+
+#[test]
+fn pictures_of_the_page_are_files_too() {
+    let shop = laser();
+    shop.run(LASER.iter().chain(&["page.html", "--svg", "pictures"])).exits(0);
+    let text = shop.text("page.html");
+    let figures = parsed(&text).descendants().filter(|node| node.has_tag_name("figure")).count();
+    let files: Vec<_> = std::fs::read_dir(shop.path("pictures")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(figures > 0);
+    assert_eq!(files.len(), figures);
+    for file in files {
+        Document::parse(&std::fs::read_to_string(&file).unwrap()).unwrap_or_else(|fault| panic!("{file:?}: {fault}"));
+    }
+    // Without a page.
+    let shop = laser();
+    shop.run(LASER[..LASER.len() - 1].iter().chain(&["--svg", "pictures"])).exits(0);
+    assert!(!shop.names().contains(&"page.html".to_owned()) && shop.path("pictures").is_dir());
+}

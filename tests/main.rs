@@ -103,6 +103,7 @@ mod milling;
 mod model;
 mod modes;
 mod motion_kinds;
+mod pages;
 mod plan;
 mod plan_compared;
 mod plan_joint;

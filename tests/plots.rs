@@ -115,5 +115,11 @@ fn traces_are_about_the_nominal_circle() {
     sound(&Polar::default());
     sound(&Chart::default());
     sound(&Bars::default());
-    sound(&Histogram { title: HOSTILE.into(), across: HOSTILE.into(), values: vec![f64::NAN, 1.0], sigma: Some(0.0) });
+    sound(&Histogram {
+        title: HOSTILE.into(),
+        across: HOSTILE.into(),
+        counted: HOSTILE,
+        values: vec![f64::NAN, 1.0],
+        sigma: Some(0.0),
+    });
 }

@@ -49,23 +49,29 @@ impl Markup {
         let _ = write!(Escaped(&mut self.text), "{text}");
     }
 
-    /// A script, or data in the place of one, which HTML takes as they are: nothing in it may end it. Of texts that are not ours only base64 and JSON
-    /// without `<` come here.
+    /// A script, data in the place of one, or a style, which HTML takes as they are: nothing in it may end it. Of texts that are not ours only base64 and
+    /// JSON without `<` come here.
     ///
     /// # Errors
-    /// The text, where it would end the script.
-    pub fn script<'t>(&mut self, attributes: Attributes<'_>, text: &'t str) -> Result<(), &'t str> {
+    /// The text, where it would end the element.
+    pub fn verbatim<'t>(
+        &mut self,
+        name: &'static str,
+        attributes: Attributes<'_>,
+        text: &'t str,
+    ) -> Result<(), &'t str> {
         let ends_it = |place: usize| {
             let rest = text.get(place..).unwrap_or_default();
-            rest.starts_with("<!--") || rest.get(..8).is_some_and(|start| start.eq_ignore_ascii_case("</script"))
+            let own = rest.strip_prefix("</").and_then(|rest| rest.get(..name.len()));
+            rest.starts_with("<!--") || own.is_some_and(|own| own.eq_ignore_ascii_case(name))
         };
         if text.match_indices('<').any(|(place, _)| ends_it(place)) {
             return Err(text);
         }
-        self.open("script", attributes);
+        self.open(name, attributes);
         self.text.push('>');
         self.text.push_str(text);
-        self.text.push_str("</script>\n");
+        let _ = writeln!(self.text, "</{name}>");
         Ok(())
     }
 
@@ -142,5 +148,21 @@ mod tests {
         assert_eq!((root.attribute("title"), root.attribute("n")), (Some(read), Some("1.5")));
         assert_eq!(root.text(), Some(read));
         assert_eq!(root.children().filter(roxmltree::Node::is_element).count(), 1);
+    }
+
+    #[test]
+    fn what_would_end_a_script_is_no_script() {
+        for (name, text, is_taken) in [
+            ("script", "if (a < b && b > c) '<p>'", true),
+            ("script", "'</SCRIPT>'", false),
+            ("script", "'<!--'", false),
+            ("script", "'</style>'", true),
+            ("style", "a>b{}", true),
+            ("style", "</style ", false),
+        ] {
+            let mut out = Markup::new();
+            assert_eq!(out.verbatim(name, &[], text).is_ok(), is_taken, "{text}");
+            assert_eq!(out.to_string().contains(text), is_taken, "{text}");
+        }
     }
 }

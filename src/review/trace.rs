@@ -4,6 +4,12 @@ use super::Row;
 use crate::path::Follow;
 use crate::snc::WordValue;
 
+/// An arc is drawn as chords over no more than this, rad.
+const CHORD_RAD: f64 = 0.26;
+/// Points within arcs at most: a picture of more than a million of them is drawn with what it has.
+const MOST_VIA: usize = 1_000_000;
+/// Points within one arc at most, which may have any number of turns.
+const MOST_OF_ARC: usize = 1000;
 /// A change of a feed below this share is arithmetic.
 const SAME_FEED: f64 = 1e-6;
 
@@ -14,6 +20,8 @@ pub struct Trace {
     pub rows: Vec<Row>,
     /// Nominal X, Y, Z at the end of each row, mm, in the coordinates of the program; empty where they are not asked for.
     pub at_mm: Vec<[f32; 3]>,
+    /// Further places on the way to the end of a row, where that is an arc: the row, and X, Y, Z as above.
+    pub via: Vec<(u32, [f32; 3])>,
     /// From which row on which tool is in use.
     pub tools: Vec<(usize, String)>,
     /// The smallest and the largest feed of a piece, as a share of that of its move; `None` where feeds are the same.
@@ -38,6 +46,12 @@ impl Trace {
             self.tools.push((self.rows.len(), follow.tool.map_or_else(String::new, tool_name)));
         }
         if has_places {
+            let chords = (follow.course.sweep_rad() / CHORD_RAD).ceil().clamp(1.0, MOST_OF_ARC as f64) as usize;
+            if self.via.len() + chords <= MOST_VIA {
+                let (row, course) = (self.at_mm.len() as u32, follow.course);
+                let place = |k| course.at(k as f64 / chords as f64).xyz().map(|value| value as f32).into();
+                self.via.extend((1..chords).map(|k| (row, place(k))));
+            }
             self.at_mm.push(follow.nominal.xyz().map(|value| value as f32).into());
         }
         let [before, after] = follow.feeds;

@@ -60,8 +60,33 @@ pub struct Comparison {
     pub max_at: Option<Origin>,
 }
 
+/// What the original does while the corrected program runs a piece.
+#[derive(Clone, Copy, Debug)]
+pub struct Course<'a> {
+    step: &'a Step,
+    piece: &'a Step,
+    kinematics: &'a Kinematics,
+    from: f64,
+    to: f64,
+}
+
+impl Course<'_> {
+    /// Through how much of an arc it leads, rad, never below zero; 0 for a straight line.
+    #[must_use]
+    pub fn sweep_rad(&self) -> f64 {
+        (self.step.route.sweep_rad() * (self.to - self.from)).abs()
+    }
+
+    /// The place at a share of it, in the coordinates in which the corrected program writes, mm and rad.
+    #[must_use]
+    pub fn at(&self, share: f64) -> AxisVector {
+        let command = self.step.route.at(self.from + (self.to - self.from) * share);
+        self.piece.programmed(&command, self.kinematics)
+    }
+}
+
 /// A piece of the corrected program beside the place of the original that it belongs to.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Follow<'a> {
     /// The move of the original.
     pub original: Origin,
@@ -91,6 +116,8 @@ pub struct Follow<'a> {
     pub command: AxisVector,
     /// The tool word that stands above the piece.
     pub tool: Option<&'a WordValue>,
+    /// What the original does meanwhile.
+    pub course: Course<'a>,
 }
 
 /// The comment, without the signs that make it one, of a piece that continues the move of the block above it.
@@ -238,7 +265,14 @@ impl Group<'_> {
                 self.parameter = to;
             }
             let length_mm = whole_mm * (self.parameter - before);
-            see(Follow { errors_mm, length_mm, ..self.seen(&piece, is_first, stands) });
+            let course = Course {
+                step: self.step,
+                piece: &piece,
+                kinematics: self.kinematics,
+                from: before,
+                to: self.parameter,
+            };
+            see(Follow { errors_mm, length_mm, ..self.seen(course, is_first, stands) });
             if is_complete && self.off_mm(&offset) > MEANT_END_MM {
                 return Err(self
                     .step
@@ -251,7 +285,8 @@ impl Group<'_> {
     }
 
     /// A piece that has covered the original move up to the parameter.
-    fn seen<'p>(&self, piece: &'p Step, is_first: bool, on_the_spot: bool) -> Follow<'p> {
+    fn seen<'p>(&self, course: Course<'p>, is_first: bool, on_the_spot: bool) -> Follow<'p> {
+        let piece = course.piece;
         let nominal = self.step.route.at(self.parameter);
         let [nominal, written] = [&nominal, &piece.route.end].map(|command| piece.programmed(command, self.kinematics));
         let error_mm = |nominal: &AxisVector| {
@@ -275,6 +310,7 @@ impl Group<'_> {
             feeds: [self.step.feed, piece.feed],
             command: piece.route.end,
             tool: piece.tool.as_deref(),
+            course,
         }
     }
 

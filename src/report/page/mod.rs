@@ -62,7 +62,8 @@ fn page_with(title: &str, style: &str, policy: &str, inside: impl FnOnce(&mut Ma
             out.leaf("style", &[], STYLE);
             out.leaf("style", &[], PAGE_STYLE);
             if !style.is_empty() {
-                out.leaf("style", &[], style);
+                // One that would end itself is left out: the page can be read without.
+                let _ = out.verbatim("style", &[], style);
             }
         });
         out.element("body", &[], |out| {

@@ -78,7 +78,8 @@ fn left(out: &mut Markup, check: &CheckReport) {
         let names = ["Tip errors without tables", "Tip errors with the tables"];
         for (title, values) in names.iter().zip(&check.tips_um) {
             let across = "distance of the tip from its place, µm".to_owned();
-            let histogram = Histogram { title: (*title).to_owned(), across, values: values.clone(), sigma: None };
+            let histogram =
+                Histogram { title: (*title).to_owned(), across, values: values.clone(), counted: "poses", sigma: None };
             figure(out, &histogram, "");
         }
     });

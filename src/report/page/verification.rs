@@ -41,6 +41,7 @@ pub fn verification(found: &Verification) -> String {
                     let histogram = Histogram {
                         title: (*title).to_owned(),
                         across: "largest error of a piece, µm".into(),
+                        counted: "pieces",
                         values,
                         sigma: None,
                     };

@@ -21,6 +21,8 @@ pub struct Histogram {
     pub title: String,
     /// Title of the axis, with its unit.
     pub across: String,
+    /// What is counted: `readings`.
+    pub counted: &'static str,
     /// The values; those that are no numbers are left out.
     pub values: Vec<f64>,
     /// The standard deviation of the curve; none without it.
@@ -87,7 +89,7 @@ impl Picture for Histogram {
         // A curve much narrower than the bins would be all that there is to see.
         let across = Scale::around([bins.low, high], 8);
         let frame = Frame::new(across, Scale::around([0.0, most, top.min(2.0 * most)], 5), self.height());
-        frame.draw(out, &self.title, &self.across, "readings");
+        frame.draw(out, &self.title, &self.across, self.counted);
         let mut shapes = String::new();
         for (k, &count) in bins.counts.iter().enumerate() {
             let (left, right) = (frame.x(edge(k)) + 0.5, frame.x(edge(k + 1)) - 0.5);

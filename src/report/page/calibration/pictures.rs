@@ -56,6 +56,7 @@ pub(super) fn draw(out: &mut Markup, data: &Data) {
         let histogram = Histogram {
             title: "Distribution of what is left".into(),
             across: format!("left in {}", data.unit),
+            counted: "readings",
             values: data.shown.points.iter().map(|point| point.left).collect(),
             sigma: data.sigma,
         };

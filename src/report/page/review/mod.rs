@@ -91,7 +91,7 @@ pub fn review(subject: &Subject<'_>, digest: &dyn Fn(&[u8]) -> Vec<u8>) -> Resul
             (&[], SCRIPT),
         ];
         for (attributes, text) in scripts {
-            if out.script(attributes, text).is_err() {
+            if out.verbatim("script", attributes, text).is_err() {
                 fault = Some("a script would end within itself".to_owned());
             }
         }
@@ -216,6 +216,7 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
             let histogram = Histogram {
                 title: format!("{axis}: what was added"),
                 across: format!("{unit} added to {axis}"),
+                counted: "pieces",
                 values,
                 sigma: None,
             };
@@ -276,6 +277,12 @@ fn data(subject: &Subject<'_>) -> Result<String, std::io::Error> {
     for k in 0..3 {
         let places: Vec<i64> = trace.at_mm.iter().map(|at| (f64::from(at[k]) / PLACE_UNIT_MM).round() as i64).collect();
         packed.put(format!("row.at.{k}"), &places);
+    }
+    // Where an arc leads before it ends.
+    packed.put("via.row", &trace.via.iter().map(|(row, _)| i64::from(*row)).collect::<Vec<i64>>());
+    for k in 0..3 {
+        let places = trace.via.iter().map(|(_, at)| (f64::from(at[k]) / PLACE_UNIT_MM).round() as i64);
+        packed.put(format!("via.at.{k}"), &places.collect::<Vec<i64>>());
     }
     let originals: Vec<Text<'_>> = subject.originals.iter().map(|one| Text::new(one.bytes, one.line_end)).collect();
     let corrected = Text::new(subject.corrected.bytes, subject.corrected.line_end);
