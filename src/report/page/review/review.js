@@ -7,6 +7,8 @@
 
 const MM_PER_UM = 1e-3;
 const LETTERS = 27;
+/** Pieces of a line are counted up to here. */
+const MOST_PIECES = 100000;
 /** Where a value of a journal is not known. */
 const GAP = -2147483648;
 const FLAG = { rapid: 1, first: 2, spot: 4, unstated: 8, feed: 16 };
@@ -58,9 +60,15 @@ function firstNotBelow(values, value, count = values.length) {
 /** Runs generators in slices, so that the page stays responsive; a task with the name of another one replaces it. */
 const slices = {
   tasks: new Map(),
+  isWaiting: false,
   start(name, generator, done = () => {}) {
     this.tasks.set(name, { generator, done });
-    if (this.tasks.size === 1) setTimeout(() => this.run());
+    this.goOn();
+  },
+  goOn() {
+    if (this.isWaiting || this.tasks.size === 0) return;
+    this.isWaiting = true;
+    setTimeout(() => { this.isWaiting = false; this.run(); });
   },
   stop(name) { this.tasks.delete(name); },
   run() {
@@ -74,7 +82,7 @@ const slices = {
       }
       if (performance.now() >= until) break;
     }
-    if (this.tasks.size > 0) setTimeout(() => this.run());
+    this.goOn();
   },
 };
 
@@ -452,8 +460,8 @@ class Review {
     const isSame = other => other >= 0 && other < this.items && this.itemCorrected[other] > 0 && this.itemOriginal[other] === line;
     if (!line || !this.itemCorrected[item]) return { place: 0, count: 1 };
     let [from, to] = [item, item];
-    while (item - from < 5000 && isSame(from - 1)) from--;
-    while (to - item < 5000 && isSame(to + 1)) to++;
+    while (item - from < MOST_PIECES && isSame(from - 1)) from--;
+    while (to - item < MOST_PIECES && isSame(to + 1)) to++;
     return { place: item - from, count: to - from + 1 };
   }
 }
@@ -676,10 +684,10 @@ function padded(least, most) {
 }
 
 /** A box to tick, with the colour of its line. */
-function lineToggle(name, color, changed) {
+function lineToggle(name, color, changed, isDashed = false) {
   const box = make('input', { type: 'checkbox', checked: true });
   box.addEventListener('change', () => changed(box.checked));
-  return make('label', { className: 'toggle' }, box, make('i', { className: `swatch c${color % 6}` }), name);
+  return make('label', { className: 'toggle' }, box, make('i', { className: `swatch c${color % 6}${isDashed ? ' dashed' : ''}` }), name);
 }
 
 function button(text, title, click) {
@@ -966,6 +974,7 @@ class PathView {
     const reach = rows.map(row => row.reduce((sum, part, axis) => sum + Math.abs(part) * half[axis], 0));
     const sizes = [this.width / 2 - 26, this.height / 2 - 26];
     this.scale = Math.min(...reach.map((own, k) => sizes[k] / Math.max(own, 1e-3)), 2000);
+    this.isFitted = true;
     this.draw();
   }
 
@@ -1156,6 +1165,7 @@ class PathView {
     }, { passive: false });
     top.addEventListener('keydown', event => this.key(event));
     this.redrawSoon = oncePerFrame(() => this.draw());
+    this.fitSoon = oncePerFrame(() => this.fit());
   }
 
   press(event) {
@@ -1178,6 +1188,7 @@ class PathView {
   }
 
   pan(dx, dy) {
+    this.isFitted = false;
     this.center[0] -= dx / this.scale;
     this.center[1] += dy / this.scale;
     this.redrawSoon();
@@ -1198,6 +1209,7 @@ class PathView {
     this.center[0] += (x - this.width / 2) * change;
     this.center[1] -= (y - this.height / 2) * change;
     this.scale = scale;
+    this.isFitted = false;
     this.redrawSoon();
   }
 
@@ -1342,10 +1354,11 @@ class PathViews {
     this.swatches.forEach((swatch, number) => { swatch.style.background = theme.ramp[number]; });
   }
 
+  /** Views that nobody has moved stay fitted. */
   exaggerate(power) {
     this.exaggeration = 10 ** power;
     this.shown.textContent = `×${grouped(Number(this.exaggeration.toPrecision(2)))}`;
-    if (this.isDrawn) this.views.forEach(view => view.redrawSoon());
+    if (this.isDrawn) this.views.forEach(view => (view.isFitted ? view.fitSoon() : view.redrawSoon()));
   }
 
   select({ row }) {
@@ -1357,7 +1370,7 @@ class PathViews {
   redraw() {
     this.start();
     this.colorLegend();
-    this.views.forEach(view => view.draw());
+    this.views.forEach(view => (view.isFitted ? view.fit() : view.draw()));
   }
 
   print() { this.redraw(); }
@@ -1859,13 +1872,24 @@ function factsOf(review, row) {
 
 // ---------------------------------------------------------------- temperatures and corrections of a transfer
 
+/** Times of a transfer that was taken up again may begin anew: they go on from where they were. */
+function onward(times) {
+  const out = Float64Array.from(times);
+  let before = 0;
+  for (let place = 1; place < out.length; place++) {
+    if (times[place] < times[place - 1]) before += times[place - 1];
+    out[place] += before;
+  }
+  return out;
+}
+
 function journalPlots(header, streams) {
   const { journal } = header;
   const place = byId('journal-plots');
   const times = streams.get('journal.t') ?? [];
   if (!journal || !place || times.length === 0) return [];
   const isLong = times[times.length - 1] > 6e5;
-  const x = Float64Array.from(times, time => time / (isLong ? 6e4 : 1e3));
+  const x = onward(times).map(time => time / (isLong ? 6e4 : 1e3));
   const xLabel = () => `time, ${isLong ? 'min' : 's'}`;
   const sensors = journal.sensors.map((name, number) => ({ name, color: number, scale: 1e-3, values: streams.get(`journal.sensor.${number}`) }));
   const offsets = journal.axes.flatMap((name, number) => [
@@ -1877,7 +1901,8 @@ function journalPlots(header, streams) {
     if (known.length === 0) return [];
     const own = make('div', {});
     let plot;
-    const toggles = known.map(({ name, color }, number) => lineToggle(name, color, isShown => plot.show(number, isShown)));
+    const toggles = known.map(({ name, color, dash }, number) =>
+      lineToggle(name, color, isShown => plot.show(number, isShown), dash !== undefined));
     place.append(make('div', { className: 'controls' }, ...toggles), own);
     plot = new LinePlot(own, { x, columns: known, xLabel, yLabel, height: 220, label });
     return [plot];
