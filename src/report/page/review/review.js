@@ -767,7 +767,10 @@ class DeviationPlot {
       const at = plot.valToPos(y, 'y', true);
       if (!(at >= top && at <= top + height)) return;
       ctx.setLineDash(dash);
-      ctx.strokeRect(left, at, width, 0);
+      ctx.beginPath();
+      ctx.moveTo(left, at);
+      ctx.lineTo(left + width, at);
+      ctx.stroke();
     };
     ctx.save();
     ctx.lineWidth = ratio;
@@ -1588,8 +1591,9 @@ class LineList {
     this.place.setAttribute('aria-label', 'Lines of the original and of the corrected program');
     byId('list').style.setProperty('--axes', Math.max(1, review.axes.length));
     const axes = review.axes.map(({ name, unit }) => make('span', { className: 'n' }, `${name}, ${UNIT[unit] ?? unit}`));
-    this.head = make('div', { className: 'row head' }, make('span', { className: 'n' }, 'line'), make('span', {}, baseName(review.original.name)),
-      make('span', {}), make('span', { className: 'n' }, 'line'), make('span', {}, baseName(review.text.name)), ...axes);
+    const line = () => make('span', { className: 'n' }, 'line');
+    const name = program => make('span', {}, baseName(program.name));
+    this.head = make('div', { className: 'row head' }, line(), name(review.original), make('span', {}), line(), name(review.text), ...axes);
     this.layer = make('div', { className: 'layer' });
     this.spacer = make('div', { className: 'spacer' }, this.layer);
     this.scroller = make('div', { className: 'scroller' }, this.spacer);
@@ -1685,10 +1689,16 @@ class LineList {
     while (this.rows.length < count) this.addRow();
     this.rows.forEach((row, k) => {
       row.element.hidden = k >= count;
-      if (k < count) this.fill(row, filters.itemAt(first + k), k === 0);
+      if (k < count) this.fill(row, filters.itemAt(first + k), k === 0 || this.isOther(first + k));
     });
     this.layer.style.transform = `translateY(${first * HEIGHT - this.top}px)`;
     this.drawWindow();
+  }
+
+  /** Whether the line above, of those that are shown, comes from another line of the original. */
+  isOther(place) {
+    const [above, own] = [place - 1, place].map(at => this.app.review.itemOriginal[this.app.filters.itemAt(at)]);
+    return above !== own;
   }
 
   addRow() {
@@ -1705,19 +1715,19 @@ class LineList {
     return row;
   }
 
-  /** `isTop`: the first in sight repeats the original of which it is a piece. */
-  fill({ element, cells }, item, isTop) {
+  /** `isNamed`: the first piece in sight has the text of the original, though others are before it. */
+  fill({ element, cells }, item, isNamed) {
     const { review, selected } = this.app;
     const line = review.itemCorrected[item];
     const original = review.originalOf(item);
     const group = review.group(item);
-    const isNamed = group.place === 0 || isTop;
     const before = original && original.text.parts(original.line);
     const after = line > 0 ? review.text.parts(line) : null;
     const isLast = group.place === group.count - 1;
-    cells[0].textContent = original && isNamed ? (original.file > 0 ? '↳' : '') + grouped(original.line) : '';
+    const isTold = group.place === 0 || isNamed;
+    cells[0].textContent = original && isTold ? (original.file > 0 ? '↳' : '') + grouped(original.line) : '';
     cells[0].title = original && original.file > 0 ? original.text.name : '';
-    putCut(cells[1], before && isNamed ? before.text : '', []);
+    putCut(cells[1], before && isTold ? before.text : '', []);
     this.fillBadge(cells[2], { original, line, group });
     cells[3].textContent = line > 0 ? grouped(line) : '';
     putCut(cells[4], after ? after.text : '', after && before && isLast ? marksOf(before, after) : []);
@@ -1840,7 +1850,7 @@ class LineList {
     this.printed.append(this.head.cloneNode(true));
     for (let place = 0; place < count; place++) {
       const row = this.newRow();
-      this.fill(row, filters.itemAt(place), place === 0);
+      this.fill(row, filters.itemAt(place), place === 0 || this.isOther(place));
       row.element.removeAttribute('id');
       this.printed.append(row.element);
     }
