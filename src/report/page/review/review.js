@@ -431,7 +431,7 @@ class Review {
     this.readRowsOfLines(own);
   }
 
-  /** The row that stands for a line of the corrected program: a line in a loop is executed several times, and its largest row counts. */
+  /** The row that stands for a line of the corrected program: of a line that is executed several times the largest. */
   readRowsOfLines(own) {
     this.rowOf = new Int32Array(own + 1).fill(-1);
     this.timesOf = new Uint32Array(own + 1);
@@ -457,7 +457,8 @@ class Review {
   /** Which of how many pieces of a line of the original an item is. */
   group(item) {
     const line = this.itemOriginal[item];
-    const isSame = other => other >= 0 && other < this.items && this.itemCorrected[other] > 0 && this.itemOriginal[other] === line;
+    const isInList = other => other >= 0 && other < this.items;
+    const isSame = other => isInList(other) && this.itemCorrected[other] > 0 && this.itemOriginal[other] === line;
     if (!line || !this.itemCorrected[item]) return { place: 0, count: 1 };
     let [from, to] = [item, item];
     while (item - from < MOST_PIECES && isSame(from - 1)) from--;
@@ -592,7 +593,9 @@ class LinePlot {
       grid: { stroke: () => theme.colors.grid, width: 1 },
       ticks: { stroke: () => theme.colors.grid, width: 1, size: 4 },
     });
-    const series = ({ name, dash, color }) => ({ label: name, dash, stroke: () => theme.series(color), width: 1, points: { show: false } });
+    const series = ({ name, dash, color }) => ({
+      label: name, dash, stroke: () => theme.series(color), width: 1, points: { show: false },
+    });
     return {
       width: this.width(), height: this.height, legend: { show: false }, padding: [8, 12, 0, 0],
       cursor: {
@@ -603,7 +606,9 @@ class LinePlot {
       scales: { x: { time: false, range: () => this.range }, y: { range: (_, least, most) => padded(least, most) } },
       axes: [{ ...axis(this.xLabel()), size: 26 }, { ...axis(this.yLabel), size: 52 }],
       series: [{}, ...this.columns.map(series)],
-      hooks: { setSelect: [plot => this.selected(plot)], draw: [plot => this.drawn(plot)], setCursor: [plot => this.moved(plot)] },
+      hooks: {
+        setSelect: [plot => this.selected(plot)], draw: [plot => this.drawn(plot)], setCursor: [plot => this.moved(plot)],
+      },
     };
   }
 
@@ -687,7 +692,8 @@ function padded(least, most) {
 function lineToggle(name, color, changed, isDashed = false) {
   const box = make('input', { type: 'checkbox', checked: true });
   box.addEventListener('change', () => changed(box.checked));
-  return make('label', { className: 'toggle' }, box, make('i', { className: `swatch c${color % 6}${isDashed ? ' dashed' : ''}` }), name);
+  const swatch = make('i', { className: `swatch c${color % 6}${isDashed ? ' dashed' : ''}` });
+  return make('label', { className: 'toggle' }, box, swatch, name);
 }
 
 function button(text, title, click) {
@@ -744,7 +750,8 @@ class DeviationPlot {
     const over = choice('over', this.overs.map(({ name }, number) => [number, name]), value => this.choose(Number(value)));
     over.select.id = 'over';
     const whole = button('Whole', 'The whole range (double-click)', () => this.plot?.zoom(this.plot.whole()));
-    return [...toggles, over.label, whole, this.readings, make('span', { className: 'hint' }, 'drag zooms, double-click shows all, click selects')];
+    const hint = make('span', { className: 'hint' }, 'drag zooms, double-click shows all, click selects');
+    return [...toggles, over.label, whole, this.readings, hint];
   }
 
   choose(number) {
@@ -842,7 +849,8 @@ class DeviationPlot {
     }
     const row = this.nearestRow(plot.posToVal(left, 'x'));
     const { review } = this.app;
-    const values = review.axes.map(({ name, unit }, number) => `${name} ${signed(review.added[number][row] * review.step, 2)} ${UNIT[unit] ?? unit}`);
+    const values = review.axes.map(({ name, unit, scale }, number) =>
+      `${name} ${signed(review.added[number][row] * scale, 2)} ${UNIT[unit] ?? unit}`);
     this.readings.textContent = `line ${grouped(review.corrected[row])}   ${values.join('   ')}`;
   }
 
@@ -1327,7 +1335,8 @@ class PathViews {
     }, { rootMargin: '400px' });
     seen.observe(byId('path-views'));
     const resized = oncePerFrame(() => this.redraw());
-    new ResizeObserver(() => { if (this.isDrawn && this.views[0].figure.clientWidth !== this.views[0].width) resized(); }).observe(byId('path-views'));
+    const isOther = ({ figure, width }) => figure.clientWidth !== width;
+    new ResizeObserver(() => { if (this.isDrawn && isOther(this.views[0])) resized(); }).observe(byId('path-views'));
   }
 
   /** The path in blocks, and the views fitted to it. */
@@ -1348,7 +1357,10 @@ class PathViews {
     const [from, to] = [palest > 0 ? `≤ ${(palest * step).toFixed(1)}` : '0', `${(largest * step).toFixed(1)} µm`];
     const legend = make('span', { className: 'legend' }, from, make('span', { className: 'ramp' }, ...this.swatches), to);
     this.colorLegend();
-    const fit = button('Fit', 'All of the path in all views (double-click in one)', () => { this.start(); this.views.forEach(view => view.fit()); });
+    const fit = button('Fit', 'All of the path in all views (double-click in one)', () => {
+      this.start();
+      this.views.forEach(view => view.fit());
+    });
     const hint = 'grey: original, coloured: corrected; drag pans (3D: turns, with Shift pans), wheel zooms, click selects';
     return [label, legend, fit, make('span', { className: 'hint' }, hint)];
   }
@@ -1401,7 +1413,7 @@ class Filters {
     this.axis.select.id = 'filter-axis';
     this.least = make('input', { type: 'number', min: 0, step: 'any', id: 'filter-threshold', placeholder: '0' });
     this.least.addEventListener('input', changed);
-    const tools = [['', 'all'], ...review.toolNames.map((name, number) => [number, name || 'none']).filter(([number]) => number > 0)];
+    const tools = [['', 'all'], ...review.toolNames.map((name, number) => [number, name || 'none']).slice(1)];
     this.toolChoice = choice('tool', tools, changed);
     this.toolChoice.select.id = 'filter-tool';
     this.kind = choice('moves', [['', 'all'], ['feed', 'feed'], ['rapid', 'rapid']], changed);
@@ -1593,7 +1605,8 @@ class LineList {
     const axes = review.axes.map(({ name, unit }) => make('span', { className: 'n' }, `${name}, ${UNIT[unit] ?? unit}`));
     const line = () => make('span', { className: 'n' }, 'line');
     const name = program => make('span', {}, baseName(program.name));
-    this.head = make('div', { className: 'row head' }, line(), name(review.original), make('span', {}), line(), name(review.text), ...axes);
+    const titles = [line(), name(review.original), make('span', {}), line(), name(review.text), ...axes];
+    this.head = make('div', { className: 'row head' }, ...titles);
     this.layer = make('div', { className: 'layer' });
     this.spacer = make('div', { className: 'spacer' }, this.layer);
     this.scroller = make('div', { className: 'scroller' }, this.spacer);
@@ -1602,7 +1615,8 @@ class LineList {
     this.place.append(this.head, this.scroller, this.map, this.none);
     this.detail = make('div', { id: 'line-detail', 'aria-live': 'polite' });
     this.printed = make('div', { className: 'printed' });
-    const help = 'j k or ↓ ↑ line · n p by falling deviation · f filter · Home End PgUp PgDn in the list · Enter whole line · Esc nothing selected';
+    const help = 'j k or ↓ ↑ line · n p by falling deviation · f filter · Home End PgUp PgDn in the list · '
+      + 'Enter whole line · Esc nothing selected';
     this.place.after(this.detail, make('p', { className: 'help' }, help), this.printed);
     this.rows = [];
   }
@@ -1733,7 +1747,9 @@ class LineList {
     putCut(cells[4], after ? after.text : '', after && before && isLast ? marksOf(before, after) : []);
     this.fillAdded(cells, item);
     const isSelected = selected.item === item;
-    const kinds = [['selected', isSelected], ['dropped', !line], ['inserted', !original], ['piece', group.count > 1], ['again', group.place > 0]];
+    const kinds = [
+      ['selected', isSelected], ['dropped', !line], ['inserted', !original], ['piece', group.count > 1], ['again', group.place > 0],
+    ];
     element.className = ['row', ...kinds.filter(([, is]) => is).map(([name]) => name)].join(' ');
     element.setAttribute('aria-selected', String(isSelected));
     element.id = isSelected ? 'selected-line' : '';
@@ -1742,7 +1758,8 @@ class LineList {
   fillBadge(cell, { original, line, group }) {
     const times = line > 0 ? this.app.review.timesOf[line] : 0;
     cell.title = '';
-    if (group.count > 1) cell.textContent = group.place === 0 ? `1:${group.count}` : group.place === group.count - 1 ? '└' : '│';
+    if (group.count > 1 && group.place === 0) cell.textContent = `1:${group.count}`;
+    else if (group.count > 1) cell.textContent = group.place === group.count - 1 ? '└' : '│';
     else if (!line) cell.textContent = '−';
     else if (!original) cell.textContent = '+';
     else cell.textContent = times > 1 ? `×${times}` : '';
@@ -1827,7 +1844,8 @@ class LineList {
     const text = program.put(line);
     const code = make('code', {}, isWhole ? text : text.slice(0, most));
     const out = make('div', { className: 'whole' }, make('span', {}, `${baseName(program.name)} ${grouped(line)}`), code);
-    if (!isWhole && text.length > most) out.append(button(`… all ${grouped(text.length)} characters`, '', () => this.showDetail(true)));
+    const all = `… all ${grouped(text.length)} characters`;
+    if (!isWhole && text.length > most) out.append(button(all, '', () => this.showDetail(true)));
     return out;
   }
 
@@ -1854,7 +1872,8 @@ class LineList {
       row.element.removeAttribute('id');
       this.printed.append(row.element);
     }
-    if (filters.shown() > most) this.printed.append(make('p', {}, `The first ${most} of ${grouped(filters.shown())} lines; the others are in the page.`));
+    const note = `The first ${most} of ${grouped(filters.shown())} lines; the others are in the page.`;
+    if (filters.shown() > most) this.printed.append(make('p', {}, note));
   }
 }
 
@@ -1872,7 +1891,8 @@ function factsOf(review, row) {
   const [x, y, z] = review.at.map(places => (places[row] * review.header.position_mm).toFixed(3));
   const tool = review.toolNames[review.tool[row]];
   const facts = [
-    `piece ${grouped(row + 1)} of ${grouped(review.count)}`, flags & FLAG.rapid ? 'rapid' : 'feed', tool ? `tool ${tool}` : 'no tool',
+    `piece ${grouped(row + 1)} of ${grouped(review.count)}`, flags & FLAG.rapid ? 'rapid' : 'feed',
+    tool ? `tool ${tool}` : 'no tool',
     flags & FLAG.unstated ? 'the program has not stated where the axes are' : `nominal X ${x}  Y ${y}  Z ${z} mm`,
   ];
   if (flags & FLAG.spot) facts.push('on the spot');
@@ -1901,7 +1921,9 @@ function journalPlots(header, streams) {
   const isLong = times[times.length - 1] > 6e5;
   const x = onward(times).map(time => time / (isLong ? 6e4 : 1e3));
   const xLabel = () => `time, ${isLong ? 'min' : 's'}`;
-  const sensors = journal.sensors.map((name, number) => ({ name, color: number, scale: 1e-3, values: streams.get(`journal.sensor.${number}`) }));
+  const sensors = journal.sensors.map((name, number) => (
+    { name, color: number, scale: 1e-3, values: streams.get(`journal.sensor.${number}`) }
+  ));
   const offsets = journal.axes.flatMap((name, number) => [
     { name: `${name} asked for`, color: number, scale: 0.01, dash: [4, 4], values: streams.get(`journal.axis.${name}.target`) },
     { name: `${name} applied`, color: number, scale: 0.01, values: streams.get(`journal.axis.${name}.applied`) },
@@ -1917,7 +1939,10 @@ function journalPlots(header, streams) {
     plot = new LinePlot(own, { x, columns: known, xLabel, yLabel, height: 220, label });
     return [plot];
   };
-  return [...draw(sensors, '°C', 'Temperatures over time'), ...draw(offsets, 'µm', 'Corrections over time, asked for and applied')];
+  return [
+    ...draw(sensors, '°C', 'Temperatures over time'),
+    ...draw(offsets, 'µm', 'Corrections over time, asked for and applied'),
+  ];
 }
 
 // ---------------------------------------------------------------- sign-off
@@ -1927,7 +1952,8 @@ function signOff(form, object, figures) {
   const value = name => form.elements[name]?.value ?? '';
   return {
     name: value('name'), decision: value('decision'), remarks: value('remarks'), time: new Date().toISOString(),
-    files: object.files, provenance: object.provenance, verdict: object.verdict, moves: object.moves, changed: object.changed, axes: figures,
+    files: object.files, provenance: object.provenance, verdict: object.verdict, moves: object.moves,
+    changed: object.changed, axes: figures,
   };
 }
 
@@ -2016,7 +2042,8 @@ class App {
 
 /** Letters work everywhere but where one types; other keys belong to what has the focus. */
 function listenToKeys(app) {
-  const isTyping = ({ tagName, type }) => tagName === 'TEXTAREA' || tagName === 'SELECT' || (tagName === 'INPUT' && !['range', 'checkbox'].includes(type));
+  const isTyping = ({ tagName, type }) => ['TEXTAREA', 'SELECT'].includes(tagName)
+    || (tagName === 'INPUT' && !['range', 'checkbox'].includes(type));
   const keys = {
     j: () => app.goLine(1), k: () => app.goLine(-1), n: () => app.goLargest(1), p: () => app.goLargest(-1),
     f: () => app.filters.least.focus(), Escape: () => app.clear(),
@@ -2041,7 +2068,8 @@ async function open() {
   const { header, streams } = await unpack(byId('data').textContent);
   theme.read();
   const review = new Review({ header, streams });
-  const figures = Object.fromEntries(review.axes.map(({ name, scale }, number) => [name, figuresOf(review.added[number], review.line, scale)]));
+  const figures = Object.fromEntries(review.axes.map(({ name, scale }, number) =>
+    [name, figuresOf(review.added[number], review.line, scale)]));
   const app = new App(review);
   app.parts.push(...journalPlots(header, streams).map(plot => ({
     select() {}, redraw: () => plot.redraw(), print: () => plot.print(),
