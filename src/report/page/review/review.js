@@ -7,6 +7,8 @@
 
 const MM_PER_UM = 1e-3;
 const LETTERS = 27;
+/** Pieces of a line are counted up to here. */
+const MOST_PIECES = 100000;
 /** Where a value of a journal is not known. */
 const GAP = -2147483648;
 const FLAG = { rapid: 1, first: 2, spot: 4, unstated: 8, feed: 16 };
@@ -58,9 +60,15 @@ function firstNotBelow(values, value, count = values.length) {
 /** Runs generators in slices, so that the page stays responsive; a task with the name of another one replaces it. */
 const slices = {
   tasks: new Map(),
+  isWaiting: false,
   start(name, generator, done = () => {}) {
     this.tasks.set(name, { generator, done });
-    if (this.tasks.size === 1) setTimeout(() => this.run());
+    this.goOn();
+  },
+  goOn() {
+    if (this.isWaiting || this.tasks.size === 0) return;
+    this.isWaiting = true;
+    setTimeout(() => { this.isWaiting = false; this.run(); });
   },
   stop(name) { this.tasks.delete(name); },
   run() {
@@ -74,7 +82,7 @@ const slices = {
       }
       if (performance.now() >= until) break;
     }
-    if (this.tasks.size > 0) setTimeout(() => this.run());
+    this.goOn();
   },
 };
 
@@ -423,7 +431,7 @@ class Review {
     this.readRowsOfLines(own);
   }
 
-  /** The row that stands for a line of the corrected program: a line in a loop is executed several times, and its largest row counts. */
+  /** The row that stands for a line of the corrected program: of a line that is executed several times the largest. */
   readRowsOfLines(own) {
     this.rowOf = new Int32Array(own + 1).fill(-1);
     this.timesOf = new Uint32Array(own + 1);
@@ -449,11 +457,12 @@ class Review {
   /** Which of how many pieces of a line of the original an item is. */
   group(item) {
     const line = this.itemOriginal[item];
-    const isSame = other => other >= 0 && other < this.items && this.itemCorrected[other] > 0 && this.itemOriginal[other] === line;
+    const isInList = other => other >= 0 && other < this.items;
+    const isSame = other => isInList(other) && this.itemCorrected[other] > 0 && this.itemOriginal[other] === line;
     if (!line || !this.itemCorrected[item]) return { place: 0, count: 1 };
     let [from, to] = [item, item];
-    while (item - from < 5000 && isSame(from - 1)) from--;
-    while (to - item < 5000 && isSame(to + 1)) to++;
+    while (item - from < MOST_PIECES && isSame(from - 1)) from--;
+    while (to - item < MOST_PIECES && isSame(to + 1)) to++;
     return { place: item - from, count: to - from + 1 };
   }
 }
@@ -584,7 +593,9 @@ class LinePlot {
       grid: { stroke: () => theme.colors.grid, width: 1 },
       ticks: { stroke: () => theme.colors.grid, width: 1, size: 4 },
     });
-    const series = ({ name, dash, color }) => ({ label: name, dash, stroke: () => theme.series(color), width: 1, points: { show: false } });
+    const series = ({ name, dash, color }) => ({
+      label: name, dash, stroke: () => theme.series(color), width: 1, points: { show: false },
+    });
     return {
       width: this.width(), height: this.height, legend: { show: false }, padding: [8, 12, 0, 0],
       cursor: {
@@ -595,7 +606,9 @@ class LinePlot {
       scales: { x: { time: false, range: () => this.range }, y: { range: (_, least, most) => padded(least, most) } },
       axes: [{ ...axis(this.xLabel()), size: 26 }, { ...axis(this.yLabel), size: 52 }],
       series: [{}, ...this.columns.map(series)],
-      hooks: { setSelect: [plot => this.selected(plot)], draw: [plot => this.drawn(plot)], setCursor: [plot => this.moved(plot)] },
+      hooks: {
+        setSelect: [plot => this.selected(plot)], draw: [plot => this.drawn(plot)], setCursor: [plot => this.moved(plot)],
+      },
     };
   }
 
@@ -676,10 +689,11 @@ function padded(least, most) {
 }
 
 /** A box to tick, with the colour of its line. */
-function lineToggle(name, color, changed) {
+function lineToggle(name, color, changed, isDashed = false) {
   const box = make('input', { type: 'checkbox', checked: true });
   box.addEventListener('change', () => changed(box.checked));
-  return make('label', { className: 'toggle' }, box, make('i', { className: `swatch c${color % 6}` }), name);
+  const swatch = make('i', { className: `swatch c${color % 6}${isDashed ? ' dashed' : ''}` });
+  return make('label', { className: 'toggle' }, box, swatch, name);
 }
 
 function button(text, title, click) {
@@ -736,7 +750,8 @@ class DeviationPlot {
     const over = choice('over', this.overs.map(({ name }, number) => [number, name]), value => this.choose(Number(value)));
     over.select.id = 'over';
     const whole = button('Whole', 'The whole range (double-click)', () => this.plot?.zoom(this.plot.whole()));
-    return [...toggles, over.label, whole, this.readings, make('span', { className: 'hint' }, 'drag zooms, double-click shows all, click selects')];
+    const hint = make('span', { className: 'hint' }, 'drag zooms, double-click shows all, click selects');
+    return [...toggles, over.label, whole, this.readings, hint];
   }
 
   choose(number) {
@@ -759,7 +774,10 @@ class DeviationPlot {
       const at = plot.valToPos(y, 'y', true);
       if (!(at >= top && at <= top + height)) return;
       ctx.setLineDash(dash);
-      ctx.strokeRect(left, at, width, 0);
+      ctx.beginPath();
+      ctx.moveTo(left, at);
+      ctx.lineTo(left + width, at);
+      ctx.stroke();
     };
     ctx.save();
     ctx.lineWidth = ratio;
@@ -831,7 +849,8 @@ class DeviationPlot {
     }
     const row = this.nearestRow(plot.posToVal(left, 'x'));
     const { review } = this.app;
-    const values = review.axes.map(({ name, unit }, number) => `${name} ${signed(review.added[number][row] * review.step, 2)} ${UNIT[unit] ?? unit}`);
+    const values = review.axes.map(({ name, unit, scale }, number) =>
+      `${name} ${signed(review.added[number][row] * scale, 2)} ${UNIT[unit] ?? unit}`);
     this.readings.textContent = `line ${grouped(review.corrected[row])}   ${values.join('   ')}`;
   }
 
@@ -966,6 +985,7 @@ class PathView {
     const reach = rows.map(row => row.reduce((sum, part, axis) => sum + Math.abs(part) * half[axis], 0));
     const sizes = [this.width / 2 - 26, this.height / 2 - 26];
     this.scale = Math.min(...reach.map((own, k) => sizes[k] / Math.max(own, 1e-3)), 2000);
+    this.isFitted = true;
     this.draw();
   }
 
@@ -1156,6 +1176,7 @@ class PathView {
     }, { passive: false });
     top.addEventListener('keydown', event => this.key(event));
     this.redrawSoon = oncePerFrame(() => this.draw());
+    this.fitSoon = oncePerFrame(() => this.fit());
   }
 
   press(event) {
@@ -1178,6 +1199,7 @@ class PathView {
   }
 
   pan(dx, dy) {
+    this.isFitted = false;
     this.center[0] -= dx / this.scale;
     this.center[1] += dy / this.scale;
     this.redrawSoon();
@@ -1198,6 +1220,7 @@ class PathView {
     this.center[0] += (x - this.width / 2) * change;
     this.center[1] -= (y - this.height / 2) * change;
     this.scale = scale;
+    this.isFitted = false;
     this.redrawSoon();
   }
 
@@ -1312,7 +1335,8 @@ class PathViews {
     }, { rootMargin: '400px' });
     seen.observe(byId('path-views'));
     const resized = oncePerFrame(() => this.redraw());
-    new ResizeObserver(() => { if (this.isDrawn && this.views[0].figure.clientWidth !== this.views[0].width) resized(); }).observe(byId('path-views'));
+    const isOther = ({ figure, width }) => figure.clientWidth !== width;
+    new ResizeObserver(() => { if (this.isDrawn && isOther(this.views[0])) resized(); }).observe(byId('path-views'));
   }
 
   /** The path in blocks, and the views fitted to it. */
@@ -1333,7 +1357,10 @@ class PathViews {
     const [from, to] = [palest > 0 ? `≤ ${(palest * step).toFixed(1)}` : '0', `${(largest * step).toFixed(1)} µm`];
     const legend = make('span', { className: 'legend' }, from, make('span', { className: 'ramp' }, ...this.swatches), to);
     this.colorLegend();
-    const fit = button('Fit', 'All of the path in all views (double-click in one)', () => { this.start(); this.views.forEach(view => view.fit()); });
+    const fit = button('Fit', 'All of the path in all views (double-click in one)', () => {
+      this.start();
+      this.views.forEach(view => view.fit());
+    });
     const hint = 'grey: original, coloured: corrected; drag pans (3D: turns, with Shift pans), wheel zooms, click selects';
     return [label, legend, fit, make('span', { className: 'hint' }, hint)];
   }
@@ -1342,10 +1369,11 @@ class PathViews {
     this.swatches.forEach((swatch, number) => { swatch.style.background = theme.ramp[number]; });
   }
 
+  /** Views that nobody has moved stay fitted. */
   exaggerate(power) {
     this.exaggeration = 10 ** power;
     this.shown.textContent = `×${grouped(Number(this.exaggeration.toPrecision(2)))}`;
-    if (this.isDrawn) this.views.forEach(view => view.redrawSoon());
+    if (this.isDrawn) this.views.forEach(view => (view.isFitted ? view.fitSoon() : view.redrawSoon()));
   }
 
   select({ row }) {
@@ -1357,7 +1385,7 @@ class PathViews {
   redraw() {
     this.start();
     this.colorLegend();
-    this.views.forEach(view => view.draw());
+    this.views.forEach(view => (view.isFitted ? view.fit() : view.draw()));
   }
 
   print() { this.redraw(); }
@@ -1385,7 +1413,7 @@ class Filters {
     this.axis.select.id = 'filter-axis';
     this.least = make('input', { type: 'number', min: 0, step: 'any', id: 'filter-threshold', placeholder: '0' });
     this.least.addEventListener('input', changed);
-    const tools = [['', 'all'], ...review.toolNames.map((name, number) => [number, name || 'none']).filter(([number]) => number > 0)];
+    const tools = [['', 'all'], ...review.toolNames.map((name, number) => [number, name || 'none']).slice(1)];
     this.toolChoice = choice('tool', tools, changed);
     this.toolChoice.select.id = 'filter-tool';
     this.kind = choice('moves', [['', 'all'], ['feed', 'feed'], ['rapid', 'rapid']], changed);
@@ -1575,8 +1603,10 @@ class LineList {
     this.place.setAttribute('aria-label', 'Lines of the original and of the corrected program');
     byId('list').style.setProperty('--axes', Math.max(1, review.axes.length));
     const axes = review.axes.map(({ name, unit }) => make('span', { className: 'n' }, `${name}, ${UNIT[unit] ?? unit}`));
-    this.head = make('div', { className: 'row head' }, make('span', { className: 'n' }, 'line'), make('span', {}, baseName(review.original.name)),
-      make('span', {}), make('span', { className: 'n' }, 'line'), make('span', {}, baseName(review.text.name)), ...axes);
+    const line = () => make('span', { className: 'n' }, 'line');
+    const name = program => make('span', {}, baseName(program.name));
+    const titles = [line(), name(review.original), make('span', {}), line(), name(review.text), ...axes];
+    this.head = make('div', { className: 'row head' }, ...titles);
     this.layer = make('div', { className: 'layer' });
     this.spacer = make('div', { className: 'spacer' }, this.layer);
     this.scroller = make('div', { className: 'scroller' }, this.spacer);
@@ -1585,7 +1615,8 @@ class LineList {
     this.place.append(this.head, this.scroller, this.map, this.none);
     this.detail = make('div', { id: 'line-detail', 'aria-live': 'polite' });
     this.printed = make('div', { className: 'printed' });
-    const help = 'j k or ↓ ↑ line · n p by falling deviation · f filter · Home End PgUp PgDn in the list · Enter whole line · Esc nothing selected';
+    const help = 'j k or ↓ ↑ line · n p by falling deviation · f filter · Home End PgUp PgDn in the list · '
+      + 'Enter whole line · Esc nothing selected';
     this.place.after(this.detail, make('p', { className: 'help' }, help), this.printed);
     this.rows = [];
   }
@@ -1672,10 +1703,16 @@ class LineList {
     while (this.rows.length < count) this.addRow();
     this.rows.forEach((row, k) => {
       row.element.hidden = k >= count;
-      if (k < count) this.fill(row, filters.itemAt(first + k), k === 0);
+      if (k < count) this.fill(row, filters.itemAt(first + k), k === 0 || this.isOther(first + k));
     });
     this.layer.style.transform = `translateY(${first * HEIGHT - this.top}px)`;
     this.drawWindow();
+  }
+
+  /** Whether the line above, of those that are shown, comes from another line of the original. */
+  isOther(place) {
+    const [above, own] = [place - 1, place].map(at => this.app.review.itemOriginal[this.app.filters.itemAt(at)]);
+    return above !== own;
   }
 
   addRow() {
@@ -1692,25 +1729,27 @@ class LineList {
     return row;
   }
 
-  /** `isTop`: the first in sight repeats the original of which it is a piece. */
-  fill({ element, cells }, item, isTop) {
+  /** `isNamed`: the first piece in sight has the text of the original, though others are before it. */
+  fill({ element, cells }, item, isNamed) {
     const { review, selected } = this.app;
     const line = review.itemCorrected[item];
     const original = review.originalOf(item);
     const group = review.group(item);
-    const isNamed = group.place === 0 || isTop;
     const before = original && original.text.parts(original.line);
     const after = line > 0 ? review.text.parts(line) : null;
     const isLast = group.place === group.count - 1;
-    cells[0].textContent = original && isNamed ? (original.file > 0 ? '↳' : '') + grouped(original.line) : '';
+    const isTold = group.place === 0 || isNamed;
+    cells[0].textContent = original && isTold ? (original.file > 0 ? '↳' : '') + grouped(original.line) : '';
     cells[0].title = original && original.file > 0 ? original.text.name : '';
-    putCut(cells[1], before && isNamed ? before.text : '', []);
+    putCut(cells[1], before && isTold ? before.text : '', []);
     this.fillBadge(cells[2], { original, line, group });
     cells[3].textContent = line > 0 ? grouped(line) : '';
     putCut(cells[4], after ? after.text : '', after && before && isLast ? marksOf(before, after) : []);
     this.fillAdded(cells, item);
     const isSelected = selected.item === item;
-    const kinds = [['selected', isSelected], ['dropped', !line], ['inserted', !original], ['piece', group.count > 1], ['again', group.place > 0]];
+    const kinds = [
+      ['selected', isSelected], ['dropped', !line], ['inserted', !original], ['piece', group.count > 1], ['again', group.place > 0],
+    ];
     element.className = ['row', ...kinds.filter(([, is]) => is).map(([name]) => name)].join(' ');
     element.setAttribute('aria-selected', String(isSelected));
     element.id = isSelected ? 'selected-line' : '';
@@ -1719,7 +1758,8 @@ class LineList {
   fillBadge(cell, { original, line, group }) {
     const times = line > 0 ? this.app.review.timesOf[line] : 0;
     cell.title = '';
-    if (group.count > 1) cell.textContent = group.place === 0 ? `1:${group.count}` : group.place === group.count - 1 ? '└' : '│';
+    if (group.count > 1 && group.place === 0) cell.textContent = `1:${group.count}`;
+    else if (group.count > 1) cell.textContent = group.place === group.count - 1 ? '└' : '│';
     else if (!line) cell.textContent = '−';
     else if (!original) cell.textContent = '+';
     else cell.textContent = times > 1 ? `×${times}` : '';
@@ -1804,7 +1844,8 @@ class LineList {
     const text = program.put(line);
     const code = make('code', {}, isWhole ? text : text.slice(0, most));
     const out = make('div', { className: 'whole' }, make('span', {}, `${baseName(program.name)} ${grouped(line)}`), code);
-    if (!isWhole && text.length > most) out.append(button(`… all ${grouped(text.length)} characters`, '', () => this.showDetail(true)));
+    const all = `… all ${grouped(text.length)} characters`;
+    if (!isWhole && text.length > most) out.append(button(all, '', () => this.showDetail(true)));
     return out;
   }
 
@@ -1827,11 +1868,12 @@ class LineList {
     this.printed.append(this.head.cloneNode(true));
     for (let place = 0; place < count; place++) {
       const row = this.newRow();
-      this.fill(row, filters.itemAt(place), place === 0);
+      this.fill(row, filters.itemAt(place), place === 0 || this.isOther(place));
       row.element.removeAttribute('id');
       this.printed.append(row.element);
     }
-    if (filters.shown() > most) this.printed.append(make('p', {}, `The first ${most} of ${grouped(filters.shown())} lines; the others are in the page.`));
+    const note = `The first ${most} of ${grouped(filters.shown())} lines; the others are in the page.`;
+    if (filters.shown() > most) this.printed.append(make('p', {}, note));
   }
 }
 
@@ -1849,7 +1891,8 @@ function factsOf(review, row) {
   const [x, y, z] = review.at.map(places => (places[row] * review.header.position_mm).toFixed(3));
   const tool = review.toolNames[review.tool[row]];
   const facts = [
-    `piece ${grouped(row + 1)} of ${grouped(review.count)}`, flags & FLAG.rapid ? 'rapid' : 'feed', tool ? `tool ${tool}` : 'no tool',
+    `piece ${grouped(row + 1)} of ${grouped(review.count)}`, flags & FLAG.rapid ? 'rapid' : 'feed',
+    tool ? `tool ${tool}` : 'no tool',
     flags & FLAG.unstated ? 'the program has not stated where the axes are' : `nominal X ${x}  Y ${y}  Z ${z} mm`,
   ];
   if (flags & FLAG.spot) facts.push('on the spot');
@@ -1859,15 +1902,28 @@ function factsOf(review, row) {
 
 // ---------------------------------------------------------------- temperatures and corrections of a transfer
 
+/** Times of a transfer that was taken up again may begin anew: they go on from where they were. */
+function onward(times) {
+  const out = Float64Array.from(times);
+  let before = 0;
+  for (let place = 1; place < out.length; place++) {
+    if (times[place] < times[place - 1]) before += times[place - 1];
+    out[place] += before;
+  }
+  return out;
+}
+
 function journalPlots(header, streams) {
   const { journal } = header;
   const place = byId('journal-plots');
   const times = streams.get('journal.t') ?? [];
   if (!journal || !place || times.length === 0) return [];
   const isLong = times[times.length - 1] > 6e5;
-  const x = Float64Array.from(times, time => time / (isLong ? 6e4 : 1e3));
+  const x = onward(times).map(time => time / (isLong ? 6e4 : 1e3));
   const xLabel = () => `time, ${isLong ? 'min' : 's'}`;
-  const sensors = journal.sensors.map((name, number) => ({ name, color: number, scale: 1e-3, values: streams.get(`journal.sensor.${number}`) }));
+  const sensors = journal.sensors.map((name, number) => (
+    { name, color: number, scale: 1e-3, values: streams.get(`journal.sensor.${number}`) }
+  ));
   const offsets = journal.axes.flatMap((name, number) => [
     { name: `${name} asked for`, color: number, scale: 0.01, dash: [4, 4], values: streams.get(`journal.axis.${name}.target`) },
     { name: `${name} applied`, color: number, scale: 0.01, values: streams.get(`journal.axis.${name}.applied`) },
@@ -1877,12 +1933,16 @@ function journalPlots(header, streams) {
     if (known.length === 0) return [];
     const own = make('div', {});
     let plot;
-    const toggles = known.map(({ name, color }, number) => lineToggle(name, color, isShown => plot.show(number, isShown)));
+    const toggles = known.map(({ name, color, dash }, number) =>
+      lineToggle(name, color, isShown => plot.show(number, isShown), dash !== undefined));
     place.append(make('div', { className: 'controls' }, ...toggles), own);
     plot = new LinePlot(own, { x, columns: known, xLabel, yLabel, height: 220, label });
     return [plot];
   };
-  return [...draw(sensors, '°C', 'Temperatures over time'), ...draw(offsets, 'µm', 'Corrections over time, asked for and applied')];
+  return [
+    ...draw(sensors, '°C', 'Temperatures over time'),
+    ...draw(offsets, 'µm', 'Corrections over time, asked for and applied'),
+  ];
 }
 
 // ---------------------------------------------------------------- sign-off
@@ -1892,7 +1952,8 @@ function signOff(form, object, figures) {
   const value = name => form.elements[name]?.value ?? '';
   return {
     name: value('name'), decision: value('decision'), remarks: value('remarks'), time: new Date().toISOString(),
-    files: object.files, provenance: object.provenance, verdict: object.verdict, moves: object.moves, changed: object.changed, axes: figures,
+    files: object.files, provenance: object.provenance, verdict: object.verdict, moves: object.moves,
+    changed: object.changed, axes: figures,
   };
 }
 
@@ -1981,7 +2042,8 @@ class App {
 
 /** Letters work everywhere but where one types; other keys belong to what has the focus. */
 function listenToKeys(app) {
-  const isTyping = ({ tagName, type }) => tagName === 'TEXTAREA' || tagName === 'SELECT' || (tagName === 'INPUT' && !['range', 'checkbox'].includes(type));
+  const isTyping = ({ tagName, type }) => ['TEXTAREA', 'SELECT'].includes(tagName)
+    || (tagName === 'INPUT' && !['range', 'checkbox'].includes(type));
   const keys = {
     j: () => app.goLine(1), k: () => app.goLine(-1), n: () => app.goLargest(1), p: () => app.goLargest(-1),
     f: () => app.filters.least.focus(), Escape: () => app.clear(),
@@ -2006,7 +2068,8 @@ async function open() {
   const { header, streams } = await unpack(byId('data').textContent);
   theme.read();
   const review = new Review({ header, streams });
-  const figures = Object.fromEntries(review.axes.map(({ name, scale }, number) => [name, figuresOf(review.added[number], review.line, scale)]));
+  const figures = Object.fromEntries(review.axes.map(({ name, scale }, number) =>
+    [name, figuresOf(review.added[number], review.line, scale)]));
   const app = new App(review);
   app.parts.push(...journalPlots(header, streams).map(plot => ({
     select() {}, redraw: () => plot.redraw(), print: () => plot.print(),
