@@ -329,6 +329,8 @@ class Review {
     this.flags = Uint8Array.from(column('row.flags'));
     this.added = this.axes.map(({ name }) => column(`row.add.${name}`));
     this.at = [0, 1, 2].map(number => column(`row.at.${number}`));
+    const via = name => streams.get(`via.${name}`) ?? new Int32Array(0);
+    this.via = { row: via('row'), at: [0, 1, 2].map(number => via(`at.${number}`)) };
     this.pair = streams.get('pair') ?? new Int32Array(0);
     this.size = this.sizes(this.added);
     this.largest = this.size.reduce((most, size) => Math.max(most, size), 0);
@@ -886,6 +888,7 @@ class Path {
     this.count = review.count;
     this.unit = review.header.position_mm;
     this.at = review.at;
+    this.via = review.via;
     this.flags = review.flags;
     this.size = review.size;
     const nothing = new Int32Array(review.count);
@@ -895,7 +898,15 @@ class Path {
     });
     this.addedUnit = review.step * MM_PER_UM;
     this.classes = Uint8Array.from(review.size, size => review.colorClass(size));
+    this.readVia();
     this.readBoxes();
+  }
+
+  /** Which points within arcs each row has: from that number of its own to that of the next row. */
+  readVia() {
+    this.viaFrom = new Uint32Array(this.count + 1);
+    for (const row of this.via.row) this.viaFrom[row + 1]++;
+    for (let row = 0; row < this.count; row++) this.viaFrom[row + 1] += this.viaFrom[row];
   }
 
   readBoxes() {
@@ -913,6 +924,11 @@ class Path {
           if (place > this.most[axis][block]) this.most[axis][block] = place;
         }
       }
+      this.via.at[axis].forEach((at, number) => {
+        const [block, place] = [Math.floor(this.via.row[number] / BLOCK), at * this.unit];
+        if (place < this.least[axis][block]) this.least[axis][block] = place;
+        if (place > this.most[axis][block]) this.most[axis][block] = place;
+      });
     });
   }
 
@@ -935,6 +951,14 @@ class Path {
         least = Math.min(least, place, moved);
         most = Math.max(most, place, moved);
       }
+      this.via.at[axis].forEach((own, number) => {
+        const row = this.via.row[number];
+        if (this.flags[row] & FLAG.unstated) return;
+        const place = own * this.unit;
+        const moved = place + factor * added[row];
+        least = Math.min(least, place, moved);
+        most = Math.max(most, place, moved);
+      });
       if (least <= most) [middle[axis], half[axis]] = [(least + most) / 2, (most - least) / 2];
     }
     return { middle, half };
@@ -1079,14 +1103,32 @@ class PathView {
     const [dX, dY, dZ] = path.added;
     const first = block * Path.BLOCK;
     const end = Math.min(path.count, first + Path.BLOCK);
-    const go = (row, isDrawn) => {
-      const x = X[row] * path.unit + factor * dX[row];
-      const y = Y[row] * path.unit + factor * dY[row];
-      const z = Z[row] * path.unit + factor * dZ[row];
+    const point = (x, y, z, row, isDrawn) => {
       const [px, py] = [m[0] * x + m[1] * y + m[2] * z + m[3], m[4] * x + m[5] * y + m[6] * z + m[7]];
       const isSeen = isDrawn && !(path.flags[row] & FLAG.unstated);
       if (isSeen) pen.line(px, py, path.classes[row], path.flags[row] & FLAG.rapid); else pen.move(px, py);
     };
+    // Within an arc what is added goes over from that of the row before.
+    const bend = row => {
+      const [start, stop] = [path.viaFrom[row], path.viaFrom[row + 1]];
+      for (let k = start; k < stop; k++) {
+        const share = (k - start + 1) / (stop - start + 1);
+        const place = (axis, added) => {
+          return path.via.at[axis][k] * path.unit + factor * (added[row - 1] + share * (added[row] - added[row - 1]));
+        };
+        point(place(0, dX), place(1, dY), place(2, dZ), row, true);
+      }
+    };
+    let before = -2;
+    const go = (row, isDrawn) => {
+      if (isDrawn && row > 0 && before === row - 1) bend(row);
+      const x = X[row] * path.unit + factor * dX[row];
+      const y = Y[row] * path.unit + factor * dY[row];
+      const z = Z[row] * path.unit + factor * dZ[row];
+      point(x, y, z, row, isDrawn);
+      before = row;
+    };
+    if (isNext) before = first - 1;
     if (!isNext) go(Math.max(0, first - 1), false);
     for (let from = first; from < end; from += stride) {
       const to = Math.min(end, from + stride);
