@@ -599,7 +599,7 @@ class LinePlot {
       label: name, dash, stroke: () => theme.series(color), width: 1, points: { show: false },
     });
     return {
-      width: this.width(), height: this.height, legend: { show: false }, padding: [8, 12, 0, 0],
+      width: this.width(), height: this.height, legend: { show: false }, padding: [8, 30, 0, 0],
       cursor: {
         drag: { x: true, y: false, setScale: false },
         points: { size: 5 },
@@ -1742,10 +1742,12 @@ class LineList {
     const { filters } = this.app;
     const first = Math.floor(this.top / HEIGHT);
     const count = Math.min(Math.ceil(this.height() / HEIGHT) + 1, filters.shown() - first);
+    // The first that is to be seen whole.
+    const whole = this.top - first * HEIGHT > 1 ? 1 : 0;
     while (this.rows.length < count) this.addRow();
     this.rows.forEach((row, k) => {
       row.element.hidden = k >= count;
-      if (k < count) this.fill(row, filters.itemAt(first + k), k === 0 || this.isOther(first + k));
+      if (k < count) this.fill(row, filters.itemAt(first + k), k === whole || this.isOther(first + k));
     });
     this.layer.style.transform = `translateY(${first * HEIGHT - this.top}px)`;
     this.drawWindow();
@@ -1754,7 +1756,7 @@ class LineList {
   /** Whether the line above, of those that are shown, comes from another line of the original. */
   isOther(place) {
     const [above, own] = [place - 1, place].map(at => this.app.review.itemOriginal[this.app.filters.itemAt(at)]);
-    return above !== own;
+    return place === 0 || above !== own;
   }
 
   addRow() {
@@ -1910,7 +1912,7 @@ class LineList {
     this.printed.append(this.head.cloneNode(true));
     for (let place = 0; place < count; place++) {
       const row = this.newRow();
-      this.fill(row, filters.itemAt(place), place === 0 || this.isOther(place));
+      this.fill(row, filters.itemAt(place), this.isOther(place));
       row.element.removeAttribute('id');
       this.printed.append(row.element);
     }
