@@ -425,7 +425,9 @@ fn added_um(journal: &str, lines: &[String]) -> Vec<(f64, String)> {
     let frozen = journal.lines().filter(|line| line.split(' ').nth(1) == Some("F"));
     let value = |line: &str| {
         let word = line.split(' ').find_map(|word| word.strip_prefix('Z'));
-        word.map_or(0.0, |value| 1e3 * value.parse::<f64>().unwrap())
+        // What was added, and behind the slash what temperatures asked for.
+        let added = word.and_then(|word| word.split('/').next());
+        added.map_or(0.0, |value| 1e3 * value.parse::<f64>().unwrap())
     };
     frozen.zip(lines).map(|(line, text)| (value(line), text.clone())).collect()
 }

@@ -82,6 +82,8 @@ fn json_has_the_documented_keys() {
         "max_at_line",
         "max_at_file",
         "backup",
+        "review",
+        "verdict",
         "output",
         "machine",
         "diagnostics",

@@ -166,8 +166,7 @@ fn the_page_names_answer_and_place_without_colors() {
     }
     assert!(!run.stdout.contains('\u{1b}'), "{}", run.stdout);
     let svg = shop.text("s.svg");
-    for text in ["<svg ", "step in mm", "residual in µm", "limit 5 µm", "narrow &amp; small", "<polyline", "</svg>\n"]
-    {
+    for text in ["<svg ", "step in mm", "residual in µm", "limit 5 µm", "narrow &amp; small", "<circle", "</svg>\n"] {
         assert!(svg.contains(text), "{text}: {svg}");
     }
     for element in ["text", "svg"] {

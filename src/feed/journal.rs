@@ -314,7 +314,7 @@ mod tests {
         journal.event(&Event::Left(4), at(9)).unwrap();
         journal.event(&Event::Repeated(3), at(10)).unwrap();
         let text = String::from_utf8(journal.into_store().unwrap()).unwrap();
-        assert!(text.contains("3 F 3 ") && text.contains(" 43 6 Z-0.0040\n"), "{text}");
+        assert!(text.contains("3 F 3 ") && text.contains(" 43 6 Z-0.0040/+0.0000\n"), "{text}");
         let told = read(&text).unwrap();
         assert_eq!((told.frozen, told.acknowledged, told.executed), (5, 2, 1));
         assert_eq!(told.lines.iter().map(|line| line.number).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);

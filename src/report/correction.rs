@@ -187,6 +187,8 @@ mod tests {
         machine      demo
         written      out.mpf
         original     part.mpf.bak
+        review       review.html
+        verdict      nothing found that speaks against running it
         ");
     }
 

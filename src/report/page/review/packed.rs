@@ -101,12 +101,12 @@ mod tests {
         // LEB128: 624485 is E5 8E 26 (DWARF 5, section 7.6); zigzag of −312243 is 624485.
         packed.put_in("one", &[-312_243], 0);
         assert_eq!(packed.bytes, [0xe5, 0x8e, 0x26]);
-        // 0, 5, 10, 15, 21: second differences 0, 5, 0, 0, 1, doubled.
-        packed.put("line", &[0, 5, 10, 15, 21]);
-        assert_eq!(packed.bytes[3..], [0, 10, 0, 0, 2]);
+        // Second differences are 0, 100, 0, 0, 1, doubled: six bytes; the values and their first differences take nine.
+        packed.put("line", &[0, 100, 200, 300, 401]);
+        assert_eq!(packed.bytes[3..], [0, 200, 1, 0, 0, 2]);
         let both: Vec<(&str, u8, usize, usize)> =
             packed.streams.iter().map(|one| (one.name.as_str(), one.order, one.count, one.bytes)).collect();
-        assert_eq!(both, [("one", 0, 1, 3), ("line", 2, 5, 5)]);
+        assert_eq!(both, [("one", 0, 1, 3), ("line", 2, 5, 6)]);
         assert_eq!([0, -1, 1, 63, -64, 64, i64::MAX, i64::MIN].map(length), [1, 1, 1, 1, 1, 2, 10, 10]);
     }
 
@@ -119,9 +119,10 @@ mod tests {
         let bytes = STANDARD.decode(text).unwrap();
         let mut plain = Vec::new();
         flate2::read::GzDecoder::new(bytes.as_slice()).read_to_end(&mut plain).unwrap();
-        let header = r#"{"streams":[{"name":"some","order":1,"count":3,"bytes":3}]}"#;
-        assert_eq!(plain[..4], (header.len() as u32).to_le_bytes());
-        assert_eq!(&plain[4..4 + header.len()], header.as_bytes());
-        assert_eq!(plain[4 + header.len()..], [2, 2, 2]);
+        let length = u32::from_le_bytes([plain[0], plain[1], plain[2], plain[3]]) as usize;
+        let header: Value = serde_json::from_slice(&plain[4..4 + length]).unwrap();
+        let stream = serde_json::json!({"name": "some", "order": 1, "count": 3, "bytes": 3});
+        assert_eq!(header, serde_json::json!({ "streams": [stream] }));
+        assert_eq!(plain[4 + length..], [2, 2, 2]);
     }
 }
