@@ -68,6 +68,8 @@ pub struct Figures {
     pub unit: &'static str,
     pub max: f64,
     pub max_line: u32,
+    /// The file of that line, where it is a subprogram.
+    pub max_file: Option<String>,
     pub mean: f64,
     pub rms: f64,
     pub p99: f64,
@@ -88,6 +90,8 @@ pub struct Beyond {
 pub struct Step {
     pub um: f64,
     pub line: u32,
+    /// The file of that line, where it is a subprogram.
+    pub file: Option<String>,
 }
 
 /// A limit.
@@ -179,7 +183,8 @@ impl Review {
         let [length, line] = self.longest_line;
         row("longest line", &format!("{length} bytes, line {line} of the corrected program"));
         if let Some(step) = &self.largest_step {
-            row("largest step", &format!("{} from one piece to the next, at line {}", micrometers(step.um), step.line));
+            let at = place(step.line, step.file.as_deref());
+            row("largest step", &format!("{} from one piece to the next, at {at}", micrometers(step.um)));
         }
         row("verdict", self.verdict.sentence());
         // Findings stand above by themselves, and errors below.
@@ -193,7 +198,8 @@ impl Review {
             let [max, mean] = [one.max, one.mean].map(signed);
             let [rms, p99] = [one.rms, one.p99].map(significant);
             let (unit, line) = (unit_of(one.unit), one.max_line);
-            let _ = writeln!(out, "  {axis:<4} {max:>10} {line:>10} {mean:>10} {rms:>10} {p99:>10}  {unit}");
+            let file = one.max_file.as_ref().map_or(String::new(), |file| format!("  line {line} is of {file}"));
+            let _ = writeln!(out, "  {axis:<4} {max:>10} {line:>10} {mean:>10} {rms:>10} {p99:>10}  {unit}{file}");
         }
         if let (Some(before), Some(after)) = (self.before, self.after) {
             out.push('\n');
@@ -201,6 +207,12 @@ impl Review {
         }
         out
     }
+}
+
+/// `line 17`, `line 17 of HOLE.SPF`.
+#[must_use]
+pub fn place(line: u32, file: Option<&str>) -> String {
+    file.map_or_else(|| format!("line {line}"), |file| format!("line {line} of {file}"))
 }
 
 /// `µm`.

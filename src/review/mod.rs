@@ -113,9 +113,7 @@ impl Row {
     /// What was added to an axis, mm or rad.
     #[must_use]
     pub fn added(&self, axis: Axis) -> f64 {
-        // A hundredth of a nanometre: what is stored has noise behind that, and a limit that is just kept shall be kept.
-        const PARTS: f64 = 1e8;
-        (f64::from(self.added[axis.slot()]) * PARTS).round() / PARTS
+        without_noise(self.added[axis.slot()])
     }
 
     /// The largest of what was added to some axes, in µm and µrad: one number to sort by.
@@ -123,6 +121,12 @@ impl Row {
     pub fn largest(&self, axes: &[Axis]) -> f64 {
         axes.iter().map(|&axis| 1e3 * size(axis, self.added(axis))).fold(0.0, f64::max)
     }
+}
+
+/// A value as it was stored, mm or rad: to a hundredth of a nanometre. Behind that there is noise, and a limit that is just kept shall be kept.
+fn without_noise(value: f32) -> f64 {
+    const PARTS: f64 = 1e8;
+    (f64::from(value) * PARTS).round() / PARTS
 }
 
 /// A value of an axis as a size that can be compared: mm, and what an angle makes at an arm of 1000 mm.

@@ -1,6 +1,6 @@
 //! What all rows add up to.
 
-use super::{Row, moves, size};
+use super::{Row, moves, size, without_noise};
 use crate::geometry::{AXES, Axis};
 
 /// A place in both programs.
@@ -111,7 +111,9 @@ impl Summary {
 
 /// The figures of an axis; `None` where nothing was added to it anywhere.
 fn figures(rows: &[Row], axis: Axis) -> Option<AxisFigures> {
-    let most = rows.iter().max_by(|a, b| a.added(axis).abs().total_cmp(&b.added(axis).abs()))?;
+    // The first of those that are as large.
+    let size = |row: &Row| row.added(axis).abs();
+    let most = rows.iter().reduce(|most, row| if size(row) > size(most) { row } else { most })?;
     let max = most.added(axis);
     if max == 0.0 {
         return None;
@@ -126,7 +128,7 @@ fn figures(rows: &[Row], axis: Axis) -> Option<AxisFigures> {
     // The smallest size that 99 of 100 do not exceed.
     let place = (0.99 * count).ceil() as usize;
     let (_, p99, _) = sizes.select_nth_unstable_by(place.clamp(1, rows.len()) - 1, f32::total_cmp);
-    let p99 = f64::from(*p99);
+    let p99 = without_noise(*p99);
     Some(AxisFigures { axis, max, max_at: most.into(), mean: sum / count, rms: (squares / count).sqrt(), p99 })
 }
 

@@ -48,7 +48,11 @@ impl Job<'_> {
             let scale: fn(f64) -> f64 = if one.axis.is_rotary() { urad_from_rad } else { um_from_mm };
             let [max, mean, rms, p99] = [one.max, one.mean, one.rms, one.p99].map(scale);
             let unit = if one.axis.is_rotary() { "urad" } else { "um" };
-            (one.axis.to_string(), Figures { unit, max, max_line: one.max_at.original.1, mean, rms, p99 })
+            let (file, line) = one.max_at.original;
+            (
+                one.axis.to_string(),
+                Figures { unit, max, max_line: line, max_file: self.subprogram(file), mean, rms, p99 },
+            )
         });
         let original = self.outcome.sources[0].first();
         let limits = self.arguments.fail_above.map(|limit_mm| {
@@ -72,7 +76,10 @@ impl Job<'_> {
             feed_share: self.trace.feeds,
             beyond_travel: beyond.collect(),
             axes: figures.collect(),
-            largest_step: found.largest_step.map(|(mm, at)| Step { um: um_from_mm(mm), line: at.original.1 }),
+            largest_step: found.largest_step.map(|(mm, at)| {
+                let (file, line) = at.original;
+                Step { um: um_from_mm(mm), line, file: self.subprogram(file) }
+            }),
             longest_line: longest(self.corrected),
             before: Some(fix::spread(&self.outcome.comparison.before)),
             after: Some(fix::spread(&self.outcome.comparison.after)),
@@ -87,6 +94,12 @@ impl Job<'_> {
 }
 
 impl Job<'_> {
+    /// The name of a file of the original; none for the program itself.
+    fn subprogram(&self, file: u16) -> Option<String> {
+        let files = self.outcome.sources[0].iter().skip(1);
+        files.filter(|source| source.id().0 == file).map(|source| source.name().to_owned()).next()
+    }
+
     /// Where the comparison comes from.
     fn provenance(&self) -> BTreeMap<&'static str, String> {
         let machine = &self.outcome.machine;

@@ -17,7 +17,7 @@ use crate::geometry::{AXES, Axis};
 use crate::report::markup::{Attributes, Markup};
 use crate::report::number::{grouped, micrometers, significant};
 use crate::report::plot::Histogram;
-use crate::report::review::Review;
+use crate::report::review::{Review, place};
 use crate::review::{Trace, pairs};
 
 /// Draws plots; see the licence beside it, which the page carries.
@@ -173,7 +173,7 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
         ("longest line", format!("{} bytes, line {}", review.longest_line[0], review.longest_line[1])),
     ];
     if let Some(step) = &review.largest_step {
-        entries.push(("largest step", format!("{}, line {}", micrometers(step.um), step.line)));
+        entries.push(("largest step", format!("{}, {}", micrometers(step.um), place(step.line, step.file.as_deref()))));
     }
     if let (Some(before), Some(after)) = (review.before, review.after) {
         let change = |from: f64, to: f64| format!("{} → {}", significant(from), micrometers(to));
@@ -189,8 +189,11 @@ fn figures(out: &mut Markup, subject: &Subject<'_>) {
             let signed = |value: f64| format!("{}{}", if value > 0.0 { "+" } else { "" }, significant(value));
             let unit = if one.unit == "urad" { "µrad" } else { "µm" };
             let [rms, p99] = [one.rms, one.p99].map(significant);
-            let cells =
-                vec![axis.clone(), signed(one.max), one.max_line.to_string(), signed(one.mean), rms, p99, unit.into()];
+            let at = one
+                .max_file
+                .as_ref()
+                .map_or_else(|| one.max_line.to_string(), |file| format!("{file}:{}", one.max_line));
+            let cells = vec![axis.clone(), signed(one.max), at, signed(one.mean), rms, p99, unit.into()];
             super::Row { class: "", cells }
         })
         .collect();
