@@ -17,6 +17,8 @@ const FEWEST: usize = 5;
 pub(super) struct Events {
     sets: Vec<Vec<(usize, f64)>>,
     fades: Vec<f64>,
+    /// By set and fade, what is left of an event from each row to the next; the last row has none behind it. Asked for over and over.
+    left: Vec<Vec<Vec<f64>>>,
 }
 
 /// What happened in one measurement.
@@ -45,7 +47,16 @@ impl Events {
         sets.iter_mut().for_each(|rows| rows.sort_by(|a, b| a.1.total_cmp(&b.1)));
         let growth = (LONGEST / SHORTEST).powf(1.0 / f64::from(FADES - 1));
         let fades = (0..FADES).map(|k| (end - start) * SHORTEST * growth.powi(k as i32)).collect();
-        Some(Events { sets, fades })
+        Some(Events::of(sets, fades))
+    }
+
+    fn of(sets: Vec<Vec<(usize, f64)>>, fades: Vec<f64>) -> Events {
+        let between = |rows: &[(usize, f64)], fade: f64| {
+            let pairs = rows.windows(2).map(|pair| (-(pair[1].1 - pair[0].1) / fade).exp());
+            pairs.chain([0.0]).collect()
+        };
+        let left = sets.iter().map(|rows| fades.iter().map(|&fade| between(rows, fade)).collect()).collect();
+        Events { sets, fades, left }
     }
 
     /// How many are told apart: instants that are closer than the time over which it fades are not.
@@ -57,18 +68,16 @@ impl Events {
     pub(super) fn best(&self, sums: &[f64], information: &[f64]) -> Option<Event> {
         let of = |values: &[f64], row: usize| values.get(row).copied().unwrap_or(0.0);
         let mut best: Option<(f64, Event)> = None;
-        for (set, rows) in self.sets.iter().enumerate() {
+        for ((set, rows), faded) in self.sets.iter().enumerate().zip(&self.left) {
             let whole = rows.iter().map(|(row, _)| of(information, *row)).sum::<f64>();
             let level = rows.iter().map(|(row, _)| of(sums, *row)).sum::<f64>();
             if whole <= 0.0 {
                 continue;
             }
-            for &fade in &self.fades {
+            for (&fade, faded) in self.fades.iter().zip(faded) {
                 // Sums over all rows from one on, each fading from there.
-                let (mut left, mut once, mut twice, mut behind) = (0.0, 0.0, 0.0, f64::NAN);
-                for (place, &(row, time)) in rows.iter().enumerate().rev() {
-                    let fades = if behind.is_nan() { 0.0 } else { (-(behind - time) / fade).exp() };
-                    behind = time;
+                let (mut left, mut once, mut twice) = (0.0, 0.0, 0.0);
+                for ((place, &(row, time)), &fades) in rows.iter().enumerate().zip(faded).rev() {
                     left = of(sums, row) + fades * left;
                     once = of(information, row) + fades * once;
                     twice = of(information, row) + fades * fades * twice;
@@ -94,7 +103,7 @@ mod tests {
     #[test]
     fn it_finds_the_instant() {
         let rows: Vec<(usize, f64)> = (0..500).map(|k| (k, 60.0 * k as f64)).collect();
-        let events = Events { sets: vec![rows], fades: vec![900.0, 1800.0, 3600.0] };
+        let events = Events::of(vec![rows], vec![900.0, 1800.0, 3600.0]);
         let left: Vec<f64> =
             (0..500).map(|k| if k < 200 { 0.0 } else { (-60.0 * f64::from(k - 200) / 1800.0).exp() }).collect();
         let mean = left.iter().sum::<f64>() / 500.0;

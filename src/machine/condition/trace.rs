@@ -82,8 +82,11 @@ impl Trace {
     #[must_use]
     pub fn lagged(&self, time_s: f64, lag_s: f64) -> Option<f64> {
         if self.points.len() > SHORT && time_s.is_finite() {
-            let next = self.points.partition_point(|&(from_s, _)| from_s < time_s);
+            let next = self.next(time_s);
             let Some(before) = next.checked_sub(1) else { return self.points.first().map(|&(_, first)| first) };
+            if lag_s > 0.0 && self.points.get(next).is_some_and(|&(at_s, _)| at_s == time_s) {
+                return self.at_readings(lag_s).get(next).copied();
+            }
             let &(from_s, from) = self.points.get(before)?;
             let slope = self.points.get(next).map_or(0.0, |&(to_s, to)| (to - from) / (to_s - from_s));
             let start = if lag_s > 0.0 { *self.at_readings(lag_s).get(before)? } else { from };
@@ -100,6 +103,24 @@ impl Trace {
         }
         let &(last_s, last) = self.points.last()?;
         Some(if time_s > last_s { follow(follower, last, 0.0, time_s - last_s, lag_s) } else { follower })
+    }
+
+    /// The first reading that is not before a time. Most logs are even, so that its place is known nearly; else it is searched.
+    fn next(&self, time_s: f64) -> usize {
+        let is_next = |next: usize| {
+            let at_s = |place: usize| self.points.get(place).map(|&(at_s, _)| at_s);
+            let begins = next.checked_sub(1).is_none_or(|before| at_s(before).is_some_and(|at_s| at_s < time_s));
+            begins && at_s(next).is_none_or(|at_s| at_s >= time_s)
+        };
+        if let [(first_s, _), .., (last_s, _)] = self.points[..] {
+            let share = (time_s - first_s) / (last_s - first_s);
+            // What is no place saturates, and is none of these then.
+            let near = (share * (self.points.len() - 1) as f64).round() as usize;
+            if let Some(next) = [near, near.saturating_add(1)].into_iter().find(|&next| is_next(next)) {
+                return next;
+            }
+        }
+        self.points.partition_point(|&(from_s, _)| from_s < time_s)
     }
 
     /// What follows with a time constant, at each reading.
@@ -181,10 +202,12 @@ mod tests {
         let short = trace(&[(0.0, 20.0), (100.0, 40.0), (130.0, 41.0), (400.0, 38.0)]);
         let mut long = trace(&[(0.0, 20.0)]);
         (1..40).for_each(|k| long.add(10.0 * f64::from(k), 20.0 + f64::from(k * k % 17)));
+        let mut uneven = trace(&[(0.0, 20.0)]);
+        (1..40).for_each(|k| uneven.add(f64::from(k * k) / 4.0, 20.0 + f64::from(k * k % 17)));
         let times_s = [-10.0, 0.0, 3.0, 50.0, 100.0, 110.0, 250.0, 250.0, 400.0, 900.0];
         let lags_s: Vec<f64> = (0..50).map(f64::from).chain([60.0, 5000.0, 1.0]).collect();
         for (trace, lag_s) in
-            [&short, &long].into_iter().flat_map(|trace| lags_s.iter().map(move |&lag_s| (trace, lag_s)))
+            [&short, &long, &uneven].into_iter().flat_map(|trace| lags_s.iter().map(move |&lag_s| (trace, lag_s)))
         {
             for (&time_s, value) in times_s.iter().zip(trace.lagged_at(&times_s, lag_s)) {
                 assert!((trace.lagged(time_s, lag_s).unwrap() - value).abs() < 1e-12, "{time_s} {lag_s}");
