@@ -158,6 +158,32 @@ fn grbl_in_an_alarm_gets_no_line() {
     assert!(notes.frozen.is_empty());
 }
 
+/// A job that was killed leaves lines in the control and answers that nobody has read: a report, and `ok` after `ok` while the control goes on.
+#[test]
+fn answers_to_an_earlier_job_are_none_to_this_one() {
+    let profile = profile("grbl");
+    let faults = Faults { most_bytes: 64, ..Faults::default() };
+    for busy_s in [0.01, 0.2, 0.7] {
+        for is_old in [false, true] {
+            let mut control = Grbl::new(&faults, busy_s);
+            if is_old {
+                control = control.that_is_old();
+            }
+            let earlier: Vec<Vec<u8>> = (10..30).map(|k| format!("G1X{k}").into_bytes()).collect();
+            control.hear(b'?', 0.0);
+            let bytes = earlier.iter().flat_map(|line| line.iter().copied().chain([b'\n']));
+            bytes.for_each(|byte| control.hear(byte, 0.0));
+            let mut notes = Notes::default();
+            let mut planned = Planned::new(40, 0.01);
+            let mut cable = Cable::new(control, faults.clone(), 1);
+            let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
+            assert_eq!(ended, Ended::Done, "{busy_s} {is_old}");
+            assert_eq!(cable.control.executed(), [earlier, planned.lines].concat(), "{busy_s} {is_old}");
+            assert_eq!(cable.control.overflows, 0);
+        }
+    }
+}
+
 #[test]
 fn an_answer_that_got_lost_may_have_been_a_refusal() {
     let profile = profile("grbl");

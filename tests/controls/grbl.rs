@@ -21,6 +21,8 @@ pub(crate) struct Grbl {
     busy_s: f64,
     is_held: bool,
     is_alarmed: bool,
+    /// Whether it does not know `$I`.
+    is_old: bool,
     was_reset: bool,
     answers: u64,
     lines: u64,
@@ -41,6 +43,7 @@ impl Grbl {
             busy_s,
             is_held: false,
             is_alarmed: false,
+            is_old: false,
             was_reset: false,
             answers: 0,
             lines: 0,
@@ -52,6 +55,11 @@ impl Grbl {
 
     pub(crate) fn in_alarm(mut self) -> Grbl {
         self.is_alarmed = true;
+        self
+    }
+
+    pub(crate) fn that_is_old(mut self) -> Grbl {
+        self.is_old = true;
         self
     }
 
@@ -127,6 +135,10 @@ impl Control for Grbl {
                 continue;
             }
             let line = std::mem::take(&mut self.line);
+            if line == b"$I" && self.is_old {
+                self.out.extend(b"error: Unsupported statement\r\n");
+                continue;
+            }
             if line == b"$I" {
                 self.out.extend(b"[VER:1.1h.20190830:]\r\n[OPT:V,15,128]\r\nok\r\n");
                 continue;

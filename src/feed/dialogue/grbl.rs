@@ -34,7 +34,7 @@ const MARGIN: usize = 8;
 enum State {
     /// Asked for a sign of life.
     Greeting,
-    /// Asked for its buffers.
+    /// Asked for its buffers. Answers to lines of an earlier job, which it still has, may come first.
     Asking,
     /// Lines are sent.
     Open,
@@ -53,6 +53,10 @@ struct Grbl {
     planned: usize,
     /// Size of the receive buffer, where the control has told it.
     buffer: Option<usize>,
+    /// Whether it has begun to say what it is.
+    has_told: bool,
+    /// Whether there was an answer that may have been to that question: older ones do not know it.
+    has_answered: bool,
     refused: Vec<u8>,
     longest_line: usize,
     patience: Duration,
@@ -85,6 +89,8 @@ impl Grbl {
             window: (profile.window.lines, profile.window.bytes),
             planned: profile.window.planned,
             buffer: None,
+            has_told: false,
+            has_answered: false,
             refused: profile.refused.clone(),
             longest_line: profile.longest_line,
             patience: profile.answer_within,
@@ -111,6 +117,7 @@ impl Grbl {
     }
 
     fn answer(&mut self, text: &str, wire: &mut Wire, events: &mut Vec<Event>) {
+        self.has_told |= self.state == State::Asking && text.starts_with('[');
         if text.starts_with("Grbl ") {
             match self.state {
                 State::Greeting => self.ask_for_buffers(wire),
@@ -128,8 +135,7 @@ impl Grbl {
             self.acknowledge(events);
         } else if let Some(code) = text.strip_prefix("error:") {
             if self.state == State::Asking {
-                // Older ones do not know the question.
-                self.state = State::Open;
+                self.has_answered = true;
             } else if let Some((number, length, _)) = self.in_flight.pop_front() {
                 self.bytes -= length;
                 if self.state != State::Refusing {
@@ -168,7 +174,10 @@ impl Grbl {
 
     fn acknowledge(&mut self, events: &mut Vec<Event>) {
         if self.state == State::Asking {
-            self.state = State::Open;
+            self.has_answered = true;
+            if self.has_told {
+                self.state = State::Open;
+            }
         } else if let Some((number, length, _)) = self.in_flight.pop_front() {
             self.bytes -= length;
             self.acknowledged = number;
@@ -235,6 +244,13 @@ impl Grbl {
             _ => true,
         };
         self.idle = if state == "Idle" && is_empty && wire.waiting() == 0 { self.idle + 1 } else { 0 };
+        if self.state == State::Asking {
+            // It has nothing left that it could answer: what it said was its answer.
+            if self.idle >= 2 && self.has_answered {
+                self.state = State::Open;
+            }
+            return;
+        }
         // Twice: the first report may be older than the last bytes.
         if self.idle >= 2 {
             match self.in_flight.back() {
@@ -315,6 +331,10 @@ impl Dialogue for Grbl {
                 self.ask(now, wire);
             }
             return;
+        }
+        let is_quiet = now.saturating_sub(self.last_heard.max(self.last_asked)) > QUIET;
+        if self.state == State::Asking && self.has_answered && is_quiet && self.asked == 0 {
+            self.ask(now, wire);
         }
         let busy = self.in_flight.front().map_or(Duration::ZERO, |(_, _, busy)| *busy);
         let is_silent = now.saturating_sub(self.last_heard) > self.patience + busy;
