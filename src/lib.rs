@@ -36,6 +36,7 @@
 //! | [`numeric`] | least squares, statistics: plain arithmetic | machine tools |
 //! | [`calibrate`] | fit of parameters and set-up unknowns, what the data cannot tell, quality | causes |
 //! | [`diagnose`] | what the model lacks: causes, search, gates, verdict, what extends the machine file | programs, files |
+//! | [`decompose`] | errors at speed by source: delays, servo loops, links, motion, drift, what gives way under acceleration | programs, files |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
 //! | [`tables`] | compensation tables of controls: what they do, schemes that fill them, formats | programs |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
@@ -83,6 +84,7 @@
 pub mod calibrate;
 pub mod cli;
 pub mod csv;
+pub mod decompose;
 pub mod diagnose;
 pub mod diagnostic;
 pub mod dialect;

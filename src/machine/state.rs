@@ -7,6 +7,10 @@ use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
 pub struct State {
     /// Sense of the last motion of each axis: −1, 0 (none yet) or 1.
     pub direction: [i8; AXIS_COUNT],
+    /// Acceleration of each axis, mm/s² or rad/s²; zero where it is not known.
+    pub acceleration: AxisVector,
+    /// Jerk of each axis, mm/s³ or rad/s³; zero where it is not known.
+    pub jerk: AxisVector,
 }
 
 impl State {

@@ -5,6 +5,7 @@
 //! [`simulate`] goes the other way, with [`noise`]; [`plan`] makes measurements without readings and the way of the axes to them. [`mode`] takes the
 //! corrections out of positions that were read (measurement mode), [`iso230`] has the figures of the acceptance tests. [`strain`] finds readings
 //! of a strain gauge, [`weighing`] what load made them, [`copies`] tables with the same readings.
+//! [`trace`] has what a control and an instrument recorded while the machine moved.
 
 pub mod circles;
 pub mod copies;
@@ -17,4 +18,5 @@ pub mod plan;
 pub mod reading;
 pub mod simulate;
 pub mod strain;
+pub mod trace;
 pub mod weighing;

@@ -93,7 +93,8 @@ impl Kernel {
         let mut found = Agreement { poses, ..Agreement::default() };
         for number in 1..=poses {
             let nominal = self.pose(number);
-            let state = State { direction: AXES.map(|axis| if (number >> axis.slot()) & 1 == 0 { 1 } else { -1 }) };
+            let direction = AXES.map(|axis| if (number >> axis.slot()) & 1 == 0 { 1 } else { -1 });
+            let state = State { direction, ..State::default() };
             let exact = model.solve(&nominal, &self.tool_mm, &state, &nominal, self.mode).ok();
             let fast = self.correction(&nominal, &state).map(|correction| nominal + correction);
             let (Some(exact), Some(fast)) = (exact, fast) else {

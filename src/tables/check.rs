@@ -48,7 +48,7 @@ pub fn stands(poses: &[AxisVector], axes: &[Axis]) -> Vec<Stand> {
     }
     let all = poses.iter().zip(senses(axes, poses.len(), SEED));
     all.flat_map(|(pose, one)| {
-        let other = State { direction: one.direction.map(|sense| -sense) };
+        let other = State { direction: one.direction.map(|sense| -sense), ..one };
         [(*pose, one), (*pose, other)]
     })
     .collect()

@@ -5,6 +5,7 @@
 
 pub mod backlash;
 pub mod cross;
+pub mod dynamic;
 mod entry;
 pub mod grid;
 mod intervals;
@@ -47,6 +48,8 @@ pub enum Function {
     Cross(cross::Cross),
     /// See [`grid`].
     Grid(grid::Grid),
+    /// See [`dynamic`]; it has a section of its own.
+    Dynamic(dynamic::Dynamic),
 }
 
 /// A kind of function as the machine file names it.
@@ -84,6 +87,7 @@ impl Function {
             Function::Backlash(backlash) => backlash.value(own, state.direction(axis)),
             Function::Cross(cross) => cross.value(own, command[cross.with]),
             Function::Grid(grid) => grid.value(own, command[grid.with]),
+            Function::Dynamic(dynamic) => dynamic.value(axis, state),
         }
     }
 
@@ -101,6 +105,7 @@ impl Function {
             Function::Backlash(backlash) => all_zero(&backlash.reversal.values),
             Function::Cross(cross) => all_zero(&cross.coefficients) || all_zero(&cross.with_coefficients),
             Function::Grid(grid) => grid.values.iter().all(|row| all_zero(row)),
+            Function::Dynamic(dynamic) => all_zero(&[dynamic.by_acceleration, dynamic.by_jerk]),
         }
     }
 
@@ -126,6 +131,10 @@ impl Function {
                 values => list("values", values),
             },
             Function::Cross(cross) => list("coefficients", &mut cross.coefficients),
+            Function::Dynamic(dynamic) => {
+                visit("by_acceleration", &mut dynamic.by_acceleration);
+                visit("by_jerk", &mut dynamic.by_jerk);
+            }
             Function::Grid(grid) => {
                 for (index, row) in grid.values.iter_mut().enumerate() {
                     list(&format!("values[{index}]"), row);
@@ -169,6 +178,8 @@ impl Function {
                 own.note_knots(along.iter().copied());
                 features[grid.with.slot()].note_knots(across.iter().copied());
             }
+            // It is the same everywhere.
+            Function::Dynamic(_) => {}
         }
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn linked_10(machine: &Machine) -> Result<Vec<ParameterName>, Unsuita
 }
 
 /// The eight location errors, in the order of the printed tables.
-fn location_errors(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitable> {
+pub(super) fn location_errors(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitable> {
     let linear = Linear::of(machine)?;
     let rotary = Rotary::of(machine)?;
     let mut names = tilts(rotary.first).to_vec();
@@ -57,6 +57,11 @@ fn location_errors(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitable> 
     names.extend(tilts(rotary.second));
     names.extend(linear.squareness(machine));
     Ok(names.into_iter().map(ParameterName::location).collect())
+}
+
+/// The three of linear axes.
+pub(super) fn squareness(machine: &Machine) -> Result<Vec<ParameterName>, Unsuitable> {
+    Ok(Linear::of(machine)?.squareness(machine).into_iter().map(ParameterName::location).collect())
 }
 
 /// Degree 1 of the positioning of the linear axes, in the order of their letters.

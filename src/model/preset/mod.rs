@@ -90,6 +90,12 @@ pub const PRESETS: &[Preset] = &[
     },
 ];
 
+/// The location errors that are not redundant: the eight of five axes, the squareness of linear axes alone, none where there are fewer.
+#[must_use]
+pub fn location_errors(machine: &Machine) -> Vec<ParameterName> {
+    linked::location_errors(machine).or_else(|_| linked::squareness(machine)).unwrap_or_default()
+}
+
 /// The preset of a name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Preset> {

@@ -63,6 +63,7 @@ fn parts(error: &MotionError) -> Vec<Rest> {
         Function::Periodic(_) => "periodic",
         Function::Cross(_) => "cross",
         Function::Grid(_) => "grid",
+        Function::Dynamic(_) => "dynamic",
     };
     vec![Rest::Function(component, kind)]
 }

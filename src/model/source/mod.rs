@@ -5,6 +5,7 @@
 
 mod coupling;
 mod drift;
+pub mod dynamic;
 mod expansion;
 mod geometry;
 mod load;
@@ -41,6 +42,7 @@ pub const SOURCES: &[&Source] = &[
     &geometry::SOURCE,
     &coupling::SOURCE,
     &reversal::SOURCE,
+    &dynamic::SOURCE,
     &load::SOURCE,
     &structure::SOURCE,
     &drift::SOURCE,

@@ -1,0 +1,45 @@
+//! Where the error comes from at speed: contouring, link errors, motion errors, thermal drift, dynamics.
+//!
+//! After Andolfatto, Lavernhe and Mayer, "Evaluation of servo, geometric and dynamic error sources on five-axis high-speed machine tool", International
+//! Journal of Machine Tools and Manufacture 51 (2011) 787–796. The tool is measured from a ball on the table while the machine runs over one path at
+//! several feeds; set-points and encoders are recorded beside it. With χ what is measured, χnom and χenc what a machine without errors would have at the
+//! set-points and at the encoders (all along F's directions, by sample),
+//!
+//! ```text
+//! χ − χnom = δc + δl + δm + δtd + δd
+//! δc  = χenc − χnom                               contouring: the servo loops           eq. 10
+//! δl  = J δq from the slowest run                 link errors                            eq. 14
+//! δm  = smooth function of the pose, from it      motion errors                          eq. 16, 17
+//! δtd = mean of what is left of each run          thermal drift, 0 in the slowest run    eq. 18
+//! δd  = what is left                              dynamics                               eq. 20
+//! ```
+//!
+//! Beyond the paper: the delays of the records are found together with the lags of the loops ([`servo`]) and with smooth errors ([`clock`]);
+//! the contouring error proper stands beside the difference of the axes ([`contour`]); the dynamic part is explained by what gives way under
+//! the acceleration of which axis ([`compliance`]), and what that explains of the slowest run does not count as a motion error.
+//!
+//! ```text
+//! Trace ─▶ grid (equal steps) ─▶ servo (delay, loops) ─▶ poses ─▶ clock (delay) ─▶ links, motion ─▶ compliance ─▶ shares
+//! ```
+
+pub mod basis;
+pub mod clock;
+pub mod compliance;
+pub mod contour;
+mod grid;
+mod parts;
+mod poses;
+mod power;
+mod quasi_static;
+pub mod servo;
+mod shares;
+pub mod signal;
+
+pub use basis::Smooth;
+pub use clock::Clock;
+pub use compliance::Compliance;
+pub use parts::{Decomposition, Fault, Options, RunParts, decompose};
+pub use power::{PowerLaw, power_law};
+pub use quasi_static::Link;
+pub use servo::{AxisServo, Servo};
+pub use shares::{SOURCES, Shares};
