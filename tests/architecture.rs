@@ -36,7 +36,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("sense", &["machine"]),
     ("realtime", &["model", "machine", "geometry"]),
     ("review", &["path", "snc", "geometry"]),
-    ("report", &["geometry", "path", "tables", "emit", "machine", "model", "snc", "review"]),
+    ("report", &["decompose", "geometry", "path", "tables", "emit", "machine", "model", "snc", "review"]),
     (
         "cli",
         &[

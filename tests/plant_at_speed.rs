@@ -356,3 +356,34 @@ fn projection(slow: &[Joints], hidden: &Hidden) -> [f64; 8] {
 fn projected(q: &Joints, projection: &[f64; 8]) -> V {
     jacobian(q).iter().zip(projection).map(|(column, amount)| column * *amount).sum()
 }
+
+/// The table of some runs as a user would have it: rows of the control and rows of the instrument, each with the cells of the other left empty.
+pub(crate) fn table(trace: &Trace) -> String {
+    use std::fmt::Write as _;
+    let mut out = String::from("run,feed_mm_min,t_s,X,Y,Z,A,C,X_enc,Y_enc,Z_enc,A_enc,C_enc,dx_um,dy_um,dz_um,tool_x_mm,tool_y_mm,tool_z_mm\n");
+    for run in &trace.runs {
+        let feed = run.feed_mm_min.unwrap();
+        let [x, y, z] = TOOL;
+        for ((t, set), encoder) in run.control.t_s.iter().zip(&run.control.set).zip(&run.control.encoder) {
+            write!(out, "{},{feed},{t:.6}", run.label).unwrap();
+            for position in [set, encoder] {
+                for axis in AXES {
+                    let value = position[axis];
+                    write!(out, ",{:.7}", if axis.is_rotary() { value.to_degrees() } else { value }).unwrap();
+                }
+            }
+            writeln!(out, ",,,,{x},{y},{z}").unwrap();
+        }
+        for (t, [dx, dy, dz]) in run.readings.t_s.iter().zip(&run.readings.along) {
+            let [dx, dy, dz] = [dx, dy, dz].map(|mm| mm * 1e3);
+            writeln!(out, "{},{feed},{t:.6},,,,,,,,,,,{dx:.3},{dy:.3},{dz:.3},{x},{y},{z}", run.label).unwrap();
+        }
+    }
+    out
+}
+
+/// The description beside it.
+pub(crate) fn description() -> String {
+    let [x, y, z] = BALL;
+    format!("[measurement]\nkind = \"trace\"\nsigma_um = 0.15\n[ball.b1]\nplace_mm = [{x}, {y}, {z}]\n")
+}

@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod correction;
+mod decompose;
 mod diagnose;
 mod diff;
 mod examples;
@@ -23,6 +24,7 @@ mod work;
 
 pub(super) use calibrate::CalibrateArguments;
 pub(super) use correction::{ArcChoice, CorrectionChoice, FiveAxisChoice, FrameChoice, RapidChoice, RotaryChoice};
+pub(super) use decompose::DecomposeArguments;
 pub(super) use diagnose::DiagnoseArguments;
 pub(super) use diff::DiffArguments;
 pub(super) use feed::{FeedArguments, ResumeArguments};
@@ -150,6 +152,9 @@ pub(super) enum Command {
     /// Find what the model gets wrong, and why
     #[command(after_help = diagnose::AFTER_HELP)]
     Diagnose(DiagnoseArguments),
+    /// Divide the errors at speed into servo, link, motion, thermal and dynamic ones, and find what gives way
+    #[command(after_help = decompose::AFTER_HELP)]
+    Decompose(DecomposeArguments),
     /// Select the sensors of temperature that tell the drift of a machine
     #[command(after_help = sensors::AFTER_HELP)]
     Sensors(SensorsArguments),

@@ -11,6 +11,8 @@ mod calibrated_report;
 mod check;
 mod completions;
 mod conditions;
+mod decompose;
+mod decomposed;
 mod diagnose;
 mod diagnose_faults;
 mod diagnosed_report;
@@ -57,6 +59,7 @@ mod tables_job;
 mod tables_read;
 mod tables_reread;
 mod tables_write;
+mod trace;
 mod value;
 mod verify;
 mod voice;
@@ -114,6 +117,7 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
         Command::Steps(arguments) => steps::run(arguments),
         Command::Tables(arguments) => tables::run(arguments),
         Command::Diagnose(arguments) => diagnose::run(arguments),
+        Command::Decompose(arguments) => decompose::run(arguments),
         Command::Sensors(arguments) => sensors::run(arguments),
         Command::Load(arguments) => load::run(arguments),
         Command::Feed(arguments) => feed::run(arguments),

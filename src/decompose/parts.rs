@@ -124,10 +124,20 @@ pub struct Decomposition {
     pub smooth: Smooth,
     /// What gives way.
     pub compliances: Vec<super::Compliance>,
-    /// RMS of the dynamic part of every run as it is and as the other runs predict it, mm; averaged as accelerations are.
+    /// By run: its number in [`Decomposition::held_out_mm`].
+    folds: Vec<usize>,
+    /// RMS of the dynamic part of the runs of every feed as it is and as the other runs predict it, mm; averaged as accelerations are.
     pub held_out_mm: Vec<[f64; 2]>,
     /// The power law of the RMS along X, Y, Z (mm): of contouring, of dynamics.
     pub laws: [[Option<PowerLaw>; 3]; 2],
+}
+
+impl Decomposition {
+    /// The number of a run in [`Decomposition::held_out_mm`]: runs of one feed are left out together.
+    #[must_use]
+    pub fn fold(&self, run: usize) -> usize {
+        self.folds.get(run).copied().unwrap_or(run)
+    }
 }
 
 /// The runs at equal steps, the slowest first, and their numbers in the trace.
@@ -217,6 +227,7 @@ pub fn decompose(
         clock,
         links: work.quasi.as_ref().map_or_else(Vec::new, |(links, _)| links.links.clone()),
         smooth: options.smooth,
+        folds: folds(&work.feeds),
         held_out_mm: work.found.held_out.clone(),
         compliances: work.found.all.clone(),
         laws,

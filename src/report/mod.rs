@@ -5,6 +5,7 @@
 pub mod calibration;
 pub mod compared;
 pub mod correction;
+pub mod decomposition;
 pub mod diagnosis;
 mod excerpt;
 pub mod feed;

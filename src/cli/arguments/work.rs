@@ -15,6 +15,7 @@ impl Command {
             Command::Steps(_) => "steps",
             Command::Load(_) => "load",
             Command::Diagnose(_) => "diagnose",
+            Command::Decompose(_) => "decompose",
             Command::Sensors(arguments) if !arguments.watch => "sensors",
             Command::Feed(_) => "feed",
             Command::Realtime(_) => "realtime",

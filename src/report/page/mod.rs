@@ -3,6 +3,7 @@
 
 pub mod apart;
 pub mod calibration;
+pub mod decomposition;
 pub mod diagnosis;
 mod parts;
 pub mod review;

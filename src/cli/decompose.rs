@@ -1,0 +1,176 @@
+//! `ncfix decompose`: where the error comes from at speed.
+
+use std::path::Path;
+
+use super::arguments::DecomposeArguments;
+use super::exit_code::ExitCode;
+use super::findings::Findings;
+use super::input::{self, is_standard_stream, one_stream};
+use super::machine_choice::{self, Chosen};
+use super::output::{Spool, Target};
+use super::pages::{self, Pages};
+use super::progress::Progress;
+use super::stop::Stop;
+use super::{calibrated_report, decomposed, print, program, tell, trace};
+use crate::decompose::{self, Fault, Options};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::machine::Machine;
+use crate::model::ParameterName;
+use crate::report::decomposition::{Decomposition, SCHEMA};
+use crate::report::{json, page};
+use crate::source::FileId;
+
+/// Divides.
+pub(super) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, Stop> {
+    let goes_out = arguments.output.as_deref().is_some_and(is_standard_stream);
+    one_stream(arguments.json, goes_out)?;
+    let mut findings = Findings::default();
+    let mut report = Decomposition { schema: SCHEMA, ..Decomposition::default() };
+    let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
+    let mut result = find(arguments, page.as_ref(), &mut findings, &mut report);
+    report.diagnostics = findings.json();
+    if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
+        result = page.publish(&page::decomposition::decomposition(&report));
+        if result.is_ok() {
+            report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
+        }
+    }
+    if result.is_ok() && arguments.json {
+        print(&json::line(&report).map_err(Stop::Usage)?)?;
+        return Ok(findings.exit_code());
+    }
+    findings.draw();
+    result?;
+    if !report.runs.is_empty() {
+        let text = report.page();
+        if goes_out || arguments.page.report.as_deref().is_some_and(is_standard_stream) {
+            tell(&text);
+        } else {
+            print(&text)?;
+        }
+    }
+    if findings.has_errors() {
+        tell(&format!("{}; nothing was divided\n", findings.count()));
+    }
+    Ok(findings.exit_code())
+}
+
+fn find(
+    arguments: &DecomposeArguments,
+    page: Option<&Pages>,
+    findings: &mut Findings,
+    report: &mut Decomposition,
+) -> Result<(), Stop> {
+    let first = arguments.traces.first().ok_or_else(|| Stop::Usage("give a trace".into()))?;
+    let target = arguments.output.as_deref().map(Target::new).transpose()?;
+    let Some(chosen) = machine_choice::choose(&arguments.machine, first, findings)? else { return Ok(()) };
+    report.machine.clone_from(&chosen.machine.name);
+    if target.is_some() && chosen.is_demo {
+        return Err(Stop::Usage("-o extends a machine file; give it with --machine".into()));
+    }
+    let mut files = chosen.files.clone();
+    files.extend(trace::files(&arguments.traces));
+    for target in target.iter().chain(page.and_then(Pages::target)) {
+        program::protect(target, &files, findings);
+    }
+    let options = options(arguments, &chosen.machine)?;
+    if findings.has_errors() {
+        return Ok(());
+    }
+    for path in &chosen.files {
+        report.inputs.push(calibrated_report::machine_input(&input::read(path, FileId(0), "")?));
+    }
+    let mut all = Vec::new();
+    for (number, path) in arguments.traces.iter().enumerate() {
+        let read = trace::read(path, number, &chosen.machine, findings)?;
+        for (source, role) in read.iter().flat_map(|one| one.sources.iter().zip(["trace", "description", "control"])) {
+            report.inputs.push(pages::input(source, role));
+        }
+        all.extend(read);
+    }
+    if findings.has_errors() {
+        return Ok(());
+    }
+    let Some((whole, sources)) = trace::joined(all, findings) else { return Ok(()) };
+    let mut progress = Progress::new();
+    let found = decompose::decompose(&chosen.machine, &chosen.errors, &whole, &options, &mut |what, share| {
+        progress.share(what, share);
+    });
+    progress.clear();
+    match found {
+        Ok(found) => {
+            decomposed::fill(&found, &whole, report);
+            if let (Some(target), Some(name)) = (target, &arguments.output) {
+                extend(&chosen, &found, (target, name), findings, report)?;
+            }
+        }
+        Err(fault) => findings.add(told(&fault), &sources),
+    }
+    Ok(())
+}
+
+fn told(fault: &Fault) -> Diagnostic {
+    let (code, help) = match fault {
+        Fault::Still => (Code::NOT_TOLD, "record while the axes move, and check that set-points are in mm and degrees"),
+        Fault::Apart => (Code::NOT_TOLD, "check t_s of both records: their clocks may differ by up to half a second"),
+        Fault::OtherPath(..) => (Code::NOT_TOLD, "give runs of one program; divide runs of another one by themselves"),
+        Fault::NotTold(_) => {
+            (Code::NOT_TOLD, "record a longer run, or give fewer --links and a lower degree of --motion")
+        }
+    };
+    Diagnostic::nowhere(code, fault.to_string(), help)
+}
+
+fn options(arguments: &DecomposeArguments, machine: &Machine) -> Result<Options, Stop> {
+    let mut links = Vec::new();
+    for word in arguments.links.iter().flat_map(|list| list.split(',')).map(str::trim) {
+        let name: ParameterName =
+            word.parse().map_err(|_| Stop::Usage(format!("--links {word} is no parameter such as EC0Y or EXX1")))?;
+        if let Some(axis) = name.component.axis().filter(|&axis| machine.axis(axis).is_none()) {
+            return Err(Stop::Usage(format!("--links {word}: the machine {} has no axis {axis}", machine.name)));
+        }
+        if links.contains(&name) {
+            return Err(Stop::Usage(format!("--links names {word} twice")));
+        }
+        links.push(name);
+    }
+    Ok(Options {
+        links,
+        smooth: arguments.motion,
+        record_delay_s: arguments.record_delay_ms.map(|ms| ms / 1e3),
+        reading_delay_s: arguments.reading_delay_ms.map(|ms| ms / 1e3),
+    })
+}
+
+/// Writes the machine file with what gives way.
+fn extend(
+    chosen: &Chosen,
+    found: &decompose::Decomposition,
+    (target, name): (Target, &Path),
+    findings: &mut Findings,
+    report: &mut Decomposition,
+) -> Result<(), Stop> {
+    let Some(path) = chosen.files.first() else { return Err(Stop::Usage("-o needs --machine".into())) };
+    if found.compliances.is_empty() {
+        let help = "nothing was found that gives way; the machine file is as good as it was";
+        findings.add(Diagnostic::nowhere(Code::NOT_TOLD, "there is nothing to write", help), &[]);
+        return Ok(());
+    }
+    let old = input::read(path, FileId(0), "machine file to extend")?;
+    let name = name.display().to_string();
+    match decomposed::extended(old.bytes(), found) {
+        Some(text) => {
+            let mut spool = Spool::new(target)?;
+            if let Err(error) = spool.writer().write_all(text.as_bytes()) {
+                return Err(spool.fault(&error));
+            }
+            spool.publish(false)?;
+            report.output = Some(name);
+        }
+        None => {
+            let help = "write [[dynamic]] as sections of their own";
+            findings.add(Diagnostic::nowhere(Code::NOT_TOLD, "the machine file cannot be extended", help), &[]);
+        }
+    }
+    Ok(())
+}
