@@ -2,7 +2,9 @@
 
 use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix::machine::{Machine, State};
-use ncfix::model::motion::{Function, KINDS, Kind, backlash, cross, grid, periodic, piecewise, polynomial, table};
+use ncfix::model::motion::{
+    Function, KINDS, Kind, backlash, cross, dynamic, grid, periodic, piecewise, polynomial, table,
+};
 use ncfix::model::{ErrorModel, Model, MotionError};
 
 use crate::machine_file::load;
@@ -74,7 +76,7 @@ fn places(seed: u64) -> impl Iterator<Item = (AxisVector, State)> {
                 if axis.is_rotary() { 7.0 * random.symmetric() } else { 300.0 + 700.0 * random.symmetric() }
             }));
         let direction = AXES.map(|_| (random.symmetric() * 1.5).round() as i8);
-        (command, State { direction })
+        (command, State { direction, ..State::default() })
     })
 }
 
@@ -275,6 +277,10 @@ fn mirrored(function: &Function) -> Function {
             values: g.values.iter().rev().cloned().collect(),
             ..g.clone()
         }),
+        // The same acceleration of the body has the other sign.
+        Function::Dynamic(d) => {
+            Function::Dynamic(dynamic::Dynamic { by_acceleration: -d.by_acceleration, by_jerk: -d.by_jerk })
+        }
     }
 }
 
@@ -395,8 +401,8 @@ fn kinks_are_declared_where_the_slope_jumps() {
             }
         }
         found_by_entry.push(count);
-        let depends = value(&error, &AxisVector::ZERO, &State { direction: [1; 9] })
-            != value(&error, &AxisVector::ZERO, &State { direction: [-1; 9] });
+        let depends = value(&error, &AxisVector::ZERO, &State { direction: [1; 9], ..State::default() })
+            != value(&error, &AxisVector::ZERO, &State { direction: [-1; 9], ..State::default() });
         assert_eq!(model.features(own).backlash, depends, "{entry}");
     }
     // Three senses each. Table: 0, 350 and 700. Backlash: both ends, not at rest. Grid: 0, 250, 500 of Y, 0 and 700 of X. Then 120.5 and 300.
@@ -412,7 +418,7 @@ fn an_eighth_of_the_length_is_a_fine_step() {
             let along = |at: f64| {
                 let mut command = AxisVector([350.0, 125.0, 77.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
                 command[axis] = at;
-                value(&error, &command, &State { direction: [1; 9] })
+                value(&error, &command, &State { direction: [1; 9], ..State::default() })
             };
             let step = model.features(axis).length / 8.0;
             let range = (0..=700).map(|at| along(f64::from(at)).abs()).fold(0.0, f64::max);

@@ -360,7 +360,9 @@ fn projected(q: &Joints, projection: &[f64; 8]) -> V {
 /// The table of some runs as a user would have it: rows of the control and rows of the instrument, each with the cells of the other left empty.
 pub(crate) fn table(trace: &Trace) -> String {
     use std::fmt::Write as _;
-    let mut out = String::from("run,feed_mm_min,t_s,X,Y,Z,A,C,X_enc,Y_enc,Z_enc,A_enc,C_enc,dx_um,dy_um,dz_um,tool_x_mm,tool_y_mm,tool_z_mm\n");
+    let mut out = String::from(
+        "run,feed_mm_min,t_s,X,Y,Z,A,C,X_enc,Y_enc,Z_enc,A_enc,C_enc,dx_um,dy_um,dz_um,tool_x_mm,tool_y_mm,tool_z_mm\n",
+    );
     for run in &trace.runs {
         let feed = run.feed_mm_min.unwrap();
         let [x, y, z] = TOOL;

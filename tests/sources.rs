@@ -49,8 +49,13 @@ fn poses(sense: i32) -> Vec<(AxisVector, State)> {
     ] {
         let mut command = AxisVector([x, y, z, 0.0, 0.0, 0.0, f64::to_radians(a), 0.0, f64::to_radians(c)]);
         command[Axis::X] *= f64::from(sense);
-        let mut state = State { direction: [way; 9] };
+        let mut state = State { direction: [way; 9], ..State::default() };
         state.direction[Axis::X.slot()] *= sense as i8;
+        // 2.5 m/s², 40 m/s³.
+        state.acceleration = AxisVector([2500.0 * f64::from(way); 9]);
+        state.jerk = AxisVector([40_000.0; 9]);
+        state.acceleration[Axis::X] *= f64::from(sense);
+        state.jerk[Axis::X] *= f64::from(sense);
         poses.push((command, state));
     }
     poses
@@ -218,6 +223,7 @@ fn mirrored(source: &ErrorSource) -> String {
             ("at_mm = 350", "at_mm = -350"),
             ("[0, 0, 1.4e-9]", "[0, 0, -1.4e-9]"),
         ]),
+        "dynamic" => swap(&[("um_per_m_s2 = 1.5", "um_per_m_s2 = -1.5")]),
         "drift" => source.example.to_owned(),
         "expansion" => swap(&[("fixed_mm = 350", "fixed_mm = -350"), ("fixed_mm = 200", "fixed_mm = -200")]),
         other => panic!("write here how the example of {other} looks where X counts the other way"),

@@ -209,7 +209,7 @@ fn rounding_changes_no_more_than_the_last_digit() {
         // Errors of rotations act over the machine: half an arc second over 0.6 m is 1.5 µm.
         let lever = if format.name == "grundig" { 6.0 } else { 1.0 };
         for sense in [-1, 0, 1] {
-            let state = State { direction: [sense; 9] };
+            let state = State { direction: [sense; 9], ..State::default() };
             for _ in 0..200 {
                 let command = random.command(7.0);
                 let tool = Vector::new(0.0, 0.0, 100.0);

@@ -7,10 +7,12 @@ use super::input::{self, is_standard_stream};
 use super::output::Target;
 use super::program::protect;
 use super::stop::Stop;
+use crate::decompose;
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
 use crate::measure::copies::{Copied, copied};
 use crate::measure::data::{self, DataSet, Observation};
+use crate::measure::trace::{self, Described};
 use crate::source::{FileId, Source, Span};
 use crate::units::{rad_from_urad, um_from_mm};
 
@@ -96,6 +98,10 @@ fn read_by(
     let sources =
         [input::read(table, id(1), "measurement")?, input::read(&description, id(2), "its description, beside it")?];
     let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    if let Some((described, found)) = trace::describe(&name, &sources[1]) {
+        findings.extend(found, &sources);
+        return of_trace(table, described, sources, machine, findings);
+    }
     let (data, found) = load(&name, &sources[0], &sources[1], machine);
     findings.extend(found, &sources);
     Ok(data.map(|mut data| {
@@ -105,6 +111,40 @@ fn read_by(
         }
         Measurement { data, sources }
     }))
+}
+
+/// A trace, brought to one clock.
+fn of_trace(
+    table: &Path,
+    described: Option<Described>,
+    sources: [Source; 2],
+    machine: &Machine,
+    findings: &mut Findings,
+) -> Result<Option<Measurement>, Stop> {
+    let Some(described) = described else { return Ok(None) };
+    let mut control = None;
+    if let Some(path) = super::trace::control_file(table, &described) {
+        let file = input::read(&path, FileId(u16::MAX), "what the control recorded")?;
+        match trace::xml::read(&file, &described.signals, machine) {
+            Ok(signals) => control = Some(signals),
+            Err(found) => {
+                findings.extend(found, &[file]);
+                return Ok(None);
+            }
+        }
+    }
+    let (read, found) = trace::read(&described, &sources[0], control.as_ref(), machine);
+    findings.extend(found, &sources);
+    let Some(read) = read else { return Ok(None) };
+    let place = Place { file: sources[0].id(), span: Span::new(0, 0) };
+    match decompose::measurement(machine, &read, place) {
+        Ok(data) => Ok(Some(Measurement { data, sources })),
+        Err(fault) => {
+            let help = "ncfix decompose says more of a trace";
+            findings.add(Diagnostic::at(Code::NOT_TOLD, place, fault.to_string(), help), &sources);
+            Ok(None)
+        }
+    }
 }
 
 /// Says which tables are the same as one before: readings that count twice look better than they are, and those that were fitted are no test.

@@ -57,7 +57,7 @@ pub(super) fn read(
 }
 
 /// The file of the control, beside the table.
-fn control_file(table: &Path, described: &Described) -> Option<PathBuf> {
+pub(super) fn control_file(table: &Path, described: &Described) -> Option<PathBuf> {
     let name = described.control.as_ref()?;
     Some(table.parent().unwrap_or(Path::new(".")).join(name))
 }

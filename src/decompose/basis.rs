@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn axes_that_stand_have_none() {
-        let at = |x: f64| AxisVector([x, 5.0, 0.0, 0.1 * x, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let at = |x: f64| AxisVector([x, 5.0, 0.0, 0.0, 0.0, 0.0, 0.1 * x, 0.0, 0.0]);
         let positions = [at(0.0), at(10.0)];
         let basis = Basis::new(Smooth::Pose(3), &[Axis::X, Axis::Y, Axis::A], &positions);
         let mut out = Vec::new();

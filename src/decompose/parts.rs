@@ -165,20 +165,41 @@ fn find_servo(axes: &[Axis], grids: &[Grid], options: &Options) -> Option<Servo>
     Some(found)
 }
 
-/// Divides a trace into its sources.
+/// A trace brought to one clock.
+#[derive(Clone, Debug)]
+pub(super) struct Synchronous {
+    /// The axes of the machine.
+    pub(super) axes: Vec<Axis>,
+    /// The numbers of the runs in the trace, the slowest first; all lists are in this order.
+    pub(super) order: Vec<usize>,
+    /// The runs at equal steps.
+    pub(super) grids: Vec<Grid>,
+    /// Where the machine is at them.
+    pub(super) poses: Vec<Poses>,
+    /// χ − χenc by run and sample, mm.
+    pub(super) left: Vec<Vec<Option<Vector>>>,
+    servo: Servo,
+    clock: Option<Clock>,
+    tool_mm: Vector,
+    nominal: Model,
+}
+
+/// Brings a trace to one clock.
 ///
 /// # Errors
 /// [`Fault`].
-pub fn decompose(
+pub(super) fn synchronous(machine: &Machine, trace: &Trace, options: &Options) -> Result<Synchronous, Fault> {
+    synchronous_telling(machine, trace, options, &mut |_, _| {})
+}
+
+fn synchronous_telling(
     machine: &Machine,
-    errors: &ErrorModel,
     trace: &Trace,
     options: &Options,
     tell: &mut dyn FnMut(&str, f64),
-) -> Result<Decomposition, Fault> {
+) -> Result<Synchronous, Fault> {
     tell("delays and servo loops", 0.0);
     let (axes, order, grids) = grids(machine, trace);
-    let cycle_s = grids.first().map_or(0.0, |grid| grid.step_s);
     let servo = find_servo(&axes, &grids, options).ok_or(Fault::Still)?;
     let nominal = Model::new(machine, &ErrorModel::default());
     let tool_mm = trace.runs.first().map_or_else(Vector::zeros, |run| run.tool_mm);
@@ -193,6 +214,24 @@ pub fn decompose(
     if let (Some(clock), Some(known)) = (&mut clock, options.reading_delay_s) {
         (clock.delay_s, clock.uncertainty_s) = (known, 0.0);
     }
+    let left = left(&grids, &poses, clock.as_ref());
+    Ok(Synchronous { axes, order, grids, poses, left, servo, clock, tool_mm, nominal })
+}
+
+/// Divides a trace into its sources.
+///
+/// # Errors
+/// [`Fault`].
+pub fn decompose(
+    machine: &Machine,
+    errors: &ErrorModel,
+    trace: &Trace,
+    options: &Options,
+    tell: &mut dyn FnMut(&str, f64),
+) -> Result<Decomposition, Fault> {
+    let whole = synchronous_telling(machine, trace, options, tell)?;
+    let Synchronous { axes, order, grids, poses, servo, clock, left, tool_mm, nominal } = whole;
+    let cycle_s = grids.first().map_or(0.0, |grid| grid.step_s);
     let mut work = Work {
         machine,
         errors,
@@ -202,15 +241,14 @@ pub fn decompose(
         tool_mm,
         poses: &poses,
         feeds: order.iter().map(|&number| trace.runs[number].feed_mm_min).collect(),
-        left: left(&grids, &poses, clock.as_ref()),
+        left,
         known: Vec::new(),
         found: Compliances::default(),
         quasi: None,
     };
-    if let Some(clock) = &clock {
+    if clock.is_some() {
         tell("links, motion, dynamics", 0.5);
         work.divide(&trace.free, order[0])?;
-        debug_assert!(clock.delay_s.is_finite(), "checked by the fit");
     }
     tell("shares", 0.9);
     let runs: Vec<RunParts> =

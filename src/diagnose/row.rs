@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisVector};
 use crate::measure::data::{DataSet, Observation};
+use crate::measure::kind;
 use crate::model::ErrorName;
 
 /// Number of a row that was not measured: of a place where a shape is wanted.
@@ -111,7 +112,12 @@ fn move_along(data: &DataSet, rows: &mut [Row]) {
             (0..places.len()).map(|k| acceleration(rows, &places, k, &velocities, feed)).collect();
         for ((&place, velocity), acceleration) in places.iter().zip(velocities).zip(accelerations) {
             rows[place].velocity = velocity;
-            rows[place].acceleration = acceleration;
+            // What encoders say at their own rate is better than differences of the rows that are left of them.
+            rows[place].acceleration = if data.kind.name == kind::TRACE.name {
+                data.observations.get(rows[place].number).map(|one| one.reading.state.acceleration)
+            } else {
+                acceleration
+            };
         }
     }
 }

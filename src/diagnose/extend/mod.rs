@@ -197,7 +197,10 @@ fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>,
         }
         Effect::Setup | Effect::Probe => Err("it belongs to the instrument and its set-up, not to the machine".into()),
         Effect::Sensor | Effect::Outlier | Effect::Program => Err("it belongs to the data, not to the machine".into()),
-        Effect::ServoMismatch | Effect::Following | Effect::Dynamic | Effect::Delay | Effect::ReversalSpike => Err(
+        Effect::Dynamic => Err("it goes with the acceleration, which no position tells: ncfix decompose fits it to traces and writes [[dynamic]], and a lower feed \
+             makes it smaller"
+            .into()),
+        Effect::ServoMismatch | Effect::Following | Effect::Delay | Effect::ReversalSpike => Err(
             "it goes with the speed or with what was before, and errors of the machine file with positions: tune the \
                  drive, or compensate it in the control"
                 .into(),

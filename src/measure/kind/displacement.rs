@@ -13,7 +13,7 @@ use crate::geometry::Vector;
 use crate::measure::data::{DataSet, Free, Observation};
 use crate::units::mm_from_um;
 
-const COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
+pub(super) const COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 
 /// The kind.
 pub(super) const KIND: Kind = Kind {
@@ -30,7 +30,12 @@ pub(super) const KIND: Kind = Kind {
     columns: &COLUMNS,
 };
 
-fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut Observation) -> Result<(), Diagnostic> {
+pub(super) fn read(
+    data: &mut DataSet,
+    row: &Row<'_>,
+    sign: DecimalSign,
+    observation: &mut Observation,
+) -> Result<(), Diagnostic> {
     if data.is_plan {
         // Columns that are there say what will be read; without any it is all three.
         let wants_all = COLUMNS.iter().all(|name| row.column(name).is_none());
@@ -45,7 +50,7 @@ fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut 
     Ok(())
 }
 
-fn check(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
+pub(super) fn check(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
     if !data.is_plan && COLUMNS.iter().all(|name| table.column(name).is_none()) {
         let help = "name the columns of the readings dx_um, dy_um, dz_um (any of them)";
         findings.push(Diagnostic::at(
@@ -58,14 +63,20 @@ fn check(data: &DataSet, table: &Table, findings: &mut Vec<Diagnostic>) {
     no_expansion(data, table, findings);
 }
 
-fn unknowns(data: &DataSet) -> Vec<Unknown> {
+pub(super) fn unknowns(data: &DataSet) -> Vec<Unknown> {
     let count = data.setups.len();
     let offset = three(count, Unknown::Offset).filter(|_| data.free.contains(&Free::Offset));
     let rotation = three(count, Unknown::Rotation).filter(|_| data.free.contains(&Free::Rotation));
     offset.chain(rotation).collect()
 }
 
-fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values: &[f64], out: &mut Vec<Equation>) {
+pub(super) fn equations(
+    data: &DataSet,
+    observation: &Observation,
+    seen: &Seen<'_>,
+    values: &[f64],
+    out: &mut Vec<Equation>,
+) {
     let [has_offset, has_rotation] = [Free::Offset, Free::Rotation].map(|free| data.free.contains(&free));
     let first = 3 * observation.setup;
     let turn = first + if has_offset { 3 * data.setups.len() } else { 0 };

@@ -8,6 +8,7 @@ mod ballbar;
 mod direct;
 mod displacement;
 mod probe;
+mod trace;
 
 use crate::csv::{DecimalSign, Row, Table};
 use crate::diagnostic::{Code, Diagnostic};
@@ -46,7 +47,10 @@ pub struct Kind {
 }
 
 /// All kinds.
-pub const KINDS: &[&Kind] = &[&displacement::KIND, &ballbar::KIND, &probe::KIND, &direct::KIND];
+pub const KINDS: &[&Kind] = &[&displacement::KIND, &ballbar::KIND, &probe::KIND, &direct::KIND, &TRACE];
+
+/// Traces, which [`crate::measure::trace`] reads.
+pub static TRACE: Kind = trace::KIND;
 
 /// An unknown of a measurement; lengths in mm, rotations in rad. Numbers are those of set-ups and targets, directions 0 to 2 are X, Y, Z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

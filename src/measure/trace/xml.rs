@@ -127,39 +127,31 @@ fn columns<'a>(
     machine: &Machine,
     place: Place,
 ) -> Result<Vec<(Axis, usize, &'a str)>, Vec<Diagnostic>> {
-    let mut findings = Vec::new();
     let mut columns = Vec::new();
-    let all = || signals.iter().map(|one| one.words[0]).collect::<Vec<_>>().join(", ");
+    let (mut unnamed, mut faults) = (Vec::new(), Vec::new());
     for axis in machine.axes.iter().flatten().map(|data| data.axis) {
         for (which, column) in [axis.to_string(), format!("{axis}_enc")].into_iter().enumerate() {
             let Some(name) = names.get(&column) else {
-                let message = format!("nothing says which signal is {column}");
-                let help =
-                    format!("write {column} = \"…\" below [signals] of the description; the file has: {}", all());
-                findings.push(Diagnostic::at(Code::DATA_COLUMN, place, message, help));
+                unnamed.push(column);
                 continue;
             };
             let mut fitting = signals.iter().filter(|one| one.words.contains(&name.as_str()));
             match (fitting.next(), fitting.next()) {
                 (Some(one), None) => columns.push((axis, which, one.id.as_str())),
-                (Some(_), Some(_)) => {
-                    let message = format!("several signals are named \"{name}\"");
-                    let help = "name it by its other name";
-                    findings.push(Diagnostic::at(Code::DATA_COLUMN, place, message, help));
-                }
-                _ => {
-                    let message = format!("there is no signal \"{name}\" for {column}");
-                    findings.push(Diagnostic::at(
-                        Code::DATA_COLUMN,
-                        place,
-                        message,
-                        format!("the file has: {}", all()),
-                    ));
-                }
+                (Some(_), Some(_)) => faults.push(format!("several signals are named \"{name}\"")),
+                _ => faults.push(format!("there is no signal \"{name}\" for {column}")),
             }
         }
     }
-    if findings.is_empty() { Ok(columns) } else { Err(findings) }
+    if !unnamed.is_empty() {
+        faults.push(format!("nothing says which signal is {}", unnamed.join(", ")));
+    }
+    if faults.is_empty() {
+        return Ok(columns);
+    }
+    let all: Vec<&str> = signals.iter().map(|one| one.words[0]).collect();
+    let help = format!("write X = \"…\" below [signals] of the description; the file has: {}", all.join(", "));
+    Err(vec![Diagnostic::at(Code::DATA_COLUMN, place, faults.join("; "), help)])
 }
 
 /// Where a line and column of characters, both from 1, are in a text.
