@@ -360,6 +360,12 @@ fn what_is_no_trace_is_refused_at_its_place() {
             "\"length\"",
         ),
         (
+            format!("{head}{}{}", rows(40, 0.1, "0,0,0,1000,a"), row(1e12, 1.0, "0,0,0,1000,a")),
+            description(),
+            "E0603",
+            "stops for",
+        ),
+        (
             format!("{head}{}{}", rows(400, 0.1, "0,0,0,1000,a"), rows(400, 0.3, "0,0,0,3000,b")),
             description(),
             "E0606",

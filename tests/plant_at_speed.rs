@@ -160,15 +160,15 @@ fn set_points(feed: f64) -> Vec<Joints> {
     let lengths: Vec<f64> = nodes.windows(2).map(|pair| metric(&pair[0], &pair[1])).collect();
     let most = 2500.0;
     let speed = feed / 60.0;
-    let mut limits = vec![0.0; nodes.len()];
-    for k in 1..nodes.len() - 1 {
+    let mut limits: Vec<f64> = vec![0.0; nodes.len()];
+    for (k, limit) in limits.iter_mut().enumerate().take(nodes.len() - 1).skip(1) {
         let turn = (0..5)
             .map(|j| {
                 let slope = |from: usize| (nodes[from + 1][j] - nodes[from][j]) / lengths[from];
                 ((slope(k) - slope(k - 1)) * if j < 3 { 1.0 } else { 100.0 }).abs()
             })
             .fold(0.0, f64::max);
-        limits[k] = speed.min(4000.0 * KERNEL / 2.0 / turn);
+        *limit = speed.min(4000.0 * KERNEL / 2.0 / turn);
     }
     for k in 1..nodes.len() {
         limits[k] = limits[k].min((limits[k - 1] * limits[k - 1] + 2.0 * most * lengths[k - 1]).sqrt());

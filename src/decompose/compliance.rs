@@ -134,7 +134,7 @@ fn effect(model: &Model, (name, order): (ErrorName, u8), tool_mm: &Vector, poses
     poses.effect(model, name, tool_mm, number) * rate
 }
 
-/// What compliances do at a sample, mm; as means over [`Poses::reach`].
+/// What compliances do at a sample, mm; as means over the reach of the poses.
 #[must_use]
 pub fn deflection(model: &Model, all: &[Compliance], tool_mm: &Vector, poses: &Poses, number: usize) -> Vector {
     all.iter().map(|one| effect(model, (one.name, one.order), tool_mm, poses, number) * one.value).sum()

@@ -8,8 +8,9 @@ use crate::measure::kind;
 use crate::measure::reading::Reading;
 use crate::measure::trace::Trace;
 
-use super::parts::{Fault, Synchronous, synchronous};
+use super::parts::Fault;
 use super::signal::triangle;
+use super::together::{Synchronous, synchronous};
 
 /// The column of the feed.
 const FEED: &str = "feed_mm_min";

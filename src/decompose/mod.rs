@@ -35,6 +35,7 @@ mod quasi_static;
 pub mod servo;
 mod shares;
 pub mod signal;
+mod together;
 
 pub use basis::Smooth;
 pub use clock::Clock;

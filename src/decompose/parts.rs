@@ -4,28 +4,23 @@ use std::fmt;
 
 use crate::geometry::{Axis, Vector};
 use crate::machine::Machine;
-use crate::measure::trace::{Run, Trace};
+use crate::measure::trace::Trace;
 use crate::model::preset;
 use crate::model::{ErrorModel, Model, ParameterName};
 use crate::numeric::in_parts;
 
 use super::basis::{Basis, Smooth};
-use super::clock::{Clock, clock, reading};
+use super::clock::Clock;
 use super::compliance::{Compliances, Remainder, compliances, deflection};
 use super::contour::from_path;
 use super::grid::Grid;
 use super::poses::Poses;
 use super::power::{PowerLaw, power_law};
 use super::quasi_static::{Link, Links, Motion, links, motion};
-use super::servo::{Servo, servo};
+use super::servo::Servo;
 use super::shares::{Shares, shares};
+use super::together::{Synchronous, synchronous_telling};
 
-/// Accelerations are means over this time to both sides, s.
-const REACH_S: f64 = 0.009;
-/// Runs whose paths differ in length by more have not run the same program.
-const SAME_PATH: f64 = 0.02;
-/// A path shorter than this tells nothing, mm.
-const LEAST_MM: f64 = 1.0;
 /// How far back and ahead the nearest point of the path is looked for, s.
 const WINDOW_S: f64 = 0.25;
 /// Times that the dynamic part is taken out of the slowest run before its smooth part is fitted again.
@@ -140,84 +135,6 @@ impl Decomposition {
     }
 }
 
-/// The runs at equal steps, the slowest first, and their numbers in the trace.
-fn grids(machine: &Machine, trace: &Trace) -> (Vec<Axis>, Vec<usize>, Vec<Grid>) {
-    let axes: Vec<Axis> = machine.axes.iter().flatten().map(|data| data.axis).collect();
-    let mut order: Vec<usize> = (0..trace.runs.len()).collect();
-    let feed = |run: &Run| run.feed_mm_min.unwrap_or(0.0);
-    order.sort_by(|&a, &b| feed(&trace.runs[a]).total_cmp(&feed(&trace.runs[b])));
-    let runs: Vec<&Run> = order.iter().map(|&number| &trace.runs[number]).collect();
-    let grids = in_parts(&runs, &|run| Grid::new(run, &axes));
-    (axes, order, grids)
-}
-
-/// Finds the delay between the records, where it is not known.
-fn find_servo(axes: &[Axis], grids: &[Grid], options: &Options) -> Option<Servo> {
-    let pairs: Vec<_> = axes
-        .iter()
-        .enumerate()
-        .map(|(place, &axis)| (axis, grids.iter().map(|grid| grid.axes[place].1.clone()).collect()))
-        .collect();
-    let mut found = servo(&pairs)?;
-    if let Some(known) = options.record_delay_s {
-        (found.delay_s, found.uncertainty_s) = (known, 0.0);
-    }
-    Some(found)
-}
-
-/// A trace brought to one clock.
-#[derive(Clone, Debug)]
-pub(super) struct Synchronous {
-    /// The axes of the machine.
-    pub(super) axes: Vec<Axis>,
-    /// The numbers of the runs in the trace, the slowest first; all lists are in this order.
-    pub(super) order: Vec<usize>,
-    /// The runs at equal steps.
-    pub(super) grids: Vec<Grid>,
-    /// Where the machine is at them.
-    pub(super) poses: Vec<Poses>,
-    /// χ − χenc by run and sample, mm.
-    pub(super) left: Vec<Vec<Option<Vector>>>,
-    servo: Servo,
-    clock: Option<Clock>,
-    tool_mm: Vector,
-    nominal: Model,
-}
-
-/// Brings a trace to one clock.
-///
-/// # Errors
-/// [`Fault`].
-pub(super) fn synchronous(machine: &Machine, trace: &Trace, options: &Options) -> Result<Synchronous, Fault> {
-    synchronous_telling(machine, trace, options, &mut |_, _| {})
-}
-
-fn synchronous_telling(
-    machine: &Machine,
-    trace: &Trace,
-    options: &Options,
-    tell: &mut dyn FnMut(&str, f64),
-) -> Result<Synchronous, Fault> {
-    tell("delays and servo loops", 0.0);
-    let (axes, order, grids) = grids(machine, trace);
-    let servo = find_servo(&axes, &grids, options).ok_or(Fault::Still)?;
-    let nominal = Model::new(machine, &ErrorModel::default());
-    let tool_mm = trace.runs.first().map_or_else(Vector::zeros, |run| run.tool_mm);
-    let pose = |grid: &Grid| {
-        let reach = ((REACH_S / grid.step_s).round() as usize).max(1);
-        Poses::new(&nominal, trace, &tool_mm, grid, servo.delay_s, reach)
-    };
-    let poses = in_parts(&grids, &pose);
-    check_paths(&poses, &order)?;
-    tell("clock of the instrument", 0.3);
-    let mut clock = if trace.has_readings() { Some(clock(&grids, &poses, &axes).ok_or(Fault::Apart)?) } else { None };
-    if let (Some(clock), Some(known)) = (&mut clock, options.reading_delay_s) {
-        (clock.delay_s, clock.uncertainty_s) = (known, 0.0);
-    }
-    let left = left(&grids, &poses, clock.as_ref());
-    Ok(Synchronous { axes, order, grids, poses, left, servo, clock, tool_mm, nominal })
-}
-
 /// Divides a trace into its sources.
 ///
 /// # Errors
@@ -271,29 +188,6 @@ pub fn decompose(
         laws,
         runs,
     })
-}
-
-/// Whether all runs follow one path.
-fn check_paths(poses: &[Poses], order: &[usize]) -> Result<(), Fault> {
-    let Some(first) = poses.first() else { return Err(Fault::Still) };
-    if first.length_mm < LEAST_MM {
-        return Err(Fault::Still);
-    }
-    for (other, &number) in poses.iter().zip(order).skip(1) {
-        if (other.length_mm / first.length_mm - 1.0).abs() > SAME_PATH {
-            return Err(Fault::OtherPath([order[0], number], [first.length_mm, other.length_mm]));
-        }
-    }
-    Ok(())
-}
-
-/// χ − χenc by run and sample.
-fn left(grids: &[Grid], poses: &[Poses], clock: Option<&Clock>) -> Vec<Vec<Option<Vector>>> {
-    let one = |(grid, poses): (&Grid, &Poses)| {
-        let at = |number: usize| Some(reading(grid, number, clock?.delay_s)? - poses.nominal[1][number]);
-        (0..poses.count()).map(at).collect()
-    };
-    grids.iter().zip(poses).map(one).collect()
 }
 
 /// The link errors that a machine has: the eight of five axes, else the squareness of linear axes.

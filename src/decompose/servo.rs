@@ -27,6 +27,8 @@ const TIMES_S: [f64; 2] = [2e-4, 0.6];
 const STILL: f64 = 1e-3;
 /// A lag that is this share of the noise at its largest is none.
 const LEAST_LAG: f64 = 2.0;
+/// Samples of a run that are compared in the search: a long one has more than are needed.
+const ENOUGH: usize = 10_000;
 /// Steps of searches.
 const STEPS: usize = 60;
 /// Delays are found to this, s.
@@ -198,11 +200,14 @@ fn follows(runs: &[Pair], delay: f64) -> Follows {
         let (mut zz, mut zl, mut ll) = (0.0, 0.0, 0.0);
         for (pair, left) in runs.iter().zip(&left) {
             let z = Signal { values: lag(&pair.set, time_s), ..pair.set };
-            for (k, value) in left.iter().enumerate() {
+            let every = left.len().div_ceil(ENOUGH).max(1);
+            for (k, value) in left.iter().enumerate().step_by(every) {
+                // Each stands for those that are left out.
+                let weight = every as f64;
                 let z = z.at(pair.encoder.time(k) - delay);
-                zz += z * z;
-                zl -= z * value;
-                ll += value * value;
+                zz += weight * z * z;
+                zl -= weight * z * value;
+                ll += weight * value * value;
             }
         }
         // From far ahead to no feed-forward at all.

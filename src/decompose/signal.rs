@@ -147,6 +147,9 @@ pub fn triangle(values: &[f64], reach: usize) -> Vec<f64> {
 pub fn inflation(values: &[f64]) -> f64 {
     /// Neighbours beyond this many are not looked at.
     const MOST: usize = 2000;
+    /// Values beyond this many say nothing new of how alike neighbours are.
+    const ENOUGH: usize = 20_000;
+    let values = values.get(..ENOUGH).unwrap_or(values);
     let count = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / count;
     let along = |lag: usize| -> f64 {

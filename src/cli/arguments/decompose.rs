@@ -40,7 +40,7 @@ pub(in crate::cli) struct DecomposeArguments {
     /// Delay of the readings behind the encoders, where it is known
     #[arg(long, value_name = "MS", allow_negative_numbers = true, value_parser = milliseconds)]
     pub(in crate::cli) reading_delay_ms: Option<f64>,
-    /// Write the machine file with what gives way ([[dynamic]]); - for standard output
+    /// Write the machine file with what gives way, as dynamic sections; - for standard output
     #[arg(short, long, value_name = "EXTENDED.toml")]
     pub(in crate::cli) output: Option<PathBuf>,
     #[command(flatten)]

@@ -10,7 +10,7 @@ use crate::source::Source;
 use crate::units::mm_from_um;
 
 use super::xml::Signals;
-use super::{Described, Run, Trace};
+use super::{Control, Described, Run, Trace};
 
 const READINGS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
 const TOOL: [&str; 3] = ["tool_x_mm", "tool_y_mm", "tool_z_mm"];
@@ -50,7 +50,7 @@ pub fn read(
     if let Some(columns) = columns(&rows, machine, control.is_some(), &mut findings) {
         read_rows(&rows, &columns, machine, described, &mut trace, &mut findings);
         if let (Some(signals), true) = (control, findings.is_empty()) {
-            join(&rows, signals, &mut trace, &mut findings);
+            join(&rows, signals, machine, &mut trace, &mut findings);
         }
         if findings.is_empty() {
             check(&rows, &trace, &mut findings);
@@ -218,9 +218,12 @@ fn within(machine: &Machine, axis: Axis, at: f64, row: &Row<'_>, column: usize) 
 }
 
 /// The signals of a control beside the readings of an instrument.
-fn join(rows: &Table, signals: &Signals, trace: &mut Trace, findings: &mut Vec<Diagnostic>) {
+fn join(rows: &Table, signals: &Signals, machine: &Machine, trace: &mut Trace, findings: &mut Vec<Diagnostic>) {
     match trace.runs.as_mut_slice() {
-        [run] => run.control = signals.control.clone(),
+        [run] => {
+            run.control = signals.control.clone();
+            findings.extend(outside(rows, machine, &run.control));
+        }
         _ => {
             let help = "the file of a control is one run: give each run a table of its own";
             let place = rows.header_place(rows.column("run"));
@@ -234,6 +237,20 @@ fn join(rows: &Table, signals: &Signals, trace: &mut Trace, findings: &mut Vec<D
     }
 }
 
+/// The first position of a control outside the travel.
+fn outside(rows: &Table, machine: &Machine, control: &Control) -> Option<Diagnostic> {
+    let far = |at: &AxisVector, axis: Axis| {
+        let [low, high] = machine.axis(axis).and_then(|data| data.travel)?;
+        (!(low - BEYOND..=high + BEYOND).contains(&at[axis])).then_some(axis)
+    };
+    let axes: Vec<Axis> = machine.axes.iter().flatten().map(|data| data.axis).collect();
+    let mut all = control.set.iter().chain(&control.encoder);
+    let axis = all.find_map(|at| axes.iter().find_map(|&axis| far(at, axis)))?;
+    let message = format!("what the control recorded of {axis} is outside its travel");
+    let help = format!("check the signal of {axis}, its unit (mm, degrees), and --machine");
+    Some(Diagnostic::at(Code::OUT_OF_TRAVEL, rows.header_place(None), message, help))
+}
+
 /// What only the whole shows.
 fn check(rows: &Table, trace: &Trace, findings: &mut Vec<Diagnostic>) {
     if trace.runs.is_empty() {
@@ -242,6 +259,13 @@ fn check(rows: &Table, trace: &Trace, findings: &mut Vec<Diagnostic>) {
     }
     for run in &trace.runs {
         let place = run.place.unwrap_or_else(|| rows.header_place(None));
+        for (what, times) in [("control", &run.control.t_s), ("instrument", &run.readings.t_s)] {
+            if let Some(gap_s) = gap(times) {
+                let message = format!("the record of the {what} stops for {gap_s:.3} s");
+                let help = "a run is one record without a break: give the parts labels of their own in the column run";
+                findings.push(Diagnostic::at(Code::DATA_CELL, place, message, help));
+            }
+        }
         let name = if run.label.is_empty() { "the run".to_owned() } else { format!("the run {}", run.label) };
         let samples = run.control.t_s.len();
         if samples < LEAST {
@@ -259,4 +283,14 @@ fn check(rows: &Table, trace: &Trace, findings: &mut Vec<Diagnostic>) {
             findings.push(Diagnostic::at(Code::DATA_CELL, place, format!("{name} has another tool"), help));
         }
     }
+}
+
+/// The longest break of a record, s, where it is one: many times its usual step.
+fn gap(times: &[f64]) -> Option<f64> {
+    /// Samples that a control may drop.
+    const DROPPED: f64 = 20.0;
+    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let (usual, longest) = (steps.get(steps.len() / 2)?, steps.last()?);
+    (*longest > DROPPED * usual).then_some(*longest)
 }
