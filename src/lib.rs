@@ -38,6 +38,7 @@
 //! | [`diagnose`] | what the model lacks: causes, search, gates, verdict, what extends the machine file | programs, files |
 //! | [`decompose`] | errors at speed by source: delays, servo loops, links, motion, drift, what gives way under acceleration | programs, files |
 //! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
+//! | [`servo`] | follows a path at feed: look-ahead, smoothing, loops of the axes, contouring error; lowers feeds | text |
 //! | [`tables`] | compensation tables of controls: what they do, schemes that fill them, formats | programs |
 //! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
 //! | [`feed`] | links as data, dialogues as pure machines, window, dosing | G-code, kinematics |
@@ -102,6 +103,7 @@ pub mod realtime;
 pub mod report;
 pub mod review;
 pub mod sense;
+pub mod servo;
 pub mod snc;
 pub mod source;
 pub mod syntax;

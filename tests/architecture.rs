@@ -27,6 +27,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
     ("diagnose", &["calibrate", "measure", "model", "machine", "geometry", "numeric"]),
     ("decompose", &["measure", "model", "machine", "geometry", "numeric"]),
     ("path", &["snc", "model", "machine", "geometry"]),
+    ("servo", &["path", "snc", "model", "machine", "geometry"]),
     ("tables", &["model", "machine", "geometry", "numeric"]),
     ("emit", &["dialect", "path", "snc", "geometry", "machine"]),
     // The machine for the reader of TOML only.
@@ -58,6 +59,7 @@ const MAY_NAME: &[(&str, &[&str])] = &[
             "feed",
             "drip",
             "sense",
+            "servo",
             "review",
             "report",
         ],

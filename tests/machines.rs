@@ -38,6 +38,7 @@ pub(crate) fn xyz_machine() -> Machine {
         system: BTreeMap::new(),
         gud: BTreeMap::new(),
         strain: None,
+        servo: None,
         tools: Vec::new(),
     }
 }

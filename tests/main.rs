@@ -25,6 +25,7 @@ mod cli_conditions;
 mod cli_diff;
 mod cli_explain;
 mod cli_feed;
+mod cli_feed_limit;
 mod cli_fix;
 mod cli_machine;
 mod cli_man;
@@ -130,6 +131,7 @@ mod sense_files;
 #[cfg(all(feature = "modbus", feature = "mqtt", feature = "mtconnect"))]
 mod sense_network;
 mod sensors;
+mod servo;
 mod singularity;
 mod snc_text;
 mod sources;

@@ -61,6 +61,7 @@ Examples:
   ncfix part.mpf -o part_corrected.mpf --machine mill.toml
   ncfix part.mpf -o - --machine mill.toml | less
   ncfix part.mpf -o part_corrected.mpf --review review.html
+  ncfix part.mpf -o part_corrected.mpf --machine mill.toml --feed-limit 15um
   ncfix check part.mpf
   ncfix snc part.mpf | head
   ncfix verify part.mpf part_corrected.mpf --machine mill.toml
@@ -251,6 +252,9 @@ pub(super) struct FixArguments {
     #[command(flatten)]
     /// How it is corrected.
     pub(super) correction: CorrectionChoice,
+    /// Lower feeds where the axes would leave the tool further off its path than this, with its unit, as [servo] of the machine file predicts it
+    #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
+    pub(super) feed_limit: Option<f64>,
     /// Write a page that shows what was changed, for a person to look at before the program runs: that of `ncfix diff --html`
     #[arg(long, value_name = "PAGE.html")]
     pub(super) review: Option<PathBuf>,

@@ -15,7 +15,7 @@ use super::program::{self, Opened, Running};
 use super::state;
 use super::stop::Stop;
 use super::writing::Writing;
-use super::{pages, print, tell};
+use super::{feed_limit, pages, print, tell};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::emit;
 use crate::exec::RapidOrder;
@@ -25,6 +25,7 @@ use crate::report::correction::Correction;
 use crate::report::json;
 use crate::report::review::Limit;
 use crate::review::Trace;
+use crate::servo::Limiter;
 use crate::source::{Source, Span};
 use crate::units::{um_from_mm, urad_from_rad};
 
@@ -106,6 +107,9 @@ impl<'a> Job<'a> {
             program::protect(page, chosen.files.iter().chain([&arguments.input]), findings);
             self.keep_apart(page, findings);
         }
+        if arguments.feed_limit.is_some() && feed_limit::servo(&chosen.machine, findings).is_none() {
+            return Ok(());
+        }
         if let Some(increment_mm) = arguments.correction.increment {
             chosen.machine.control.increment_mm = increment_mm;
         }
@@ -184,7 +188,16 @@ impl<'a> Job<'a> {
         let mut corrector = Corrector::new(running, machine, &model, writing.options.clone());
         // Findings are few: the execution and the corrector both stop after a hundred.
         let mut found = Vec::new();
-        let written = emit::emit(&mut corrector, writer.as_mut(), spool.writer(), |finding| found.push(finding));
+        let note_finding = |finding| found.push(finding);
+        let written = match (arguments.feed_limit, &machine.servo) {
+            (Some(limit_mm), Some(servo)) => {
+                let mut limiter = Limiter::new(&mut corrector, limit_mm, machine, servo, &model, &writing.options);
+                let written = emit::emit(&mut limiter, writer.as_mut(), spool.writer(), note_finding);
+                report.feed_limit = Some(feed_limit::report(limit_mm, limiter.limited()));
+                written
+            }
+            _ => emit::emit(&mut corrector, writer.as_mut(), spool.writer(), note_finding),
+        };
         report.blocks_out = written.map_err(|error| spool.fault(&error))?;
         let running = corrector.elements();
         findings.extend(found, running.sources());

@@ -21,6 +21,7 @@ mod exit_code;
 mod explain;
 mod extended;
 mod feed;
+mod feed_limit;
 mod figures;
 mod findings;
 mod fix;

@@ -280,6 +280,10 @@ EXX, EAY, EC0Y, EX0S.";
 axes _deg.";
     BAD_TABLE = "E0408" "table that does not increase"
 "positions_mm (positions_deg) must increase strictly and have as many entries as the values.";
+    NO_SERVO = "E0409" "machine file without servo loops"
+"What the axes do at feed can only be told where the machine file says how they follow: [servo] with the interpolation cycle, the smoothing and the tolerance
+of corners of the control, and [servo.X] for every axis with its velocity gain, its feed-forward and its acceleration. The control shows them (Sinumerik MD32200,
+MD32610, MD32300); ncfix decompose finds gain and feed-forward in a trace. docs/servo.md has an example.";
     MISSING_SENSOR = "E0501" "temperature of a sensor missing"
 "The error model of the machine file depends on the temperature of this sensor, and the state that was given has temperatures but not
 this one. A drift that is computed without it would be wrong by an unknown amount.";
@@ -420,6 +424,10 @@ axes would stop in between. The end of the move is corrected, and on the way the
 "An axis with backlash came to its place from where the program had not stated it (before the first block, behind a tool change), so that nobody knows from
 which side. The backlash counts as its mean there, and half of it may be left until the axis moves again. A short motion of the axis before the cut,
 or --start, decides it.";
+    FEED_LIMIT_MISSED = "W0309" "tool further off its path than --feed-limit"
+"With --feed-limit, ncfix fix lowers feeds where the axes would be too far off the path. On this block that was not enough: its feed is at the lowest that is
+tried, 5 % of the programmed one; or it is a time (G93) or that of a thread, which stay; or a lower feed does not help, because what gives way does so while the
+axes accelerate from rest. The program is written with what could be done.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be found.";
     TWO_DRIFTS = "W0402" "two models of the drift"

@@ -12,7 +12,7 @@ use crate::source::Source;
 use super::condition::file::PLAUSIBLE_C;
 use super::zero_offset::{check_name, read_zero_offsets};
 use super::{ActiveTables, AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
-use super::{active, opaque, orientation, setting, strain};
+use super::{active, opaque, orientation, servo, setting, strain};
 
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
@@ -21,8 +21,20 @@ pub use super::section::{Section, nearest};
 pub const DEMO: &str = include_str!("../../samples/machines/demo.toml");
 
 /// Top-level sections that describe the machine.
-pub const SECTIONS: &[&str] =
-    &["machine", "axis", "spindle", "control", "opaque", "zero_offset", "tool", "sensor", "strain", "system", "gud"];
+pub const SECTIONS: &[&str] = &[
+    "machine",
+    "axis",
+    "spindle",
+    "control",
+    "opaque",
+    "zero_offset",
+    "tool",
+    "sensor",
+    "strain",
+    "servo",
+    "system",
+    "gud",
+];
 
 /// How far the direction of a linear axis may be off its direction of F.
 const PARALLEL_LIMIT: f64 = 1e-9;
@@ -50,6 +62,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);
     let strain = root.section("strain").and_then(|section| strain::read(section, axis_set, &mut findings));
+    let servo = root.section("servo").and_then(|section| servo::read(section, &axes, axis_set, &mut findings));
     // Other rooms have sections of their own; who reads the last one reports the unknown ones.
     let keys: Vec<&str> = root.keys().collect();
     keys.into_iter().for_each(|key| root.accept(key));
@@ -84,6 +97,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         system,
         gud,
         strain,
+        servo,
     };
     (sound.then_some(machine), findings)
 }

@@ -20,6 +20,7 @@ mod orientation;
 pub mod origin;
 mod output_control;
 mod section;
+mod servo;
 mod setting;
 mod state;
 mod strain;
@@ -34,6 +35,7 @@ pub use iso_control::{DecimalPoint, IsoControl, LengthAxis};
 pub use kinematics::Kinematics;
 pub use macro_control::MacroControl;
 pub use opaque::Opaque;
+pub use servo::{AxisServo, Servo};
 pub use setting::Setting;
 pub use state::State;
 pub use strain::StrainGauge;
@@ -79,6 +81,8 @@ pub struct Machine {
     pub axis_order: Vec<Axis>,
     /// The strain gauge that weighs workpieces.
     pub strain: Option<StrainGauge>,
+    /// How the axes follow a program at feed.
+    pub servo: Option<Servo>,
 }
 
 /// One axis.

@@ -73,6 +73,7 @@ const OF_SECTIONS: &[(&str, &[(&str, &str)])] = &[
     ("zero_offset", &[("rotation_deg", "[0, 0, 0]"), ("scale", "[1, 1, 1]"), ("mirror", "[]")]),
     ("tool", &[("edge", "1"), ("radius_mm", "0")]),
     ("opaque", &[("moves", "true")]),
+    ("servo", &[("smoothing_ms", "0")]),
     ("segment", &[("torsion_share", "1"), ("lag_s", "0")]),
     ("drift.sensors", &[("lag_s", "0")]),
     ("expansion.scale", &[("lag_s", "0")]),

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::json::{Finding, Remaining, Spread};
+use super::json::{FeedLimit, Finding, Remaining, Spread};
 use super::number::{duration, grouped, micrometers, significant};
 use super::verdict::Verdict;
 
@@ -18,6 +18,9 @@ pub struct Correction {
     pub after: Option<Spread>,
     /// Largest correction of each axis by its size: `X_um`, `C_urad`.
     pub max_correction: BTreeMap<String, f64>,
+    /// What limiting the feed did; not there where none was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feed_limit: Option<FeedLimit>,
     /// What no axis can correct, by source.
     pub remaining: Vec<Remaining>,
     /// Executed blocks.
@@ -71,6 +74,22 @@ impl Correction {
         }
         if let Some(text) = left_over(&self.remaining, |left| left.position_um, 0.005, "µm") {
             row("uncorrected", &format!("{text}, less than an increment"));
+        }
+        if let Some(limit) = &self.feed_limit {
+            let [before, after] = [limit.contouring_before.max_um, limit.contouring_after.max_um].map(micrometers);
+            let exceeding = match limit.exceeding {
+                0 => String::new(),
+                count => format!(", {} of them too far all the same", grouped(count)),
+            };
+            row(
+                "contouring",
+                &format!("up to {before} before, {after} after; at most {} asked", micrometers(limit.limit_um)),
+            );
+            row("slowed", &format!("{} blocks{exceeding}", grouped(limit.slowed)));
+            row(
+                "on machine",
+                &format!("{} before, {} after", duration(limit.time_before_s), duration(limit.time_after_s)),
+            );
         }
         row("blocks", &format!("{} in, {} out", grouped(self.blocks_in), grouped(self.blocks_out)));
         row("time", &duration(self.seconds));
@@ -159,6 +178,7 @@ mod tests {
             before: Some(Spread { mean_um: 25.04, rms_um: 28.1, max_um: 103.2 }),
             after: Some(Spread { mean_um: 0.25, rms_um: 0.31, max_um: 0.98 }),
             max_correction: [("X_um".to_owned(), 41.26), ("C_urad".to_owned(), 3.0)].into(),
+            feed_limit: None,
             remaining: Vec::new(),
             blocks_in: 1234,
             blocks_out: 2345,

@@ -82,6 +82,34 @@ pub struct Remaining {
     pub roll_urad: f64,
 }
 
+/// How far the axes leave the tool off its path at feed, as `[servo]` and `[[dynamic]]` predict it: by cycles of the control, of moves with feed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Contouring {
+    /// Root of the mean square, µm.
+    pub rms_um: f64,
+    /// Maximum, µm.
+    pub max_um: f64,
+}
+
+/// What `ncfix fix --feed-limit` did.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FeedLimit {
+    /// The limit, µm.
+    pub limit_um: f64,
+    /// With the feeds of the program.
+    pub contouring_before: Contouring,
+    /// With the feeds that were written.
+    pub contouring_after: Contouring,
+    /// Time on the machine with the feeds of the program, without tool changes, s.
+    pub time_before_s: f64,
+    /// The same with the feeds that were written.
+    pub time_after_s: f64,
+    /// Pieces with a lower feed.
+    pub slowed: u64,
+    /// Pieces that exceed the limit all the same.
+    pub exceeding: u64,
+}
+
 /// What `ncfix verify` measured on the error model: distance of the tool tip from the nominal path of the original.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {

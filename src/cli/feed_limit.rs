@@ -1,0 +1,38 @@
+//! `ncfix fix --feed-limit`: the servo loops that it needs, and what it did, for the report.
+
+use super::findings::Findings;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::machine::{Machine, Servo};
+use crate::report::json::{Contouring, FeedLimit};
+use crate::servo::{Limited, Tally};
+use crate::units::um_from_mm;
+
+/// What `[servo]` of the machine file says; a finding where there is none.
+pub(super) fn servo<'m>(machine: &'m Machine, findings: &mut Findings) -> Option<&'m Servo> {
+    if machine.servo.is_none() {
+        let message =
+            format!("the machine file of {} does not say how its axes follow a program at feed", machine.name);
+        let help = "add [servo] with cycle_ms, smoothing_ms and corner_tolerance_um, and for every axis [servo.X] with velocity_gain_per_s, \
+                    feed_forward and max_acceleration_m_s2: docs/servo.md";
+        findings.add(Diagnostic::nowhere(Code::NO_SERVO, message, help), &[]);
+    }
+    machine.servo.as_ref()
+}
+
+/// A contouring error in the units of reports.
+pub(super) fn contouring(tally: &Tally) -> Contouring {
+    Contouring { rms_um: um_from_mm(tally.rms_mm()), max_um: um_from_mm(tally.max_mm) }
+}
+
+/// What limiting the feed did, in the units of reports.
+pub(super) fn report(limit_mm: f64, limited: &Limited) -> FeedLimit {
+    FeedLimit {
+        limit_um: um_from_mm(limit_mm),
+        contouring_before: contouring(&limited.before),
+        contouring_after: contouring(&limited.after),
+        time_before_s: limited.times_s[0],
+        time_after_s: limited.times_s[1],
+        slowed: limited.slowed,
+        exceeding: limited.exceeding,
+    }
+}
