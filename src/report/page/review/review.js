@@ -469,7 +469,7 @@ class Review {
   }
 }
 
-/** Figures of an axis, as `ncfix diff` has them: the last of the largest, the mean with its sign. */
+/** Figures of an axis, as `ncfix diff` has them: the first of the largest, the mean with its sign. */
 function figuresOf(values, lines, step) {
   let [most, sum, squares] = [0, 0, 0];
   const sizes = new Int32Array(values.length);
@@ -478,7 +478,7 @@ function figuresOf(values, lines, step) {
     sizes[row] = size;
     sum += values[row];
     squares += size * size;
-    if (size >= sizes[most]) most = row;
+    if (size > sizes[most]) most = row;
   }
   const count = Math.max(1, values.length);
   return {
