@@ -19,6 +19,7 @@ mod calibrate_recover;
 mod calibrate_select;
 mod calibrate_told;
 mod calibration_report;
+mod cli_at_feed;
 mod cli_calibrate;
 mod cli_check;
 mod cli_conditions;

@@ -65,6 +65,7 @@ Examples:
   ncfix check part.mpf
   ncfix snc part.mpf | head
   ncfix verify part.mpf part_corrected.mpf --machine mill.toml
+  ncfix verify part.mpf part_corrected.mpf --machine mill.toml --at-feed
   ncfix part.mpf -o out.mpf --machine mill.toml --state warm.toml --load 1700
   ncfix machine show mill.toml --at X100,Y50,Z-20 --tool 120
   ncfix explain E0203";
@@ -316,6 +317,9 @@ pub(super) struct VerifyArguments {
     #[command(flatten)]
     /// How the programs are executed.
     pub(super) program: ProgramChoice,
+    /// Drive both programs through the servo loops of the machine too ([servo] of its file), and say how far off their paths they leave the tool, and their times
+    #[arg(long)]
+    pub(super) at_feed: bool,
     #[command(flatten)]
     /// Which page.
     pub(super) page: PageChoice,

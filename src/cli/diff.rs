@@ -101,6 +101,7 @@ fn compare(
         machine: &arguments.machine,
         state: &arguments.state,
         program: &arguments.program,
+        at_feed: false,
     };
     let outcome = pair.compare(findings, &mut |follow| trace.see(&follow, has_places))?;
     Ok(outcome.filter(|_| !findings.has_errors()).map(|outcome| (trace, outcome)))

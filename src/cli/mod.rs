@@ -5,6 +5,7 @@
 
 mod archive;
 mod arguments;
+mod at_feed;
 mod calibrate;
 mod calibrated;
 mod calibrated_report;
@@ -49,6 +50,7 @@ mod resume;
 mod select;
 mod sensors;
 mod simulate;
+mod simulated_trace;
 mod snc;
 mod state;
 mod steps;

@@ -7,6 +7,8 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use super::arguments::{MachineChoice, ProgramChoice, StateChoice, VerifyArguments};
+use super::at_feed::Driven;
+use super::feed_limit;
 use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
 use super::program::{self, Running};
@@ -15,9 +17,10 @@ use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::emit;
 use crate::exec::RapidOrder;
-use crate::geometry::Axis;
+use crate::geometry::{Axis, AxisVector};
 use crate::machine::Kinematics;
 use crate::path::{self, Follow, Grouping};
+use crate::report::json::AtFeed;
 use crate::snc::Element;
 use crate::source::{FileId, Source};
 
@@ -28,6 +31,8 @@ pub(super) struct Pair<'a> {
     pub(super) machine: &'a MachineChoice,
     pub(super) state: &'a StateChoice,
     pub(super) program: &'a ProgramChoice,
+    /// Whether both are driven through the servo loops of the machine too.
+    pub(super) at_feed: bool,
 }
 
 impl<'a> From<&'a VerifyArguments> for Pair<'a> {
@@ -38,6 +43,7 @@ impl<'a> From<&'a VerifyArguments> for Pair<'a> {
             machine: &arguments.machine,
             state: &arguments.state,
             program: &arguments.program,
+            at_feed: arguments.at_feed,
         }
     }
 }
@@ -55,6 +61,9 @@ impl<'p> Pair<'p> {
             return Ok(None);
         };
         if !state::apply(self.state, &mut chosen, findings)? {
+            return Ok(None);
+        }
+        if self.at_feed && feed_limit::servo(&chosen.machine, findings).is_none() {
             return Ok(None);
         }
         let open = |source: &Source| {
@@ -117,7 +126,8 @@ impl<'p> Pair<'p> {
             let ahead = scope.spawn(run);
             let corrected = Ahead { parts, now: Vec::new().into_iter() };
             let original = start(original, self.original);
-            walk((original, corrected), grouping, chosen, findings, see, || {
+            let how = How { grouping, at_feed: self.at_feed, start: self.program.start };
+            walk((original, corrected), &how, chosen, findings, see, || {
                 ahead.join().unwrap_or_else(|fault| resume_unwind(fault))
             })
         })
@@ -167,10 +177,17 @@ impl Iterator for Ahead {
     }
 }
 
+/// How two programs are compared.
+struct How {
+    grouping: Grouping,
+    at_feed: bool,
+    start: Option<AxisVector>,
+}
+
 /// Compares two running programs; `files` ends the corrected one and gives its files.
 fn walk(
     (mut original, corrected): (Running<'_>, Ahead),
-    grouping: Grouping,
+    how: &How,
     chosen: &Chosen,
     findings: &mut Findings,
     see: &mut dyn FnMut(Follow<'_>),
@@ -191,10 +208,15 @@ fn walk(
         let item = original.next()?;
         Some(item.map_err(|finding| (finding, original.sources().to_vec())))
     });
-    let result = {
-        let original = Clean { items, findings: &shared, mark: 0 };
-        let corrected = Clean { items: corrected, findings: &shared, mark: OF_CORRECTED };
-        path::compare_seeing(original, corrected, grouping, &chosen.machine, &model, &mut see)
+    let options = path::Options { start: how.start, ..path::Options::default() };
+    let servo = chosen.machine.servo.as_ref().filter(|_| how.at_feed);
+    let driven = || servo.map(|servo| Driven::new(&chosen.machine, servo, &model, &options));
+    let (result, driven) = {
+        let mut original = Clean { items, findings: &shared, mark: 0, driven: driven() };
+        let mut corrected = Clean { items: corrected, findings: &shared, mark: OF_CORRECTED, driven: driven() };
+        let grouping = how.grouping;
+        let result = path::compare_seeing(&mut original, &mut corrected, grouping, &chosen.machine, &model, &mut see);
+        (result, [original.driven, corrected.driven])
     };
     let sources = [original.sources().to_vec(), files()];
     let source = |marked: FileId| {
@@ -213,7 +235,15 @@ fn walk(
                 model: chosen.hash.clone(),
                 state: chosen.state.clone(),
             };
-            Some(Outcome { comparison, max_at, sources, increments, beyond, machine })
+            let [original, corrected] = driven;
+            let fed = original.zip(corrected).map(|pair| {
+                let of = |k: usize| {
+                    let own: &[Source] = &sources[k];
+                    |file: FileId| own.iter().find(|source| source.id() == file).cloned()
+                };
+                [pair.0.finish(of(0)), pair.1.finish(of(1))]
+            });
+            Some(Outcome { comparison, max_at, sources, increments, beyond, machine, at_feed: fed })
                 .filter(|_| !findings.has_errors())
         }
         // Where a program could not be executed to its end, that it does not match the other one is no news.
@@ -240,6 +270,8 @@ pub(super) struct Outcome {
     /// Pieces of the corrected program that end beyond the travel of an axis: how many, and the line of the first.
     pub(super) beyond: BTreeMap<Axis, (u64, u32)>,
     pub(super) machine: MachineUsed,
+    /// What the axes make of both at feed, where that was asked for.
+    pub(super) at_feed: Option<[AtFeed; 2]>,
 }
 
 /// On which machine they were executed.
@@ -256,19 +288,23 @@ pub(super) struct MachineUsed {
 const OF_CORRECTED: u16 = 1 << 15;
 
 /// The elements of a program without its findings, which are put aside.
-struct Clean<'f, I> {
+struct Clean<'f, 'm, I> {
     items: I,
     findings: &'f RefCell<Findings>,
     mark: u16,
+    driven: Option<Driven<'m>>,
 }
 
-impl<I: Iterator<Item = Item>> Iterator for Clean<'_, I> {
+impl<I: Iterator<Item = Item>> Iterator for Clean<'_, '_, I> {
     type Item = Element;
 
     fn next(&mut self) -> Option<Element> {
         loop {
             match self.items.next()? {
                 Ok(mut element) => {
+                    if let Some(driven) = &mut self.driven {
+                        driven.element(&element);
+                    }
                     element.origin.file.0 ^= self.mark;
                     return Some(element);
                 }

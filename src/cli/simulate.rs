@@ -8,7 +8,7 @@ use super::measurement::{self, Measurement, description_of};
 use super::output::{Spool, Target};
 use super::program::protect;
 use super::stop::Stop;
-use super::{machine_choice, state, tell};
+use super::{machine_choice, simulated_trace, state, tell};
 use crate::csv::{DecimalSign, Row, Table, number_text};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{Axis, AxisVector};
@@ -32,6 +32,13 @@ const LINEAR: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
 /// Simulates a measurement.
 pub(super) fn run(arguments: &SimulateArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
+    let is_plan = arguments.plan.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    if !is_plan {
+        return simulated_trace::run(arguments);
+    }
+    if !arguments.feed.is_empty() {
+        return Err(Stop::Usage("--feed is for part programs; a plan says itself what is read".into()));
+    }
     let result = simulate(arguments, &mut findings);
     findings.draw();
     match result? {

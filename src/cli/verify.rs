@@ -10,7 +10,7 @@ use super::pair::{Outcome, Pair};
 use super::stop::Stop;
 use super::{fix, print, program};
 use crate::path::Follow;
-use crate::report::correction::error_rows;
+use crate::report::correction::{error_rows, feed_rows};
 use crate::report::page::verification::verification;
 use crate::report::verification::{Piece, Verification};
 use crate::report::{compared, json};
@@ -39,14 +39,25 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
     let before = outcome.as_ref().map(|outcome| fix::spread(&outcome.comparison.before));
     let after = outcome.as_ref().map(|outcome| fix::spread(&outcome.comparison.after));
     if arguments.json {
-        let samples = outcome.map_or(0, |outcome| outcome.comparison.samples);
-        let verification = json::Verification { before, after, samples, diagnostics: findings.json() };
+        let samples = outcome.as_ref().map_or(0, |outcome| outcome.comparison.samples);
+        let [original_at_feed, corrected_at_feed] =
+            outcome.and_then(|outcome| outcome.at_feed).map_or([None, None], |pair| pair.map(Some));
+        let verification = json::Verification {
+            before,
+            after,
+            samples,
+            original_at_feed,
+            corrected_at_feed,
+            diagnostics: findings.json(),
+        };
         print(&json::line(&verification).map_err(Stop::Usage)?)?;
     } else {
         findings.draw();
         if let (Some(before), Some(after)) = (before, after) {
             let max_at = outcome.as_ref().and_then(|outcome| outcome.max_at.as_ref());
-            print(&error_rows(before, after, max_at.map(|(line, file)| (*line, file.as_str()))))?;
+            let at_feed = outcome.as_ref().and_then(|outcome| outcome.at_feed.as_ref());
+            let at_feed = at_feed.map_or_else(String::new, |[original, corrected]| feed_rows(original, corrected));
+            print(&(error_rows(before, after, max_at.map(|(line, file)| (*line, file.as_str()))) + &at_feed))?;
         }
     }
     Ok(findings.exit_code())
@@ -93,6 +104,7 @@ impl Along {
             samples: outcome.comparison.samples,
             largest: self.largest(outcome),
             pieces: self.pieces,
+            at_feed: outcome.at_feed.clone(),
             inputs,
             diagnostics: findings.json(),
         }

@@ -6,7 +6,7 @@
 use super::AxisData;
 use super::file::Section;
 use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet};
+use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
 use crate::units::{mm_from_um, rad_from_urad};
 
 /// What the control does with set-points, and what the axes make of them.
@@ -20,6 +20,8 @@ pub struct Servo {
     pub corner_tolerance_mm: f64,
     /// The same of a rotary axis, rad.
     pub corner_tolerance_rad: f64,
+    /// How far from its end a linear axis may be when an exact stop is over, mm.
+    pub exact_stop_mm: f64,
     /// The loops by slot; `None` where the machine lacks the axis.
     pub axes: [Option<AxisServo>; AXIS_COUNT],
 }
@@ -47,8 +49,18 @@ const MM_PER_M: f64 = 1e3;
 const ARM_MM: f64 = 100.0;
 /// The smoothing may be as long as this many cycles.
 const MOST_CYCLES: f64 = 1000.0;
+/// Without a value of its own: what controls come with (Sinumerik MD36010), µm.
+const EXACT_STOP_UM: f64 = 10.0;
 /// Dead times are shorter, ms.
 const MOST_DELAY_MS: f64 = 200.0;
+
+impl Servo {
+    /// How far from its end an axis may be when an exact stop is over, mm and rad.
+    #[must_use]
+    pub fn exact_stop(&self) -> AxisVector {
+        AxisVector(AXES.map(|axis| if axis.is_rotary() { self.exact_stop_mm / ARM_MM } else { self.exact_stop_mm }))
+    }
+}
 
 impl AxisServo {
     /// By how much time the axis is late at constant speed: (1 − f)/K and the dead time, s.
@@ -75,6 +87,7 @@ pub(super) fn read(
         section.number_where(key, "a number above 0", |um| um > 0.0)
     });
     let corner_urad = section.number_where("corner_tolerance_urad", "a number above 0", |urad| urad > 0.0);
+    let exact_um = section.number_where("exact_stop_um", "a number above 0", |um| um > 0.0);
     let mut loops = [None; AXIS_COUNT];
     for axis in AXES {
         let key = axis.to_string();
@@ -97,6 +110,7 @@ pub(super) fn read(
         smoothing_s: smoothing_ms.unwrap_or(0.0) * 1e-3,
         corner_tolerance_mm,
         corner_tolerance_rad: corner_urad.map_or(corner_tolerance_mm / ARM_MM, rad_from_urad),
+        exact_stop_mm: mm_from_um(exact_um.unwrap_or(EXACT_STOP_UM)),
         axes: loops,
     })
 }

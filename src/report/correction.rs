@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::json::{FeedLimit, Finding, Remaining, Spread};
+use super::json::{AtFeed, FeedLimit, Finding, Remaining, Spread};
 use super::number::{duration, grouped, micrometers, significant};
 use super::verdict::Verdict;
 
@@ -122,6 +122,22 @@ pub fn error_rows(before: Spread, after: Spread, max_at: Option<(u32, &str)>) ->
     push_row(&mut out, "error before", &columns(before));
     push_row(&mut out, "error after", &format!("{}{place}", columns(after)));
     push_row(&mut out, "improvement", &improvement(before, after));
+    out
+}
+
+/// The rows about two programs at feed.
+#[must_use]
+pub fn feed_rows(original: &AtFeed, corrected: &AtFeed) -> String {
+    let mut out = String::new();
+    push_row(&mut out, "", &format!("{:>12}{:>12}{:>12}", "RMS", "max", "time"));
+    for (name, at_feed) in [("at feed", original), ("corrected", corrected)] {
+        let [rms, max] = [at_feed.contouring.rms_um, at_feed.contouring.max_um].map(micrometers);
+        let place = match (&at_feed.file, at_feed.line) {
+            (Some(file), Some(line)) => format!("   furthest off its path at {file}:{line}"),
+            _ => String::new(),
+        };
+        push_row(&mut out, name, &format!("{rms:>12}{max:>12}{:>12}{place}", duration(at_feed.time_s)));
+    }
     out
 }
 

@@ -110,6 +110,20 @@ pub struct FeedLimit {
     pub exceeding: u64,
 }
 
+/// What the axes make of a program at feed, as `[servo]` and `[[dynamic]]` predict it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct AtFeed {
+    /// How far the tool is off the path of the program.
+    #[serde(flatten)]
+    pub contouring: Contouring,
+    /// File of the largest distance.
+    pub file: Option<String>,
+    /// Line of the largest distance.
+    pub line: Option<u32>,
+    /// Time on the machine, without tool changes, s.
+    pub time_s: f64,
+}
+
 /// What `ncfix verify` measured on the error model: distance of the tool tip from the nominal path of the original.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
@@ -119,6 +133,12 @@ pub struct Verification {
     pub after: Option<Spread>,
     /// Points at which both were evaluated.
     pub samples: u64,
+    /// What the axes make of the original at feed, with `--at-feed`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub original_at_feed: Option<AtFeed>,
+    /// The same of the corrected program.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corrected_at_feed: Option<AtFeed>,
     /// Findings.
     pub diagnostics: Vec<Finding>,
 }

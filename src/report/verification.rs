@@ -1,7 +1,7 @@
 //! What `ncfix verify` measured along the path, for its page.
 
 use super::compared::Input;
-use super::json::{Finding, Spread};
+use super::json::{AtFeed, Finding, Spread};
 
 /// The errors of two programs along the path of the original.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +20,8 @@ pub struct Verification {
     pub pieces: Vec<Piece>,
     /// The moves that the correction leaves most of: place, µm before and after, the largest first.
     pub largest: Vec<(String, [f64; 2])>,
+    /// What the axes make of both programs at feed, where that was asked for.
+    pub at_feed: Option<[AtFeed; 2]>,
     /// Files that it comes from.
     pub inputs: Vec<Input>,
     /// Findings.

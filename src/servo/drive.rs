@@ -17,7 +17,6 @@ pub struct Drive<'a> {
     /// Where the moves so far end; `None` before the first.
     standing: Option<AxisVector>,
     tool_mm: Vector,
-    smoothing_s: f64,
 }
 
 impl<'a> Drive<'a> {
@@ -34,7 +33,6 @@ impl<'a> Drive<'a> {
             cutter: Cutter::new(kinematics, servo),
             standing: None,
             tool_mm: Vector::zeros(),
-            smoothing_s: servo.smoothing_s,
         }
     }
 
@@ -50,11 +48,11 @@ impl<'a> Drive<'a> {
         self.standing = Some(motion.target);
     }
 
-    /// Comes to a stop at the end of the last move, and waits until the smoothing has let the set-points get there.
+    /// Comes to a stop at the end of the last move, and waits until the axes are there.
     pub fn stop(&mut self, see: &mut dyn FnMut(&Moment)) {
         if !self.plan.is_empty() {
             self.pass_all(see);
-            self.follow.wait(self.smoothing_s, see);
+            self.follow.arrive(see);
         }
     }
 

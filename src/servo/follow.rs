@@ -21,7 +21,7 @@ pub struct Moment {
     pub set_point: AxisVector,
     /// Where the axes are.
     pub encoder: AxisVector,
-    /// Senses of motion, and accelerations and jerks of the set-points.
+    /// Senses of motion of the set-points, accelerations and jerks of the axes.
     pub state: State,
     /// From the spindle gauge point to the tip, mm.
     pub tool_mm: Vector,
@@ -50,9 +50,9 @@ pub(super) struct Follow<'a> {
     smoothing: Smoothing,
     tags: Vec<Tag>,
     at: usize,
-    /// The last two set-points, and the acceleration there.
-    last: [AxisVector; 2],
-    acceleration: AxisVector,
+    /// The last two set-points, and where the axes are with them.
+    set_points: [AxisVector; 2],
+    encoders: [AxisVector; 2],
     state: State,
     response: Response,
     contour: Contour,
@@ -61,6 +61,9 @@ pub(super) struct Follow<'a> {
     /// The model, where it says what gives way under acceleration.
     giving_way: Option<&'a Model>,
     settling_s: f64,
+    smoothing_s: f64,
+    /// How far from its end an axis may be when the control takes a block as ended.
+    windows: AxisVector,
     position: AxisVector,
 }
 
@@ -79,8 +82,8 @@ impl<'a> Follow<'a> {
             // Late by the cycles of a box less one, and one more for the second difference.
             tags: vec![Tag::default(); cycles],
             at: 0,
-            last: [AxisVector::ZERO; 2],
-            acceleration: AxisVector::ZERO,
+            set_points: [AxisVector::ZERO; 2],
+            encoders: [AxisVector::ZERO; 2],
             state: State::default(),
             response: Response::new(servo),
             contour: Contour::new(back_s + smoothing_s),
@@ -88,6 +91,8 @@ impl<'a> Follow<'a> {
             tool_mm: Vector::zeros(),
             giving_way: gives_way(model).then_some(model),
             settling_s: back_s + smoothing_s,
+            smoothing_s: servo.smoothing_s,
+            windows: servo.exact_stop(),
             position: AxisVector::ZERO,
         }
     }
@@ -96,8 +101,9 @@ impl<'a> Follow<'a> {
     pub(super) fn jump(&mut self, position: &AxisVector) {
         self.smoothing.reset(position);
         self.response.reset(position);
-        self.last = [*position; 2];
-        self.acceleration = AxisVector::ZERO;
+        self.set_points = [*position; 2];
+        self.encoders = [*position; 2];
+        (self.state.acceleration, self.state.jerk) = (AxisVector::ZERO, AxisVector::ZERO);
         self.contour.clear();
         self.position = *position;
     }
@@ -144,6 +150,21 @@ impl<'a> Follow<'a> {
         self.time_s += duration_s;
     }
 
+    /// Waits for the set-points to get to the end, and for the axes until they are within the windows of the exact stop.
+    pub(super) fn arrive(&mut self, see: &mut dyn FnMut(&Moment)) {
+        self.wait(self.smoothing_s, see);
+        let mut left_s = self.settling_s;
+        while left_s > 0.0 && !self.has_arrived() {
+            self.wait(self.cycle_s, see);
+            left_s -= self.cycle_s;
+        }
+    }
+
+    fn has_arrived(&self) -> bool {
+        let off = self.position.0.iter().zip(self.encoders[1].0).map(|(end, encoder)| (end - encoder).abs());
+        off.zip(self.windows.0).all(|(off, window)| off <= window)
+    }
+
     /// Follows until the axes have come to rest; that is no time of the program.
     pub(super) fn settle(&mut self, see: &mut dyn FnMut(&Moment)) {
         let time_s = self.time_s;
@@ -155,10 +176,13 @@ impl<'a> Follow<'a> {
         let next = self.smoothing.next(position);
         let Tag { feed_mm_min, block } = std::mem::replace(&mut self.tags[self.at], tag);
         self.at = (self.at + 1) % self.tags.len();
-        let [before, set_point] = self.last;
-        self.note_rates(&before, &set_point, &next);
-        let encoder = self.response.next(&before, &set_point);
-        self.last = [set_point, next];
+        let [before, set_point] = self.set_points;
+        let [encoder_before, encoder] = self.encoders;
+        let ahead = self.response.next(&set_point, &next);
+        // The sense is that of the set-points, whose last digits do not tremble.
+        self.state.note_motion(&before, &set_point);
+        self.note_rates(&encoder_before, &encoder, &ahead);
+        (self.set_points, self.encoders) = ([set_point, next], [encoder, ahead]);
         let tip = self.kinematics.tip_mm(&encoder, &self.tool_mm) + self.deflection_mm(&encoder);
         let on_path = self.contour.nearest(&tip, now_s);
         see(&Moment {
@@ -173,17 +197,14 @@ impl<'a> Follow<'a> {
         });
     }
 
-    /// Senses, accelerations and jerks at a set-point between two others.
+    /// Accelerations and jerks of the axes at a position between two others.
     fn note_rates(&mut self, before: &AxisVector, now: &AxisVector, next: &AxisVector) {
-        self.state.note_motion(before, now);
         let square = self.cycle_s * self.cycle_s;
-        let mut acceleration = [0.0; AXIS_COUNT];
-        for (slot, value) in acceleration.iter_mut().enumerate() {
-            *value = (next.0[slot] - 2.0 * now.0[slot] + before.0[slot]) / square;
-            self.state.jerk.0[slot] = (*value - self.acceleration.0[slot]) / self.cycle_s;
+        for slot in 0..AXIS_COUNT {
+            let acceleration = (next.0[slot] - 2.0 * now.0[slot] + before.0[slot]) / square;
+            self.state.jerk.0[slot] = (acceleration - self.state.acceleration.0[slot]) / self.cycle_s;
+            self.state.acceleration.0[slot] = acceleration;
         }
-        self.acceleration = AxisVector(acceleration);
-        self.state.acceleration = self.acceleration;
     }
 
     /// What gives way, of the tip in the workpiece, mm.

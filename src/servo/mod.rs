@@ -24,6 +24,7 @@ mod plan;
 mod response;
 mod run;
 mod smoothing;
+mod waiting;
 
 pub use chord::{Circle, Motion, Pace};
 pub use contour::OnPath;

@@ -48,6 +48,8 @@ pub struct Run<'a> {
     /// Whether the last move was rapid.
     is_rapid: bool,
     known: AxisSet,
+    /// Feed of all moves with feed, mm/min, whatever the program says.
+    feed_mm_min: Option<f64>,
 }
 
 /// How a move is to be made, whoever says so.
@@ -84,7 +86,14 @@ impl<'a> Run<'a> {
             stops_once: false,
             is_rapid: false,
             known,
+            feed_mm_min: None,
         }
+    }
+
+    /// The same with one feed, mm/min, for all moves of the path that have one.
+    #[must_use]
+    pub fn with_feed(self, feed_mm_min: f64) -> Run<'a> {
+        Run { feed_mm_min: Some(feed_mm_min), ..self }
     }
 
     /// Takes an element of a program; `block` is what the results call it.
@@ -212,6 +221,9 @@ impl<'a> Run<'a> {
             && let Some((_, lead_mm)) = thread.lead
         {
             return Pace::Feed(lead_mm.abs() * self.spindle_rpm / 60.0);
+        }
+        if let Some(feed_mm_min) = self.feed_mm_min {
+            return Pace::Feed(feed_mm_min / 60.0);
         }
         if order.inverse_time {
             return Pace::Time(if order.feed > 0.0 { 60.0 / order.feed } else { 0.0 });

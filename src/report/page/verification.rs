@@ -2,7 +2,9 @@
 
 use super::parts::{MOST_ROWS, diagnostics, origin};
 use super::{Row, columns, figure, page, pictures, strip, table};
-use crate::report::number::{grouped, micrometers};
+use crate::report::json::AtFeed;
+use crate::report::markup::Markup;
+use crate::report::number::{duration, grouped, micrometers};
 use crate::report::plot::{Chart, Histogram, Series, Shape};
 use crate::report::verification::Verification;
 
@@ -49,6 +51,9 @@ pub fn verification(found: &Verification) -> String {
                 }
             });
         }
+        if let Some(pair) = &found.at_feed {
+            at_feed(out, pair);
+        }
         let rows: Vec<Row> = found
             .largest
             .iter()
@@ -64,6 +69,26 @@ pub fn verification(found: &Verification) -> String {
         }
         origin(out, &found.inputs, &format!("ncfix {}, machine {}", env!("CARGO_PKG_VERSION"), found.machine));
     })
+}
+
+/// What the axes make of both programs.
+fn at_feed(out: &mut Markup, pair: &[AtFeed; 2]) {
+    let rows: Vec<Row> = pair
+        .iter()
+        .zip(["original", "corrected"])
+        .map(|(one, name)| {
+            let place = match (&one.file, one.line) {
+                (Some(file), Some(line)) => format!("{file}:{line}"),
+                _ => String::new(),
+            };
+            let [rms, max] = [one.contouring.rms_um, one.contouring.max_um].map(micrometers);
+            Row { class: "", cells: vec![name.to_owned(), rms, max, place, duration(one.time_s)] }
+        })
+        .collect();
+    out.leaf("h2", &[], "At feed");
+    let note = "How far the axes leave the tool off the path of the program itself, at right angles, as [servo] and [[dynamic]] of the machine file \
+                predict it, and the time on the machine without tool changes.";
+    table(out, &columns(["program", "#RMS", "#max", "furthest off at", "#time"]), &rows, note, MOST_ROWS);
 }
 
 /// Errors before (0) and after (1) over the length of the path.
