@@ -102,7 +102,7 @@ fn find(
     }
     let mut all: Vec<Measurement> = Vec::new();
     for (number, path) in arguments.data.iter().chain(&arguments.holdout).enumerate() {
-        let read = measurement::read_with_dead(path, number, &chosen.machine, findings)?;
+        let read = measurement::read_with_dead(path, number, (&chosen.machine, &chosen.errors), findings)?;
         if let Some(one) = &read {
             shown.inputs.extend(calibrated_report::inputs(one, number >= arguments.data.len()));
         }

@@ -7,12 +7,13 @@ use super::input::{self, is_standard_stream};
 use super::output::Target;
 use super::program::protect;
 use super::stop::Stop;
-use crate::decompose;
+use crate::decompose::{self, Of};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::machine::Machine;
 use crate::measure::copies::{Copied, copied};
 use crate::measure::data::{self, DataSet, Observation};
 use crate::measure::trace::{self, Described};
+use crate::model::ErrorModel;
 use crate::source::{FileId, Source, Span};
 use crate::units::{rad_from_urad, um_from_mm};
 
@@ -67,20 +68,21 @@ pub(super) fn read(
     machine: &Machine,
     findings: &mut Findings,
 ) -> Result<Option<Measurement>, Stop> {
-    read_by(if is_plan { data::load_plan } else { data::load }, table, number, machine, findings)
+    let load = if is_plan { data::load_plan } else { data::load };
+    read_by(load, table, number, (machine, Of::Everything), findings)
 }
 
-/// Reads a measurement in which sensors may be dead in some rows, which is no refusal.
+/// Reads a measurement in which sensors may be dead in some rows, which is no refusal; of a trace what goes with the speed, beside a model.
 ///
 /// # Errors
 /// Where a file cannot be read.
 pub(super) fn read_with_dead(
     table: &Path,
     number: usize,
-    machine: &Machine,
+    (machine, errors): (&Machine, &ErrorModel),
     findings: &mut Findings,
 ) -> Result<Option<Measurement>, Stop> {
-    read_by(data::load_with_dead, table, number, machine, findings)
+    read_by(data::load_with_dead, table, number, (machine, Of::Speed(errors)), findings)
 }
 
 /// Reads the text of a pair of files.
@@ -90,7 +92,7 @@ fn read_by(
     load: Load,
     table: &Path,
     number: usize,
-    machine: &Machine,
+    (machine, of): (&Machine, Of<'_>),
     findings: &mut Findings,
 ) -> Result<Option<Measurement>, Stop> {
     let description = description_of(table)?;
@@ -100,7 +102,7 @@ fn read_by(
     let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     if let Some((described, found)) = trace::describe(&name, &sources[1]) {
         findings.extend(found, &sources);
-        return of_trace(table, described, sources, machine, findings);
+        return of_trace(table, described, sources, (machine, of), findings);
     }
     let (data, found) = load(&name, &sources[0], &sources[1], machine);
     findings.extend(found, &sources);
@@ -118,7 +120,7 @@ fn of_trace(
     table: &Path,
     described: Option<Described>,
     sources: [Source; 2],
-    machine: &Machine,
+    (machine, of): (&Machine, Of<'_>),
     findings: &mut Findings,
 ) -> Result<Option<Measurement>, Stop> {
     let Some(described) = described else { return Ok(None) };
@@ -137,7 +139,7 @@ fn of_trace(
     findings.extend(found, &sources);
     let Some(read) = read else { return Ok(None) };
     let place = Place { file: sources[0].id(), span: Span::new(0, 0) };
-    match decompose::measurement(machine, &read, place) {
+    match decompose::measurement(machine, &read, of, place) {
         Ok(data) => Ok(Some(Measurement { data, sources })),
         Err(fault) => {
             let help = "ncfix decompose says more of a trace";

@@ -7,21 +7,40 @@ use crate::measure::data::{DataSet, Driver, Free, Observation, Setup};
 use crate::measure::kind;
 use crate::measure::reading::Reading;
 use crate::measure::trace::Trace;
+use crate::model::ErrorModel;
 
-use super::parts::Fault;
+use super::parts::{Fault, decompose};
 use super::signal::triangle;
 use super::together::{Synchronous, synchronous};
 
 /// The column of the feed.
 const FEED: &str = "feed_mm_min";
 
-/// Makes it: readings are the tool from the point that the encoders say, averaged as the accelerations beside them are, one for each time over which these
-/// are means.
+/// What the readings of a trace are.
+#[derive(Clone, Copy, Debug)]
+pub enum Of<'a> {
+    /// The tool from the point that the encoders say: what a calibration explains.
+    Everything,
+    /// The same without links, motion errors, drift and set-up as they fit this path beside those of a model: one path cannot tell these apart, and what goes
+    /// with speed stands out.
+    Speed(&'a ErrorModel),
+}
+
+/// Makes it: readings are averaged as the accelerations beside them are, one for each time over which these are means.
 ///
 /// # Errors
 /// [`Fault`].
-pub fn measurement(machine: &Machine, trace: &Trace, place: Place) -> Result<DataSet, Fault> {
-    let Synchronous { axes, order, grids, poses, left, .. } = synchronous(machine, trace, &super::Options::default())?;
+pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -> Result<DataSet, Fault> {
+    let options = super::Options::default();
+    let Synchronous { axes, order, grids, poses, mut left, .. } = synchronous(machine, trace, &options)?;
+    if let Of::Speed(errors) = of {
+        let found = decompose(machine, errors, trace, &options, &mut |_, _| {})?;
+        for (left, run) in left.iter_mut().zip(&found.runs) {
+            for ((left, parts), known) in left.iter_mut().zip(&run.parts).zip(&run.known) {
+                *left = parts.map(|[.., dynamic]| dynamic + known);
+            }
+        }
+    }
     let mut setups = Vec::new();
     let mut observations = Vec::new();
     for (run, ((&number, grid), poses)) in order.iter().zip(&grids).zip(&poses).enumerate() {

@@ -40,7 +40,7 @@ mod together;
 pub use basis::Smooth;
 pub use clock::Clock;
 pub use compliance::Compliance;
-pub use measurement::measurement;
+pub use measurement::{Of, measurement};
 pub use parts::{Decomposition, Fault, Options, RunParts, decompose};
 pub use power::{PowerLaw, power_law};
 pub use quasi_static::Link;

@@ -90,6 +90,8 @@ pub struct RunParts {
     pub contouring: Vec<Vector>,
     /// What compliances explain of the dynamic part.
     pub explained: Vec<Vector>,
+    /// What the machine file knows of links and motion.
+    pub known: Vec<Vector>,
     /// From the first to behind the last sample in which the machine moves.
     pub moving: std::ops::Range<usize>,
     /// How much each source makes while it moves.
@@ -353,6 +355,7 @@ impl Work<'_> {
             following,
             contouring,
             explained,
+            known: self.known.get(run).map_or_else(Vec::new, |known| known.iter().map(|own| own[0] + own[1]).collect()),
             moving,
             shares,
             thermal_mm,
