@@ -12,7 +12,7 @@ const MILL: &str = "[machine]\nname = \"mill\"\ntopology = \"wFXYZSt\"\n\
 [servo.X]\nvelocity_gain_per_s = 50\nfeed_forward = 0.98\nmax_acceleration_m_s2 = 5\n\
 [servo.Y]\nvelocity_gain_per_s = 40\nfeed_forward = 0.96\nmax_acceleration_m_s2 = 5\n\
 [servo.Z]\nvelocity_gain_m_min_mm = 3\nfeed_forward = 0.98\nmax_acceleration_m_s2 = 5\n\
-[[error]]\ncomponent = \"EXX\"\nscale_um_per_m = 100\n\
+[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-4]\n\
 [[dynamic]]\ncomponent = \"EXX\"\num_per_m_s2 = 2.5\n";
 
 /// Back and forth in all directions, with corners.
@@ -32,8 +32,10 @@ fn both_programs_are_driven_and_their_own_paths_count() {
         let at_feed = &report[key];
         assert!((at_feed["max_um"].as_f64().unwrap() - 30.0).abs() < 1.5, "{report}");
         assert_eq!(at_feed["line"], 2 + i32::from(key == "corrected_at_feed"), "{report}");
-        // 282.84 mm at 100 mm/s and what it takes to speed up and slow down with 5 m/s² by axis: v/a = 14 ms; smoothing takes 24 ms more.
-        assert!((at_feed["time_s"].as_f64().unwrap() - (2.8284 + 0.0141)).abs() < 0.03, "{report}");
+        // 282.84 mm at 100 mm/s, with 7.07 m/s² at both ends 14 ms more, 24 ms of smoothing. Y is 71 µm late then, and needs less than 50 ms
+        // to get within 10 µm.
+        let over_s = at_feed["time_s"].as_f64().unwrap() - (2.8284 + 0.0141 + 0.024);
+        assert!((0.0..0.05).contains(&over_s), "{report}");
     }
     // The text says the same, and without the option neither does.
     let text = shop.run(&["verify", "p.mpf", "o.mpf", "--machine", "m.toml", "--at-feed"]).stdout;
@@ -72,7 +74,7 @@ fn a_simulated_trace_is_divided_into_what_made_it() {
     let shop = shop.file("known.toml", known);
     let run = shop.run(&["decompose", "trace.csv", "--machine", "known.toml", "--json"]);
     let found: serde_json::Value = serde_json::from_str(&run.stdout).unwrap_or_else(|_| panic!("{}", run.stderr));
-    let loops = found["loops"].as_array().unwrap();
+    let loops = found["servo"].as_array().unwrap();
     for (axis, gain, forward) in [("X", 50.0, 0.98), ("Y", 40.0, 0.96), ("Z", 50.0, 0.98)] {
         let own = loops.iter().find(|one| one["axis"] == axis).unwrap_or_else(|| panic!("{found}"));
         let value = |key: &str| own[key].as_f64().unwrap();
@@ -81,8 +83,8 @@ fn a_simulated_trace_is_divided_into_what_made_it() {
     }
     let named = found["compliances"].as_array().unwrap();
     assert_eq!(named.len(), 1, "{found}");
-    assert_eq!(named[0]["component"], "EXX");
-    assert!((named[0]["um_per_m_s2"].as_f64().unwrap() - 2.5).abs() < 0.125, "{found}");
+    assert_eq!((&named[0]["component"], &named[0]["unit"]), (&"EXX".into(), &"um_per_m_s2".into()));
+    assert!((named[0]["value"].as_f64().unwrap() - 2.5).abs() < 0.125, "{found}");
 }
 
 #[test]

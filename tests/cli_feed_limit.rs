@@ -110,8 +110,8 @@ fn corners_are_passed_slowly_where_the_limit_is_below_their_tolerance() {
 
 #[test]
 fn a_hold_lets_the_axes_get_there() {
-    // After M0 both axes are within the exact stop of 10 µm. Without it, Y would still be 34 µm late when X goes on.
-    let program = "G90 G500 G0 X0 Y0 Z0\nG1 X100 Y100 F3000\nM0\nX200 F9000\nM30\n";
+    // After M0 both axes are within the exact stop of 10 µm. With a window of 1 mm Y is still late when X goes on: 150 µm at 9000 mm/min.
+    let program = "G90 G500 G0 X0 Y0 Z0\nG1 Y100 F9000\nM0\nX100\nM30\n";
     let (_, report) = limited("p.mpf", program, MILL, "16um");
     assert_eq!(
         (&report["feed_limit"]["slowed"], &report["diagnostics"]),

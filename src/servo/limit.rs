@@ -2,7 +2,8 @@
 //!
 //! The pieces of a window are driven with their feeds; where the tool is off by more than allowed, the feed of the piece at that place, and of those
 //! that the set-points have reached by then, is lowered, until all fit. Lag goes with the speed and what corners and curves do with its square, so
-//! the first step takes the square root of what is too much, and those that follow the power that the last one has shown. The first half of the
+//! the first step takes the square root of what is too much, and those that follow the power that the last one has shown. Where the worst is at the start of
+//! a piece, the axes brought it with them, and the piece before is slowed as long as that helps. The first half of the
 //! window is then certain, and the machine goes on from its end: the next pieces are judged with what came before.
 //!
 //! A feed is never raised, and not lowered below a share of that of the program. Times of moves (G93), rapid moves, threads and probing stay. A feed
@@ -21,9 +22,11 @@ use crate::path::{Options, Output};
 /// Pieces that become certain together; as many are looked at behind them.
 const HALF: usize = 256;
 /// Trials of a window at most.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 32;
 /// Trials by which feeds that fit are brought nearer to those that did not.
 const REFINEMENTS: usize = 3;
+/// An error of following is forgotten after as many time constants.
+const TIME_CONSTANTS: f64 = 3.0;
 /// Findings at most; the others are counted.
 const MOST_FINDINGS: u64 = 20;
 
@@ -55,6 +58,8 @@ pub struct Limiter<'a, I> {
     first: u64,
     ready: VecDeque<Result<Output, Diagnostic>>,
     worst: Vec<Worst>,
+    /// How long the axes remember what was before, s.
+    memory_s: f64,
     limited: Limited,
     is_ended: bool,
 }
@@ -71,6 +76,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         options: &Options,
     ) -> Limiter<'a, I> {
         let run = Run::new(machine, servo, model, options);
+        let slowest_s = servo.axes.iter().flatten().map(|axis| 1.0 / axis.velocity_gain_per_s).fold(0.0, f64::max);
         Limiter {
             outputs,
             limit_mm,
@@ -80,6 +86,7 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
             first: 0,
             ready: VecDeque::new(),
             worst: Vec::with_capacity(2 * HALF),
+            memory_s: TIME_CONSTANTS * slowest_s,
             limited: Limited::default(),
             is_ended: false,
         }
@@ -159,13 +166,21 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         let Limiter { window, worst, certain, first, .. } = self;
         worst.clear();
         worst.resize(window.len(), Worst::default());
+        // When the set-points came to the block that they are in.
+        let mut since = (u64::MAX, 0.0);
+        let memory_s = self.memory_s;
         let mut see = |moment: &Moment| {
+            if since.0 != moment.block {
+                since = (moment.block, moment.time_s);
+            }
             let Some(on_path) = moment.on_path.filter(|on_path| !on_path.is_rapid) else { return };
             let Some(number) = on_path.block.checked_sub(*first) else { return };
             let Some(worst) = worst.get_mut(number as usize) else { return };
             let off_mm = on_path.off_mm.norm();
             if off_mm > worst.off_mm {
-                *worst = Worst { off_mm, speed: on_path.feed_mm_min.max(moment.feed_mm_min), until: moment.block };
+                let speed = on_path.feed_mm_min.max(moment.feed_mm_min);
+                let is_early = moment.block == on_path.block && moment.time_s - since.1 < memory_s;
+                *worst = Worst { off_mm, speed, until: moment.block, is_early };
             }
         };
         let mut run = certain.clone();
@@ -183,8 +198,21 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         let mut is_lowered = false;
         for number in 0..self.window.len() {
             let worst = self.worst[number];
-            let waiting = &mut self.window[number];
-            let Some(target) = waiting.judge(&worst, self.limit_mm) else { continue };
+            let before = (0..number).rev().find(|&before| self.window[before].is_piece());
+            let had_given_up = self.window[number].has_given_up();
+            let Some(target) = self.window[number].judge(&worst, self.limit_mm) else {
+                if let Some(before) = before.filter(|_| !had_given_up && self.window[number].has_given_up()) {
+                    self.window[before].restore();
+                }
+                continue;
+            };
+            // What the axes bring with them from the piece before is its doing.
+            if let Some(before) = before.filter(|_| worst.is_early)
+                && self.window[before].lower_for_next(target)
+            {
+                is_lowered = true;
+                continue;
+            }
             let reach = number..self.reach(number).end;
             for waiting in self.window.range_mut(reach) {
                 is_lowered |= waiting.lower_to(target);

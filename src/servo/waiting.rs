@@ -6,6 +6,8 @@ use crate::snc::Manner;
 
 /// Feeds are not lowered below this share of that of the program.
 const LEAST_SHARE: f64 = 0.05;
+/// Feeds up to this many times the least are as low as they get: they are cut to two digits.
+const AS_LOW: f64 = 1.1;
 /// In one round a feed falls at most to this share of itself.
 const LEAST_STEP: f64 = 0.5;
 /// Feeds that differ less are not worth a trial, and errors that are nearer to the limit neither.
@@ -31,6 +33,8 @@ pub(super) struct Waiting {
     feed_before: f64,
     /// The lowest feed that was too high.
     too_high: f64,
+    /// The feed before it was lowered for what comes behind.
+    feed_before_next: Option<f64>,
 }
 
 /// The worst moment on a piece.
@@ -40,12 +44,23 @@ pub(super) struct Worst {
     pub(super) speed: f64,
     /// The block that the set-points were in.
     pub(super) until: u64,
+    /// Whether they had come to it just before.
+    pub(super) is_early: bool,
 }
 
 impl Waiting {
     pub(super) fn new(item: Result<Output, Diagnostic>) -> Waiting {
         let programmed = if let Ok(Output::Piece(piece)) = &item { piece.feed } else { 0.0 };
-        Waiting { item, programmed, unit: None, last: None, futile: 0, feed_before: programmed, too_high: programmed }
+        Waiting {
+            item,
+            programmed,
+            unit: None,
+            last: None,
+            futile: 0,
+            feed_before: programmed,
+            too_high: programmed,
+            feed_before_next: None,
+        }
     }
 
     pub(super) fn piece(&self) -> Option<&Piece> {
@@ -59,6 +74,32 @@ impl Waiting {
         match output {
             Output::Piece(piece) => Output::Piece(Piece { feed: self.programmed, ..*piece }),
             Output::Element(_) => output.clone(),
+        }
+    }
+
+    pub(super) fn is_piece(&self) -> bool {
+        self.piece().is_some()
+    }
+
+    /// Whether a lower feed has not helped.
+    pub(super) fn has_given_up(&self) -> bool {
+        self.futile > PATIENCE
+    }
+
+    /// Lowers the feed for the sake of the next piece; whether it was.
+    pub(super) fn lower_for_next(&mut self, speed: f64) -> bool {
+        let before = self.feed();
+        let is_lower = self.lower_to(speed);
+        if is_lower {
+            self.feed_before_next.get_or_insert(before);
+        }
+        is_lower
+    }
+
+    /// Takes that back: it has not helped.
+    pub(super) fn restore(&mut self) {
+        if let Some(feed) = self.feed_before_next.take() {
+            self.set_feed(feed);
         }
     }
 
@@ -148,11 +189,13 @@ impl Waiting {
                 "a lower feed does not help",
                 "the axes accelerate too hard for it: lower their acceleration on the control, or allow more",
             )
-        } else {
+        } else if piece.feed <= AS_LOW * LEAST_SHARE * self.programmed {
             (
                 "its feed is as low as it may be made",
                 "allow more, or look at the velocity gains and feed-forwards in [servo]",
             )
+        } else {
+            ("no feed was found in the trials that are made", "cut it into shorter pieces with --step, or allow more")
         };
         let message = format!(
             "the tool will be {:.1} µm off its path and {:.1} µm are allowed: {why}",
