@@ -48,7 +48,7 @@ fn both_programs_are_driven_and_their_own_paths_count() {
     for arguments in [&["verify", "p.mpf", "p.mpf", "--at-feed"][..], &["simulate", "p.mpf", "-o", "t.csv"][..]] {
         let run = bare.run(&[arguments, &["--machine", "m.toml"]].concat());
         assert_eq!(run.code, 4, "{}", run.stderr);
-        assert!(run.stderr.contains("E0409"), "{}", run.stderr);
+        assert!(run.stderr.contains("E0312"), "{}", run.stderr);
     }
     assert!(!bare.path("t.csv").exists() && !bare.path("t.toml").exists());
 }

@@ -75,7 +75,7 @@ pub fn measurement(machine: &Machine, trace: &Trace, of: Of<'_>, place: Place) -
                 target: None,
                 component: None,
                 spindle_rad: 0.0,
-                place: one.place.unwrap_or(place),
+                place: one.readings.place_at(grid.time(k)).or(one.place).unwrap_or(place),
             });
         }
     }

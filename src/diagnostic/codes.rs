@@ -260,6 +260,10 @@ move the tool in some direction.";
     CANNOT_ALIGN = "E0311" "programs cannot be compared"
 "verify walks the original and the corrected program side by side. Their motions do not follow the same path, or one has more moves than the
 other.";
+    NO_SERVO = "E0312" "machine file without servo loops"
+"What the axes do at feed can only be told where the machine file says how they follow: [servo] with the interpolation cycle, the smoothing and the tolerance
+of corners of the control, and [servo.X] for every axis with its velocity gain, its feed-forward and its acceleration. The control shows them (Sinumerik MD32200,
+MD32610, MD32300); ncfix decompose finds gain and feed-forward in a trace. docs/servo.md has an example.";
 
     BAD_TOML = "E0401" "machine file is no TOML"
 "The file breaks the rules of TOML 1.0 at this place.";
@@ -280,10 +284,6 @@ EXX, EAY, EC0Y, EX0S.";
 axes _deg.";
     BAD_TABLE = "E0408" "table that does not increase"
 "positions_mm (positions_deg) must increase strictly and have as many entries as the values.";
-    NO_SERVO = "E0409" "machine file without servo loops"
-"What the axes do at feed can only be told where the machine file says how they follow: [servo] with the interpolation cycle, the smoothing and the tolerance
-of corners of the control, and [servo.X] for every axis with its velocity gain, its feed-forward and its acceleration. The control shows them (Sinumerik MD32200,
-MD32610, MD32300); ncfix decompose finds gain and feed-forward in a trace. docs/servo.md has an example.";
     MISSING_SENSOR = "E0501" "temperature of a sensor missing"
 "The error model of the machine file depends on the temperature of this sensor, and the state that was given has temperatures but not
 this one. A drift that is computed without it would be wrong by an unknown amount.";

@@ -1,19 +1,20 @@
 //! Lowers the feed of corrected pieces where the tool would be too far off its path.
 //!
-//! The pieces of a window are driven with their feeds; where the tool is off by more than allowed, the feed of the piece at that place, and of those
-//! that the set-points have reached by then, is lowered, until all fit. Lag goes with the speed and what corners and curves do with its square, so
-//! the first step takes the square root of what is too much, and those that follow the power that the last one has shown. Where the worst is at the start of
-//! a piece, the axes brought it with them, and the piece before is slowed as long as that helps. The first half of the
-//! window is then certain, and the machine goes on from its end: the next pieces are judged with what came before.
+//! The pieces of a window are driven with their feeds; where the tool is off by more than allowed, the speed of the [`super::group`] at that place, and
+//! of those that the set-points have reached by then, is lowered, until all fit. Lag goes with the speed and what corners and curves do with its square,
+//! so the first step takes the square root of what is too much, and those that follow the power that the last one has shown. Where the worst is at the
+//! start of a group, the axes brought it with them, and the group before is slowed as long as that helps. The first half of the window is
+//! then certain, and the machine goes on from its end: the next pieces are judged with what came before.
 //!
 //! A feed is never raised, and not lowered below a share of that of the program. Times of moves (G93), rapid moves, threads and probing stay. A feed
 //! that changes nothing (the structure gives way while the axes accelerate from rest) is left as it was.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 
 use super::follow::Moment;
+use super::group::{Group, Waiting, Worst};
 use super::run::{Run, Tally};
-use super::waiting::{Waiting, Worst};
 use crate::diagnostic::Diagnostic;
 use crate::machine::{Machine, Servo};
 use crate::model::Model;
@@ -23,7 +24,7 @@ use crate::path::{Options, Output};
 const HALF: usize = 256;
 /// Trials of a window at most.
 const ROUNDS: usize = 32;
-/// Trials by which feeds that fit are brought nearer to those that did not.
+/// Trials by which speeds that fit are brought nearer to those that did not.
 const REFINEMENTS: usize = 3;
 /// An error of following is forgotten after as many time constants.
 const TIME_CONSTANTS: f64 = 3.0;
@@ -56,10 +57,18 @@ pub struct Limiter<'a, I> {
     window: VecDeque<Waiting>,
     /// The number of the first in the window.
     first: u64,
-    ready: VecDeque<Result<Output, Diagnostic>>,
+    groups: VecDeque<Group>,
+    /// The number of the first group.
+    first_group: usize,
+    /// Of each group in the last trial.
     worst: Vec<Worst>,
+    /// The last group about which there was a finding, and how many there were.
+    told: Option<usize>,
+    findings: u64,
+    ready: VecDeque<Result<Output, Diagnostic>>,
     /// How long the axes remember what was before, s.
     memory_s: f64,
+    cycle_s: f64,
     limited: Limited,
     is_ended: bool,
 }
@@ -84,9 +93,14 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
             certain: run,
             window: VecDeque::with_capacity(2 * HALF),
             first: 0,
+            groups: VecDeque::new(),
+            first_group: 0,
+            worst: Vec::new(),
+            told: None,
+            findings: 0,
             ready: VecDeque::new(),
-            worst: Vec::with_capacity(2 * HALF),
             memory_s: TIME_CONSTANTS * slowest_s,
+            cycle_s: servo.cycle_s,
             limited: Limited::default(),
             is_ended: false,
         }
@@ -107,8 +121,34 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         }
     }
 
-    /// Lowers feeds until the window fits.
+    /// Puts new pieces into groups, by the time that they took in a trial.
+    fn group(&mut self) {
+        let most = (self.memory_s / self.cycle_s).ceil() as u32;
+        let mut open: Option<(usize, u32)> = None;
+        for waiting in &mut self.window {
+            if waiting.group.is_some() || waiting.piece().is_none() {
+                continue;
+            }
+            let is_long = waiting.cycles >= most;
+            let group = match open.take().filter(|_| !is_long && !waiting.is_fixed()) {
+                Some((number, cycles)) => {
+                    self.groups[number - self.first_group].take(waiting);
+                    (number, cycles + waiting.cycles)
+                }
+                None => {
+                    self.groups.push_back(Group::of(waiting));
+                    (self.first_group + self.groups.len() - 1, waiting.cycles)
+                }
+            };
+            waiting.group = Some(group.0);
+            open = Some(group).filter(|&(_, cycles)| cycles < most && !waiting.is_fixed());
+        }
+    }
+
+    /// Lowers speeds until the window fits.
     fn fit(&mut self) {
+        self.try_out();
+        self.group();
         let mut is_slowed = false;
         for _ in 0..ROUNDS {
             self.try_out();
@@ -119,20 +159,17 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
         }
         if is_slowed {
             let _ = (0..REFINEMENTS).all(|_| self.refine());
-        }
-        self.try_out();
-        for (waiting, worst) in self.window.iter_mut().zip(&self.worst) {
-            waiting.last = Some([worst.off_mm, worst.speed]);
+            self.try_out();
         }
     }
 
-    /// Brings feeds nearer to those that were too high; whether any was.
+    /// Brings speeds nearer to those that were too high; whether any was.
     fn refine(&mut self) -> bool {
-        let feeds: Vec<f64> = self.window.iter().map(Waiting::feed).collect();
+        let speeds: Vec<f64> = self.groups.iter().map(Group::speed).collect();
         let allowed: Vec<f64> = self.worst.iter().map(|worst| worst.off_mm.max(self.limit_mm)).collect();
         let mut is_raised = false;
-        for (waiting, worst) in self.window.iter_mut().zip(&self.worst) {
-            is_raised |= waiting.raise(worst.off_mm, self.limit_mm);
+        for (group, worst) in self.groups.iter_mut().zip(&self.worst) {
+            is_raised |= group.raise(worst.off_mm, self.limit_mm);
         }
         // Where it was too much, it is taken back there; if that does not help, everywhere.
         for is_last in [false, true] {
@@ -141,46 +178,63 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
             }
             self.try_out();
             let faults: Vec<_> =
-                (0..feeds.len()).filter(|&number| self.worst[number].off_mm > allowed[number]).collect();
+                (0..speeds.len()).filter(|&number| self.worst[number].off_mm > allowed[number]).collect();
+            for number in &faults {
+                let range = if is_last { 0..speeds.len() } else { number.saturating_sub(1)..self.reach(*number).end };
+                for number in range {
+                    self.groups[number].take_back(speeds[number]);
+                }
+            }
             if faults.is_empty() {
                 break;
-            }
-            for number in faults {
-                let range = if is_last { 0..feeds.len() } else { self.reach(number) };
-                for number in range {
-                    self.window[number].take_back(feeds[number]);
-                }
             }
         }
         is_raised
     }
 
-    /// The pieces that the worst moment of one depends on.
-    fn reach(&self, number: usize) -> std::ops::Range<usize> {
-        let until = self.worst[number].until.saturating_sub(self.first) as usize;
-        number.saturating_sub(1)..until.clamp(number, self.window.len() - 1) + 1
+    /// The groups from one to where the set-points were in its worst moment.
+    fn reach(&self, number: usize) -> Range<usize> {
+        let until = self.worst[number].until.saturating_sub(self.first_group);
+        number..until.clamp(number, self.groups.len() - 1) + 1
     }
 
-    /// Drives the window with the feeds that it has now.
+    /// Drives the window with the speeds that it has now.
     fn try_out(&mut self) {
-        let Limiter { window, worst, certain, first, .. } = self;
+        let Limiter { window, worst, certain, first, groups, first_group, .. } = self;
         worst.clear();
-        worst.resize(window.len(), Worst::default());
-        // When the set-points came to the block that they are in.
-        let mut since = (u64::MAX, 0.0);
+        worst.resize(groups.len(), Worst::default());
+        for waiting in window.iter_mut() {
+            (waiting.cycles, waiting.off_mm) = (0, 0.0);
+            if let Some(group) = waiting.group.and_then(|number| groups.get(number.checked_sub(*first_group)?)) {
+                waiting.go_at(group.speed());
+            }
+        }
+        // What the moments of a block are about is known when it has been taken: they come later.
+        let mut pieces: Vec<(Option<usize>, u32, f64)> = window.iter().map(|waiting| (waiting.group, 0, 0.0)).collect();
+        // When the set-points came to the group that they are in.
+        let mut since = (None, 0.0);
         let memory_s = self.memory_s;
         let mut see = |moment: &Moment| {
-            if since.0 != moment.block {
-                since = (moment.block, moment.time_s);
+            let now = moment.block.checked_sub(*first).and_then(|number| pieces.get_mut(number as usize));
+            let now = now.map(|(group, cycles, _)| {
+                *cycles += 1;
+                *group
+            });
+            let now = now.flatten();
+            if since.0 != now {
+                since = (now, moment.time_s);
             }
             let Some(on_path) = moment.on_path.filter(|on_path| !on_path.is_rapid) else { return };
             let Some(number) = on_path.block.checked_sub(*first) else { return };
-            let Some(worst) = worst.get_mut(number as usize) else { return };
+            let Some((group, _, most_mm)) = pieces.get_mut(number as usize) else { return };
             let off_mm = on_path.off_mm.norm();
+            *most_mm = most_mm.max(off_mm);
+            let Some(number) = *group else { return };
+            let Some(worst) = number.checked_sub(*first_group).and_then(|number| worst.get_mut(number)) else { return };
             if off_mm > worst.off_mm {
                 let speed = on_path.feed_mm_min.max(moment.feed_mm_min);
-                let is_early = moment.block == on_path.block && moment.time_s - since.1 < memory_s;
-                *worst = Worst { off_mm, speed, until: moment.block, is_early };
+                let is_early = now == Some(number) && moment.time_s - since.1 < memory_s;
+                *worst = Worst { off_mm, speed, until: now.unwrap_or(number), is_early };
             }
         };
         let mut run = certain.clone();
@@ -191,31 +245,33 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
             }
         }
         run.finish(&mut see);
+        for (waiting, (_, cycles, off_mm)) in window.iter_mut().zip(pieces) {
+            (waiting.cycles, waiting.off_mm) = (cycles, off_mm);
+        }
     }
 
-    /// Lowers the feeds of pieces on which the tool is too far off; whether any was.
+    /// Lowers the speeds of groups on which the tool is too far off; whether any was.
     fn lower(&mut self) -> bool {
         let mut is_lowered = false;
-        for number in 0..self.window.len() {
+        for number in 0..self.groups.len() {
             let worst = self.worst[number];
-            let before = (0..number).rev().find(|&before| self.window[before].is_piece());
-            let had_given_up = self.window[number].has_given_up();
-            let Some(target) = self.window[number].judge(&worst, self.limit_mm) else {
-                if let Some(before) = before.filter(|_| !had_given_up && self.window[number].has_given_up()) {
-                    self.window[before].restore();
+            let before = number.checked_sub(1);
+            let had_given_up = self.groups[number].has_given_up();
+            let Some(target) = self.groups[number].judge(&worst, self.limit_mm) else {
+                if let Some(before) = before.filter(|_| !had_given_up && self.groups[number].has_given_up()) {
+                    self.groups[before].restore();
                 }
                 continue;
             };
-            // What the axes bring with them from the piece before is its doing.
+            // What the axes bring with them from before is the doing of the group before.
             if let Some(before) = before.filter(|_| worst.is_early)
-                && self.window[before].lower_for_next(target)
+                && self.groups[before].lower_for_next(target)
             {
                 is_lowered = true;
                 continue;
             }
-            let reach = number..self.reach(number).end;
-            for waiting in self.window.range_mut(reach) {
-                is_lowered |= waiting.lower_to(target);
+            for number in self.reach(number) {
+                is_lowered |= self.groups[number].lower_to(target);
             }
         }
         is_lowered
@@ -233,14 +289,13 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
                 self.programmed.output(&waiting.as_programmed(output), number, &mut |moment| before.note(moment));
                 self.limited.slowed += u64::from(waiting.is_slowed());
             }
-            let finding = waiting.exceeds(self.limit_mm);
+            let finding = self.finding(&waiting);
             self.ready.push_back(waiting.item);
-            if let Some(finding) = finding {
-                self.limited.exceeding += 1;
-                if self.limited.exceeding <= MOST_FINDINGS {
-                    self.ready.push_back(Err(finding));
-                }
-            }
+            self.ready.extend(finding.map(Err));
+        }
+        let in_use = self.window.iter().find_map(|waiting| waiting.group).unwrap_or(usize::MAX);
+        while self.first_group < in_use && self.groups.pop_front().is_some() {
+            self.first_group += 1;
         }
         if self.is_ended && self.window.is_empty() {
             let Limited { before, after, .. } = &mut self.limited;
@@ -248,6 +303,17 @@ impl<'a, I: Iterator<Item = Result<Output, Diagnostic>>> Limiter<'a, I> {
             self.programmed.finish(&mut |moment| before.note(moment));
         }
         self.limited.times_s = [self.programmed.time_s(), self.certain.time_s()];
+    }
+
+    /// Where the tool is too far off all the same: once in a group.
+    fn finding(&mut self, waiting: &Waiting) -> Option<Diagnostic> {
+        let number = waiting.group.filter(|_| waiting.off_mm > self.limit_mm)?;
+        self.limited.exceeding += 1;
+        let is_new = self.told.replace(number) != Some(number);
+        let group = self.groups.get(number.checked_sub(self.first_group)?).filter(|_| is_new)?;
+        let worst = self.worst.get(number - self.first_group)?;
+        self.findings += 1;
+        (self.findings <= MOST_FINDINGS).then(|| waiting.exceeds(group, worst.off_mm, self.limit_mm))?
     }
 }
 

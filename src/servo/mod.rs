@@ -19,12 +19,12 @@ mod chord;
 mod contour;
 mod drive;
 mod follow;
+mod group;
 mod limit;
 mod plan;
 mod response;
 mod run;
 mod smoothing;
-mod waiting;
 
 pub use chord::{Circle, Motion, Pace};
 pub use contour::OnPath;

@@ -87,6 +87,17 @@ pub struct Deviations {
     pub t_s: Vec<f64>,
     /// The tool from the ball, along F's directions, mm.
     pub along: Vec<[f64; 3]>,
+    /// Their rows; empty where they come from no table.
+    pub places: Vec<Place>,
+}
+
+impl Deviations {
+    /// The row of the reading at a time, or of the next one.
+    #[must_use]
+    pub fn place_at(&self, t_s: f64) -> Option<Place> {
+        let number = self.t_s.partition_point(|&time| time < t_s);
+        self.places.get(number).or(self.places.last()).copied()
+    }
 }
 
 impl Trace {

@@ -201,6 +201,7 @@ fn read_row(row: &Row<'_>, columns: &Columns, machine: &Machine, run: &mut Run) 
         }
         run.readings.t_s.push(t_s);
         run.readings.along.push(along);
+        run.readings.places.push(row.place(columns.time));
     }
     Ok(())
 }
