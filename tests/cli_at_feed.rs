@@ -24,9 +24,9 @@ fn both_programs_are_driven_and_their_own_paths_count() {
     // A line at 45°: v dτ/2 with lags (1 − f)/K of 0.4 and 1.0 ms at 100 mm/s.
     let program = "G90 G500 G0 X0 Y0 Z0\nG1 X200 Y200 F6000\nM30\n";
     let shop = Shop::new().file("p.mpf", program).file("m.toml", MILL);
-    let fixed = shop.run(&["fix", "p.mpf", "-o", "o.mpf", "--machine", "m.toml"]);
+    let fixed = shop.run(["fix", "p.mpf", "-o", "o.mpf", "--machine", "m.toml"]);
     assert_eq!(fixed.code, 0, "{}", fixed.stderr);
-    let run = shop.run(&["verify", "p.mpf", "o.mpf", "--machine", "m.toml", "--at-feed", "--json"]);
+    let run = shop.run(["verify", "p.mpf", "o.mpf", "--machine", "m.toml", "--at-feed", "--json"]);
     let report: serde_json::Value = serde_json::from_str(&run.stdout).unwrap_or_else(|_| panic!("{}", run.stderr));
     for key in ["original_at_feed", "corrected_at_feed"] {
         let at_feed = &report[key];
@@ -38,15 +38,15 @@ fn both_programs_are_driven_and_their_own_paths_count() {
         assert!((0.0..0.05).contains(&over_s), "{report}");
     }
     // The text says the same, and without the option neither does.
-    let text = shop.run(&["verify", "p.mpf", "o.mpf", "--machine", "m.toml", "--at-feed"]).stdout;
+    let text = shop.run(["verify", "p.mpf", "o.mpf", "--machine", "m.toml", "--at-feed"]).stdout;
     assert!(text.contains("at feed") && text.contains("p.mpf:2"), "{text}");
-    let text = shop.run(&["verify", "p.mpf", "o.mpf", "--machine", "m.toml", "--json"]).stdout;
+    let text = shop.run(["verify", "p.mpf", "o.mpf", "--machine", "m.toml", "--json"]).stdout;
     assert!(!text.contains("at_feed"), "{text}");
     // A machine without loops is refused.
     let bare = MILL.split("[servo]").next().unwrap();
     let bare = Shop::new().file("p.mpf", program).file("m.toml", bare);
     for arguments in [&["verify", "p.mpf", "p.mpf", "--at-feed"][..], &["simulate", "p.mpf", "-o", "t.csv"][..]] {
-        let run = bare.run(&[arguments, &["--machine", "m.toml"]].concat());
+        let run = bare.run([arguments, &["--machine", "m.toml"]].concat());
         assert_eq!(run.code, 4, "{}", run.stderr);
         assert!(run.stderr.contains("E0312"), "{}", run.stderr);
     }
@@ -56,7 +56,7 @@ fn both_programs_are_driven_and_their_own_paths_count() {
 #[test]
 fn a_simulated_trace_is_divided_into_what_made_it() {
     let shop = Shop::new().file("p.mpf", PATH).file("m.toml", MILL);
-    let run = shop.run(&[
+    let run = shop.run([
         "simulate",
         "p.mpf",
         "--machine",
@@ -72,7 +72,7 @@ fn a_simulated_trace_is_divided_into_what_made_it() {
     // The same machine, of which neither loops nor what gives way is known.
     let known = MILL.split("[servo]").next().unwrap();
     let shop = shop.file("known.toml", known);
-    let run = shop.run(&["decompose", "trace.csv", "--machine", "known.toml", "--json"]);
+    let run = shop.run(["decompose", "trace.csv", "--machine", "known.toml", "--json"]);
     let found: serde_json::Value = serde_json::from_str(&run.stdout).unwrap_or_else(|_| panic!("{}", run.stderr));
     let loops = found["servo"].as_array().unwrap();
     for (axis, gain, forward) in [("X", 50.0, 0.98), ("Y", 40.0, 0.96), ("Z", 50.0, 0.98)] {
@@ -92,7 +92,7 @@ fn a_trace_goes_the_way_of_the_program() {
     // 200 mm in X at 6000 mm/min: lag 100 mm/s · 0.4 ms = 40 µm; the scale of 100 µm/m is read, and the lag.
     let program = "G90 G500 G0 X0 Y0 Z0\nG1 X200 F6000\nM30\n";
     let shop = Shop::new().file("p.mpf", program).file("m.toml", MILL);
-    let run = shop.run(&["simulate", "p.mpf", "--machine", "m.toml", "-o", "trace.csv"]);
+    let run = shop.run(["simulate", "p.mpf", "--machine", "m.toml", "-o", "trace.csv"]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     let text = shop.text("trace.csv");
     let mut lines = text.lines();
@@ -115,7 +115,7 @@ fn a_trace_goes_the_way_of_the_program() {
 fn wrong_orders_are_refused() {
     let shop = Shop::new().file("p.mpf", PATH).file("m.toml", MILL).file("still.mpf", "M8\nM30\n");
     let refused = |arguments: &[&str]| {
-        let run = shop.run(&[&["simulate", "--machine", "m.toml"], arguments].concat());
+        let run = shop.run([&["simulate", "--machine", "m.toml"], arguments].concat());
         (run.code, run.stderr)
     };
     for (arguments, code, said) in [

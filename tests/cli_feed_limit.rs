@@ -22,7 +22,7 @@ fn feeds(text: &str) -> Vec<f64> {
 /// Corrects a program with a limit; its text, and the report.
 fn limited(name: &str, program: &str, machine: &str, limit: &str) -> (String, serde_json::Value) {
     let shop = Shop::new().file(name, program).file("m.toml", machine);
-    let run = shop.run(&["fix", name, "-o", "out.nc", "--machine", "m.toml", "--feed-limit", limit, "--json"]);
+    let run = shop.run(["fix", name, "-o", "out.nc", "--machine", "m.toml", "--feed-limit", limit, "--json"]);
     let report: serde_json::Value = serde_json::from_str(&run.stdout).unwrap_or_else(|_| panic!("{}", run.stderr));
     (shop.text("out.nc"), report)
 }

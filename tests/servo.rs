@@ -205,5 +205,5 @@ fn a_rotary_axis_under_the_tool_has_a_path_of_its_own() {
     let worst = seen.iter().filter_map(|moment| moment.on_path).map(|on_path| on_path.off_mm.norm());
     assert!(worst.fold(0.0, f64::max) < 2e-4);
     // 90° at 1800°/min, where only the table turns: 3 s and v/a = 0.5236/20 s.
-    assert!((time_s - (3.0 + 0.5236 / 20.0)).abs() < 1e-3, "{time_s}");
+    assert!((time_s - (3.0 + PI / 6.0 / 20.0)).abs() < 1e-3, "{time_s}");
 }

@@ -214,9 +214,7 @@ impl<'a> Recorder<'a> {
                 }
                 Err(finding) => findings.add(finding, running.sources()),
             }
-            if written.is_err() {
-                return written;
-            }
+            std::mem::replace(&mut written, Ok(()))?;
         }
         drive.finish(&mut |moment| {
             if written.is_ok() {
