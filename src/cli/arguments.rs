@@ -253,7 +253,7 @@ pub(super) struct FixArguments {
     #[command(flatten)]
     /// How it is corrected.
     pub(super) correction: CorrectionChoice,
-    /// Lower feeds where the axes would leave the tool further off its path than this, with its unit, as [servo] of the machine file predicts it
+    /// Lower feeds where the axes would leave the tool further off its path than this, with its unit, as the servo loops of the machine file predict it (docs/servo.md)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(super) feed_limit: Option<f64>,
     /// Write a page that shows what was changed, for a person to look at before the program runs: that of `ncfix diff --html`
@@ -317,7 +317,7 @@ pub(super) struct VerifyArguments {
     #[command(flatten)]
     /// How the programs are executed.
     pub(super) program: ProgramChoice,
-    /// Drive both programs through the servo loops of the machine too ([servo] of its file), and say how far off their paths they leave the tool, and their times
+    /// Drive both programs through the servo loops of the machine file too (docs/servo.md), and say how far off their paths they leave the tool, and their times
     #[arg(long)]
     pub(super) at_feed: bool,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! Pieces that follow each other closely and share one highest speed in the window of [`super::limit`].
+//! Pieces that follow each other closely and share one highest speed in the window of the limiter.
 //!
 //! Where blocks are shorter than the memory of the axes, a speed of its own for each would make the axes tremble, and none would decide
 //! anything. A group is as long as that memory; a long piece is a group by itself.

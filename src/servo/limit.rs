@@ -1,6 +1,6 @@
 //! Lowers the feed of corrected pieces where the tool would be too far off its path.
 //!
-//! The pieces of a window are driven with their feeds; where the tool is off by more than allowed, the speed of the [`super::group`] at that place, and
+//! The pieces of a window are driven with their feeds; where the tool is off by more than allowed, the speed of the group of pieces at that place, and
 //! of those that the set-points have reached by then, is lowered, until all fit. Lag goes with the speed and what corners and curves do with its square,
 //! so the first step takes the square root of what is too much, and those that follow the power that the last one has shown. Where the worst is at the
 //! start of a group, the axes brought it with them, and the group before is slowed as long as that helps. The first half of the window is
