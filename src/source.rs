@@ -52,7 +52,7 @@ pub const MAX_BYTES: usize = u32::MAX as usize - 1;
 pub struct Source {
     id: FileId,
     name: Arc<str>,
-    bytes: Arc<[u8]>,
+    bytes: Arc<Vec<u8>>,
     line_end: u8,
     /// What macros made of some lines: bytes behind the file's own, as far as spans are concerned.
     tail: Arc<Tail>,
@@ -80,7 +80,7 @@ impl Source {
         }
         // Old files end their lines with a carriage return alone.
         let line_end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
-        Ok(Source { id, name: name.into(), bytes: bytes.into(), line_end, tail: Arc::default() })
+        Ok(Source { id, name: name.into(), bytes: Arc::new(bytes), line_end, tail: Arc::default() })
     }
 
     /// The offset at which the tail begins.

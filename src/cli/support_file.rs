@@ -66,8 +66,11 @@ fn is_sentence(line: &[u8]) -> bool {
     words.clone().count() >= 2 && words.any(is_small)
 }
 
-/// What a file that was parsed is, where it is no program: nothing in it but definitions, or assignments of data.
+/// What a file that was parsed is, where it is no program: nothing in it but definitions, or assignments of data. A large file is taken for a program.
 pub(super) fn kind(program: &Program) -> Option<&'static str> {
+    if program.has_pages() {
+        return None;
+    }
     let mut counts = [0_usize; KINDS.len()];
     let (mut definitions, mut parameters) = (0, 0);
     for block in &program.blocks {

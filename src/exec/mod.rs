@@ -9,6 +9,7 @@ mod arc;
 mod contour;
 mod fault;
 mod five_axis;
+mod flags;
 mod grundig;
 mod iso;
 mod ledger;

@@ -5,6 +5,7 @@
 //! and the word languages, [`words`].
 
 mod names;
+mod shelf;
 pub mod sinumerik;
 mod token;
 pub mod words;
@@ -12,10 +13,16 @@ pub mod words;
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::{Dialect, Language};
 use crate::source::{Source, Span};
+pub use shelf::Shelf;
 use sinumerik::Macros;
 
 /// At most this many findings are kept of one file; a file with more is no part program.
 const MAX_FINDINGS: usize = 1000;
+
+/// Programs from this size on are read by pages where they can be.
+const LARGE_BYTES: usize = 8 << 20;
+/// The size of a page.
+const PAGE_BYTES: usize = 128 << 10;
 
 /// A parsed program.
 #[derive(Clone, Debug)]

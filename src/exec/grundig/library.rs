@@ -1,6 +1,7 @@
 //! Programs that are loaded, and where macros and programs are found.
 
 use super::Interpreter;
+use crate::exec::flags::Flags;
 use crate::source::Source;
 use crate::syntax::words::{self, Block, PartKind, Program};
 
@@ -8,12 +9,12 @@ use crate::syntax::words::{self, Block, PartKind, Program};
 pub(super) struct Loaded {
     pub(super) program: Program,
     /// Blocks whose comments were passed on already.
-    commented: Vec<bool>,
+    commented: Flags,
 }
 
 impl Loaded {
     pub(super) fn new(program: Program) -> Loaded {
-        let commented = vec![false; program.blocks.len()];
+        let commented = Flags::new(program.blocks.len());
         Loaded { program, commented }
     }
 
@@ -21,7 +22,7 @@ impl Loaded {
     pub(super) fn take_comment(&mut self, index: usize, block: &Block) -> Option<Vec<u8>> {
         let comments = self.program.comments_of(block);
         let first = comments.first()?;
-        if std::mem::replace(self.commented.get_mut(index)?, true) {
+        if self.commented.note(index)? {
             return None;
         }
         if comments.len() == 1 {

@@ -127,6 +127,7 @@ impl<'a> Interpreter<'a> {
         };
         let end = loaded.program.parts.get(level.part).map_or(0, |part| part.blocks.end);
         let index = level.next;
+        loaded.program.ensure(index);
         let Some(block) = loaded.program.blocks.get(index).copied().filter(|_| index < end) else {
             self.end_of_program(None);
             return;

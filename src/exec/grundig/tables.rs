@@ -100,7 +100,7 @@ impl Line {
 pub(super) fn read(program: &Program) -> Tables {
     let mut tables = Tables::default();
     for part in &program.parts {
-        for block in program.blocks.get(part.blocks.clone()).unwrap_or_default() {
+        for block in program.blocks.range(part.blocks.clone()) {
             let line = Line::of(program, block);
             let is_read = match part.kind {
                 PartKind::Tools => line.tool().map(|tool| tables.tools.push(tool)).is_some(),

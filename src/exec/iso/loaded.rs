@@ -1,20 +1,21 @@
 //! Programs that are loaded.
 
 use super::flow::loops_of;
+use crate::exec::flags::Flags;
 use crate::syntax::words::{Block, Program};
 
 /// A program file, ready to run.
 pub(super) struct Loaded {
     pub(super) program: Program,
     /// Blocks whose comments were passed on already.
-    commented: Vec<bool>,
+    commented: Flags,
     /// First and last blocks of the loops that a jump could lead into.
     pub(super) loops: Vec<(usize, usize)>,
 }
 
 impl Loaded {
     pub(super) fn new(program: Program) -> Self {
-        let commented = vec![false; program.blocks.len()];
+        let commented = Flags::new(program.blocks.len());
         let loops = loops_of(&program);
         Loaded { program, commented, loops }
     }
@@ -25,6 +26,6 @@ impl Loaded {
         if self.program.comments_of(block).is_empty() {
             return false;
         }
-        self.commented.get_mut(index).is_some_and(|done| !std::mem::replace(done, true))
+        self.commented.note(index) == Some(false)
     }
 }

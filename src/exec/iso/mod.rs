@@ -127,6 +127,7 @@ impl<'a> Interpreter<'a> {
             return;
         };
         if let Some(pending) = level.pending.take() {
+            loaded.program.ensure(level.next.saturating_sub(1));
             let file = loaded.program.source.id();
             if let Err(found) = self.act(pending.0, &pending.1) {
                 self.ledger.report(found.in_file(file));
@@ -139,6 +140,7 @@ impl<'a> Interpreter<'a> {
             _ => loaded.program.blocks.len(),
         };
         let index = level.next;
+        loaded.program.ensure(index);
         let Some(&block) = loaded.program.blocks.get(index).filter(|_| index < end) else {
             self.end_of_part();
             return;

@@ -31,7 +31,8 @@ type Elements = BTreeMap<Vec<i64>, Setting>;
 /// Lays saved data over a machine. It is left as it is where an error is found.
 #[must_use]
 pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
-    let (program, mut findings) = sinumerik::parse(source, dialect::sinumerik());
+    let (mut program, mut findings) = sinumerik::parse(source, dialect::sinumerik());
+    program.keep_whole();
     if findings.iter().any(Diagnostic::is_error) {
         return findings;
     }

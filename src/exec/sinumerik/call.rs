@@ -122,6 +122,7 @@ impl Interpreter<'_> {
         // Variables may name the labels, so they are the caller's; the blocks are the callee's.
         let text = |target| self.label_text(caller, target, span);
         let (first, last) = (text(first)?, text(last)?);
+        self.programs[entry.program].program.keep_whole();
         let loaded = &self.programs[entry.program];
         let blocks = loaded.program.sections.get(entry.section).map_or(0..0, |section| section.blocks.clone());
         let find = |text: &[u8], from: usize| {
@@ -323,7 +324,8 @@ impl Interpreter<'_> {
             self.leave();
         }
         let Some(level) = self.levels.last_mut().filter(|_| !target.place.is_empty()) else { return Ok(()) };
-        let loaded = &self.programs[level.program];
+        let loaded = &mut self.programs[level.program];
+        loaded.program.keep_whole();
         let section = loaded.program.sections.get(level.section).map_or(0..0, |section| section.blocks.clone());
         let place = Place::of_text(loaded, &target.place);
         let index = level.next.saturating_sub(1);

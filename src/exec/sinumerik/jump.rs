@@ -9,6 +9,7 @@ use super::value::Value;
 use super::{Loaded, at, scope_of};
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
+use crate::syntax::Shelf;
 use crate::syntax::sinumerik::{Block, BlockNumber, Jump, JumpTarget, NameId, Search};
 
 /// What marks a block.
@@ -137,7 +138,7 @@ fn find(
 
 /// Looks for a marked block from the block `index` on.
 pub(super) fn search(
-    blocks: &[Block],
+    blocks: &Shelf<Block>,
     place: Place,
     search: Search,
     index: usize,

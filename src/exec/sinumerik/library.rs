@@ -1,5 +1,6 @@
 //! Programs that are loaded.
 
+use crate::exec::flags::Flags;
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -26,7 +27,7 @@ pub(super) struct Loaded {
     /// By section: first and number of the parameters of its PROC block, and whether it has SAVE.
     procs: Vec<(u32, u16, bool)>,
     /// Blocks whose comments were passed on already.
-    commented: Vec<bool>,
+    commented: Flags,
     /// The name of a built-in cycle.
     pub(super) built_in: Option<&'static str>,
 }
@@ -35,16 +36,17 @@ impl Loaded {
     pub(super) fn new(program: Program, control: &Control) -> Self {
         let meanings = names::resolve(&program, program.dialect, control);
         let targets = vec![None; program.jumps.len()];
-        let commented = vec![false; program.blocks.len()];
+        let commented = Flags::new(program.blocks.len());
         let parts = vec![None; program.repetitions.len()];
-        let procs = program.sections.iter().map(|section| proc_of(&program.blocks[section.blocks.clone()])).collect();
+        let procs =
+            program.sections.iter().map(|section| proc_of(program.blocks.there(section.blocks.clone()))).collect();
         Loaded { program, meanings, targets, computed: HashMap::new(), parts, procs, commented, built_in: None }
     }
 
     /// Makes it a cycle of the control: its comments are nobody's, and SETAL in it is a finding.
     fn become_built_in(&mut self, name: &str) {
         self.built_in = cycles::source(name).map(|(name, _)| name);
-        self.commented.fill(true);
+        self.commented.note_all();
         let names = self.program.names.iter();
         for (meaning, _) in self.meanings.iter_mut().zip(names).filter(|(_, name)| *name == "SETAL") {
             *meaning = Meaning::Alarm;
@@ -63,7 +65,7 @@ impl Loaded {
 
     /// The comment of a block the first time it is executed: a loop does not repeat its comments.
     pub(super) fn take_comment(&mut self, index: usize, block: &Block) -> Option<Vec<u8>> {
-        if block.comment.start == block.comment.end || std::mem::replace(&mut self.commented[index], true) {
+        if block.comment.start == block.comment.end || self.commented.note(index).unwrap_or(true) {
             return None;
         }
         Some(self.program.source.slice(block.comment).to_vec())
@@ -125,14 +127,17 @@ pub(super) fn read_definitions(
     let own = program.sections.iter().filter(|section| section.ending == "DEF").map(|section| section.blocks.clone());
     let own: Vec<Range<usize>> = own.collect();
     if !own.is_empty() {
-        let loaded = Loaded::new(program.clone(), &channel.machine.control);
+        let mut program = program.clone();
+        program.keep_whole();
+        let loaded = Loaded::new(program, &channel.machine.control);
         own.into_iter().for_each(|blocks| define_globals(&loaded, channel, blocks));
     }
     for (name, bytes) in library.definitions() {
         macros.read(&bytes);
         let Ok(id) = u16::try_from(sources.len()) else { break };
         let Ok(source) = Source::new(FileId(id), &name, bytes) else { continue };
-        let (program, _) = sinumerik::parse_with(&source, program.dialect, &macros);
+        let (mut program, _) = sinumerik::parse_with(&source, program.dialect, &macros);
+        program.keep_whole();
         sources.push(program.source.clone());
         let blocks = 0..program.blocks.len();
         define_globals(&Loaded::new(program, &channel.machine.control), channel, blocks);

@@ -161,6 +161,7 @@ impl<'a> Interpreter<'a> {
             return;
         };
         if let Some(pending) = level.pending.take() {
+            self.programs[level.program].program.ensure(level.next.saturating_sub(1));
             if let Err(found) = self.act(pending.0, &pending.1) {
                 self.report_here(found);
             }
@@ -170,6 +171,7 @@ impl<'a> Interpreter<'a> {
             level.end_parts();
         }
         let loaded = &mut self.programs[level.program];
+        loaded.program.ensure(level.next);
         // An empty file has no section.
         let Some(section) = loaded.program.sections.get(level.section) else {
             self.ledger.end();

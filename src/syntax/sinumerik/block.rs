@@ -7,6 +7,7 @@ use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
 use crate::syntax::names::{NameId, Names};
+use crate::syntax::shelf::Shelf;
 
 /// A block longer than this is refused; controls take 512 characters.
 const MAX_BLOCK_BYTES: usize = 4096;
@@ -25,6 +26,26 @@ pub(super) struct Parser {
     pub(super) depth: u32,
 }
 
+/// A program without anything.
+pub(super) fn empty(source: Source, dialect: &'static Dialect) -> Program {
+    Program {
+        source,
+        dialect,
+        sections: vec![Section { name: String::new(), ending: String::new(), headers: Vec::new(), blocks: 0..0 }],
+        blocks: Shelf::default(),
+        words: Shelf::default(),
+        exprs: Shelf::default(),
+        arguments: Shelf::default(),
+        jumps: Vec::new(),
+        definitions: Shelf::default(),
+        parameters: Vec::new(),
+        calls: Vec::new(),
+        repetitions: Vec::new(),
+        names: Names::default(),
+        pages: None,
+    }
+}
+
 /// A block while its line is being read.
 pub(super) struct Draft {
     pub(super) block: Block,
@@ -32,24 +53,17 @@ pub(super) struct Draft {
 
 impl Parser {
     pub(super) fn new(source: Source, dialect: &'static Dialect, macros: Macros) -> Parser {
-        let program = Program {
-            source,
-            dialect,
-            sections: vec![Section { name: String::new(), ending: String::new(), headers: Vec::new(), blocks: 0..0 }],
-            blocks: Vec::new(),
-            words: Vec::new(),
-            exprs: Vec::new(),
-            arguments: Vec::new(),
-            jumps: Vec::new(),
-            definitions: Vec::new(),
-            parameters: Vec::new(),
-            calls: Vec::new(),
-            repetitions: Vec::new(),
-            names: Names::default(),
-        };
-        let (tail, expanded) = (Vec::new(), Vec::new());
         let shared = macros.clone();
-        Parser { program, findings: Vec::new(), line_end: 0, macros, shared, tail, expanded, depth: 0 }
+        Parser {
+            program: empty(source, dialect),
+            findings: Vec::new(),
+            line_end: 0,
+            macros,
+            shared,
+            tail: Vec::new(),
+            expanded: Vec::new(),
+            depth: 0,
+        }
     }
 
     pub(super) fn finish(mut self) -> (Program, Vec<Diagnostic>) {
@@ -61,12 +75,22 @@ impl Parser {
 
     /// Reads all lines.
     pub(super) fn run(&mut self) {
+        let length = self.program.source.bytes().len();
+        self.read((self.start(), 0), length);
+        self.end();
+    }
+
+    /// The offset of the first line.
+    pub(super) fn start(&self) -> usize {
+        if self.program.source.bytes().starts_with(b"\xef\xbb\xbf") { 3 } else { 0 }
+    }
+
+    /// Reads whole lines from an offset on, before which there are so many, up to another one; where the next would begin.
+    pub(super) fn read(&mut self, (mut start, mut line): (usize, u32), until: usize) -> (usize, u32) {
         let source = self.program.source.clone();
         let bytes = source.bytes();
-        let mut start = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
-        let mut line = 0;
         let line_end = source.line_end();
-        while start < bytes.len() {
+        while start < until.min(bytes.len()) {
             let length = find_byte(&bytes[start..], line_end);
             let next = length.map_or(bytes.len(), |length| start + length + 1);
             let mut end = length.map_or(bytes.len(), |length| start + length);
@@ -78,9 +102,19 @@ impl Parser {
             self.read_line(&bytes[start..end], line);
             start = next;
         }
+        (start, line)
+    }
+
+    /// Ends the file.
+    pub(super) fn end(&mut self) {
         self.close_section();
         // Anything before the first header that does nothing is a leader.
         self.program.sections.retain(|section| !(section.blocks.is_empty() && section.headers.is_empty()));
+    }
+
+    /// Whether nothing was found in the text, and no macro was expanded.
+    pub(super) fn is_clean(&self) -> bool {
+        self.findings.is_empty() && self.expanded.is_empty()
     }
 
     /// The offset in the file of the first byte of `input`.
@@ -124,7 +158,7 @@ impl Parser {
             number: None,
             label: None,
             body: Body::Empty,
-            first_word: u32::try_from(self.program.words.len()).unwrap_or(u32::MAX),
+            first_word: u32::try_from(self.program.words.next()).unwrap_or(u32::MAX),
             word_count: 0,
             has_names: false,
             comment: Span::new(self.line_end, self.line_end),
@@ -147,7 +181,7 @@ impl Parser {
         {
             self.macros.define(name, text);
         }
-        let count = self.program.words.len() - draft.block.first_word as usize;
+        let count = self.program.words.next() - draft.block.first_word as usize;
         draft.block.word_count = u16::try_from(count).unwrap_or(u16::MAX);
         self.program.blocks.push(draft.block);
     }
@@ -335,11 +369,11 @@ impl Parser {
         self.program
             .sections
             .last()
-            .is_some_and(|section| section.headers.len() == 1 && self.program.blocks.len() == section.blocks.start)
+            .is_some_and(|section| section.headers.len() == 1 && self.program.blocks.next() == section.blocks.start)
     }
 
     fn close_section(&mut self) {
-        let end = self.program.blocks.len();
+        let end = self.program.blocks.next();
         if let Some(section) = self.program.sections.last_mut() {
             section.blocks.end = end;
         }
@@ -359,7 +393,7 @@ impl Parser {
             Some((name, ending)) if ending.len() == 3 => (name.to_owned(), ending.to_owned()),
             _ => (full.to_owned(), String::new()),
         };
-        let start = self.program.blocks.len();
+        let start = self.program.blocks.next();
         self.program.sections.push(Section { name, ending, headers: vec![span], blocks: start..start });
     }
 }

@@ -15,7 +15,7 @@ const ALONE: &[&[u8]] =
 impl Parser {
     /// `DEF {modifier} TYPE {modifier} name [= value] {, name [= value]}`
     pub(super) fn define<'a>(&mut self, input: Input<'a>, rest: Input<'a>) -> Parsed<'a, Body> {
-        let start = self.program.definitions.len();
+        let start = self.program.definitions.next();
         let mut rest = blanks(rest);
         let mut is_global = false;
         let kind = loop {
@@ -71,7 +71,7 @@ impl Parser {
                 _ => break,
             }
         }
-        let count = u16::try_from(self.program.definitions.len() - start).unwrap_or(u16::MAX);
+        let count = u16::try_from(self.program.definitions.next() - start).unwrap_or(u16::MAX);
         Ok((rest, Body::Define { start: u32::try_from(start).unwrap_or(u32::MAX), count }))
     }
 

@@ -308,7 +308,7 @@ impl Parser {
             }
         }
         let range = ArgumentRange {
-            start: u32::try_from(self.program.arguments.len()).unwrap_or(u32::MAX),
+            start: u32::try_from(self.program.arguments.next()).unwrap_or(u32::MAX),
             count: u16::try_from(list.len()).unwrap_or(u16::MAX),
         };
         self.program.arguments.extend(list);
@@ -321,7 +321,7 @@ impl Parser {
     }
 
     fn push_expr(&mut self, span: Span, node: Node) -> ExprId {
-        let id = ExprId(u32::try_from(self.program.exprs.len()).unwrap_or(u32::MAX));
+        let id = ExprId(u32::try_from(self.program.exprs.next()).unwrap_or(u32::MAX));
         self.program.exprs.push(Expr { span, node });
         id
     }

@@ -6,7 +6,7 @@ mod definition;
 mod expression;
 mod jump;
 mod macros;
-
+mod pages;
 mod statement;
 mod structure;
 mod sync_action;
@@ -22,7 +22,7 @@ pub use tree::{
     Node, Operator, Program, Section, UnaryOperator, Value, Word,
 };
 
-use super::{checked, nothing_done};
+use super::{LARGE_BYTES, PAGE_BYTES, checked, nothing_done};
 use crate::diagnostic::Diagnostic;
 use crate::dialect::Dialect;
 use crate::source::Source;
@@ -36,6 +36,16 @@ pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagno
 /// Parses a program in which these macros hold, beside its own.
 #[must_use]
 pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
+    if source.bytes().len() >= LARGE_BYTES
+        && let Some(program) = pages::parse(source, dialect, macros, PAGE_BYTES)
+    {
+        return (program, Vec::new());
+    }
+    whole(source, dialect, macros)
+}
+
+/// Parses a program of which everything is kept.
+fn whole(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
     let mut parser = block::Parser::new(source.clone(), dialect, macros.clone());
     parser.run();
     let (mut program, mut findings) = parser.finish();

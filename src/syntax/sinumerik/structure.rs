@@ -2,6 +2,7 @@
 
 use super::tree::{Block, Body, Program};
 use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::syntax::shelf::Shelf;
 
 /// Control structures may be nested this deep; controls allow 16.
 const MAX_DEPTH: usize = 32;
@@ -59,7 +60,7 @@ fn place_of(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }
 
-fn close(blocks: &mut [Block], open: &mut Vec<usize>, index: usize, faults: &mut Vec<(usize, Code, String)>) {
+fn close(blocks: &mut Shelf<Block>, open: &mut Vec<usize>, index: usize, faults: &mut Vec<(usize, Code, String)>) {
     let (opening, end) = words_of(&blocks[index].body);
     let fits = open.last().is_some_and(|&start| words_of(&blocks[start].body) == (opening, end));
     let Some(start) = open.pop_if(|_| fits) else {

@@ -1,12 +1,14 @@
 //! The nodes of the syntax tree.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::call::{CallStatement, Parameter};
 use super::jump::{Jump, Repetition};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
 use crate::syntax::names::{NameId, Names};
+use crate::syntax::shelf::{Pages, Shelf};
 
 /// Number of an expression in [`Program::exprs`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,17 +40,17 @@ pub struct Program {
     /// The files of the archive; a file without headers is one section.
     pub sections: Vec<Section>,
     /// All blocks of all sections in order.
-    pub blocks: Vec<Block>,
+    pub blocks: Shelf<Block>,
     /// Words of all blocks.
-    pub words: Vec<Word>,
+    pub words: Shelf<Word>,
     /// Expressions of all blocks.
-    pub exprs: Vec<Expr>,
+    pub exprs: Shelf<Expr>,
     /// Arguments of calls and indices; `None` is an empty slot.
-    pub arguments: Vec<Option<ExprId>>,
+    pub arguments: Shelf<Option<ExprId>>,
     /// Jumps of all blocks.
     pub jumps: Vec<Jump>,
     /// Variables of all DEF blocks.
-    pub definitions: Vec<Definition>,
+    pub definitions: Shelf<Definition>,
     /// Parameters of all PROC blocks.
     pub parameters: Vec<Parameter>,
     /// Call statements of all blocks.
@@ -57,6 +59,8 @@ pub struct Program {
     pub repetitions: Vec<Repetition>,
     /// All identifiers.
     pub names: Names,
+    /// Where pages begin, if only one of them is there.
+    pub(super) pages: Option<Arc<Pages<5>>>,
 }
 
 /// One file of an archive.

@@ -329,7 +329,7 @@ impl Parser {
     }
 
     fn push_expr(&mut self, span: Span, node: Node) -> ExprId {
-        let id = ExprId(u32::try_from(self.program.exprs.len()).unwrap_or(u32::MAX));
+        let id = ExprId(u32::try_from(self.program.exprs.next()).unwrap_or(u32::MAX));
         self.program.exprs.push(Expr { span, node });
         id
     }

@@ -194,7 +194,7 @@ impl Parser {
     /// Ends the part before and begins another one.
     pub(super) fn open_part(&mut self, kind: PartKind, header: Option<Input<'_>>) {
         self.close_part();
-        let start = self.program.blocks.len();
+        let start = self.program.blocks.next();
         let headers = header.map(|text| Span::new(self.offset(text), self.line_end)).into_iter().collect();
         self.program.parts.push(Part {
             kind,
@@ -209,7 +209,7 @@ impl Parser {
 
     /// Ends the part; one without header and blocks is none.
     pub(super) fn close_part(&mut self) {
-        let end = self.program.blocks.len();
+        let end = self.program.blocks.next();
         if let Some(part) = self.program.parts.last_mut() {
             part.blocks.end = end;
             if part.headers.is_empty() && part.blocks.is_empty() {

@@ -7,6 +7,7 @@ mod comment;
 mod expression;
 mod header;
 mod node;
+mod pages;
 mod parser;
 mod statement;
 mod structure;
@@ -20,7 +21,7 @@ pub use tree::{
     Address, Block, Body, Comment, CommentKind, InnerSkip, Label, Part, PartKind, Program, Slice, Value, Word,
 };
 
-use super::{checked, nothing_done};
+use super::{LARGE_BYTES, PAGE_BYTES, checked, nothing_done};
 use crate::diagnostic::Diagnostic;
 use crate::dialect::Dialect;
 use crate::source::Source;
@@ -29,6 +30,16 @@ use crate::source::Source;
 #[must_use]
 pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
     let source = without_parity(source);
+    if source.bytes().len() >= LARGE_BYTES
+        && let Some(program) = pages::parse(&source, dialect, PAGE_BYTES)
+    {
+        return (program, Vec::new());
+    }
+    whole(&source, dialect)
+}
+
+/// Parses a program of which everything is kept.
+fn whole(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
     let mut parser = parser::Parser::new(source.clone(), dialect);
     parser.run();
     let (mut program, mut findings) = parser.finish();
@@ -36,9 +47,9 @@ pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagno
     structure::connect(&mut program, &mut findings);
     let is_empty = program.blocks.iter().all(|block| matches!(block.body, Body::Empty | Body::Faulty));
     if is_empty && findings.is_empty() {
-        findings.push(nothing_done(&source));
+        findings.push(nothing_done(source));
     }
-    (program, checked(findings, &source, dialect))
+    (program, checked(findings, source, dialect))
 }
 
 /// The file with seven bits a byte, where a serial line has put its parity into the eighth.

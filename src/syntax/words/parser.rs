@@ -7,6 +7,7 @@ use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::{Dialect, Language};
 use crate::source::{Source, Span};
 use crate::syntax::names::{NameId, Names};
+use crate::syntax::shelf::Shelf;
 
 /// A block longer than this is refused; controls take a few hundred characters.
 const MAX_BLOCK_BYTES: usize = 4096;
@@ -22,22 +23,28 @@ pub(super) struct Parser {
     pub(super) is_fresh: bool,
 }
 
+/// A program without anything.
+pub(super) fn empty(source: Source, dialect: &'static Dialect) -> Program {
+    Program {
+        source,
+        dialect,
+        parts: Vec::new(),
+        blocks: Shelf::default(),
+        words: Shelf::default(),
+        exprs: Shelf::default(),
+        arguments: Shelf::default(),
+        comments: Shelf::default(),
+        names: Names::default(),
+        has_tape_marks: false,
+        targets: Vec::new(),
+        subs: Vec::new(),
+        pages: None,
+    }
+}
+
 impl Parser {
     pub(super) fn new(source: Source, dialect: &'static Dialect) -> Parser {
-        let program = Program {
-            source,
-            dialect,
-            parts: Vec::new(),
-            blocks: Vec::new(),
-            words: Vec::new(),
-            exprs: Vec::new(),
-            arguments: Vec::new(),
-            comments: Vec::new(),
-            names: Names::default(),
-            has_tape_marks: false,
-            targets: Vec::new(),
-            subs: Vec::new(),
-        };
+        let program = empty(source, dialect);
         Parser { program, language: dialect.language, findings: Vec::new(), line_end: 0, depth: 0, is_fresh: true }
     }
 
@@ -52,20 +59,34 @@ impl Parser {
 
     /// Reads all lines.
     pub(super) fn run(&mut self) {
-        let source = self.program.source.clone();
+        let (start, end) = self.tape();
+        self.open_part(PartKind::Program, None);
+        self.read(start, end);
+        self.close_part();
+    }
+
+    /// Offset of the first line and the number of lines before it, and the offset at which the tape ends.
+    pub(super) fn tape(&self) -> ((usize, u32), usize) {
+        let source = &self.program.source;
         let bytes = source.bytes();
-        let line_end = source.line_end();
-        let (mut start, end_of_tape) = header::tape(bytes, line_end, self.language);
+        let (mut start, end) = header::tape(bytes, source.line_end(), self.language);
         if bytes.starts_with(b"\xef\xbb\xbf") {
             start = start.max(3);
         }
         let mut line = 0;
         if start > 3 {
-            let before = bytes[..start].iter().filter(|&&byte| byte == line_end).count();
+            let before = bytes[..start].iter().filter(|&&byte| byte == source.line_end()).count();
             line = u32::try_from(before).unwrap_or(u32::MAX);
         }
-        self.open_part(PartKind::Program, None);
-        while start < end_of_tape {
+        ((start, line), end)
+    }
+
+    /// Reads whole lines from an offset on, before which there are so many, up to another one; where the next would begin.
+    pub(super) fn read(&mut self, (mut start, mut line): (usize, u32), until: usize) -> (usize, u32) {
+        let source = self.program.source.clone();
+        let bytes = source.bytes();
+        let line_end = source.line_end();
+        while start < until {
             let length = find_byte(&bytes[start..], line_end);
             let next = length.map_or(bytes.len(), |length| start + length + 1);
             let mut end = length.map_or(bytes.len(), |length| start + length);
@@ -80,7 +101,12 @@ impl Parser {
             }
             start = next;
         }
-        self.close_part();
+        (start, line)
+    }
+
+    /// Whether nothing was found in the text.
+    pub(super) fn is_clean(&self) -> bool {
+        self.findings.is_empty()
     }
 
     /// The offset in the file of the first byte of `input`.
@@ -123,8 +149,8 @@ impl Parser {
             body: Body::Empty,
             label: None,
             inner_skip: None,
-            words: Slice { start: start(self.program.words.len()), count: 0 },
-            comments: Slice { start: start(self.program.comments.len()), count: 0 },
+            words: Slice { start: start(self.program.words.next()), count: 0 },
+            comments: Slice { start: start(self.program.comments.next()), count: 0 },
             partner: u32::MAX,
         };
         if let Err(nom::Err::Error(fault) | nom::Err::Failure(fault)) = self.block(text, &mut block) {
@@ -135,8 +161,8 @@ impl Parser {
             }
         }
         let count = |start: u32, end: usize| u16::try_from(end - start as usize).unwrap_or(u16::MAX);
-        block.words.count = count(block.words.start, self.program.words.len());
-        block.comments.count = count(block.comments.start, self.program.comments.len());
+        block.words.count = count(block.words.start, self.program.words.next());
+        block.comments.count = count(block.comments.start, self.program.comments.next());
         self.program.blocks.push(block);
     }
 
@@ -237,7 +263,7 @@ impl Parser {
             }
             if first == b'/' && self.language == Language::Fanuc && block.inner_skip.is_none() {
                 let level = input.get(1).filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0');
-                let words_before = u16::try_from(self.program.words.len() - first_word).unwrap_or(u16::MAX);
+                let words_before = u16::try_from(self.program.words.next() - first_word).unwrap_or(u16::MAX);
                 block.inner_skip = Some(InnerSkip { level: level.unwrap_or(0), words_before });
                 input = &input[if level.is_some() { 2 } else { 1 }..];
                 continue;

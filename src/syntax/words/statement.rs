@@ -204,7 +204,7 @@ impl Parser {
     }
 
     fn call_arguments<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Slice> {
-        let start = u32::try_from(self.program.arguments.len()).unwrap_or(u32::MAX);
+        let start = u32::try_from(self.program.arguments.next()).unwrap_or(u32::MAX);
         let (mut rest, mut count) = (input, 0);
         loop {
             rest = blanks(rest);

@@ -15,7 +15,7 @@ pub(super) fn list_targets(program: &mut Program, findings: &mut Vec<Diagnostic>
     }
     for part in &mut program.parts {
         let first = program.targets.len();
-        let blocks = program.blocks.get(part.blocks.clone()).unwrap_or_default();
+        let blocks = program.blocks.range(part.blocks.clone());
         let numbered = blocks
             .iter()
             .zip(part.blocks.start..)

@@ -1,11 +1,13 @@
 //! The nodes of the syntax tree of the word languages.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::node::{Expr, ExprId};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
 use crate::syntax::names::{NameId, Names};
+use crate::syntax::shelf::{Pages, Shelf};
 
 /// A range of one of the flat lists of [`Program`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,15 +26,15 @@ pub struct Program {
     /// The programs, macros and tables of the file in order; a file without headers is one part.
     pub parts: Vec<Part>,
     /// All blocks of all parts in order.
-    pub blocks: Vec<Block>,
+    pub blocks: Shelf<Block>,
     /// Words of all blocks.
-    pub words: Vec<Word>,
+    pub words: Shelf<Word>,
     /// Expressions of all blocks.
-    pub exprs: Vec<Expr>,
+    pub exprs: Shelf<Expr>,
     /// Arguments of O-word calls.
-    pub arguments: Vec<ExprId>,
+    pub arguments: Shelf<ExprId>,
     /// Comments of all blocks.
-    pub comments: Vec<Comment>,
+    pub comments: Shelf<Comment>,
     /// All identifiers, upper case and without blanks.
     pub names: Names,
     /// Whether `%` begins or ends the tape.
@@ -41,6 +43,8 @@ pub struct Program {
     pub(super) targets: Vec<(u32, u32)>,
     /// O-word subroutines: label and block of `sub`, in file order.
     pub(super) subs: Vec<(Label, u32)>,
+    /// Where pages begin, if only one of them is there.
+    pub(super) pages: Option<Arc<Pages<5>>>,
 }
 
 /// What a part of a file is for.
@@ -280,7 +284,7 @@ impl Program {
     /// The words of a block; those behind an inner skip too.
     #[must_use]
     pub fn words_of(&self, block: &Block) -> &[Word] {
-        self.words.get(block.words.range()).unwrap_or_default()
+        self.words.range(block.words.range())
     }
 
     /// The words of a block before its inner skip.
@@ -294,7 +298,7 @@ impl Program {
     /// The comments of a block.
     #[must_use]
     pub fn comments_of(&self, block: &Block) -> &[Comment] {
-        self.comments.get(block.comments.range()).unwrap_or_default()
+        self.comments.range(block.comments.range())
     }
 
     /// An expression.
@@ -306,7 +310,7 @@ impl Program {
     /// Arguments of a call.
     #[must_use]
     pub fn arguments_of(&self, slice: Slice) -> &[ExprId] {
-        self.arguments.get(slice.range()).unwrap_or_default()
+        self.arguments.range(slice.range())
     }
 
     /// The part that a block belongs to.
@@ -331,6 +335,9 @@ impl Program {
     /// The block with a number in a part: the first one behind block `from`, else the first one of the part.
     #[must_use]
     pub fn find_block(&self, part: usize, number: u32, from: usize) -> Option<usize> {
+        if self.has_pages() {
+            return self.search_block(number, from);
+        }
         let targets = self.targets.get(self.parts.get(part)?.targets.clone())?;
         let first = targets.partition_point(|target| target.0 < number);
         let behind = targets.partition_point(|target| (target.0, target.1 as usize) <= (number, from));

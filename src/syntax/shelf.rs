@@ -1,0 +1,186 @@
+//! Lists of nodes of which only a part may be there.
+//!
+//! The tree of a large program would take many times the memory of its text. Where blocks are nothing but words, a page of them is read when its turn comes,
+//! and leaves when the next one is read. Nodes keep their numbers.
+
+use std::ops::{Index, IndexMut, Range};
+
+/// Nodes by their number.
+#[derive(Clone, Debug)]
+pub struct Shelf<T> {
+    /// The number of the first that is there.
+    first: usize,
+    items: Vec<T>,
+    /// All that were ever there.
+    count: usize,
+}
+
+impl<T> Default for Shelf<T> {
+    fn default() -> Self {
+        Shelf { first: 0, items: Vec::new(), count: 0 }
+    }
+}
+
+impl<T> Shelf<T> {
+    /// Number of nodes, whether they are there or not.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there are none at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Whether a node is there.
+    #[must_use]
+    pub fn holds(&self, number: usize) -> bool {
+        number.wrapping_sub(self.first) < self.items.len()
+    }
+
+    /// A node; `None` where it is not there.
+    #[must_use]
+    pub fn get(&self, number: usize) -> Option<&T> {
+        self.items.get(number.wrapping_sub(self.first))
+    }
+
+    /// The same to change it.
+    pub(super) fn get_mut(&mut self, number: usize) -> Option<&mut T> {
+        self.items.get_mut(number.wrapping_sub(self.first))
+    }
+
+    /// Nodes with these numbers; none where not all of them are there.
+    #[must_use]
+    pub fn range(&self, numbers: Range<usize>) -> &[T] {
+        let (start, end) = (numbers.start.wrapping_sub(self.first), numbers.end.wrapping_sub(self.first));
+        self.items.get(start..end).unwrap_or_default()
+    }
+
+    /// Those of the nodes with these numbers that are there.
+    #[must_use]
+    pub fn there(&self, numbers: Range<usize>) -> &[T] {
+        let clip = |number: usize| number.clamp(self.first, self.next()) - self.first;
+        self.items.get(clip(numbers.start)..clip(numbers.end)).unwrap_or_default()
+    }
+
+    /// The nodes that are there.
+    pub fn iter(&self) -> std::slice::Iter<'_, T> {
+        self.items.iter()
+    }
+
+    /// The number of the next node.
+    pub(super) fn next(&self) -> usize {
+        self.first + self.items.len()
+    }
+
+    pub(super) fn push(&mut self, item: T) {
+        self.items.push(item);
+        self.count = self.count.max(self.next());
+    }
+
+    /// Takes all nodes away; those that come next begin with a number.
+    pub(super) fn turn_to(&mut self, first: usize) {
+        self.first = first;
+        self.items.clear();
+    }
+}
+
+impl<T> Extend<T> for Shelf<T> {
+    fn extend<I: IntoIterator<Item = T>>(&mut self, items: I) {
+        self.items.extend(items);
+        self.count = self.count.max(self.next());
+    }
+}
+
+impl<T> Index<usize> for Shelf<T> {
+    type Output = T;
+
+    fn index(&self, number: usize) -> &T {
+        &self.items[number.wrapping_sub(self.first)]
+    }
+}
+
+impl<T> IndexMut<usize> for Shelf<T> {
+    fn index_mut(&mut self, number: usize) -> &mut T {
+        &mut self.items[number.wrapping_sub(self.first)]
+    }
+}
+
+impl<T> Index<Range<usize>> for Shelf<T> {
+    type Output = [T];
+
+    fn index(&self, numbers: Range<usize>) -> &[T] {
+        &self.items[numbers.start.wrapping_sub(self.first)..numbers.end.wrapping_sub(self.first)]
+    }
+}
+
+impl<'a, T> IntoIterator for &'a Shelf<T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// Where the pages of a program begin.
+#[derive(Clone, Debug)]
+pub(super) struct Pages<const N: usize> {
+    starts: Vec<Start<N>>,
+    /// Offset behind the last one.
+    pub(super) end: usize,
+}
+
+/// The beginning of a page.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start<const N: usize> {
+    /// Its offset in the file.
+    pub(super) offset: usize,
+    /// Lines before it.
+    pub(super) lines: u32,
+    /// The numbers of the first nodes of each list, blocks first.
+    pub(super) first: [usize; N],
+}
+
+impl<const N: usize> Pages<N> {
+    /// Of a file that ends at an offset.
+    pub(super) fn until(end: usize) -> Self {
+        Pages { starts: Vec::new(), end }
+    }
+
+    pub(super) fn push(&mut self, start: Start<N>) {
+        self.starts.push(start);
+    }
+
+    /// The page of a block: its start, and the offset of its end.
+    pub(super) fn of_block(&self, number: usize) -> Option<(Start<N>, usize)> {
+        let next = self.starts.partition_point(|start| start.first[0] <= number);
+        let page = self.starts.get(next.checked_sub(1)?)?;
+        Some((*page, self.starts.get(next).map_or(self.end, |next| next.offset)))
+    }
+
+    /// The first blocks of all pages.
+    pub(super) fn first_blocks(&self) -> impl Iterator<Item = usize> {
+        self.starts.iter().map(|start| start.first[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_stay_when_nodes_leave() {
+        let mut shelf = Shelf::default();
+        shelf.extend(['a', 'b', 'c']);
+        shelf.turn_to(3);
+        shelf.push('d');
+        assert_eq!((shelf.len(), shelf.next(), shelf.get(2), shelf.get(3)), (4, 4, None, Some(&'d')));
+        shelf.turn_to(1);
+        shelf.extend(['b', 'c']);
+        assert_eq!((shelf.len(), shelf.next(), &shelf[1..3], shelf.range(0..2)), (4, 3, &['b', 'c'][..], &[][..]));
+        assert!(shelf.holds(1) && !shelf.holds(0) && !shelf.holds(3));
+    }
+}
