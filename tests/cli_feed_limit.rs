@@ -122,3 +122,29 @@ fn a_hold_lets_the_axes_get_there() {
     let (_, report) = limited("p.mpf", program, &coarse, "16um");
     assert_ne!(report["feed_limit"]["slowed"], 0, "{report}");
 }
+
+#[test]
+fn what_rapid_moves_leave_is_not_the_doing_of_a_feed() {
+    // Down with feed, up and on rapidly: the rounding of the corner above is off the way back, not off the hole.
+    let program = "G90 G500 G0 X0 Y0 Z10\nG1 Z-10 F300\nG0 Z10\nG0 Y100\nG1 Z-10\nG0 Z10\nM30\n";
+    let (text, report) = limited("p.mpf", program, MILL, "15um");
+    assert_eq!(
+        (&report["feed_limit"]["slowed"], &report["diagnostics"]),
+        (&0.into(), &serde_json::json!([])),
+        "{report}"
+    );
+    assert!(feeds(&text).iter().all(|&feed| feed == 300.0), "{text}");
+}
+
+#[test]
+fn faults_of_loops_are_found_together() {
+    let machine = MILL
+        .replace("cycle_ms = 3", "cycle_ms = 1e-9")
+        .replace("feed_forward = 0.95", "feed_forward = 1.5")
+        .replace("[servo.Z]\nvelocity_gain_m_min_mm = 3\nfeed_forward = 0.98\nmax_acceleration_m_s2 = 5\n", "");
+    let shop = Shop::new().file("m.toml", machine);
+    let run = shop.run(["machine", "check", "m.toml"]);
+    for said in ["cycle_ms must be a time from 0.01", "feed_forward must be a share", "[servo] says nothing of Z"] {
+        assert!(run.stderr.contains(said) || run.stdout.contains(said), "{said}: {} {}", run.stderr, run.stdout);
+    }
+}

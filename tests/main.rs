@@ -94,6 +94,7 @@ mod iso_macros;
 mod iso_tilted;
 mod iso_tip;
 mod kinematics;
+mod large;
 mod lei_hsu;
 mod limits;
 mod live_step;

@@ -78,7 +78,7 @@ pub(super) fn read(
     findings: &mut Vec<Diagnostic>,
 ) -> Option<Servo> {
     let cycle_ms = section.required("cycle_ms", "3.0", |section, key| {
-        section.number_where(key, "a time above 0, at most 100 ms", |ms| ms > 0.0 && ms <= 100.0)
+        section.number_where(key, "a time from 0.01 to 100 ms", |ms| (0.01..=100.0).contains(&ms))
     });
     let most_ms = cycle_ms.map_or(f64::INFINITY, |cycle_ms| cycle_ms * MOST_CYCLES);
     let smoothing_ms =
@@ -89,6 +89,7 @@ pub(super) fn read(
     let corner_urad = section.number_where("corner_tolerance_urad", "a number above 0", |urad| urad > 0.0);
     let exact_um = section.number_where("exact_stop_um", "a number above 0", |um| um > 0.0);
     let mut loops = [None; AXIS_COUNT];
+    let mut missing: Vec<Axis> = Vec::new();
     for axis in AXES {
         let key = axis.to_string();
         let is_named = named.contains(axis);
@@ -100,9 +101,10 @@ pub(super) fn read(
                 section.report(Code::BAD_VALUE, place, message, "remove the section");
             }
         } else if is_named && !section.has(&key) {
-            missing(&mut section, axis);
+            missing.push(axis);
         }
     }
+    report_missing(&mut section, &missing);
     section.finish(findings);
     let corner_tolerance_mm = mm_from_um(corner_um?);
     Some(Servo {
@@ -115,9 +117,15 @@ pub(super) fn read(
     })
 }
 
-fn missing(section: &mut Section<'_>, axis: Axis) {
-    let message = format!("[servo] says nothing of axis {axis}");
-    let help = format!("add [servo.{axis}] with velocity_gain_per_s, feed_forward and {}", acceleration_key(axis));
+/// All axes without a loop are one finding.
+fn report_missing(section: &mut Section<'_>, axes: &[Axis]) {
+    let Some(&first) = axes.first() else { return };
+    let names: Vec<String> = axes.iter().map(Axis::to_string).collect();
+    let message = format!("[servo] says nothing of {}", names.join(", "));
+    let help = format!(
+        "add [servo.{first}] and so on, with velocity_gain_per_s, feed_forward and {}",
+        acceleration_key(first)
+    );
     section.report(Code::MISSING_KEY, section.place(), message, help);
 }
 
@@ -138,8 +146,9 @@ fn read_axis(
     let delay_ms =
         section.number_where("delay_ms", "a time from 0 to 200 ms", |ms| (0.0..=MOST_DELAY_MS).contains(&ms));
     let key = acceleration_key(axis);
-    let acceleration =
-        section.required(key, "5.0", |section, key| section.number_where(key, "a number above 0", |value| value > 0.0));
+    let acceleration = section.required(key, "5.0", |section, key| {
+        section.number_where(key, "a number from 0.001 on", |value| value >= 0.001)
+    });
     let factor = if axis.is_rotary() { 1.0 } else { MM_PER_M };
     let max_speed = data.and_then(|data| match data.max_feed {
         Some(per_min) if axis.is_rotary() => Some(per_min.to_radians() / 60.0),
@@ -166,7 +175,7 @@ fn read_axis(
 fn read_gain(section: &mut Section<'_>) -> Option<f64> {
     const BY_S: &str = "velocity_gain_per_s";
     const BY_MIN: &str = "velocity_gain_m_min_mm";
-    let (expected, allowed) = ("a number above 0", |gain: f64| gain > 0.0);
+    let (expected, allowed) = ("a number from 0.01 to 100000", |gain: f64| (0.01..=1e5).contains(&gain));
     if !section.has(BY_MIN) {
         section.accept(BY_MIN);
         return section.required(BY_S, "50.0", |section, key| section.number_where(key, expected, allowed));

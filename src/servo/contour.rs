@@ -87,7 +87,8 @@ impl Contour {
                 if passed.square > 0.0 { (from.dot(&passed.along) / passed.square).clamp(0.0, 1.0) } else { 0.0 };
             let off = from - passed.along * share;
             let square = off.norm_squared();
-            if best.is_none_or(|(least, ..)| square < least) {
+            // Where a path goes back on itself, the tool is on its way back: what comes later counts.
+            if best.is_none_or(|(least, ..)| square <= least) {
                 best = Some((square, share, off, passed));
             }
         }

@@ -121,6 +121,8 @@ impl Waiting {
             ("its motion is none of the path", "feeds of threads, positioning and probing stay as they are")
         } else if self.unit.is_none() {
             ("its feed is a time (G93), which stays", "program it with G94, or take longer times")
+        } else if group.is_fixed {
+            ("its feed stays as it is", "look at the moves before it, or allow more")
         } else if group.has_given_up() {
             (
                 "a lower feed does not help",

@@ -1,13 +1,13 @@
 //! Blocks: splits the file into lines, sections and words, and goes on behind whatever cannot be read.
 
 use super::macros::{Macros, definition};
+use super::section::empty;
 use super::token::{Fault, Input, Parsed, blanks, fault, find_byte, identifier, is_blank, number, small_number};
-use super::tree::{Address, Block, BlockNumber, Body, Program, Section, Value, Word};
+use super::tree::{Address, Block, BlockNumber, Body, Program, Value, Word};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
-use crate::syntax::names::{NameId, Names};
-use crate::syntax::shelf::Shelf;
+use crate::syntax::names::NameId;
 
 /// A block longer than this is refused; controls take 512 characters.
 const MAX_BLOCK_BYTES: usize = 4096;
@@ -17,33 +17,13 @@ pub(super) struct Parser {
     pub(super) program: Program,
     findings: Vec<Diagnostic>,
     pub(super) line_end: usize,
-    macros: Macros,
+    pub(super) macros: Macros,
     /// Those of definition files, which outlive their section.
-    shared: Macros,
+    pub(super) shared: Macros,
     /// Expanded lines, see [`Source::with_tail`].
     pub(super) tail: Vec<u8>,
     pub(super) expanded: Vec<(u32, Span)>,
     pub(super) depth: u32,
-}
-
-/// A program without anything.
-pub(super) fn empty(source: Source, dialect: &'static Dialect) -> Program {
-    Program {
-        source,
-        dialect,
-        sections: vec![Section { name: String::new(), ending: String::new(), headers: Vec::new(), blocks: 0..0 }],
-        blocks: Shelf::default(),
-        words: Shelf::default(),
-        exprs: Shelf::default(),
-        arguments: Shelf::default(),
-        jumps: Vec::new(),
-        definitions: Shelf::default(),
-        parameters: Vec::new(),
-        calls: Vec::new(),
-        repetitions: Vec::new(),
-        names: Names::default(),
-        pages: None,
-    }
 }
 
 /// A block while its line is being read.
@@ -363,38 +343,6 @@ impl Parser {
             _ => (rest, Address::Name(self.intern(name)), Value::None),
         };
         Ok((rest, Word { span: Span::new(start, self.offset(rest)), address, value }))
-    }
-
-    fn section_is_fresh(&self) -> bool {
-        self.program
-            .sections
-            .last()
-            .is_some_and(|section| section.headers.len() == 1 && self.program.blocks.next() == section.blocks.start)
-    }
-
-    fn close_section(&mut self) {
-        let end = self.program.blocks.next();
-        if let Some(section) = self.program.sections.last_mut() {
-            section.blocks.end = end;
-        }
-    }
-
-    /// `%_N_NAME_MPF`, `%NAME_MPF` or a bare `%`.
-    fn open_section(&mut self, text: &[u8]) {
-        let span = Span::new(self.offset(text), self.line_end);
-        self.close_section();
-        match self.program.sections.last() {
-            Some(section) if section.ending == "DEF" => self.shared = self.macros.clone(),
-            _ => self.macros = self.shared.clone(),
-        }
-        let shown = String::from_utf8_lossy(&text[1..]).trim().to_ascii_uppercase();
-        let full = shown.strip_prefix("_N_").unwrap_or(&shown);
-        let (name, ending) = match full.rsplit_once('_') {
-            Some((name, ending)) if ending.len() == 3 => (name.to_owned(), ending.to_owned()),
-            _ => (full.to_owned(), String::new()),
-        };
-        let start = self.program.blocks.next();
-        self.program.sections.push(Section { name, ending, headers: vec![span], blocks: start..start });
     }
 }
 

@@ -1,10 +1,11 @@
 //! Parameters of subprograms, and the statements that call other programs.
 
 use super::block::{Draft, Parser};
+use super::definition::DefinitionType;
 use super::expression::keyword;
 use super::jump::JumpTarget;
 use super::token::{Input, Parsed, blanks, fault, identifier, is_blank};
-use super::tree::{ArgumentRange, Body, DefinitionType, ExprId};
+use super::tree::{ArgumentRange, Body, ExprId};
 use crate::diagnostic::Code;
 use crate::source::Span;
 use crate::syntax::names::NameId;

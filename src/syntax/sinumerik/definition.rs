@@ -2,15 +2,48 @@
 
 use super::block::Parser;
 use super::token::{Input, Parsed, blanks, fault, identifier};
-use super::tree::{ArgumentRange, Body, Definition, DefinitionType, ExprId, Node};
+use super::tree::{ArgumentRange, Body, ExprId, Node};
 use crate::diagnostic::Code;
 use crate::source::Span;
+use crate::syntax::names::NameId;
 
 /// Modifiers with a number behind them: access rights, physical unit, limits. They change no value.
 const WITH_NUMBER: &[&[u8]] = &[b"APR", b"APW", b"APX", b"APRP", b"APWP", b"APRB", b"APWB", b"PHU", b"LLI", b"ULI"];
 /// Modifiers without one: preprocessing stop, initialisation, data class.
 const ALONE: &[&[u8]] =
     &[b"SYNR", b"SYNW", b"SYNRW", b"INIPO", b"INIRE", b"INICF", b"PRLOC", b"DCM", b"DCI", b"DCU", b"DCS", b"DCN"];
+
+/// Type of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names are the types' names")]
+pub enum DefinitionType {
+    Int,
+    Real,
+    Bool,
+    Char,
+    String,
+    Axis,
+    Frame,
+}
+
+/// A variable of a DEF block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Definition {
+    /// Name and initial value.
+    pub span: Span,
+    /// Type.
+    pub kind: DefinitionType,
+    /// Name.
+    pub name: NameId,
+    /// `n` of `STRING[n]`.
+    pub length: Option<ExprId>,
+    /// Lengths of an array; none for a single value.
+    pub dimensions: ArgumentRange,
+    /// Whether all programs see it (`DEF CHAN`, `DEF NCK`).
+    pub is_global: bool,
+    /// Initial value; a list is a call of `SET` or `REP`.
+    pub value: Option<ExprId>,
+}
 
 impl Parser {
     /// `DEF {modifier} TYPE {modifier} name [= value] {, name [= value]}`

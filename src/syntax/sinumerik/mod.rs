@@ -7,6 +7,7 @@ mod expression;
 mod jump;
 mod macros;
 mod pages;
+mod section;
 mod statement;
 mod structure;
 mod sync_action;
@@ -15,11 +16,12 @@ mod tree;
 
 pub use super::names::{NameId, Names};
 pub use call::{CallKind, CallStatement, Callee, Parameter};
+pub use definition::{Definition, DefinitionType};
 pub use jump::{Jump, JumpTarget, Repetition, Search};
 pub use macros::Macros;
 pub use tree::{
-    Address, ArgumentRange, Block, BlockNumber, Body, Definition, DefinitionType, DimensionFunction, Expr, ExprId,
-    Node, Operator, Program, Section, UnaryOperator, Value, Word,
+    Address, ArgumentRange, Block, BlockNumber, Body, DimensionFunction, Expr, ExprId, Node, Operator, Program,
+    Section, UnaryOperator, Value, Word,
 };
 
 use super::{LARGE_BYTES, PAGE_BYTES, checked, nothing_done};

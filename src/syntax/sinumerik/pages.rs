@@ -5,8 +5,9 @@
 
 use std::sync::Arc;
 
-use super::block::{Parser, empty};
+use super::block::Parser;
 use super::macros::Macros;
+use super::section::empty;
 use super::tree::{Body, Program};
 use crate::dialect::Dialect;
 use crate::source::Source;

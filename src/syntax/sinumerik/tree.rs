@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::call::{CallStatement, Parameter};
+use super::definition::Definition;
 use super::jump::{Jump, Repetition};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
@@ -322,38 +323,6 @@ pub enum Operator {
     LessEqual,
     /// `:` between frames
     Chain,
-}
-
-/// Type of a variable.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(missing_docs, reason = "the names are the types' names")]
-pub enum DefinitionType {
-    Int,
-    Real,
-    Bool,
-    Char,
-    String,
-    Axis,
-    Frame,
-}
-
-/// A variable of a DEF block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Definition {
-    /// Name and initial value.
-    pub span: Span,
-    /// Type.
-    pub kind: DefinitionType,
-    /// Name.
-    pub name: NameId,
-    /// `n` of `STRING[n]`.
-    pub length: Option<ExprId>,
-    /// Lengths of an array; none for a single value.
-    pub dimensions: ArgumentRange,
-    /// Whether all programs see it (`DEF CHAN`, `DEF NCK`).
-    pub is_global: bool,
-    /// Initial value; a list is a call of `SET` or `REP`.
-    pub value: Option<ExprId>,
 }
 
 impl Block {
