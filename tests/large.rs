@@ -99,3 +99,38 @@ fn a_fault_at_the_end_of_a_large_program_is_found_at_its_place() {
     assert!(run.stderr.contains(&format!("p.mpf:{}:", LINES + 3)), "{}", run.stderr);
     assert!(!shop.path("o.mpf").exists());
 }
+
+/// A loop that could go on for ever: what its passes leave behind is written and forgotten, whatever the number of threads.
+#[cfg(target_os = "linux")]
+#[test]
+fn passes_of_a_loop_leave_nothing_in_memory() {
+    let looped = |passes: u32| {
+        format!(
+            "DEF INT TURN\nG90 G54 G0 X0 Y0 Z0\nG1 F1000\nWHILE TURN<{passes}\nX=100+50*SIN(TURN) Y=100+50*COS(TURN) ; pass\nX0 Y0\nTURN=TURN+1\nENDWHILE\nM30\n"
+        )
+    };
+    let shop = Shop::new().file("short.mpf", looped(2_000)).file("long.mpf", looped(100_000));
+    for threads in ["1", "3"] {
+        let [short, long] = ["short.mpf", "long.mpf"]
+            .map(|name| memory(&shop, &["fix", name, "-o", "out.mpf", "--threads", threads, "--max-blocks", "1000000"]));
+        assert!(long < short + 4 * 1024, "{threads} threads: {short} KiB, {long} KiB");
+    }
+}
+
+#[test]
+fn any_number_of_threads_writes_the_same() {
+    let shop = Shop::new()
+        .file("paged.mpf", program("G90 G54 G0 X0 Y0 Z0\nG1 F1000\n", "M30\n", true))
+        .file("faulty.mpf", "G90 G54 G0 X0 Y0 Z0\nG1 X10 F1000\nX2000\nX20\nX3000\nY=1/0\nM30\n");
+    let runs = ["1", "2", "3"].map(|threads| {
+        let name = format!("{threads}.mpf");
+        shop.run(["fix", "paged.mpf", "-o", &name, "--threads", threads]).exits(0);
+        let faulty = shop.run(["fix", "faulty.mpf", "-o", "no.mpf", "--threads", threads]).exits(4);
+        assert!(!shop.path("no.mpf").exists());
+        (shop.bytes(&name), faulty.stderr.clone())
+    });
+    assert!(runs.iter().all(|run| *run == runs[0]));
+    // Without --threads too, which takes several for a program as long as this.
+    shop.run(["fix", "paged.mpf", "-o", "any.mpf"]).exits(0);
+    assert!(shop.bytes("any.mpf") == runs[0].0);
+}

@@ -67,6 +67,7 @@ mod esmaeili;
 mod exec;
 mod feed;
 mod feed_drift;
+mod fewest_pieces;
 mod five_axis;
 mod flat;
 mod flow;

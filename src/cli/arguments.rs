@@ -259,6 +259,9 @@ pub(super) struct FixArguments {
     /// Write a page that shows what was changed, for a person to look at before the program runs: that of `ncfix diff --html`
     #[arg(long, value_name = "PAGE.html")]
     pub(super) review: Option<PathBuf>,
+    /// Threads to work in, 1 to 3, without it as many as help; the output is the same
+    #[arg(long, value_name = "N", value_parser = value::threads)]
+    pub(super) threads: Option<usize>,
     /// Print the report as one JSON object on standard output
     #[arg(long)]
     pub(super) json: bool,

@@ -9,6 +9,7 @@ use super::diff;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::is_standard_stream;
+use super::lanes::{self, Lanes};
 use super::machine_choice::{self, Chosen};
 use super::output::{Spool, Target};
 use super::program::{self, Opened, Running};
@@ -20,12 +21,11 @@ use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::emit;
 use crate::exec::RapidOrder;
 use crate::geometry::{AXES, Axis};
-use crate::path::{self, Corrector, Prediction};
+use crate::path::{self, Prediction};
 use crate::report::correction::Correction;
 use crate::report::json;
 use crate::report::review::Limit;
 use crate::review::Trace;
-use crate::servo::Limiter;
 use crate::source::{Source, Span};
 use crate::units::{um_from_mm, urad_from_rad};
 
@@ -184,31 +184,24 @@ impl<'a> Job<'a> {
         let start = arguments.program.start;
         let writing = Writing::new(&arguments.correction, start, opened.dialect.name, chosen, self.source.bytes())?;
         let mut writer = writing.writer()?;
-        let running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
-        let mut corrector = Corrector::new(running, machine, &model, writing.options.clone());
-        // Findings are few: the execution and the corrector both stop after a hundred.
-        let mut found = Vec::new();
-        let note_finding = |finding| found.push(finding);
-        let written = match (arguments.feed_limit, &machine.servo) {
-            (Some(limit_mm), Some(servo)) => {
-                let mut limiter = Limiter::new(&mut corrector, limit_mm, machine, servo, &model, &writing.options);
-                let written = emit::emit(&mut limiter, writer.as_mut(), spool.writer(), note_finding);
-                report.feed_limit = Some(feed_limit::report(limit_mm, limiter.limited()));
-                written
-            }
-            _ => emit::emit(&mut corrector, writer.as_mut(), spool.writer(), note_finding),
-        };
-        report.blocks_out = written.map_err(|error| spool.fault(&error))?;
-        let running = corrector.elements();
-        findings.extend(found, running.sources());
+        let mut running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
+        let feed_limit = arguments.feed_limit.zip(machine.servo.as_ref());
+        let lanes = Lanes { machine, model: &model, options: &writing.options, feed_limit };
+        let threads = arguments.threads.unwrap_or_else(|| lanes::threads_for(self.source.bytes().len()));
+        let passed = lanes.pass(&mut running, writer.as_mut(), spool.writer(), threads);
+        report.blocks_out = passed.blocks.map_err(|error| spool.fault(&error))?;
+        if let Some((limit, limited)) = arguments.feed_limit.zip(passed.limited) {
+            report.feed_limit = Some(feed_limit::report(limit, &limited));
+        }
+        findings.extend(passed.found, running.sources());
         program::protect_program(&self.target, &running.files(), findings);
         let sources = running.sources();
         for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
             findings.add(corrected_before(stamped), sources);
         }
-        note(corrector.prediction(), running, report);
+        note(&passed.prediction, &running, report);
         let rotary = writing.options.rotary;
-        let left = path::remaining(machine, &chosen.errors, &chosen.condition, corrector.poses(), rotary);
+        let left = path::remaining(machine, &chosen.errors, &chosen.condition, &passed.poses, rotary);
         report.remaining = left.iter().map(remaining).collect();
         Ok(())
     }

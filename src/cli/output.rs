@@ -119,7 +119,7 @@ impl Spool {
     }
 
     /// Where the text is written to.
-    pub(super) fn writer(&mut self) -> &mut dyn io::Write {
+    pub(super) fn writer(&mut self) -> &mut (dyn io::Write + Send) {
         &mut self.file
     }
 

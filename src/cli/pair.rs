@@ -4,7 +4,6 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::panic::resume_unwind;
 use std::path::Path;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use super::arguments::{MachineChoice, ProgramChoice, StateChoice, VerifyArguments};
 use super::at_feed::Driven;
@@ -12,6 +11,7 @@ use super::feed_limit;
 use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
 use super::program::{self, Running};
+use super::relay::{Filler, Taker, relay};
 use super::state;
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
@@ -119,16 +119,15 @@ impl<'p> Pair<'p> {
         }
         let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());
         let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };
-        let (sender, parts) = sync_channel(AHEAD);
+        let (filler, ahead) = relay();
         std::thread::scope(|scope| {
             // One core executes the corrected program ahead, the other one the original, and compares.
-            let run = move || send(start(corrected, self.corrected).silent(), &sender);
-            let ahead = scope.spawn(run);
-            let corrected = Ahead { parts, now: Vec::new().into_iter() };
+            let run = move || send(start(corrected, self.corrected).silent(), filler);
+            let thread = scope.spawn(run);
             let original = start(original, self.original);
             let how = How { grouping, at_feed: self.at_feed, start: self.program.start };
-            walk((original, corrected), &how, chosen, findings, see, || {
-                ahead.join().unwrap_or_else(|fault| resume_unwind(fault))
+            walk((original, ahead), &how, chosen, findings, see, || {
+                thread.join().unwrap_or_else(|fault| resume_unwind(fault))
             })
         })
     }
@@ -137,44 +136,14 @@ impl<'p> Pair<'p> {
 /// An element, or a finding with the files that it may be in.
 type Item = Result<Element, (Diagnostic, Vec<Source>)>;
 
-/// Elements that are handed on together, and how many such parts may wait.
-const PART: usize = 4096;
-const AHEAD: usize = 4;
-
 /// Executes a program to its end, or until nobody wants its elements any more; its files.
-fn send(mut running: Running<'_>, to: &SyncSender<Vec<Item>>) -> Vec<Source> {
-    loop {
-        let mut part = Vec::with_capacity(PART);
-        while part.len() < PART {
-            match running.next() {
-                Some(Ok(element)) => part.push(Ok(element)),
-                Some(Err(finding)) => part.push(Err((finding, running.sources().to_vec()))),
-                None => break,
-            }
-        }
-        if part.is_empty() || to.send(part).is_err() {
-            return running.sources().to_vec();
-        }
-    }
-}
-
-/// The elements of a program that is executed ahead.
-struct Ahead {
-    parts: Receiver<Vec<Item>>,
-    now: std::vec::IntoIter<Item>,
-}
-
-impl Iterator for Ahead {
-    type Item = Item;
-
-    fn next(&mut self) -> Option<Item> {
-        loop {
-            if let Some(item) = self.now.next() {
-                return Some(item);
-            }
-            self.now = self.parts.recv().ok()?.into_iter();
-        }
-    }
+fn send(mut running: Running<'_>, to: Filler<Item>) -> Vec<Source> {
+    let items = std::iter::from_fn(|| {
+        let item = running.next()?;
+        Some(item.map_err(|finding| (finding, running.sources().to_vec())))
+    });
+    to.put_all(items);
+    running.sources().to_vec()
 }
 
 /// How two programs are compared.
@@ -186,7 +155,7 @@ struct How {
 
 /// Compares two running programs; `files` ends the corrected one and gives its files.
 fn walk(
-    (mut original, corrected): (Running<'_>, Ahead),
+    (mut original, corrected): (Running<'_>, Taker<Item>),
     how: &How,
     chosen: &Chosen,
     findings: &mut Findings,

@@ -25,6 +25,9 @@ use crate::servo::{Moment, Run, Tally};
 use crate::source::Source;
 use crate::units::um_from_mm;
 
+/// Rows of a trace at most: 3 GB of text, and more than any recorder of a control keeps.
+const MOST_ROWS: u64 = 20_000_000;
+
 /// Records a program.
 pub(super) fn run(arguments: &SimulateArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
@@ -114,7 +117,11 @@ fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Opti
             return Ok(None);
         }
     }
-    if recorder.seen.tally.cycles() == 0 && !findings.has_errors() {
+    if recorder.seen.rows == 0 && !findings.has_errors() {
+        let message = format!("{} makes no moves", source.name());
+        let help = "give a program that moves the axes: there is nothing to record";
+        findings.add(Diagnostic::nowhere(Code::UNKNOWN_START, message, help), &[]);
+    } else if recorder.seen.tally.cycles() == 0 && !findings.has_errors() {
         let message = format!("{} makes no move with feed whose start is known", source.name());
         let help = "program all axes before the first move with feed, or say with --start where they stand";
         findings.add(Diagnostic::nowhere(Code::UNKNOWN_START, message, help), &[]);
@@ -130,6 +137,16 @@ fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Opti
     other.publish(false)?;
     table.publish(false)?;
     Ok(Some(seen))
+}
+
+/// A program that takes too long to be recorded.
+fn too_long(rows: u64) -> Diagnostic {
+    let message = match rows {
+        MOST_ROWS.. => format!("the trace would have more than {} rows", grouped(MOST_ROWS)),
+        _ => "a chord of a move would take more than an hour".to_owned(),
+    };
+    let help = "simulate a part of the program, at higher feeds, or with a longer servo.cycle_ms";
+    Diagnostic::nowhere(Code::TOO_MANY_BLOCKS, message, help)
 }
 
 /// Writes the rows of a trace.
@@ -215,6 +232,10 @@ impl<'a> Recorder<'a> {
                 Err(finding) => findings.add(finding, running.sources()),
             }
             std::mem::replace(&mut written, Ok(()))?;
+            if drive.has_left_out() || self.seen.rows > MOST_ROWS {
+                findings.add(too_long(self.seen.rows), &[]);
+                return Ok(());
+            }
         }
         drive.finish(&mut |moment| {
             if written.is_ok() {

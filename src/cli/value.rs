@@ -26,6 +26,12 @@ pub(super) fn whole_mm(text: &str) -> Result<i32, String> {
     }
 }
 
+/// Threads to work in.
+pub(super) fn threads(text: &str) -> Result<usize, String> {
+    let value = text.parse().ok().filter(|value| (1..=super::lanes::MOST_THREADS).contains(value));
+    value.ok_or_else(|| format!("write a whole number from 1 to {}", super::lanes::MOST_THREADS))
+}
+
 /// A share in percent, as a number.
 pub(super) fn percent(text: &str) -> Result<f64, String> {
     let value = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());

@@ -10,7 +10,7 @@ use crate::numeric::System;
 use super::basis::{Basis, Smooth};
 use super::grid::Grid;
 use super::poses::Poses;
-use super::signal::inflation;
+use super::signal::{inflation, triangle};
 
 /// How far apart clocks may be at the first guess, s.
 const MOST_S: f64 = 0.5;
@@ -110,15 +110,25 @@ fn fit(runs: &[(&Grid, &Poses)], basis: &Basis, axes: &[Axis], delay_s: f64, alo
         let mut system = System::new(columns);
         let mut kept: Vec<(Vec<f64>, f64)> = Vec::new();
         for (run, (grid, poses)) in runs.iter().enumerate() {
-            for number in (0..poses.count()).step_by(every) {
-                let Some(read) = reading(grid, number, delay_s) else { continue };
+            let signal = grid.readings.get(direction)?;
+            // Accelerations are means over a reach; so must be what is compared with them, or what they miss at a change looks like a delay.
+            let value = |number: usize| {
+                reading(grid, number, delay_s).map_or(0.0, |read| read[direction] - poses.nominal[1][number][direction])
+            };
+            let values = triangle(&(0..poses.count()).map(value).collect::<Vec<f64>>(), poses.reach);
+            let slope = |number: usize| signal.slope(grid.time(number) + delay_s);
+            let changes = triangle(&(0..poses.count()).map(slope).collect::<Vec<f64>>(), poses.reach);
+            for number in (poses.reach..poses.count().saturating_sub(poses.reach)).step_by(every) {
+                let ends = [number - poses.reach, number + poses.reach];
+                if ends.iter().any(|&end| reading(grid, end, delay_s).is_none()) {
+                    continue;
+                }
                 let mut row = vec![0.0; first];
-                let signal = grid.readings.get(direction)?;
-                row[if alone { run } else { 0 }] = -signal.slope(grid.time(number) + delay_s);
+                row[if alone { run } else { 0 }] = -changes[number];
                 row[slopes + run] = 1.0;
                 basis.push(&poses.encoder[number], poses.share[number], &mut row);
                 row.extend(axes.iter().map(|&axis| poses.acceleration[number][axis]));
-                let value = read[direction] - poses.nominal[1][number][direction];
+                let value = values[number];
                 system.add(&row, value, 1.0);
                 kept.push((row, value));
             }

@@ -41,7 +41,7 @@ impl Grid {
         let end_s = times.last().copied().unwrap_or(0.0);
         let step_s = median_step(&times).max(FASTEST_S);
         let count = ((end_s - start_s) / step_s + 0.5).floor() as usize + 1;
-        let is_even = times.iter().enumerate().all(|(k, t)| (t - start_s - step_s * k as f64).abs() < 0.02 * step_s);
+        let is_even = is_even(&times, start_s, step_s);
         let signal = |of: &[AxisVector], axis: Axis| {
             let values: Vec<f64> = kept.iter().map(|&k| of[k][axis]).collect();
             if is_even {
@@ -102,6 +102,11 @@ fn cycles(times: &[f64], set: &[AxisVector], axes: &[Axis]) -> Vec<usize> {
     }
 }
 
+/// Whether samples were taken at equal steps.
+fn is_even(times: &[f64], start_s: f64, step_s: f64) -> bool {
+    times.iter().enumerate().all(|(k, t)| (t - start_s - step_s * k as f64).abs() < 0.02 * step_s)
+}
+
 fn greatest_common_divisor(a: usize, b: usize) -> usize {
     if b == 0 { a } else { greatest_common_divisor(b, a % b) }
 }
@@ -121,6 +126,10 @@ fn readings(run: &Run, step_s: f64) -> (Vec<Signal>, [f64; 3]) {
     let signals: Vec<Signal> = (0..3)
         .map(|k| {
             let values: Vec<f64> = run.readings.along.iter().map(|along| along[k]).collect();
+            if is_even(times, start, fine) {
+                // Any curve through them would bend what changes from one to the next.
+                return Signal { start_s: start, step_s: fine, values };
+            }
             even(times, &values, start, fine, count, step_s)
         })
         .collect();

@@ -52,6 +52,8 @@ pub enum Fault {
     Apart,
     /// Two runs do not follow one path: their numbers and the lengths of their paths, mm.
     OtherPath([usize; 2], [f64; 2]),
+    /// The encoders of an axis go another way than its set-points, mm or rad: they are in another unit.
+    Units(Axis, [f64; 2]),
     /// What the run of this number tells is too little for links and smooth errors.
     NotTold(usize),
 }
@@ -63,6 +65,11 @@ impl fmt::Display for Fault {
             Fault::Apart => f.write_str("readings and positions do not overlap in time"),
             Fault::OtherPath(_, [one, other]) => {
                 write!(f, "runs of paths of {one:.1} and {other:.1} mm: they do not follow one path")
+            }
+            Fault::Units(axis, [set, encoder]) => {
+                let (unit, size) = if axis.is_rotary() { ("deg", 1_f64.to_degrees()) } else { ("mm", 1.0) };
+                let [set, encoder] = [set, encoder].map(|value| value * size);
+                write!(f, "the column {axis}_enc goes over {encoder:.3} {unit} while {axis} goes over {set:.3} {unit}")
             }
             Fault::NotTold(_) => f.write_str("the slowest run has too few readings to tell link and motion errors"),
         }

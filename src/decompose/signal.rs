@@ -73,10 +73,15 @@ pub fn even(t_s: &[f64], values: &[f64], start_s: f64, step_s: f64, count: usize
         }
         let (mut low, mut high) = (first, last);
         if high - low < 5 {
-            // Sparse samples: those around it.
+            // Sparse samples: as many before it as behind, or what bends further would look earlier or later than it was.
             let middle = t_s.partition_point(|&t| t < at);
-            low = middle.saturating_sub(2).min(t_s.len().saturating_sub(4));
-            high = (low + 4).min(t_s.len());
+            let away = |k: usize| t_s.get(k).map_or(f64::INFINITY, |&t| (t - at).abs());
+            let nearest = if middle > 0 && away(middle - 1) < away(middle) { middle - 1 } else { middle };
+            let is_on_one = away(nearest) < 0.25 * step_s;
+            let wanted = if is_on_one { 5 } else { 4 };
+            let from = if is_on_one { nearest } else { middle };
+            low = from.saturating_sub(2).min(t_s.len().saturating_sub(wanted));
+            high = (low + wanted).min(t_s.len());
         }
         let (times, own) = (t_s.get(low..high).unwrap_or_default(), values.get(low..high).unwrap_or_default());
         out.push(parabola(times, own, at, window_s.max(step_s)));
@@ -183,6 +188,21 @@ mod tests {
         assert!((signal.at(13.65) - 17.9725).abs() < 1e-12);
         assert!((signal.slope(13.65) - 8.3).abs() < 1e-12);
         assert_eq!([signal.at(0.0), signal.at(99.0)], [1.0, 1.0 + 9.5 + 90.25]);
+    }
+
+    #[test]
+    fn sparse_samples_of_a_cubic_are_not_shifted_in_time() {
+        // About its middle a cubic is odd beside a parabola: what is symmetric does not see it.
+        let times: Vec<f64> = (0..60).map(f64::from).collect();
+        let cubic = |t: f64| 2.0 - t + 0.5 * t * t + 0.01 * (t - 20.0).powi(3);
+        let values: Vec<f64> = times.iter().map(|&t| cubic(t)).collect();
+        for start in [5.0, 5.5] {
+            let signal = even(&times, &values, start, 1.0, 40, 1.0);
+            for (number, value) in signal.values.iter().enumerate() {
+                let t = start + number as f64;
+                assert!((value - cubic(t)).abs() < 1e-6, "{t}: {value} instead of {}", cubic(t));
+            }
+        }
     }
 
     #[test]

@@ -18,6 +18,8 @@ const REACH_S: f64 = 0.009;
 const SAME_PATH: f64 = 0.02;
 /// A path shorter than this tells nothing, mm.
 const LEAST_MM: f64 = 1.0;
+/// Encoders that go so many times as far as set-points, or as little, are in another unit.
+const OTHER_UNIT: f64 = 2.0;
 
 /// The runs at equal steps, the slowest first, and their numbers in the trace.
 fn grids(machine: &Machine, trace: &Trace) -> (Vec<Axis>, Vec<usize>, Vec<Grid>) {
@@ -83,6 +85,7 @@ pub(super) fn synchronous_telling(
 ) -> Result<Synchronous, Fault> {
     tell("delays and servo loops", 0.0);
     let (axes, order, grids) = grids(machine, trace);
+    check_units(&grids)?;
     let servo = find_servo(&axes, &grids, options).ok_or(Fault::Still)?;
     let nominal = Model::new(machine, &ErrorModel::default());
     let tool_mm = trace.runs.first().map_or_else(Vector::zeros, |run| run.tool_mm);
@@ -99,6 +102,22 @@ pub(super) fn synchronous_telling(
     }
     let left = left(&grids, &poses, clock.as_ref());
     Ok(Synchronous { axes, order, grids, poses, left, servo, clock, tool_mm, nominal })
+}
+
+/// Whether the encoders go as far as the set-points do.
+fn check_units(grids: &[Grid]) -> Result<(), Fault> {
+    let span = |values: &[f64]| {
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        most - values.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    for (axis, pair) in grids.iter().flat_map(|grid| &grid.axes) {
+        let [set, encoder] = [&pair.set, &pair.encoder].map(|signal| span(&signal.values));
+        let least = if axis.is_rotary() { LEAST_MM / 100.0 } else { LEAST_MM };
+        if set > least && !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(&(encoder / set)) {
+            return Err(Fault::Units(*axis, [set, encoder]));
+        }
+    }
+    Ok(())
 }
 
 /// Whether all runs follow one path.

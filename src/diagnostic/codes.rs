@@ -153,7 +153,8 @@ in the machine file; its call is passed on with its values:
 "A Sinumerik nests 16 program levels. A program that calls itself without end is refused here.";
     TOO_MANY_BLOCKS = "E0214" "more blocks executed than allowed"
 "The program executed more blocks than --max-blocks. It may never end (WHILE TRUE, a backward jump). Raise --max-blocks if it does
-end; nothing was written.";
+end; nothing was written. ncfix simulate says so too where a program takes so long that its trace would have more than 20 million rows, or a chord of
+a move more than an hour.";
     MISSING_FEED = "E0215" "feed motion without a feed"
 "G1, G2 and G3 need F, programmed earlier or in the block. The control stops here.";
     DUPLICATE_NAME = "E0216" "name defined twice"
@@ -427,7 +428,8 @@ or --start, decides it.";
     FEED_LIMIT_MISSED = "W0309" "tool further off its path than --feed-limit"
 "With --feed-limit, ncfix fix lowers feeds where the axes would be too far off the path. On this block that was not enough: its feed is at the lowest that is
 tried, 5 % of the programmed one; or it is a time (G93) or that of a thread, which stay; or a lower feed does not help, because what gives way does so while the
-axes accelerate from rest. The program is written with what could be done.";
+axes accelerate from rest. At a corner the lag of one block may reach into the next one: an exact stop (G9, G60; G61 where a control has it) lets the axes arrive
+first, feed-forward in the drives makes the lag smaller. The program is written with what could be done.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be found.";
     TWO_DRIFTS = "W0402" "two models of the drift"

@@ -40,7 +40,7 @@ pub struct WriterOptions {
 }
 
 /// Turns corrected output into lines of a control's language.
-pub trait Writer {
+pub trait Writer: Send {
     /// Appends the lines that `output` completes.
     ///
     /// # Errors

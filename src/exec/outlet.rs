@@ -91,6 +91,7 @@ impl<'a> Outlet<'a> {
     }
 
     /// Puts a motion into the stream, through the contour stage where it wants something of it. The kind of the element is a placeholder.
+    #[inline]
     pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Option<Wish>) {
         match wish {
             None => self.resolve(&path, element),

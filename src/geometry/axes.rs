@@ -34,7 +34,18 @@ impl Axis {
     /// The axis of a letter, upper or lower case.
     #[must_use]
     pub fn from_letter(letter: u8) -> Option<Axis> {
-        AXES.into_iter().find(|axis| axis.letter() == letter.to_ascii_uppercase())
+        Some(match letter.to_ascii_uppercase() {
+            b'X' => Axis::X,
+            b'Y' => Axis::Y,
+            b'Z' => Axis::Z,
+            b'U' => Axis::U,
+            b'V' => Axis::V,
+            b'W' => Axis::W,
+            b'A' => Axis::A,
+            b'B' => Axis::B,
+            b'C' => Axis::C,
+            _ => return None,
+        })
     }
 
     /// Its letter, upper case ASCII.

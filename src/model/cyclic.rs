@@ -61,7 +61,7 @@ impl Model {
     }
 
     fn straight_in_cycle(&self, nominal: &AxisVector, tool_mm: &Vector, state: &State) -> Option<AxisVector> {
-        let step = LinearStep::new(&self.linear, self.straight_columns()).ok()?;
+        let step = self.straight_step()?.as_ref().ok()?;
         let target = self.tip(nominal, tool_mm, None);
         let mut command = *nominal;
         for _ in 0..STEPS {

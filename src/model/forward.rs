@@ -11,7 +11,7 @@ use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES
 use crate::machine::{AxisData, Compensation, Condition, Machine, State};
 
 use super::body::{Body, Place, Pointer, Ray, Witness};
-use super::linear::LinearAxes;
+use super::linear::{LinearAxes, LinearStep, Singular};
 use super::link::{Displacement, Link};
 use super::motion::Functions;
 use super::name::{Carrier, ErrorKind, ErrorName};
@@ -38,6 +38,16 @@ pub struct Model {
     /// What the control adds to every command.
     active: Option<Arc<dyn Compensation>>,
     is_empty: bool,
+    /// What is the same everywhere on a machine without rotary axes.
+    straight: Option<Straight>,
+}
+
+/// Where all axes are linear, the nominal tip is a sum, and the step that brings the tip to its place is always the same.
+#[derive(Clone, Debug)]
+struct Straight {
+    /// Way of the tip per mm of each axis, by slot; zero where there is no axis.
+    columns: [Vector; AXIS_COUNT],
+    step: Result<LinearStep, Singular>,
 }
 
 /// A small displacement: of the actual tool frame from the nominal one, in the nominal tool frame.
@@ -78,13 +88,16 @@ impl Model {
         let active = machine.active_tables.control.clone();
         let is_empty =
             active.is_none() && spindle_error.is_none() && tool_side.iter().chain(&workpiece_side).all(Link::is_ideal);
+        let linear = LinearAxes::of(axes);
+        let straight = axes.iter().all(|axis| !axis.is_rotary()).then(|| Straight::of(&tool_side, &workpiece_side, &linear));
         Model {
+            straight,
             tool_side,
             workpiece_side,
             spindle_mm: machine.spindle.origin_mm,
             spindle_axis: machine.spindle.axis,
             spindle_error,
-            linear: LinearAxes::of(axes),
+            linear,
             rotary: axes.intersection(ROTARY_AXES.into_iter().collect()),
             features: features::of(machine, sum.motion()),
             modulo: machine.axes.iter().flatten().filter(|data| data.modulo).map(|data| data.axis).collect(),
@@ -144,7 +157,7 @@ impl Model {
     /// The tip at `command` with errors minus the nominal tip at `nominal`, in the workpiece frame, mm.
     #[must_use]
     pub fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, tool_mm: &Vector, state: &State) -> Vector {
-        self.tip(command, tool_mm, Some(state)) - self.carry(*tool_mm, nominal, None)
+        self.tip(command, tool_mm, Some(state)) - self.nominal_tip(nominal, tool_mm)
     }
 
     /// First-order effect of one error component on the volumetric error, per mm or rad of the component, in the nominal tool frame.
@@ -180,15 +193,16 @@ impl Model {
         self.carry(Ray { tip: *tool_mm, axis: self.spindle_axis }, &command, Some(state))
     }
 
-    /// The derivatives of the tip by the correcting linear axes on a machine without rotary axes; zero where there is none.
-    pub(super) fn straight_columns(&self) -> [Vector; 3] {
-        let mut columns = [Vector::zeros(); 3];
-        for (links, sense) in [(&self.tool_side, 1.0), (&self.workpiece_side, -1.0)] {
-            for link in links.iter().filter(|link| self.linear.axes().any(|axis| axis == link.axis)) {
-                columns[link.axis.dimension()] = link.direction * sense;
-            }
-        }
-        columns
+    /// The step of the linear axes on a machine without rotary axes; `None` where there are some.
+    pub(super) fn straight_step(&self) -> Option<&Result<LinearStep, Singular>> {
+        self.straight.as_ref().map(|straight| &straight.step)
+    }
+
+    /// The tip in the workpiece frame without errors, mm: what [`Self::nominal`] says of it.
+    pub(super) fn nominal_tip(&self, command: &AxisVector, tool_mm: &Vector) -> Vector {
+        let Some(straight) = &self.straight else { return self.carry(*tool_mm, command, None) };
+        let ways = command.0.iter().zip(&straight.columns);
+        ways.fold(self.spindle_mm + tool_mm, |tip, (way, column)| tip + column * *way)
     }
 
     /// The tip in the workpiece frame, mm.
@@ -227,5 +241,18 @@ impl Model {
             link.uncarry(&mut body, command, errors);
         }
         body
+    }
+}
+
+impl Straight {
+    fn of(tool_side: &[Link], workpiece_side: &[Link], linear: &LinearAxes) -> Straight {
+        let mut columns = [Vector::zeros(); AXIS_COUNT];
+        for (links, sense) in [(tool_side, 1.0), (workpiece_side, -1.0)] {
+            for link in links {
+                columns[link.axis.slot()] = link.direction * sense;
+            }
+        }
+        let correcting = linear.0.map(|axis| axis.map_or(Vector::zeros(), |axis| columns[axis.slot()]));
+        Straight { columns, step: LinearStep::new(linear, correcting) }
     }
 }

@@ -67,8 +67,8 @@ impl Model {
             return Ok(*nominal);
         }
         let search = Search { model: self, tool_mm, state };
-        if self.rotary.is_empty() {
-            return search.straight_position(self.tip(nominal, tool_mm, None), command);
+        if let Some(step) = self.straight_step() {
+            return search.straight_position(step.as_ref().map_err(|&singular| singular)?, self.nominal_tip(nominal, tool_mm), command);
         }
         let target = self.pointer(nominal, tool_mm, None);
         match mode {
@@ -97,8 +97,12 @@ impl Search<'_> {
     }
 
     /// Position on a machine without rotary axes: the derivatives are the directions of the axes.
-    fn straight_position(&self, target: Vector, mut command: AxisVector) -> Result<AxisVector, NotConverged> {
-        let step = LinearStep::new(&self.model.linear, self.model.straight_columns())?;
+    fn straight_position(
+        &self,
+        step: &LinearStep,
+        target: Vector,
+        mut command: AxisVector,
+    ) -> Result<AxisVector, NotConverged> {
         let mut residual_mm = f64::NAN;
         for _ in 0..MAX_STEPS {
             let residual = target - self.model.tip(&command, self.tool_mm, Some(self.state));

@@ -63,8 +63,9 @@ impl Sampler {
             return;
         }
         let first = fractions.len();
+        let ends = between.map(|parameter| route.at(parameter));
         for (axis, knots) in &self.knots {
-            let [a, b] = [route.at(between[0])[*axis], route.at(between[1])[*axis]];
+            let [a, b] = [ends[0][*axis], ends[1][*axis]];
             let reach = route.travel(*axis) * share;
             let from = knots.partition_point(|&knot| knot < a.min(b) - reach);
             for &knot in knots[from..].iter().take_while(|&&knot| knot <= a.max(b) + reach) {

@@ -36,7 +36,9 @@ pub struct Corrector<'a, I> {
     placing: AxisSet,
     standing: Standing,
     ever_named: AxisSet,
-    active: Option<Active>,
+    active: Option<Box<Active>>,
+    /// Room for the next move, so that none is allocated for each.
+    idle: Option<Box<Active>>,
     pending: VecDeque<Result<Output, Diagnostic>>,
     findings: Findings<'a>,
     prediction: Prediction,
@@ -91,6 +93,7 @@ where
             standing,
             ever_named: AxisSet::EMPTY,
             active: None,
+            idle: None,
             pending: VecDeque::with_capacity(8),
             findings: Findings::new(machine, options.max_correction_mm),
             prediction: Prediction::default(),
@@ -171,7 +174,7 @@ where
         let route = Route::new(standing.nominal, motion.target, motion.arc);
         let feed = self.placer.feed(&standing.nominal, motion);
         self.prediction.moves += 1;
-        self.active = Some(Active {
+        let active = Active {
             origin: element.origin,
             starts_block: element.starts_block,
             number: element.number,
@@ -184,11 +187,18 @@ where
             is_first: true,
             as_chords: self.options.arcs == Arcs::Chords,
             is_counted: starts_at_known && self.ever_named.difference(motion.known).is_empty(),
+        };
+        self.active = Some(match self.idle.take() {
+            Some(mut idle) => {
+                *idle = active;
+                idle
+            }
+            None => Box::new(active),
         });
     }
 
     /// Makes the next piece of the move.
-    fn advance(&mut self, mut active: Active) {
+    fn advance(&mut self, mut active: Box<Active>) {
         let trial = self.next_piece(&mut active);
         self.accept(&mut active, &trial);
         if active.parameter < 1.0 {
@@ -196,16 +206,17 @@ where
         } else {
             self.standing.known = active.motion.known;
             self.standing.is_doubtful = active.treatment == Treatment::Round;
+            self.idle = Some(active);
         }
     }
 
     fn next_piece(&mut self, active: &mut Active) -> Trial {
-        let route = active.route;
+        let route = &active.route;
         let bench = Bench {
             placer: &self.placer,
             sampler: &self.sampler,
             control: &self.machine.control,
-            route: &route,
+            route,
             samples: active.samples,
             known: active.motion.known,
             tolerance_mm: self.options.tolerance_mm,
@@ -245,7 +256,7 @@ where
         let turning = route.next_turning(self.sampler.backlash, from).min(checkable);
         let size_mm = route.size_mm();
         if let (Subdivision::Step(step_mm), None) = (self.options.subdivision, route.arc()) {
-            return bench.unmeasured(standing, [from, next_step(&route, from, step_mm)]);
+            return bench.unmeasured(standing, [from, next_step(route, from, step_mm)]);
         }
         let step = match self.options.subdivision {
             Subdivision::Adaptive => f64::INFINITY,

@@ -61,7 +61,16 @@ pub(super) fn fit_line(
     reach: Reach,
     scratch: &mut Vec<f64>,
 ) -> Option<Trial> {
-    let found = longest(reach, |between| Some(bench.straight(standing, between, scratch)))?;
+    let mut first = None;
+    if reach.guess >= reach.limit - reach.from {
+        // Most moves of a surface are one piece, and that is known by one trial.
+        let whole = bench.straight(standing, [reach.from, reach.limit], scratch);
+        if whole.fits() && !whole.end.is_held_back {
+            return Some(whole);
+        }
+        first = Some(whole);
+    }
+    let found = longest(reach, |between| first.take().or_else(|| Some(bench.straight(standing, between, scratch))))?;
     let mut shorter = found;
     for _ in 0..MOST_HALVINGS {
         let half = 0.5 * (shorter.between[1] - reach.from);

@@ -40,7 +40,7 @@ pub(super) struct Placer<'a> {
     kinematics: Kinematics,
     frame: OutputFrame,
     keeps_transform: bool,
-    has_rotary: bool,
+    pub(super) has_rotary: bool,
     turns_rotary: bool,
     is_empty: bool,
 }

@@ -31,8 +31,11 @@ impl Bench<'_, '_> {
         correction: &AxisVector,
     ) -> Placed {
         let placed = self.placer.place(nominal, self.known, state, correction, f64::INFINITY);
+        if !self.limits_turns || !self.placer.has_rotary {
+            return placed;
+        }
         let change = placed.command - *nominal - *correction;
-        if !self.limits_turns || change.max_abs(&ROTARY_AXES) <= MOST_TURN_RAD || !self.passes_singularity(between) {
+        if change.max_abs(&ROTARY_AXES) <= MOST_TURN_RAD || !self.passes_singularity(between) {
             return placed;
         }
         let limited = self.placer.place(nominal, self.known, state, correction, MOST_TURN_RAD);

@@ -96,6 +96,12 @@ impl<'a> Drive<'a> {
         self.follow.time_s()
     }
 
+    /// Whether a move was so slow, an hour for a chord, that it was not followed.
+    #[must_use]
+    pub fn has_left_out(&self) -> bool {
+        self.follow.has_left_out()
+    }
+
     /// Where the moves so far end.
     #[must_use]
     pub fn standing(&self) -> Option<&AxisVector> {

@@ -12,6 +12,9 @@ use crate::model::Model;
 /// What is left of an error of following after this many time constants does not matter.
 const TIME_CONSTANTS: f64 = 6.0;
 
+/// Chords that last longer than this are no cutting, s: the axes follow as well as they ever will, and nothing is seen of them.
+const LONGEST_S: f64 = 3600.0;
+
 /// The machine at the end of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
@@ -65,6 +68,7 @@ pub(super) struct Follow<'a> {
     /// How far from its end an axis may be when the control takes a block as ended.
     windows: AxisVector,
     position: AxisVector,
+    has_left_out: bool,
 }
 
 impl<'a> Follow<'a> {
@@ -94,7 +98,13 @@ impl<'a> Follow<'a> {
             smoothing_s: servo.smoothing_s,
             windows: servo.exact_stop(),
             position: AxisVector::ZERO,
+            has_left_out: false,
         }
+    }
+
+    /// Whether a chord was too slow to be followed.
+    pub(super) fn has_left_out(&self) -> bool {
+        self.has_left_out
     }
 
     /// The machine stands here, for as long as one likes.
@@ -124,6 +134,12 @@ impl<'a> Follow<'a> {
     /// Passes a chord.
     pub(super) fn pass(&mut self, chord: &Chord, profile: &Profile, see: &mut dyn FnMut(&Moment)) {
         let duration_s = profile.duration_s();
+        if duration_s.is_nan() || duration_s > LONGEST_S {
+            self.has_left_out = true;
+            self.time_s += duration_s;
+            self.jump(&chord.at(chord.size));
+            return;
+        }
         self.contour.pass(chord, profile, self.time_s + duration_s);
         while self.to_next_s <= duration_s {
             let [way, speed] = profile.at(self.to_next_s);

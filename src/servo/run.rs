@@ -138,6 +138,12 @@ impl<'a> Run<'a> {
         self.drive.time_s()
     }
 
+    /// Whether a move was so slow, an hour for a chord, that it was not followed.
+    #[must_use]
+    pub fn has_left_out(&self) -> bool {
+        self.drive.has_left_out()
+    }
+
     /// Whether feeds are times of moves now.
     #[must_use]
     pub fn is_inverse_time(&self) -> bool {

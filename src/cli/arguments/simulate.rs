@@ -51,6 +51,6 @@ pub(in crate::cli) struct SimulateArguments {
 }
 
 fn feed(text: &str) -> Result<f64, String> {
-    let value: Option<f64> = text.trim().parse().ok().filter(|feed: &f64| *feed > 0.0 && *feed <= 1e6);
-    value.ok_or_else(|| "write feeds in mm/min, above 0, as 1000,5000".into())
+    let value: Option<f64> = text.trim().parse().ok().filter(|feed: &f64| (1.0..=1e6).contains(feed));
+    value.ok_or_else(|| "write feeds in mm/min, from 1 to 1000000, as 1000,5000".into())
 }

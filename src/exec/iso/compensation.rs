@@ -127,6 +127,7 @@ impl Channel<'_> {
     }
 
     /// Puts a motion into the stream, through the contour stage where it must.
+    #[inline]
     pub(super) fn pass(&mut self, path: Path) {
         let modal = self.modal.contour;
         let corner = self.corner.take();

@@ -7,7 +7,7 @@ use std::cell::Cell;
 
 use super::codes::{G80, GROUPS, Group};
 use crate::dialect::CodeEntry;
-use crate::geometry::{AXES, AxisSet};
+use crate::geometry::{Axis, AxisSet};
 use crate::source::Span;
 
 /// Letters A to Z, then those of [`slot_of`].
@@ -135,7 +135,7 @@ impl Gathered {
         }
         self.values[slot] = value;
         self.spans[slot] = span;
-        if let Some(axis) = AXES.into_iter().find(|axis| axis.letter() == letter) {
+        if let Some(axis) = Axis::from_letter(letter).filter(|_| letter.is_ascii_uppercase()) {
             self.axes.insert(axis);
         }
         is_double

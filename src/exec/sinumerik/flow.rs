@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::assign::{assign_value, assignments, define};
 use super::channel::Channel;
-use super::gathered::Call;
+use super::gathered::{Call, Gathered};
 use super::jump::jumps;
 use super::level::Level;
 use super::part;
@@ -134,7 +134,8 @@ fn words(
     if block.has_names {
         assignments(loaded, channel, block)?;
     }
-    let mut gathered = gatherer(loaded, channel, machine).gather(block)?;
+    let mut gathered = Gathered::new();
+    gatherer(loaded, channel, machine).gather(block, &mut gathered)?;
     if let Some(call) = gathered.call.take() {
         channel.comment(comment);
         return Ok(Action::Call(call));

@@ -26,13 +26,13 @@ pub(super) struct Gatherer<'a> {
 
 impl Gatherer<'_> {
     /// Reads all words of a block. Assignments were carried out before.
-    pub(super) fn gather(&self, block: &Block) -> Result<Gathered, Fault> {
-        let mut out = Gathered::new();
+    pub(super) fn gather(&self, block: &Block, out: &mut Gathered) -> Result<(), Fault> {
         let words = self.scope.program.words_of(block);
         for word in words {
-            let found = self.word(word, block, &mut out);
+            let found = self.word(word, block, out);
             if out.is_reference || found.is_err() && self.is_reference(words) {
-                return self.reference(block);
+                *out = self.reference(block)?;
+                return Ok(());
             }
             found?;
             if out.is_complete {
@@ -40,7 +40,7 @@ impl Gatherer<'_> {
             }
         }
         if let Some(span) = out.limits {
-            self.limits(block, span, &mut out)?;
+            self.limits(block, span, out)?;
         }
         if let Some((repeats, span)) = out.call_repeats {
             match &mut out.call {
@@ -60,7 +60,7 @@ impl Gatherer<'_> {
                 "give the call a block of its own",
             ));
         }
-        Ok(out)
+        Ok(())
     }
 
     pub(super) fn word(&self, word: &Word, block: &Block, out: &mut Gathered) -> Result<(), Fault> {

@@ -261,8 +261,8 @@ fn check(rows: &Table, trace: &Trace, findings: &mut Vec<Diagnostic>) {
     for run in &trace.runs {
         let place = run.place.unwrap_or_else(|| rows.header_place(None));
         for (what, times) in [("control", &run.control.t_s), ("instrument", &run.readings.t_s)] {
-            if let Some(gap_s) = gap(times) {
-                let message = format!("the record of the {what} stops for {gap_s:.3} s");
+            if let Some((from_s, gap_s)) = gap(times) {
+                let message = format!("the record of the {what} stops for {gap_s:.3} s behind t_s {from_s}");
                 let help = "a run is one record without a break: give the parts labels of their own in the column run";
                 findings.push(Diagnostic::at(Code::DATA_CELL, place, message, help));
             }
@@ -286,12 +286,14 @@ fn check(rows: &Table, trace: &Trace, findings: &mut Vec<Diagnostic>) {
     }
 }
 
-/// The longest break of a record, s, where it is one: many times its usual step.
-fn gap(times: &[f64]) -> Option<f64> {
+/// The longest break of a record, where it is one, many times its usual step: when it begins, and how long it is, s.
+fn gap(times: &[f64]) -> Option<(f64, f64)> {
     /// Samples that a control may drop.
     const DROPPED: f64 = 20.0;
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.sort_by(f64::total_cmp);
     let (usual, longest) = (steps.get(steps.len() / 2)?, steps.last()?);
-    (*longest > DROPPED * usual).then_some(*longest)
+    let (usual, longest) = (*usual, *longest);
+    let from = times.windows(2).find(|pair| pair[1] - pair[0] >= longest)?;
+    (longest > DROPPED * usual).then_some((from[0], longest))
 }

@@ -1,0 +1,140 @@
+//! How the cost of the whole way grows with the number of blocks, with the size of the file and with the number of error terms, over three
+//! decades each. `NCFIX_WRITE_DOCS=1` draws it into `docs/scale.svg`; `-- --test` only shows that it runs.
+#![allow(clippy::unwrap_used, reason = "a bench that cannot be set up has nothing to measure")]
+#![allow(clippy::print_stdout, reason = "a bench prints its table")]
+
+use std::fmt::Write as _;
+use std::time::Instant;
+
+use ncfix::dialect;
+use ncfix::emit::{self, Stamp, WriterOptions};
+use ncfix::exec::{Execution, NoLibrary};
+use ncfix::machine::Machine;
+use ncfix::machine::file::DEMO;
+use ncfix::model::motion::{Function, periodic::Periodic};
+use ncfix::model::{ErrorModel, Model, MotionError};
+use ncfix::path::{Corrector, Increments, Options, OutputFrame};
+use ncfix::report::plot::{Chart, Picture, Series, Shape};
+use ncfix::source::{FileId, Source};
+use ncfix::syntax;
+
+/// Rounds of which the best counts.
+const ROUNDS: usize = 3;
+
+/// A surface milled in lines of short blocks, each with a comment of some length.
+fn program(blocks: usize, comment: usize) -> String {
+    let mut text = String::from("G17 G90 G71 G64\nT7\nM6\nG54 D1 S9000 M3\nG0 X0 Y0 Z20\nG1 Z1 F2500\n");
+    let remark = if comment > 0 { format!(" ;{}", "x".repeat(comment - 1)) } else { String::new() };
+    for block in 0..blocks {
+        let (line, place) = (block / 400, block % 400);
+        let along = if line % 2 == 0 { place } else { 399 - place };
+        let (x, y) = (along as f64 * 0.37, (line % 1000) as f64 * 0.3);
+        let z = -5.0 * (x * 0.05).sin() * (y * 0.03).cos();
+        writeln!(text, "X{x:.4} Y{y:.4} Z{z:.4}{remark}").unwrap();
+    }
+    text + "M30\n"
+}
+
+/// So many waves, dealt out over the 18 errors of three axes.
+fn waves(terms: usize) -> ErrorModel {
+    let names: Vec<String> = "XYZ".chars().flat_map(|axis| "XYZABC".chars().map(move |d| format!("E{d}{axis}"))).collect();
+    let motion = (0..terms).map(|k| {
+        let name = names[k % names.len()].parse().unwrap();
+        let size = if k % 6 < 3 { 1e-3 } else { 1e-6 };
+        let (period, phase_rad) = (100.0 + k as f64 * 0.7, k as f64);
+        let amplitude = size / terms as f64;
+        MotionError { name, function: Function::Periodic(Periodic { period, amplitude, phase_rad }) }
+    });
+    ErrorModel { motion: motion.collect(), ..ErrorModel::default() }
+}
+
+/// Seconds of the whole way in one thread, the best of some rounds.
+fn seconds(text: &str, machine: &Machine, errors: &ErrorModel) -> f64 {
+    let source = Source::new(FileId(0), "surface", text.as_bytes().to_vec()).unwrap();
+    let model = Model::new(machine, errors);
+    let options = WriterOptions {
+        names: machine.written_names(),
+        increments: Increments::new(&machine.control),
+        last_block_number: None,
+        frame: OutputFrame::Work,
+        crlf: false,
+        stamp: Stamp::default(),
+    };
+    let run = || {
+        let start = Instant::now();
+        let program = syntax::parse(&source, dialect::sinumerik()).0;
+        let execution = Execution::new(program, machine, Box::new(NoLibrary), ncfix::exec::Options::default());
+        let outputs = Corrector::new(execution, machine, &model, Options::default());
+        let mut writer = emit::writer("sinumerik", &options).unwrap();
+        emit::emit(outputs, writer.as_mut(), &mut std::io::sink(), |finding| panic!("{finding:?}")).unwrap();
+        start.elapsed().as_secs_f64()
+    };
+    (0..ROUNDS).map(|_| run()).fold(f64::INFINITY, f64::min)
+}
+
+/// A cost over three decades.
+struct Row {
+    what: &'static str,
+    points: Vec<(f64, f64)>,
+}
+
+impl Row {
+    /// The power of the size with which the cost grows over the last decade: 1 where it is proportional.
+    fn power(&self) -> f64 {
+        let &[.., (from, before), (to, after)] = self.points.as_slice() else { return f64::NAN };
+        (after / before).ln() / (to / from).ln()
+    }
+}
+
+fn main() {
+    let is_test = std::env::args().any(|argument| argument == "--test");
+    let demo = Source::new(FileId(0), "demo.toml", DEMO.as_bytes().to_vec()).unwrap();
+    let (machine, errors) = ncfix::model::file::load(&demo).0.unwrap();
+    let decades: &[usize] = if is_test { &[1, 10] } else { &[1, 10, 100, 1000] };
+    let rows = [
+        Row {
+            what: "blocks",
+            points: decades
+                .iter()
+                .map(|scale| ((1000 * scale) as f64, seconds(&program(1000 * scale, 0), &machine, &errors)))
+                .collect(),
+        },
+        Row {
+            what: "bytes in comments of 1000 blocks",
+            points: decades
+                .iter()
+                .map(|scale| ((100 * scale * 1000) as f64, seconds(&program(1000, 100 * scale), &machine, &errors)))
+                .collect(),
+        },
+        Row {
+            what: "error terms, 1000 blocks",
+            points: decades
+                .iter()
+                .map(|&scale| (scale as f64, seconds(&program(1000, 0), &machine, &waves(scale))))
+                .collect(),
+        },
+    ];
+    for row in &rows {
+        println!("{} (last decade: power {:.2})", row.what, row.power());
+        row.points.iter().for_each(|(size, time)| println!("  {size:>12} {:>10.3} ms", time * 1e3));
+    }
+    if std::env::var_os("NCFIX_WRITE_DOCS").is_some() && !is_test {
+        let log = |(size, time): &(f64, f64), first: f64| ((size / first).log10(), (time * 1e3).log10());
+        let series = rows.iter().map(|row| Series {
+            label: format!("{}, from {}", row.what, row.points[0].0),
+            points: row.points.iter().map(|point| log(point, row.points[0].0)).collect(),
+            errors: Vec::new(),
+            shape: Shape::Line,
+            like: None,
+        });
+        let chart = Chart {
+            title: "Cost of the whole way over three decades, one thread".into(),
+            across: "size, decades above the smallest".into(),
+            up: "time, log10 of ms".into(),
+            series: series.collect(),
+            ..Chart::default()
+        };
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scale.svg");
+        std::fs::write(path, chart.svg()).unwrap();
+    }
+}

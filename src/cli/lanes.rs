@@ -1,0 +1,110 @@
+//! From a running program to the text of its correction: in one thread, or execution, correction and writing side by side.
+//!
+//! Each stage gets what the one before it yields, in its order, and knows nothing of the others; so the text is the same whatever the
+//! number of threads.
+
+use std::io::{self, Write};
+use std::panic::resume_unwind;
+use std::thread::{available_parallelism, scope};
+
+use super::program::Running;
+use super::relay::relay;
+use crate::diagnostic::Diagnostic;
+use crate::emit::{self, Writer};
+use crate::machine::{Machine, Servo};
+use crate::model::Model;
+use crate::path::{Corrector, Options, Output, PoseSample, Prediction};
+use crate::servo::{Limited, Limiter};
+use crate::snc::Element;
+
+/// Stages, and so the most threads that are of any use.
+pub(super) const MOST_THREADS: usize = 3;
+/// Bytes of a program below which threads cost more than they save.
+const WORTH_THREADS: usize = 256 * 1024;
+
+/// What is done to a program on its way.
+pub(super) struct Lanes<'a> {
+    pub(super) machine: &'a Machine,
+    pub(super) model: &'a Model,
+    pub(super) options: &'a Options,
+    /// How far the tool may be off its path at feed, mm, and the loops that say where it is.
+    pub(super) feed_limit: Option<(f64, &'a Servo)>,
+}
+
+/// What a program became.
+pub(super) struct Passed {
+    /// Blocks written.
+    pub(super) blocks: io::Result<u64>,
+    /// The error along the path.
+    pub(super) prediction: Prediction,
+    /// Poses of the corrected moves, some of each part of the program.
+    pub(super) poses: Vec<PoseSample>,
+    /// What was done to the feeds, where they were limited.
+    pub(super) limited: Option<Limited>,
+    /// Findings of all stages, in the order of the program.
+    pub(super) found: Vec<Diagnostic>,
+}
+
+/// What a correction leaves beside its pieces.
+type Learnt = (Prediction, Vec<PoseSample>, Option<Limited>);
+
+/// How many threads a program of so many bytes gets where nobody says.
+pub(super) fn threads_for(bytes: usize) -> usize {
+    let cores = if bytes < WORTH_THREADS { 1 } else { available_parallelism().map_or(1, usize::from) };
+    // Three stages share two cores better than two do.
+    if cores > 1 { MOST_THREADS } else { 1 }
+}
+
+impl Lanes<'_> {
+    /// Executes, corrects and writes to the end of the program. Behind the first error nothing more is written, but all findings are gathered.
+    pub(super) fn pass(
+        &self,
+        running: &mut Running<'_>,
+        writer: &mut dyn Writer,
+        sink: &mut (dyn Write + Send),
+        threads: usize,
+    ) -> Passed {
+        // Findings are few: the execution and the corrector both stop after a hundred.
+        let mut found = Vec::new();
+        let note = |finding| found.push(finding);
+        let (blocks, (prediction, poses, limited)) = match threads {
+            0 | 1 => self.correct(running, |outputs| emit::emit(outputs, writer, sink, note)),
+            2 => scope(|scope| {
+                let (elements, executed) = relay();
+                let rest = scope
+                    .spawn(move || self.correct(executed, |outputs| emit::emit(outputs, writer, sink, note)));
+                elements.put_all(running);
+                rest.join().unwrap_or_else(|fault| resume_unwind(fault))
+            }),
+            _ => scope(|scope| {
+                let (elements, executed) = relay();
+                let (outputs, corrected) = relay();
+                let correction = scope.spawn(move || self.correct(executed, |pieces| outputs.put_all(pieces)));
+                let writing = scope.spawn(move || emit::emit(corrected, writer, sink, note));
+                elements.put_all(running);
+                let ((), learnt) = correction.join().unwrap_or_else(|fault| resume_unwind(fault));
+                (writing.join().unwrap_or_else(|fault| resume_unwind(fault)), learnt)
+            }),
+        };
+        Passed { blocks, prediction, poses, limited, found }
+    }
+
+    /// Corrects elements; `take` gets the pieces.
+    fn correct<R>(
+        &self,
+        elements: impl Iterator<Item = Result<Element, Diagnostic>>,
+        take: impl FnOnce(&mut dyn Iterator<Item = Result<Output, Diagnostic>>) -> R,
+    ) -> (R, Learnt) {
+        let mut corrector = Corrector::new(elements, self.machine, self.model, self.options.clone());
+        let (done, limited) = match self.feed_limit {
+            Some((limit_mm, servo)) => {
+                let mut limiter =
+                    Limiter::new(&mut corrector, limit_mm, self.machine, servo, self.model, self.options);
+                let done = take(&mut limiter);
+                (done, Some(limiter.limited().clone()))
+            }
+            None => (take(&mut corrector), None),
+        };
+        (done, (*corrector.prediction(), corrector.poses().to_vec(), limited))
+    }
+}

@@ -1,0 +1,115 @@
+//! Hands a stream from one thread to another in parts, in its order: what comes out does not depend on how fast either side is.
+//!
+//! Parts go back empty to be filled again, so that a long stream allocates no more than a short one, and the faster side waits for the
+//! slower one, so that memory is bounded.
+
+use std::collections::VecDeque;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+/// Items of a part: few enough that a part stays in the cache of a core, enough that handing it on costs nothing beside them.
+const PART: usize = 256;
+/// Parts that may wait.
+const AHEAD: usize = 8;
+
+/// The side that fills.
+pub(super) struct Filler<T> {
+    full: SyncSender<VecDeque<T>>,
+    empty: Receiver<VecDeque<T>>,
+    part: VecDeque<T>,
+}
+
+/// The side that takes: an iterator that ends where the other side was dropped.
+pub(super) struct Taker<T> {
+    full: Receiver<VecDeque<T>>,
+    empty: SyncSender<VecDeque<T>>,
+    part: VecDeque<T>,
+}
+
+/// Both sides of a relay.
+pub(super) fn relay<T>() -> (Filler<T>, Taker<T>) {
+    let (full_in, full_out) = sync_channel(AHEAD);
+    // Room for all that there are, so that giving one back never waits.
+    let (empty_in, empty_out) = sync_channel(AHEAD + 2);
+    let filler = Filler { full: full_in, empty: empty_out, part: VecDeque::with_capacity(PART) };
+    (filler, Taker { full: full_out, empty: empty_in, part: VecDeque::new() })
+}
+
+impl<T> Filler<T> {
+    /// Hands an item on; `false` where nobody wants any more.
+    pub(super) fn put(&mut self, item: T) -> bool {
+        self.part.push_back(item);
+        self.part.len() < PART || self.hand_on()
+    }
+
+    fn hand_on(&mut self) -> bool {
+        let next = self.empty.try_recv().unwrap_or_else(|_| VecDeque::with_capacity(PART));
+        self.full.send(std::mem::replace(&mut self.part, next)).is_ok()
+    }
+
+    /// Hands on a whole stream, or as much of it as is wanted.
+    pub(super) fn put_all(mut self, stream: impl IntoIterator<Item = T>) {
+        for item in stream {
+            if !self.put(item) {
+                return;
+            }
+        }
+        // The taker may have gone: it has what it wanted then.
+        let _ = self.hand_on();
+    }
+}
+
+impl<T> Iterator for Taker<T> {
+    type Item = T;
+
+    #[inline]
+    fn next(&mut self) -> Option<T> {
+        loop {
+            if let Some(item) = self.part.pop_front() {
+                return Some(item);
+            }
+            let next = self.full.recv().ok()?;
+            // Where the filler has ended it needs no more parts.
+            let _ = self.empty.try_send(std::mem::replace(&mut self.part, next));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_item_comes_out_once_and_in_order() {
+        for count in [0, 1, PART - 1, PART, PART + 1, 40 * PART + 7] {
+            let (filler, taker) = relay();
+            let all: Vec<usize> = std::thread::scope(|scope| {
+                scope.spawn(move || filler.put_all(0..count));
+                taker.collect()
+            });
+            assert!(all.into_iter().eq(0..count), "{count}");
+        }
+    }
+
+    #[test]
+    fn a_stream_without_end_stops_when_nobody_takes() {
+        let (filler, taker) = relay();
+        let first: Vec<u64> = std::thread::scope(|scope| {
+            scope.spawn(move || filler.put_all(0..));
+            taker.take(1000).collect()
+        });
+        assert_eq!(first.last(), Some(&999));
+    }
+
+    #[test]
+    fn no_more_parts_are_made_than_may_wait() {
+        let (mut filler, mut taker) = relay();
+        // The taker keeps pace: parts are used again.
+        for k in 0..100 * PART {
+            assert!(filler.put(k));
+            if filler.part.is_empty() {
+                assert!((0..PART).all(|_| taker.next().is_some()));
+            }
+        }
+        assert!(filler.part.capacity() < 2 * PART);
+    }
+}
