@@ -120,7 +120,7 @@ fn wrong_orders_are_refused() {
     };
     for (arguments, code, said) in [
         (&["p.mpf", "-o", "t.csv", "--feed", "1000,1000"][..], 2, "twice"),
-        (&["p.mpf", "-o", "t.csv", "--feed", "0"], 2, "above 0"),
+        (&["p.mpf", "-o", "t.csv", "--feed", "1e-9"], 2, "from 1"),
         (&["p.mpf", "-o", "-"], 2, "pair of files"),
         (&["plan.csv", "-o", "t.csv", "--feed", "1000"], 2, "part programs"),
         (&["still.mpf", "-o", "t.csv"], 4, "E0304"),
@@ -129,4 +129,33 @@ fn wrong_orders_are_refused() {
         assert_eq!((status, text.contains(said)), (code, true), "{arguments:?}: {text}");
     }
     assert!(!shop.path("t.csv").exists() && !shop.path("t.toml").exists());
+}
+
+/// Five axes at six feeds, a deflection of 1.5 µm per m/s² under X that the machine file does not know: what was recorded on one clock is
+/// found on one clock, and the deflection at its size, both within three times what they are said to be uncertain by.
+#[test]
+fn a_simulated_trace_of_five_axes_has_one_clock() {
+    let machine = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/samples/machines/esmaeili_huron.toml"));
+    let mut text = machine.unwrap() + "\n[servo]\ncycle_ms = 3.0\nsmoothing_ms = 12.0\ncorner_tolerance_um = 10.0\nexact_stop_um = 10.0\n";
+    for axis in ["X", "Y", "Z", "A", "C"] {
+        let most = if "XYZ".contains(axis) { "max_acceleration_m_s2 = 5.0" } else { "max_acceleration_rad_s2 = 20.0" };
+        text += &format!("[servo.{axis}]\nvelocity_gain_per_s = 50.0\nfeed_forward = 0.98\n{most}\n");
+    }
+    let hidden = text.clone() + "[[dynamic]]\ncomponent = \"EXX\"\num_per_m_s2 = 1.5\n";
+    let path = "G54 G90 G94 G17\nG0 X100 Y0 Z100 A0 C0\nG1 X150 Y30 Z120 A10 C20 F5000\nX80 Y60 Z100 A20 C40\n\
+                X120 Y-20 Z140 A30 C10\nX60 Y-60 Z100 A15 C-20\nX140 Y10 Z150 A0 C-40\nX100 Y70 Z110 A10 C0\n\
+                X150 Y0 Z100 A25 C30\nX100 Y0 Z100 A0 C0\nM30\n";
+    let shop = Shop::new().file("m.toml", &text).file("hidden.toml", &hidden).file("p.mpf", path);
+    for seed in ["1", "2", "3"] {
+        let simulate = ["simulate", "p.mpf", "--machine", "hidden.toml", "--feed", "500,1000,2000,5000,10000,15000"];
+        shop.run([&simulate[..], &["--noise", "0.2um", "--seed", seed, "-o", "t.csv"]].concat()).exits(0);
+        let json = shop.run(["decompose", "t.csv", "--machine", "m.toml", "--json"]).exits(0).json();
+        let number = |place: &str| json.pointer(place).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
+        let (delay, uncertainty) = (number("/reading_delay/ms"), number("/reading_delay/uncertainty_ms"));
+        assert!(delay.abs() < 3.0 * uncertainty && uncertainty < 0.02, "seed {seed}: {delay} ± {uncertainty} ms");
+        let found = &json["compliances"][0];
+        assert_eq!(found["component"], "EXX", "{json}");
+        let value = [&found["value"], &found["uncertainty"]].map(|value| value.as_f64().unwrap_or(f64::NAN));
+        assert!((value[0] - 1.5).abs() < 3.0 * value[1] && value[1] < 0.05, "seed {seed}: {value:?}");
+    }
 }

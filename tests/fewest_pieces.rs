@@ -125,7 +125,7 @@ fn pieces_are_within_a_tenth_of_the_fewest_possible() {
         let mut errors = tired(&mut random);
         // Ten times as tired, so that a line takes tens of pieces.
         let grown = errors.motion.iter_mut();
-        grown.for_each(|error| error.function = error.function.scaled(6.0));
+        grown.for_each(|error| error.function = error.function.scaled(12.0));
         if case == 2 {
             let knots: Vec<f64> = (0..=50).map(|k| f64::from(k) * 10.0).collect();
             let values: Vec<f64> = knots.iter().map(|_| random.between(-6.0, 6.0)).collect();

@@ -106,7 +106,7 @@ fn a_fault_at_the_end_of_a_large_program_is_found_at_its_place() {
 fn passes_of_a_loop_leave_nothing_in_memory() {
     let looped = |passes: u32| {
         format!(
-            "DEF INT TURN\nG90 G54 G0 X0 Y0 Z0\nG1 F1000\nWHILE TURN<{passes}\nX=100+50*SIN(TURN) Y=100+50*COS(TURN) ; pass\nX0 Y0\nTURN=TURN+1\nENDWHILE\nM30\n"
+            "DEF INT LAPS\nG90 G54 G0 X0 Y0 Z0\nG1 F1000\nWHILE LAPS<{passes}\nX=100+50*SIN(LAPS) Y=100+50*COS(LAPS) ; pass\nX0 Y0\nLAPS=LAPS+1\nENDWHILE\nM30\n"
         )
     };
     let shop = Shop::new().file("short.mpf", looped(2_000)).file("long.mpf", looped(100_000));
