@@ -101,7 +101,7 @@ impl Lanes<'_> {
                 let mut limiter =
                     Limiter::new(&mut corrector, limit_mm, self.machine, servo, self.model, self.options);
                 let done = take(&mut limiter);
-                (done, Some(limiter.limited().clone()))
+                (done, Some(*limiter.limited()))
             }
             None => (take(&mut corrector), None),
         };

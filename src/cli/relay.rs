@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// Items of a part: few enough that a part stays in the cache of a core, enough that handing it on costs nothing beside them.
-const PART: usize = 256;
+const PART: usize = 512;
 /// Parts that may wait.
 const AHEAD: usize = 8;
 

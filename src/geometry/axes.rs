@@ -133,7 +133,12 @@ impl AxisSet {
 
     /// Its axes in slot order.
     pub fn iter(self) -> impl Iterator<Item = Axis> {
-        AXES.into_iter().filter(move |&axis| self.contains(axis))
+        let mut rest = self.0;
+        std::iter::from_fn(move || {
+            let axis = AXES.get(rest.trailing_zeros() as usize).copied()?;
+            rest &= rest - 1;
+            Some(axis)
+        })
     }
 }
 

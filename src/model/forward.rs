@@ -45,8 +45,8 @@ pub struct Model {
 /// Where all axes are linear, the nominal tip is a sum, and the step that brings the tip to its place is always the same.
 #[derive(Clone, Debug)]
 struct Straight {
-    /// Way of the tip per mm of each axis, by slot; zero where there is no axis.
-    columns: [Vector; AXIS_COUNT],
+    /// Axes, and the way of the tip per mm of each.
+    columns: Vec<(Axis, Vector)>,
     step: Result<LinearStep, Singular>,
 }
 
@@ -201,8 +201,7 @@ impl Model {
     /// The tip in the workpiece frame without errors, mm: what [`Self::nominal`] says of it.
     pub(super) fn nominal_tip(&self, command: &AxisVector, tool_mm: &Vector) -> Vector {
         let Some(straight) = &self.straight else { return self.carry(*tool_mm, command, None) };
-        let ways = command.0.iter().zip(&straight.columns);
-        ways.fold(self.spindle_mm + tool_mm, |tip, (way, column)| tip + column * *way)
+        straight.columns.iter().fold(self.spindle_mm + tool_mm, |tip, (axis, column)| tip + column * command[*axis])
     }
 
     /// The tip in the workpiece frame, mm.
@@ -253,6 +252,7 @@ impl Straight {
             }
         }
         let correcting = linear.0.map(|axis| axis.map_or(Vector::zeros(), |axis| columns[axis.slot()]));
-        Straight { columns, step: LinearStep::new(linear, correcting) }
+        let moving = tool_side.iter().chain(workpiece_side).map(|link| (link.axis, columns[link.axis.slot()]));
+        Straight { columns: moving.collect(), step: LinearStep::new(linear, correcting) }
     }
 }

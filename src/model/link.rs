@@ -27,6 +27,7 @@ pub(super) struct Displacement {
 
 impl Displacement {
     /// From EX EY EZ (mm) and EA EB EC (rad).
+    #[inline(always)]
     pub(super) fn new(components: &[f64; 6]) -> Displacement {
         let [x, y, z, a, b, c] = *components;
         Displacement { rotation: Rotation::from_vector(Vector::new(a, b, c)), translation: Vector::new(x, y, z) }
@@ -37,13 +38,13 @@ impl Displacement {
         components.iter().any(|&component| component != 0.0).then(|| Displacement::new(components))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn apply(&self, body: &mut impl Body) {
         body.tilt(&self.rotation);
         body.translate(&self.translation);
     }
 
-    #[inline]
+    #[inline(always)]
     fn undo(&self, body: &mut impl Body) {
         body.translate(&-self.translation);
         body.tilt(&self.rotation.inverse());
@@ -128,7 +129,7 @@ impl Link {
         body.translate(&self.point_mm);
     }
 
-    #[inline]
+    #[inline(always)]
     fn advance(&self, body: &mut impl Body, by: f64) {
         if self.axis.is_rotary() {
             body.turn(&Rotation::about(self.direction, by));
@@ -137,7 +138,7 @@ impl Link {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn motion_error(&self, command: &AxisVector, errors: Option<&State>) -> Option<Displacement> {
         let state = errors.filter(|_| !self.functions.is_empty())?;
         Some(Displacement::new(&self.functions.evaluate(self.axis, command, state)))

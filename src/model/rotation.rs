@@ -19,7 +19,7 @@ pub(super) struct Rotation {
 
 impl Rotation {
     /// The exponential of a rotation vector, rad.
-    #[inline]
+    #[inline(always)]
     pub(super) fn from_vector(vector: Vector) -> Rotation {
         let square = vector.norm_squared();
         if square < SERIES_LIMIT {
@@ -67,7 +67,7 @@ impl Rotation {
     }
 
     /// The rotated vector.
-    #[inline]
+    #[inline(always)]
     pub(super) fn apply(&self, vector: &Vector) -> Vector {
         let once = self.vector.cross(vector);
         let twice = self.vector.cross(&once);

@@ -245,6 +245,7 @@ impl Channel<'_> {
     }
 
     /// Puts a motion into the stream, through the contour stage where it must.
+    #[inline]
     pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Option<Wish>) {
         if let Some(wish) = &wish {
             self.check_known(&path, wish);

@@ -134,6 +134,7 @@ impl Channel<'_> {
     }
 
     /// Puts a motion into the stream, through the splines where it must.
+    #[inline]
     pub(super) fn push_path(&mut self, path: Path, node: Option<Node>) -> Result<(), Fault> {
         if let Some(node) = node {
             let element = self.outlet.element(Kind::Empty);

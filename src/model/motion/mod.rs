@@ -229,7 +229,7 @@ impl Functions {
     }
 
     /// EX EY EZ (mm) and EA EB EC (rad) of the axis.
-    #[inline]
+    #[inline(always)]
     pub(super) fn evaluate(&self, axis: Axis, command: &AxisVector, state: &State) -> [f64; 6] {
         let own = command[axis];
         let mut components = [0.0; 6];
