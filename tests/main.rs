@@ -72,6 +72,7 @@ mod flat;
 mod flow;
 mod frame_correction;
 mod frames;
+mod fuzzing;
 mod grammar;
 mod grundig;
 mod grundig_contours;

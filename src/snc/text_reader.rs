@@ -40,9 +40,9 @@ impl<'a> TextReader<'a> {
     }
 
     fn element(&mut self, text: &str, number: usize) -> Result<Option<Element>, String> {
-        let (words, comment) = text.split_once(';').unwrap_or((text, ""));
+        let (words, comment) = words_and_comment(text);
         let mut values = Vec::new();
-        for word in words.split_ascii_whitespace() {
+        for word in words {
             let letter = word.as_bytes()[0];
             let rest = word.get(1..).ok_or("a word begins with no letter")?;
             values.push((letter, rest));
@@ -140,6 +140,29 @@ impl Iterator for TextReader<'_> {
             }
         }
     }
+}
+
+/// The words of a line, and what stands behind its semicolon. Names of tools are in quotation marks and may have blanks and semicolons.
+fn words_and_comment(text: &str) -> (Vec<&str>, &str) {
+    let (mut words, mut start, mut is_name) = (Vec::new(), 0, false);
+    let mut end_word = |start: usize, end: usize| words.extend(text.get(start..end).filter(|word| !word.is_empty()));
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            b'"' => is_name = !is_name,
+            _ if is_name => {}
+            b';' => {
+                end_word(start, at);
+                return (words, text.get(at + 1..).unwrap_or_default());
+            }
+            _ if byte.is_ascii_whitespace() => {
+                end_word(start, at);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    end_word(start, text.len());
+    (words, "")
 }
 
 fn auxiliary(letter: u8, rest: &str) -> Result<Word, String> {
