@@ -28,6 +28,10 @@ const BROKE: &[(&str, &[u8])] = &[
     ("csv", b"a,b\"\n1,\"c;d\"\n"),
     // A feed that is nothing in six decimals is none.
     ("snc_text", b"G1 X1 F0.0000001\n"),
+    ("snc_text", b"S=\"MILL_A10\" ;@2\n"),
+    // A block on the line of a header is no part of the header, or it would be written twice.
+    ("correct_fanuc", b"%\nO1 G90 G54 G0 X1. Y1. Z1.\nG91\nO2\nG1 X2. F100.\nM30\n%\n"),
+    ("correct_grundig", b"%PM90180 N5\nN1 G90 G0 X1 Y1 Z1\nN2 G1 X2 F100\nN3 M30\n"),
     // A second mark would end the tape.
     ("correct_fanuc", b"%100\nG90 G54 G0 X1. Y1. Z1.\nG1 X2. F100.\nM30\n%\n"),
     // Names of tools have blanks and semicolons.

@@ -21,7 +21,10 @@ pub fn table(bytes: &[u8]) {
     let mut copy = Vec::new();
     table.copy(&mut copy).finish().expect("memory takes all");
     assert_eq!(copy, bytes);
-    replace(&table);
+    // Where a header has quotation marks within cells the rows below it may decide what separates them.
+    if !table.names().iter().any(|name| name.contains('"')) {
+        replace(&table);
+    }
     read_as_all(&table);
 }
 

@@ -167,6 +167,8 @@ fn words_and_comment(text: &str) -> (Vec<&str>, &str) {
 
 fn auxiliary(letter: u8, rest: &str) -> Result<Word, String> {
     let (extension, text) = match rest.split_once('=') {
+        // `D="NAME"`
+        Some(("", text)) => (None, text),
         Some((extension, text)) => {
             (Some(extension.parse().map_err(|_| "an address extension is a whole number")?), text)
         }
