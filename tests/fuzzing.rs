@@ -32,6 +32,9 @@ const BROKE: &[(&str, &[u8])] = &[
     // A block on the line of a header is no part of the header, or it would be written twice.
     ("correct_fanuc", b"%\nO1 G90 G54 G0 X1. Y1. Z1.\nG91\nO2\nG1 X2. F100.\nM30\n%\n"),
     ("correct_grundig", b"%PM90180 N5\nN1 G90 G0 X1 Y1 Z1\nN2 G1 X2 F100\nN3 M30\n"),
+    ("snc_text", b"\"200"),
+    // What a block got ready beside other codes gets a block of its own in the output.
+    ("correct_grundig", b"%PM9018\nN1 T17 G71 G90\nN2 T2 M6\nN3 G0 X1 Y1 Z1\nN4 G1 X2 F100\nN5 M30\n"),
     // A second mark would end the tape.
     ("correct_fanuc", b"%100\nG90 G54 G0 X1. Y1. Z1.\nG1 X2. F100.\nM30\n%\n"),
     // Names of tools have blanks and semicolons.

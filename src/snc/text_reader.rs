@@ -43,8 +43,10 @@ impl<'a> TextReader<'a> {
         let (words, comment) = words_and_comment(text);
         let mut values = Vec::new();
         for word in words {
-            let letter = word.as_bytes()[0];
-            let rest = word.get(1..).ok_or("a word begins with no letter")?;
+            let letter = word.as_bytes().first().copied().filter(u8::is_ascii_alphabetic);
+            let (Some(letter), Some(rest)) = (letter, word.get(1..)) else {
+                return Err("a word begins with no letter".into());
+            };
             values.push((letter, rest));
         }
         let Some(&(first, code)) = values.first() else { return Ok(None) };
