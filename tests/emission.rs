@@ -335,3 +335,21 @@ fn an_exact_stop_belongs_to_the_end_of_its_block() {
     let always = run(text("G60", ""));
     assert!(always.contains("N40 G64 G2 X0 Y45 I5 J0\nG60 G1 X50 Y45\nN50"), "{always}");
 }
+
+#[test]
+fn a_block_on_the_line_of_its_program_number_is_written_once() {
+    let machine = crate::iso::iso_machine();
+    let model = Model::new(&machine, &ErrorModel::default());
+    let text = b"%\nO1234 (PLATE) G91 G0 X1.\nG90 G0 X10. Y5. Z2.\nM30\n%\n".to_vec();
+    let (program, findings) =
+        syntax::parse(&Source::new(FileId(0), "p.nc", text).unwrap(), dialect::find("fanuc").unwrap());
+    assert!(findings.is_empty(), "{findings:?}");
+    let execution = Execution::new(program, &machine, Box::new(NoLibrary), ExecOptions::default());
+    let mut corrector = Corrector::new(execution, &machine, &model, Options::default());
+    let mut writer = emit::writer("fanuc", &writer_options(&machine, OutputFrame::Work, false)).unwrap();
+    let mut out = Vec::new();
+    emit::emit(&mut corrector, writer.as_mut(), &mut out, |_| {}).unwrap();
+    let out = String::from_utf8(out).unwrap();
+    assert!(out.starts_with("%\nO1234\n(NCFIX"), "{out}");
+    assert_eq!(out.matches("X1.").count(), 1, "{out}");
+}

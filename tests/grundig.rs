@@ -468,3 +468,10 @@ fn what_nothing_uses_is_a_finding() {
     check_codes("N1 X1 X2", &["E0111:1"]);
     check_codes("N1 G79 X1", &["E0218:1"]);
 }
+
+#[test]
+fn a_tool_may_be_named_in_a_block_of_its_own() {
+    let (lines, findings) = run("%PM9001\nN9001\nN1 T17\nN2 M30\n");
+    assert!(findings.is_empty(), "{findings:?}");
+    assert!(lines.iter().any(|line| line.starts_with("T17")), "{lines:?}");
+}

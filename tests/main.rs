@@ -73,6 +73,7 @@ mod flat;
 mod flow;
 mod frame_correction;
 mod frames;
+mod fuzzing;
 mod grammar;
 mod grundig;
 mod grundig_contours;

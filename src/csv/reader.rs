@@ -164,16 +164,27 @@ impl<'a> Reader<'a> {
 
     /// The separator by what the header has.
     fn likely_separator(&self) -> u8 {
-        let mut is_quoted = false;
+        // A quotation mark within a cell is part of it, such as that of inches.
+        let (mut is_quoted, mut begins_cell) = (false, true);
         let mut seen = [false; 2];
         let mut at = self.at;
         while is_quoted || !self.is_line_end(at) {
             match self.bytes.get(at) {
                 None => break,
-                Some(b'"') => is_quoted = !is_quoted,
-                Some(b';') if !is_quoted => seen[0] = true,
-                Some(b'\t') if !is_quoted => seen[1] = true,
-                Some(_) => {}
+                Some(b'"') if is_quoted && self.bytes.get(at + 1) == Some(&b'"') => at += 1,
+                Some(b'"') if is_quoted => is_quoted = false,
+                Some(b'"') if begins_cell => (is_quoted, begins_cell) = (true, false),
+                Some(_) if is_quoted => {}
+                Some(separator @ (b';' | b'\t' | b',')) => {
+                    begins_cell = true;
+                    match separator {
+                        b';' => seen[0] = true,
+                        b'\t' => seen[1] = true,
+                        _ => {}
+                    }
+                }
+                Some(b' ') => {}
+                Some(_) => begins_cell = false,
             }
             at += 1;
         }

@@ -16,6 +16,9 @@ use super::{Dwell, Element, Kind, Move, WordValue};
 use crate::geometry::{AXES, AxisSet, AxisVector, Vector};
 use crate::units::push_integer;
 
+/// A smaller feed is none to the last decimal of the text, mm/min.
+const LEAST_FEED: f64 = 5e-7;
+
 /// Turns a tool vector with the rotary axes of the tool side at an axis command.
 type TurnTool<'a> = Box<dyn Fn(&AxisVector, &Vector) -> Vector + 'a>;
 
@@ -141,7 +144,7 @@ impl<'a, W: Write> TextWriter<'a, W> {
                 push_integer(&mut self.line, u64::from(arc.extra_turns));
             }
         }
-        if !motion.rapid && motion.feed > 0.0 {
+        if !motion.rapid && motion.feed >= LEAST_FEED {
             push_value(&mut self.line, b" F", motion.feed);
         }
         self.position = motion.target;

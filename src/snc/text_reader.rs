@@ -40,11 +40,13 @@ impl<'a> TextReader<'a> {
     }
 
     fn element(&mut self, text: &str, number: usize) -> Result<Option<Element>, String> {
-        let (words, comment) = text.split_once(';').unwrap_or((text, ""));
+        let (words, comment) = words_and_comment(text);
         let mut values = Vec::new();
-        for word in words.split_ascii_whitespace() {
-            let letter = word.as_bytes()[0];
-            let rest = word.get(1..).ok_or("a word begins with no letter")?;
+        for word in words {
+            let letter = word.as_bytes().first().copied().filter(u8::is_ascii_alphabetic);
+            let (Some(letter), Some(rest)) = (letter, word.get(1..)) else {
+                return Err("a word begins with no letter".into());
+            };
             values.push((letter, rest));
         }
         let Some(&(first, code)) = values.first() else { return Ok(None) };
@@ -142,8 +144,33 @@ impl Iterator for TextReader<'_> {
     }
 }
 
+/// The words of a line, and what stands behind its semicolon. Names of tools are in quotation marks and may have blanks and semicolons.
+fn words_and_comment(text: &str) -> (Vec<&str>, &str) {
+    let (mut words, mut start, mut is_name) = (Vec::new(), 0, false);
+    let mut end_word = |start: usize, end: usize| words.extend(text.get(start..end).filter(|word| !word.is_empty()));
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            b'"' => is_name = !is_name,
+            _ if is_name => {}
+            b';' => {
+                end_word(start, at);
+                return (words, text.get(at + 1..).unwrap_or_default());
+            }
+            _ if byte.is_ascii_whitespace() => {
+                end_word(start, at);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    end_word(start, text.len());
+    (words, "")
+}
+
 fn auxiliary(letter: u8, rest: &str) -> Result<Word, String> {
     let (extension, text) = match rest.split_once('=') {
+        // `D="NAME"`
+        Some(("", text)) => (None, text),
         Some((extension, text)) => {
             (Some(extension.parse().map_err(|_| "an address extension is a whole number")?), text)
         }

@@ -70,6 +70,16 @@ pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -
     (Program::Words(program), findings)
 }
 
+/// Parses a program of any size by pages of so many bytes; `None` where it must be kept as a whole. [`parse`] does so where a program is large;
+/// what comes of it is the same.
+#[must_use]
+pub fn parse_by_pages(source: &Source, dialect: &'static Dialect, page_bytes: usize) -> Option<Program> {
+    if dialect.language == Language::Sinumerik {
+        return sinumerik::parse_by_pages(source, dialect, page_bytes).map(Program::Sinumerik);
+    }
+    words::parse_by_pages(source, dialect, page_bytes).map(Program::Words)
+}
+
 /// The finding for a file without blocks.
 fn nothing_done(source: &Source) -> Diagnostic {
     Diagnostic::at(

@@ -161,6 +161,11 @@ impl<const N: usize> Pages<N> {
         Some((*page, self.starts.get(next).map_or(self.end, |next| next.offset)))
     }
 
+    /// Whether a page is the first one.
+    pub(super) fn is_first(&self, page: &Start<N>) -> bool {
+        self.starts.first().is_none_or(|first| first.offset == page.offset)
+    }
+
     /// The first blocks of all pages.
     pub(super) fn first_blocks(&self) -> impl Iterator<Item = usize> {
         self.starts.iter().map(|start| start.first[0])

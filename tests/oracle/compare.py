@@ -262,7 +262,8 @@ def differ(judge, ours, source_lines):
             i, j = i + 1, j + 1
             continue
         # A spline, or an arc in a plane that the rotation tilts: the path counts, not the pieces.
-        tilted = theirs.kind == "ARC" and mine.kind == "G1"
+        # A rotation by right angles leaves an arc in a plane of the axes, which ncfix names.
+        tilted = theirs.kind == "ARC" and (mine.kind == "G1" or mine.kind == "ARC" and theirs.tilt != 0 and theirs.plane != mine.plane)
         if tilted or SPLINE.search(source_lines[theirs.line - 1] if theirs.line <= len(source_lines) else b""):
             if theirs.kind in ("G1", "ARC") and mine.kind in ("G1", "ARC"):
                 one, next_i = ([their_tip] + sampled(theirs, their_tip), i + 1) if tilted else stretch_of(judge, i, their_tip)

@@ -62,7 +62,11 @@ class Generator:
         if r.random() > 0.15:
             return self.number(value)
         a = round(r.uniform(-9, 9), 3)
-        form = r.randrange(8)
+        form = r.randrange(11)
+        if form > 7:
+            # The tree is worth anything; the rest makes it the value.
+            text, worth = self.tree(r.randint(1, 4))
+            return f"[{self.plain(value - worth)} + [{text}]]"
         if form == 0:
             return f"[{self.number(a)} + {self.plain(value - a)}]"
         if form == 1:
@@ -80,6 +84,51 @@ class Generator:
         name = r.choice(["#31", "#<val>", "#<_glob>"])
         self.put(f"{name} = {self.plain(value)}")
         return name
+
+    def tree(self, depth):
+        """An expression whose brackets are left to the precedence of the interpreter, and what it is worth, rounded as the text of its
+        remainder is. Both sides compute it: the worth only keeps positions small."""
+        text, worth, _ = self.subtree(depth)
+        return text, round(worth, 8)
+
+    def subtree(self, depth):
+        """Text, worth and rank of the operator that binds least (5: none)."""
+        r = self.random
+        if depth == 0:
+            number = round(r.uniform(0.1, 9), r.choice([0, 1, 2])) or 1.0
+            return self.plain(number), number, 5
+        kind = r.random()
+        if kind < 0.25:
+            name, of = r.choice([("SIN", lambda x: math.sin(math.radians(x))), ("COS", lambda x: math.cos(math.radians(x))), ("ABS", abs),
+                                 ("SQRT", lambda x: math.sqrt(abs(x))), ("FIX", math.floor), ("FUP", math.ceil), ("EXP", lambda x: math.exp(min(x, 5)))])
+            text, worth, _ = self.subtree(depth - 1)
+            if name == "SQRT":
+                return f"SQRT[ABS[{text}]]", of(worth), 5
+            if name == "EXP":
+                return f"EXP[SIN[{text}]]", math.exp(math.sin(math.radians(worth))), 5
+            if name in ("FIX", "FUP") and abs(worth - round(worth)) < 1e-6:
+                return f"[{text}]", worth, 5
+            return f"{name}[{text}]", of(worth), 5
+        if kind < 0.32:
+            (one, a, _), (other, b, _) = self.subtree(depth - 1), self.subtree(depth - 1)
+            return f"ATAN[{one}]/[{other}]", math.degrees(math.atan2(a, b)), 5
+        sign, rank, of = r.choice([("+", 3, lambda a, b: a + b), ("-", 3, lambda a, b: a - b), ("*", 4, lambda a, b: a * b),
+                                   ("/", 4, lambda a, b: a / b), (" MOD ", 4, lambda a, b: a % abs(b)), ("**", 5, lambda a, b: abs(a) ** b),
+                                   (" LT ", 2, lambda a, b: float(a < b)), (" GE ", 2, lambda a, b: float(a >= b)),
+                                   (" AND ", 1, lambda a, b: float(a != 0 and b != 0)), (" OR ", 1, lambda a, b: float(a != 0 or b != 0)),
+                                   (" XOR ", 1, lambda a, b: float((a != 0) != (b != 0)))])
+        (one, a, left), (other, b, right) = self.subtree(depth - 1), self.subtree(depth - 1)
+        risky = sign in ("/", " MOD ", "**") and (abs(b) < 0.1 or (sign == "**" and (not 0.1 < a < 20 or abs(b) > 3)))
+        near = sign.strip() in ("LT", "GE") and abs(a - b) < 1e-6 or sign == " MOD " and abs(a / (b or 1) - round(a / (b or 1))) < 1e-6
+        if risky or near:
+            sign, rank, of = "+", 3, lambda a, b: a + b
+        worth = of(a, b)
+        if abs(worth) > 1e4:
+            sign, rank, worth = "-", 3, a - b
+        one = one if left >= rank and r.random() < 0.9 else f"[{one}]"
+        # Of operators of one rank the left one comes first.
+        other = other if right > rank and r.random() < 0.9 else f"[{other}]"
+        return f"{one}{sign}{other}", worth, rank
 
     @staticmethod
     def plain(value):
@@ -373,6 +422,38 @@ class Generator:
         )
         self.here()
 
+    def parameters_piece(self):
+        """Parameters that the interpreter keeps by itself: positions, offsets, modes; computed numbers of parameters, values that come back."""
+        r = self.random
+        self.here()
+        for _ in range(r.randint(1, 3)):
+            form = r.randrange(8)
+            if form == 0:
+                self.put(f"G1 X[#5420 + {self.plain(self.coordinate(-9, 9))}] Y[#5421 / 2]")
+            elif form == 1:
+                self.put(f"G1 X[#<_x> - 1] Z[#<_z> + 2]")
+            elif form == 2:
+                self.put(f"G0 X[#[5221 + 20 * FIX[#5220 - 1]] / 10] Y[#5211 / 10]")
+            elif form == 3:
+                # Assignments of a block take effect when all of it is read.
+                self.put(f"#31 = {self.plain(self.coordinate())}")
+                self.put(f"#31 = {self.plain(self.coordinate())} #32 = [#31 / 2] X#31")
+                self.put("X#31 Y#32")
+            elif form == 4:
+                self.put("#40 = 41")
+                self.put(f"##40 = {self.plain(self.coordinate())}")
+                self.put("G1 X#41 Y#[#40] Z##40")
+            elif form == 5:
+                self.put("G1 X[#<_metric> * 3] Y[#<_plane> / 100] Z[#<_absolute> * 4 + #<_incremental>]")
+            elif form == 6 and self.subs:
+                name, arguments = r.choice(self.subs)
+                self.put(f"{name} call " + " ".join(f"[{self.tree(2)[0]}]" for _ in range(arguments)))
+                self.put("G90 G1 X[#<_value_returned> * 5]")
+            else:
+                self.put(f"#<there> = [EXISTS[#<there>] + {r.randint(1, 5)}]" if r.random() < 0.5 else "#<there> = 2")
+                self.put("G1 X#<there>")
+        self.here()
+
     def flow_piece(self):
         r = self.random
         if self.depth > 2:
@@ -454,7 +535,7 @@ class Generator:
             pieces += [self.flow_piece] * (1 if simple else 4)
         if not simple:
             pieces += [self.offsets_piece] * 3 + [self.tool_piece] * 2 + [self.compensation_piece] * 2
-            pieces += [self.spline_piece, self.rotary_piece, self.units_piece]
+            pieces += [self.spline_piece, self.rotary_piece, self.units_piece] + [self.parameters_piece] * 2
         self.random.choice(pieces)()
 
     def program(self):

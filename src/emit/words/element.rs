@@ -18,6 +18,8 @@ impl Words {
     pub(super) fn element(&mut self, element: &Element, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
         if let Kind::Header(bytes) = &element.kind {
             if bytes.trim_ascii() != TAPE {
+                // `%100` of an ISO tape; those of the Grundig name a memory and have no end.
+                self.is_tape |= bytes.starts_with(TAPE) && self.flavour.language != Language::Grundig;
                 self.line.header(bytes, out);
             } else if !std::mem::replace(&mut self.is_tape, true) {
                 self.line.header(TAPE, out);

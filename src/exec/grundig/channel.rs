@@ -110,6 +110,10 @@ impl<'a> Channel<'a> {
         self.before.clear();
         self.cycle_steps = 0;
         if gathered.codes.is_empty() && gathered.functions.is_empty() {
+            if gathered.peek(b'T', None).is_some() {
+                // A tool that is got ready: its change comes in a block of its own.
+                self.tool(gathered)?;
+            }
             self.feed_and_speed(gathered)?;
             self.comment(comment);
             self.motion_words(gathered)?;

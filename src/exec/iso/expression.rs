@@ -8,7 +8,7 @@ use crate::dialect::Language;
 use crate::exec::fault::{Fault, at, fault};
 use crate::machine::DecimalPoint;
 use crate::source::Span;
-use crate::syntax::words::{ExprId, Function, NameId, Node, Operator, Program, UnaryOperator, Value, Word};
+use crate::syntax::words::{Address, ExprId, Function, NameId, Node, Operator, Program, UnaryOperator, Value, Word};
 
 /// Operators may join this many operands to one another.
 const MAX_DEPTH: u32 = 500;
@@ -237,6 +237,7 @@ impl Scope<'_, '_> {
                 symbol.and_then(|symbol| self.channel.variables.named(symbol)).is_some()
                     || self.is_predefined(text)
                     || self.in_machine_file(&format!("#<{text}>")).is_some()
+                    || self.is_set_before(inner, name)
             }
             Node::Parameter(number) => self.channel.variables.place(number) == Place::Variable,
             Node::ParameterAt(index) => u32::try_from(self.index_of(index, 0)?)
@@ -244,6 +245,20 @@ impl Scope<'_, '_> {
             _ => false,
         };
         Ok(f64::from(u8::from(exists)))
+    }
+
+    /// Whether an assignment to a name begins further left in the block of an expression: LinuxCNC's interpreter knows a name from there on
+    /// (`#<a> = [EXISTS[#<a>]]` is 1).
+    fn is_set_before(&self, expr: ExprId, name: NameId) -> bool {
+        let start = self.span(expr).start;
+        let blocks = self.program.blocks.there(0..self.program.blocks.len());
+        let behind = blocks.partition_point(|block| block.span.start <= start);
+        let block = behind.checked_sub(1).and_then(|index| blocks.get(index));
+        let sets = |word: &Word| match word.address {
+            Address::Variable(target) => self.program.expr(target).node == Node::Named(name) && word.span.start < start,
+            _ => false,
+        };
+        block.is_some_and(|block| self.program.words_of(block).iter().any(sets))
     }
 
     /// `ADP[…]` adds a decimal point to what was passed without one; where numbers without a point are whole units there is nothing to add.

@@ -94,11 +94,14 @@ impl<'a> Interpreter<'a> {
         let source = program.source.clone();
         let found = startup::start_up(&mut channel, &program);
         let start = program.parts.get(main).map_or(0, |part| part.blocks.start);
-        if program.has_tape_marks {
+        let headers = program.parts.get(main).map_or(&[][..], |part| &part.headers);
+        // `%100` is the mark itself: a second one would end the tape.
+        let is_marked = headers.first().is_some_and(|&header| source.slice(header).starts_with(b"%"));
+        if program.has_tape_marks && !is_marked {
             channel.begin_block(Origin { file: source.id(), line: 1, span: Span::default(), calls: 0 }, None);
             channel.push(Kind::Header(b"%".to_vec()));
         }
-        for &header in program.parts.get(main).map_or(&[][..], |part| &part.headers) {
+        for &header in headers {
             channel.begin_block(Origin { file: source.id(), line: 1, span: header, calls: 0 }, None);
             channel.push(Kind::Header(source.slice(header).to_vec()));
         }

@@ -46,6 +46,12 @@ pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -
     whole(source, dialect, macros)
 }
 
+/// Parses a program of any size by pages of so many bytes; `None` where it must be kept as a whole.
+#[must_use]
+pub fn parse_by_pages(source: &Source, dialect: &'static Dialect, page_bytes: usize) -> Option<Program> {
+    pages::parse(source, dialect, &Macros::default(), page_bytes)
+}
+
 /// Parses a program of which everything is kept.
 fn whole(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
     let mut parser = block::Parser::new(source.clone(), dialect, macros.clone());

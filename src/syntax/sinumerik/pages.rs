@@ -25,6 +25,10 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, macros: &Macros,
         parser.program.turn_to(first);
         pages.push(Start { offset: at.0, lines: at.1, first });
         at = parser.read(at, at.0 + page);
+        while parser.program.blocks.is_empty() && at.0 < length {
+            // Headers that go on belong to the section where no block stands before them: all of them are one page.
+            at = parser.read(at, at.0 + page);
+        }
         if !(parser.is_clean() && is_plain(&parser.program)) {
             return None;
         }

@@ -191,6 +191,18 @@ impl Parser {
         }
     }
 
+    /// Ends the header of the line where a block begins behind it (`O1234 G90 G0 X1`): as a part of the header it would be written twice.
+    pub(super) fn end_header(&mut self, block: Input<'_>) {
+        let end = self.offset(block);
+        let source = self.program.source.clone();
+        let header = self.program.parts.last_mut().and_then(|part| part.headers.last_mut());
+        if let Some(header) = header.filter(|header| !block.is_empty() && header.end as usize == self.line_end) {
+            let text = source.slice(Span::new(header.start as usize, end));
+            let blank = text.iter().rev().take_while(|&&byte| is_blank(byte)).count();
+            *header = Span::new(header.start as usize, end - blank);
+        }
+    }
+
     /// Ends the part before and begins another one.
     pub(super) fn open_part(&mut self, kind: PartKind, header: Option<Input<'_>>) {
         self.close_part();

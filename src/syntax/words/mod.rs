@@ -38,6 +38,12 @@ pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagno
     whole(&source, dialect)
 }
 
+/// Parses a program of any size by pages of so many bytes; `None` where it must be kept as a whole.
+#[must_use]
+pub fn parse_by_pages(source: &Source, dialect: &'static Dialect, page_bytes: usize) -> Option<Program> {
+    pages::parse(&without_parity(source), dialect, page_bytes)
+}
+
 /// Parses a program of which everything is kept.
 fn whole(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
     let mut parser = parser::Parser::new(source.clone(), dialect);

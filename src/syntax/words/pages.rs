@@ -24,6 +24,10 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> 
         parser.program.turn_to(first);
         pages.push(Start { offset: at.0, lines: at.1, first });
         at = parser.read(at, end.min(at.0 + page));
+        while parser.is_fresh && at.0 < end {
+            // What stands before the first block is read as a header or not by what came before it: all of it is one page.
+            at = parser.read(at, end.min(at.0 + page));
+        }
         if !(parser.is_clean() && is_plain(&parser.program)) {
             return None;
         }
@@ -62,9 +66,10 @@ impl Program {
 
     /// Reads the page of a block.
     fn load(&mut self, block: usize) {
-        let Some((start, end)) = self.pages.as_ref().and_then(|pages| pages.of_block(block)) else { return };
+        let Some(pages) = &self.pages else { return };
+        let Some((start, end)) = pages.of_block(block) else { return };
         let mut parser = Parser::new(self.source.clone(), self.dialect);
-        parser.is_fresh = start.first[0] == 0;
+        parser.is_fresh = pages.is_first(&start);
         let parts = std::mem::take(&mut self.parts);
         let hollow = empty(self.source.clone(), self.dialect);
         parser.program = std::mem::replace(self, hollow);

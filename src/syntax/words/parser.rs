@@ -134,6 +134,7 @@ impl Parser {
         let mut text = self.header(line_text);
         if text.len() < line_text.len() {
             text = self.title(blanks(text));
+            self.end_header(text);
         } else if text.first() != Some(&b'(') {
             self.is_fresh = false;
         }

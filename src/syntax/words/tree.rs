@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::node::{Expr, ExprId};
-use crate::dialect::Dialect;
+use crate::dialect::{Dialect, Language};
 use crate::source::{Source, Span};
 use crate::syntax::names::{NameId, Names};
 use crate::syntax::shelf::{Pages, Shelf};
@@ -335,6 +335,10 @@ impl Program {
     /// The block with a number in a part: the first one behind block `from`, else the first one of the part.
     #[must_use]
     pub fn find_block(&self, part: usize, number: u32, from: usize) -> Option<usize> {
+        if self.dialect.language == Language::Rs274 {
+            // Its numbers are no targets: nothing jumps to a block by its number.
+            return None;
+        }
         if self.has_pages() {
             return self.search_block(number, from);
         }

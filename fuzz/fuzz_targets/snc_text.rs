@@ -1,0 +1,4 @@
+//! See `ncfix_fuzz::snc::read_and_written`.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| ncfix_fuzz::snc::read_and_written(data));
