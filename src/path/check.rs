@@ -12,6 +12,8 @@ use super::route::Route;
 
 /// Samples per smooth length.
 const SAMPLES_PER_LENGTH: f64 = 8.0;
+/// Samples of a piece with a kink in it: what is left between them is a hundredth of a bend that is smooth beside the kink.
+const BESIDE_KINKS: u32 = 9;
 /// Bounds the time that the check of one piece takes. A helix of 999 turns, the most that can be programmed, needs a quarter of it.
 const MOST_SAMPLES: f64 = 65_536.0;
 
@@ -74,6 +76,10 @@ impl Sampler {
         }
         for fraction in &mut fractions[first..] {
             *fraction = (*fraction - between[0]) / share;
+        }
+        if fractions.len() > first && count < BESIDE_KINKS {
+            // A bend with a kink in it deviates most anywhere, not in the middle.
+            fractions.extend((1..=BESIDE_KINKS).map(|k| f64::from(k) / f64::from(BESIDE_KINKS + 1)));
         }
     }
 }
