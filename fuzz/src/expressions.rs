@@ -213,8 +213,8 @@ fn value(tree: &Tree) -> Option<f64> {
         Tree::Call(function, inner) => {
             let of = value(inner)?;
             match function {
-                Function::Sin => exact(of.to_radians().sin()),
-                Function::Cos => exact(of.to_radians().cos()),
+                Function::Sin => exact(of, of.to_radians().sin()),
+                Function::Cos => exact(of, of.to_radians().cos()),
                 Function::Abs => of.abs(),
                 Function::Sqrt if of < 0.0 => return None,
                 Function::Sqrt => of.sqrt(),
@@ -251,9 +251,9 @@ fn value(tree: &Tree) -> Option<f64> {
     (found.is_finite() && found.abs() < 1e6).then_some(found)
 }
 
-/// A sine or cosine that is 0 but for the rounding of radians.
-fn exact(value: f64) -> f64 {
-    if value.abs() < 1e-9 { 0.0 } else { value }
+/// A sine or cosine of degrees, which is 0 at quarters of a turn, without what the rounding of radians leaves there.
+fn exact(degrees: f64, value: f64) -> f64 {
+    if value.abs() < 1e-9 && degrees.abs() > 1.0 { 0.0 } else { value }
 }
 
 /// Whether a value is so near a whole number that its last bits decide on which side of it.
