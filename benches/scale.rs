@@ -37,7 +37,8 @@ fn program(blocks: usize, comment: usize) -> String {
 
 /// So many waves, dealt out over the 18 errors of three axes.
 fn waves(terms: usize) -> ErrorModel {
-    let names: Vec<String> = "XYZ".chars().flat_map(|axis| "XYZABC".chars().map(move |d| format!("E{d}{axis}"))).collect();
+    let names: Vec<String> =
+        "XYZ".chars().flat_map(|axis| "XYZABC".chars().map(move |d| format!("E{d}{axis}"))).collect();
     let motion = (0..terms).map(|k| {
         let name = names[k % names.len()].parse().unwrap();
         let size = if k % 6 < 3 { 1e-3 } else { 1e-6 };

@@ -136,7 +136,8 @@ fn wrong_orders_are_refused() {
 #[test]
 fn a_simulated_trace_of_five_axes_has_one_clock() {
     let machine = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/samples/machines/esmaeili_huron.toml"));
-    let mut text = machine.unwrap() + "\n[servo]\ncycle_ms = 3.0\nsmoothing_ms = 12.0\ncorner_tolerance_um = 10.0\nexact_stop_um = 10.0\n";
+    let mut text = machine.unwrap()
+        + "\n[servo]\ncycle_ms = 3.0\nsmoothing_ms = 12.0\ncorner_tolerance_um = 10.0\nexact_stop_um = 10.0\n";
     for axis in ["X", "Y", "Z", "A", "C"] {
         let most = if "XYZ".contains(axis) { "max_acceleration_m_s2 = 5.0" } else { "max_acceleration_rad_s2 = 20.0" };
         text += &format!("[servo.{axis}]\nvelocity_gain_per_s = 50.0\nfeed_forward = 0.98\n{most}\n");

@@ -137,7 +137,6 @@ fn pieces_are_within_a_tenth_of_the_fewest_possible() {
         }
         let counts = count(&machine, &errors, &lines(&mut random, 4));
         let (most, least) = (counts.adaptive as f64, counts.fewest as f64);
-        println!("case {case}: fewest {}, adaptive {}, fixed step {}", counts.fewest, counts.adaptive, counts.fixed);
         assert!(counts.fewest > 40, "too few pieces to tell: {}", counts.fewest);
         assert!(most <= 1.1 * least, "case {case}: {most} pieces, {least} are possible");
         // The search knows ends on a grid and no rounding: what beats it by more would not keep the tolerance.
@@ -146,7 +145,6 @@ fn pieces_are_within_a_tenth_of_the_fewest_possible() {
         all.adaptive += counts.adaptive;
         all.fixed += counts.fixed;
     }
-    println!("all: fewest {}, adaptive {}, fixed step {}", all.fewest, all.adaptive, all.fixed);
     assert!(all.fixed as f64 > 1.3 * all.adaptive as f64, "{} {}", all.fixed, all.adaptive);
 }
 

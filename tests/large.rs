@@ -111,8 +111,9 @@ fn passes_of_a_loop_leave_nothing_in_memory() {
     };
     let shop = Shop::new().file("short.mpf", looped(2_000)).file("long.mpf", looped(100_000));
     for threads in ["1", "3"] {
-        let [short, long] = ["short.mpf", "long.mpf"]
-            .map(|name| memory(&shop, &["fix", name, "-o", "out.mpf", "--threads", threads, "--max-blocks", "1000000"]));
+        let [short, long] = ["short.mpf", "long.mpf"].map(|name| {
+            memory(&shop, &["fix", name, "-o", "out.mpf", "--threads", threads, "--max-blocks", "1000000"])
+        });
         assert!(long < short + 4 * 1024, "{threads} threads: {short} KiB, {long} KiB");
     }
 }

@@ -114,7 +114,9 @@ fn told(fault: &Fault) -> Diagnostic {
         Fault::Still => (Code::NOT_TOLD, "record while the axes move, and check that set-points are in mm and degrees"),
         Fault::Apart => (Code::NOT_TOLD, "check t_s of both records: their clocks may differ by up to half a second"),
         Fault::OtherPath(..) => (Code::NOT_TOLD, "give runs of one program; divide runs of another one by themselves"),
-        Fault::Units(..) => (Code::DATA_SIZE, "write set-points and encoders in mm and degrees: is a column in inches or rad?"),
+        Fault::Units(..) => {
+            (Code::DATA_SIZE, "write set-points and encoders in mm and degrees: is a column in inches or rad?")
+        }
         Fault::NotTold(_) => {
             (Code::NOT_TOLD, "record a longer run, or give fewer --links and a lower degree of --motion")
         }

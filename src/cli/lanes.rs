@@ -71,8 +71,8 @@ impl Lanes<'_> {
             0 | 1 => self.correct(running, |outputs| emit::emit(outputs, writer, sink, note)),
             2 => scope(|scope| {
                 let (elements, executed) = relay();
-                let rest = scope
-                    .spawn(move || self.correct(executed, |outputs| emit::emit(outputs, writer, sink, note)));
+                let rest =
+                    scope.spawn(move || self.correct(executed, |outputs| emit::emit(outputs, writer, sink, note)));
                 elements.put_all(running);
                 rest.join().unwrap_or_else(|fault| resume_unwind(fault))
             }),
@@ -98,8 +98,7 @@ impl Lanes<'_> {
         let mut corrector = Corrector::new(elements, self.machine, self.model, self.options.clone());
         let (done, limited) = match self.feed_limit {
             Some((limit_mm, servo)) => {
-                let mut limiter =
-                    Limiter::new(&mut corrector, limit_mm, self.machine, servo, self.model, self.options);
+                let mut limiter = Limiter::new(&mut corrector, limit_mm, self.machine, servo, self.model, self.options);
                 let done = take(&mut limiter);
                 (done, Some(*limiter.limited()))
             }

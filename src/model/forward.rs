@@ -89,7 +89,8 @@ impl Model {
         let is_empty =
             active.is_none() && spindle_error.is_none() && tool_side.iter().chain(&workpiece_side).all(Link::is_ideal);
         let linear = LinearAxes::of(axes);
-        let straight = axes.iter().all(|axis| !axis.is_rotary()).then(|| Straight::of(&tool_side, &workpiece_side, &linear));
+        let straight =
+            axes.iter().all(|axis| !axis.is_rotary()).then(|| Straight::of(&tool_side, &workpiece_side, &linear));
         Model {
             straight,
             tool_side,

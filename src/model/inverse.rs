@@ -68,7 +68,11 @@ impl Model {
         }
         let search = Search { model: self, tool_mm, state };
         if let Some(step) = self.straight_step() {
-            return search.straight_position(step.as_ref().map_err(|&singular| singular)?, self.nominal_tip(nominal, tool_mm), command);
+            return search.straight_position(
+                step.as_ref().map_err(|&singular| singular)?,
+                self.nominal_tip(nominal, tool_mm),
+                command,
+            );
         }
         let target = self.pointer(nominal, tool_mm, None);
         match mode {

@@ -52,8 +52,15 @@ impl Sampler {
     }
 
     /// Fills `fractions` with the places between the ends of the piece of `route` between two parameters: fractions (0 … 1) of it.
-    /// `whole` is what [`Sampler::whole`] says of the route.
-    pub(super) fn fractions(&self, route: &Route, whole: f64, between: [f64; 2], fractions: &mut Vec<f64>) {
+    /// `whole` is what [`Sampler::whole`] says of the route. Errors have their kinks at commands, so these are looked for on the way `emitted`
+    /// that the axes take.
+    pub(super) fn fractions(
+        &self,
+        (route, whole): (&Route, f64),
+        between: [f64; 2],
+        emitted: &Route,
+        fractions: &mut Vec<f64>,
+    ) {
         fractions.clear();
         let share = between[1] - between[0];
         let needed = whole * share;
@@ -61,21 +68,14 @@ impl Sampler {
         // Odd, so that the middle, where a bend deviates most, is among them. The conversion is exact: at most 65536.
         let count = needed.max(turned).ceil().min(MOST_SAMPLES) as u32 | 1;
         fractions.extend((1..=count).map(|k| f64::from(k) / f64::from(count + 1)));
-        if self.knots.is_empty() {
-            return;
-        }
         let first = fractions.len();
-        let ends = between.map(|parameter| route.at(parameter));
         for (axis, knots) in &self.knots {
-            let [a, b] = [ends[0][*axis], ends[1][*axis]];
-            let reach = route.travel(*axis) * share;
+            let [a, b] = [emitted.start[*axis], emitted.end[*axis]];
+            let reach = emitted.travel(*axis);
             let from = knots.partition_point(|&knot| knot < a.min(b) - reach);
             for &knot in knots[from..].iter().take_while(|&&knot| knot <= a.max(b) + reach) {
-                route.crossings(*axis, knot, between, fractions);
+                emitted.crossings(*axis, knot, [0.0, 1.0], fractions);
             }
-        }
-        for fraction in &mut fractions[first..] {
-            *fraction = (*fraction - between[0]) / share;
         }
         if fractions.len() > first && count < BESIDE_KINKS {
             // A bend with a kink in it deviates most anywhere, not in the middle.

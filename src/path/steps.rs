@@ -215,7 +215,8 @@ impl<'a> StepTrial<'a> {
             worst.failures += 1;
             return;
         };
-        self.sampler.fractions(route, piece.whole, between, &mut self.scratch);
+        let way = Route::new(start, end, None);
+        self.sampler.fractions((route, piece.whole), between, &way, &mut self.scratch);
         for &fraction in &self.scratch {
             let nominal = route.at(from + (to - from) * fraction);
             let command = start.lerp(&end, fraction);

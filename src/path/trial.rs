@@ -272,7 +272,7 @@ impl Bench<'_, '_> {
     /// Measures the deviation at all places that matter.
     fn measure(&self, trial: &mut Trial, scratch: &mut Vec<f64>) {
         let [from, to] = trial.between;
-        self.sampler.fractions(self.route, self.samples, trial.between, scratch);
+        self.sampler.fractions((self.route, self.samples), trial.between, &trial.emitted, scratch);
         for &fraction in &*scratch {
             let nominal = self.route.at(from + (to - from) * fraction);
             let deviation = self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &trial.state);
