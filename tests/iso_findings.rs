@@ -44,6 +44,13 @@ fn words_that_bear_on_motion_are_not_left_out() {
     check_codes("fanuc", "G21 G90 G80\nM3 S100 P1\nM30", &["W0204:2"]);
 }
 
+/// X, Y and Z would be limits and a position.
+#[test]
+fn limits_of_travel_stand_alone() {
+    check_codes("fanuc", "G21 G90 G0 X0. Y0. Z0.\nG0 G22 X10. Y10. Z10. I-10. J-10. K-10.\nM30", &["E0108:2"]);
+    check_codes("fanuc", "G21 G90 G0 X0. Y0. Z0.\nG22 X10. Y10. Z10. I-10. J-10. K-10.\nG0 X1.\nM30", &[]);
+}
+
 #[test]
 fn tapping_by_feed_moves_is_pointed_out_once_a_cycle() {
     check_codes("rs274", "G21 G90 G17 G94 G0 X0 Y0 Z5\nS100 M3\nG84 X1 Z-5 R2 P0 F100\nX2\nG80\nM2", &["W0207:3"]);

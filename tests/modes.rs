@@ -131,6 +131,8 @@ fn limits_of_the_working_area_move_nothing() {
     assert!(codes.is_empty(), "{codes:?}");
     assert_eq!(lines[1..3], ["G25 X-10 Y=-5 S2=20", "G26 S3000"]);
     assert_eq!(self::codes("G25 X1 M3"), ["E0108"]);
+    // Its words would be those of the motion too.
+    assert_eq!(self::codes("G90 G26 G0 X0 Y0 Z0"), ["E0108"]);
 }
 
 #[test]

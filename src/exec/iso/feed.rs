@@ -165,6 +165,11 @@ impl Channel<'_> {
             self.push(Kind::Keep(word));
         }
         let Some(entry) = gathered.passed else { return Ok(false) };
+        if entry.uses(b'X') && gathered.code(Group::Motion).is_some() {
+            let message = format!("{} and a motion share the axis words of the block", entry.name);
+            let help = "give each of them a block of its own";
+            return Err(fault(Code::MUST_STAND_ALONE, gathered.code_span(Group::Motion), message, help));
+        }
         let mut text = entry.name.to_owned();
         for letter in entry.words.split(' ').filter_map(|word| word.bytes().next().filter(|_| word.len() == 1)) {
             let is_length = LENGTHS.contains(&letter);

@@ -104,7 +104,12 @@ impl Gatherer<'_> {
     pub(super) fn limits(&self, block: &Block, span: Span, out: &mut Gathered) -> Result<(), Fault> {
         let mut text = Vec::new();
         for word in self.scope.program.words_of(block) {
+            let is_other_code = matches!((word.address, word.value), (Address::Letter(b'G'), Value::Number(code, _)) if code != 25.0 && code != 26.0);
             let unit = match word.address {
+                _ if is_other_code => {
+                    let message = "G25 and G26 share their block with another G code";
+                    return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other code to another block"));
+                }
                 Address::Letter(letter) if b"XYZUVW".contains(&letter) => Unit::Length,
                 Address::Letter(b'G' | b'S' | b'A' | b'B' | b'C') | Address::Extended(b'S', _) => Unit::None,
                 _ => {
