@@ -75,6 +75,7 @@ fn seconds(text: &str, machine: &Machine, errors: &ErrorModel) -> f64 {
 
 /// A cost over three decades.
 struct Row {
+    label: &'static str,
     what: &'static str,
     points: Vec<(f64, f64)>,
 }
@@ -94,6 +95,7 @@ fn main() {
     let decades: &[usize] = if is_test { &[1, 10] } else { &[1, 10, 100, 1000] };
     let rows = [
         Row {
+            label: "blocks",
             what: "blocks",
             points: decades
                 .iter()
@@ -101,6 +103,7 @@ fn main() {
                 .collect(),
         },
         Row {
+            label: "bytes",
             what: "bytes in comments of 1000 blocks",
             points: decades
                 .iter()
@@ -108,6 +111,7 @@ fn main() {
                 .collect(),
         },
         Row {
+            label: "terms",
             what: "error terms, 1000 blocks",
             points: decades
                 .iter()
@@ -122,7 +126,7 @@ fn main() {
     if std::env::var_os("NCFIX_WRITE_DOCS").is_some() && !is_test {
         let log = |(size, time): &(f64, f64), first: f64| ((size / first).log10(), (time * 1e3).log10());
         let series = rows.iter().map(|row| Series {
-            label: format!("{}, from {}", row.what, row.points[0].0),
+            label: row.label.into(),
             points: row.points.iter().map(|point| log(point, row.points[0].0)).collect(),
             errors: Vec::new(),
             shape: Shape::Line,

@@ -160,6 +160,7 @@ mod thermal_bench;
 mod thermal_plant;
 mod threads;
 mod tolerance;
+mod tutorial;
 mod undefined;
 mod unknown_sense;
 mod variables;
