@@ -93,7 +93,8 @@ fn every_program_is_corrected_to_below_a_micrometer() {
         let run = shop.run([&program, "-o", "out", "--json", "--machine", &machine(&name)]).exits(0);
         let json = run.json();
         let number = |side: &str, key: &str| json[side][key].as_f64().unwrap();
-        assert!(number("before", "mean_um") > 10.0, "{program}: {json}");
+        // Over the way, however it is divided.
+        assert!(number("before", "mean_um") > 9.0, "{program}: {json}");
         // The error is at least ten times what is left of it.
         assert!(number("before", "mean_um") > 10.0 * number("after", "mean_um"), "{program}: {json}");
         // Three axes are off by up to half an increment each, a quarter in the mean.

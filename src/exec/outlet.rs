@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 
 use super::contour::{Contour, Item, Moving, Wish};
 use super::fault::Fault;
-use super::path::Path;
+use super::path::{Path, Shape};
 use crate::geometry::{AxisSet, AxisVector};
 use crate::machine::{Kinematics, Machine};
 use crate::snc::{BlockNumber, Element, Kind, Origin};
@@ -90,13 +90,21 @@ impl<'a> Outlet<'a> {
         self.contour.is_holding()
     }
 
-    /// Puts a motion into the stream, through the contour stage where it wants something of it. The kind of the element is a placeholder.
+    /// Puts a motion of the block into the stream that wants nothing of the contour stage, while that holds nothing back.
     #[inline]
-    pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Option<Wish>) {
-        match wish {
-            None => self.resolve(&path, element),
-            Some(wish) => self.through_contour(Item::Path(Box::new(Moving { path, element, wish }))),
+    pub(super) fn pass_plain(&mut self, path: &Path) {
+        if matches!(path.shape, Shape::Line) && path.setup.transform.is_none() {
+            let element = self.element(Kind::Move(path.motion));
+            self.queue.push_back(element);
+            return;
         }
+        let element = self.element(Kind::Empty);
+        self.resolve(path, element);
+    }
+
+    /// Puts a motion into the stream through the contour stage. The kind of the element is a placeholder.
+    pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Wish) {
+        self.through_contour(Item::Path(Box::new(Moving { path, element, wish })));
     }
 
     /// Holds a motion back until [`Self::close`] says where it ends.

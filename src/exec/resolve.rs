@@ -13,11 +13,6 @@ impl Outlet<'_> {
     /// Puts the moves of a path into the stream.
     pub(super) fn resolve(&mut self, path: &Path, mut element: Element) {
         let queue = &mut self.queue;
-        if matches!(path.shape, Shape::Line) && path.setup.transform.is_none() {
-            element.kind = Kind::Move(path.motion);
-            queue.push_back(element);
-            return;
-        }
         let first = queue.len();
         if let (Some(turning), Some(kinematics)) = (path.setup.transform, &self.kinematics) {
             let found = five_axis::moves(kinematics, turning, path, &self.machine.control, |step| {

@@ -194,6 +194,12 @@ impl Model {
         self.carry(Ray { tip: *tool_mm, axis: self.spindle_axis }, &command, Some(state))
     }
 
+    /// The axes that correct the position (X or U, Y or V, Z or W), where the machine has no rotary ones.
+    #[must_use]
+    pub fn straight_axes(&self) -> Option<[Option<Axis>; 3]> {
+        self.straight.as_ref().map(|_| self.linear.0)
+    }
+
     /// The step of the linear axes on a machine without rotary axes; `None` where there are some.
     pub(super) fn straight_step(&self) -> Option<&Result<LinearStep, Singular>> {
         self.straight.as_ref().map(|straight| &straight.step)

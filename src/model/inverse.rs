@@ -111,10 +111,11 @@ impl Search<'_> {
         for _ in 0..MAX_STEPS {
             let residual = target - self.model.tip(&command, self.tool_mm, Some(self.state));
             residual_mm = step.reachable(&residual).norm();
+            // The step is known already, so what is left is taken away as well: it is far below the limit then.
+            step.apply(&residual, &mut command);
             if residual_mm < POSITION_LIMIT_MM {
                 return Ok(command);
             }
-            step.apply(&residual, &mut command);
         }
         last_resort(command, residual_mm)
     }

@@ -20,7 +20,7 @@ use super::poses::Poses;
 use super::route::Route;
 use super::treatment::{Treatment, is_pushed_out};
 use super::trial::{Bench, Standing, Trial};
-use super::{Arcs, Options, Output, PoseSample, Prediction, Rapids, Subdivision, lost_axes};
+use super::{Arcs, Options, Output, Piece, PoseSample, Prediction, Rapids, Subdivision, lost_axes};
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -198,9 +198,9 @@ where
     }
 
     /// Makes the next piece of the move.
-    fn advance(&mut self, mut active: Box<Active>) {
+    fn advance(&mut self, mut active: Box<Active>) -> Option<Piece> {
         let trial = self.next_piece(&mut active);
-        self.accept(&mut active, &trial);
+        let piece = self.accept(&mut active, &trial);
         if active.parameter < 1.0 {
             self.active = Some(active);
         } else {
@@ -208,6 +208,7 @@ where
             self.standing.is_doubtful = active.treatment == Treatment::Round;
             self.idle = Some(active);
         }
+        piece
     }
 
     fn next_piece(&mut self, active: &mut Active) -> Trial {
@@ -276,11 +277,20 @@ where
             floor: SHORTEST_MM / size_mm,
             order: 2.0,
         };
-        fit_line(&bench, standing, reach, scratch).unwrap_or_else(|| bench.unmeasured(standing, [from, turning]))
+        let mut first = None;
+        if reach.guess >= reach.limit - from {
+            // Most moves of a surface are one piece, and that is known by one trial.
+            let whole = bench.straight(standing, [from, reach.limit], scratch);
+            if whole.fits() && !whole.end.is_held_back {
+                return whole;
+            }
+            first = Some(whole);
+        }
+        fit_line(&bench, standing, reach, first, scratch).unwrap_or_else(|| bench.unmeasured(standing, [from, turning]))
     }
 
-    /// Makes a tried piece real.
-    fn accept(&mut self, active: &mut Active, trial: &Trial) {
+    /// Makes a tried piece real. A step on the spot before it waits in the queue already.
+    fn accept(&mut self, active: &mut Active, trial: &Trial) -> Option<Piece> {
         let [from, to] = trial.between;
         let is_last = to >= 1.0;
         let frame = &self.placer.setup.frame;
@@ -292,7 +302,8 @@ where
             self.findings.check(&active.origin, stated, piece, &way, &self.placer.setup.tool_mm);
             // Such a step takes the time that its length takes on the way.
             let share = way.size_mm() / active.route.size_mm();
-            self.write(active, start, None, share, false);
+            let step = self.write(active, start, None, share, false);
+            self.pending.extend(step.map(|piece| Ok(Output::Piece(piece))));
         }
         let nominal = active.route.at(to);
         let piece = (&active.route, to);
@@ -305,7 +316,7 @@ where
             let is_cut = active.motion.manner == Manner::Path;
             self.findings.tolerance_missed(&active.origin, is_cut, trial.deviation_mm, self.options.tolerance_mm);
         }
-        self.write(active, &trial.end, Some(trial), to - from, is_last);
+        let piece = self.write(active, &trial.end, Some(trial), to - from, is_last);
         if !self.sampler.backlash.is_empty() {
             let sensed = self.standing.sensed;
             self.standing.nominal_state.note_stated(sensed, &active.route.at(from), &nominal);
@@ -329,6 +340,7 @@ where
         standing.is_doubtful = false;
         active.parameter = to;
         active.length = to - from;
+        piece
     }
 }
 
@@ -365,10 +377,15 @@ where
                 return Some(item);
             }
             if let Some(active) = self.active.take() {
-                self.advance(active);
-                if !self.findings.is_empty() {
-                    self.pending.extend(self.findings.take().map(Err));
+                let piece = self.advance(active);
+                if self.pending.is_empty() && self.findings.is_empty() {
+                    match piece {
+                        Some(piece) => return Some(Ok(Output::Piece(piece))),
+                        None => continue,
+                    }
                 }
+                self.pending.extend(piece.map(|piece| Ok(Output::Piece(piece))));
+                self.pending.extend(self.findings.take().map(Err));
                 continue;
             }
             match self.elements.next()? {

@@ -53,23 +53,15 @@ pub(super) fn fit_arc(
     longest(reach, |between| bench.arc(standing, between, scratch)).filter(Trial::fits)
 }
 
-/// The longest straight piece that fits. Where it turns rotary corrections too far for one block, it is a shorter one that does not; where
+/// The longest straight piece that fits. `first` is the trial of the whole reach, where it was made. Where it turns rotary corrections too far for one block, it is a shorter one that does not; where
 /// none does, as behind a step of the errors, length is not the reason.
 pub(super) fn fit_line(
     bench: &Bench<'_, '_>,
     standing: &Standing,
     reach: Reach,
+    mut first: Option<Trial>,
     scratch: &mut Vec<f64>,
 ) -> Option<Trial> {
-    let mut first = None;
-    if reach.guess >= reach.limit - reach.from {
-        // Most moves of a surface are one piece, and that is known by one trial.
-        let whole = bench.straight(standing, [reach.from, reach.limit], scratch);
-        if whole.fits() && !whole.end.is_held_back {
-            return Some(whole);
-        }
-        first = Some(whole);
-    }
     let found = longest(reach, |between| first.take().or_else(|| Some(bench.straight(standing, between, scratch))))?;
     let mut shorter = found;
     for _ in 0..MOST_HALVINGS {

@@ -26,6 +26,7 @@ mod remaining;
 mod rotary_word;
 mod route;
 mod singularity;
+mod slope;
 mod steps;
 mod treatment;
 mod trial;

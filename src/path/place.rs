@@ -3,6 +3,7 @@
 //! Rotary axes are rounded first; the linear axes are then solved for the rounded rotary commands and rounded last. So the tip is
 //! off by the rounding of the linear axes only, whatever the lever of the rotary ones.
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
@@ -10,6 +11,7 @@ use crate::machine::{Kinematics, Machine, State};
 use crate::model::{Model, NotConverged, Solve};
 use crate::snc::{Move, Setup};
 
+use super::slope::Slope;
 use super::{FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
 
 /// Feeds of axes are written to this many parts of a mm/min.
@@ -43,6 +45,8 @@ pub(super) struct Placer<'a> {
     pub(super) has_rotary: bool,
     turns_rotary: bool,
     is_empty: bool,
+    /// Better guesses on a machine without rotary axes.
+    slope: Option<Cell<Slope>>,
 }
 
 impl<'a> Placer<'a> {
@@ -59,6 +63,7 @@ impl<'a> Placer<'a> {
             has_rotary,
             turns_rotary: has_rotary && options.rotary == Rotary::Correct,
             is_empty: model.is_empty(),
+            slope: model.straight_axes().map(|axes| Cell::new(Slope::new(axes))),
         }
     }
 
@@ -176,6 +181,15 @@ impl<'a> Placer<'a> {
             return Ok(*nominal);
         }
         let tool_mm = &self.setup.tool_mm;
+        if let Some(learnt) = &self.slope {
+            let mut slope = learnt.get();
+            let guess = slope.guess(nominal);
+            let exact = self.model.solve(nominal, tool_mm, state, &guess, Solve::PositionOnly)?;
+            if slope.learn(nominal, &exact, &guess) {
+                learnt.set(slope);
+            }
+            return Ok(self.keep_unknown(exact, nominal, known));
+        }
         let mut start = *nominal + *guess;
         if self.turns_rotary {
             let mut turned = self.model.solve(nominal, tool_mm, state, &start, Solve::Full)?;

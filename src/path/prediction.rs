@@ -1,8 +1,9 @@
 //! The error of the tool tip along the path, before and after the correction, gathered while the program streams by.
 //!
-//! Samples lie between the ends of the pieces: at least one in every piece, and one about every `sample_mm` of the way. "Before" is the
-//! programmed command on the error model with the programmed sense of motion, "after" the emitted command, rounding
-//! included; both are measured from the nominal tip at the same parameter of the move.
+//! Samples lie between the ends of the pieces, one about every `sample_mm` of the way: long pieces have several, short ones share one. So
+//! means are over the way, however it is divided. "Before" is the programmed command on the error model with the programmed sense of motion,
+//! "after" the emitted command, rounding included; both are measured from the nominal tip at the same parameter of the move. For the maximum
+//! behind the correction the middle of every piece counts.
 
 use crate::geometry::AxisVector;
 use crate::snc::Origin;
@@ -54,6 +55,8 @@ pub struct Prediction {
     pub moves: u64,
     /// Pieces that they became.
     pub pieces: u64,
+    /// Way behind the last sample, mm.
+    unsampled_mm: f64,
 }
 
 /// Spreads before and after.
@@ -104,6 +107,26 @@ impl Prediction {
     pub(super) fn add(&mut self, rapid: bool, before_mm: f64, after_mm: f64, origin: &Origin) {
         let pair = if rapid { &mut self.rapid } else { &mut self.feed };
         pair.add(before_mm, after_mm, origin);
+    }
+
+    /// Whether a piece of a size (mm) needs no sample of its own, being near the last one.
+    pub(super) fn passes(&mut self, rapid: bool, size_mm: f64, sample_mm: f64) -> bool {
+        let pair = if rapid { &self.rapid } else { &self.feed };
+        self.unsampled_mm += size_mm;
+        let passes = pair.before.samples > 0 && self.unsampled_mm < sample_mm;
+        if !passes {
+            self.unsampled_mm = 0.0;
+        }
+        passes
+    }
+
+    /// A deviation that counts for the maximum alone.
+    pub(super) fn note_after(&mut self, rapid: bool, after_mm: f64, origin: &Origin) {
+        let pair = if rapid { &mut self.rapid } else { &mut self.feed };
+        if after_mm > pair.after.max_mm {
+            pair.after.max_mm = after_mm;
+            pair.max_at = Some(*origin);
+        }
     }
 
     pub(super) fn note_correction(&mut self, nominal: &AxisVector, command: &AxisVector) {

@@ -5,6 +5,7 @@
 //! and the word languages, [`words`].
 
 mod names;
+mod plain;
 mod shelf;
 pub mod sinumerik;
 mod token;

@@ -80,6 +80,12 @@ impl<T> Shelf<T> {
         self.count = self.count.max(self.next());
     }
 
+    /// Counts nodes that are not there, in place of those that are.
+    pub(super) fn leave_out(&mut self, count: usize) {
+        self.turn_to(self.next() + count);
+        self.count = self.count.max(self.first);
+    }
+
     /// Takes all nodes away; those that come next begin with a number.
     pub(super) fn turn_to(&mut self, first: usize) {
         self.first = first;

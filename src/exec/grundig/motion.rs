@@ -194,8 +194,7 @@ impl Channel<'_> {
         let (contour, corner, soft) = (self.modal.contour, self.corner.take(), self.soft.take().map(|(soft, _)| soft));
         let is_free = corner.is_none() && soft.is_none() && !self.is_open;
         if is_free && contour.is_plain() && !self.outlet.is_holding() {
-            let element = self.outlet.element(Kind::Empty);
-            self.outlet.pass_path(path, element, None);
+            self.outlet.pass_plain(&path);
             return;
         }
         self.check_beside(&path);
@@ -205,7 +204,7 @@ impl Channel<'_> {
         if self.is_open {
             self.outlet.open(path, element, wish);
         } else {
-            self.outlet.pass_path(path, element, Some(wish));
+            self.outlet.pass_path(path, element, wish);
         }
     }
 

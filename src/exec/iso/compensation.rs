@@ -131,15 +131,13 @@ impl Channel<'_> {
     pub(super) fn pass(&mut self, path: Path) {
         let modal = self.modal.contour;
         let corner = self.corner.take();
-        let wish = if corner.is_none() && modal.is_plain() && !self.outlet.is_holding() {
-            None
-        } else {
-            let file = self.outlet.file();
-            Some(Wish { corner, ..Wish::of(modal, self.modal.radius_mm, path.span, file) })
-        };
-        if let Some(wish) = &wish {
-            self.check_known(&path, wish);
+        if corner.is_none() && modal.is_plain() && !self.outlet.is_holding() {
+            self.outlet.pass_plain(&path);
+            return;
         }
+        let file = self.outlet.file();
+        let wish = Wish { corner, ..Wish::of(modal, self.modal.radius_mm, path.span, file) };
+        self.check_known(&path, &wish);
         let element = self.outlet.element(Kind::Empty);
         self.outlet.pass_path(path, element, wish);
     }

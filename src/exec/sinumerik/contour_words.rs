@@ -244,15 +244,13 @@ impl Channel<'_> {
         Some(Wish { modal, distance_mm, corner, soft, span: path.span, file: self.outlet.origin.file })
     }
 
-    /// Puts a motion into the stream, through the contour stage where it must.
-    #[inline]
-    pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Option<Wish>) {
-        if let Some(wish) = &wish {
-            self.check_known(&path, wish);
-        }
-        match wish {
-            Some(wish) if self.open_angle.is_some() => self.outlet.open(path, element, wish),
-            wish => self.outlet.pass_path(path, element, wish),
+    /// Puts a motion into the stream through the contour stage.
+    pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Wish) {
+        self.check_known(&path, &wish);
+        if self.open_angle.is_some() {
+            self.outlet.open(path, element, wish);
+        } else {
+            self.outlet.pass_path(path, element, wish);
         }
     }
 

@@ -142,9 +142,13 @@ impl Channel<'_> {
         }
         let ended = if self.splines.is_holding() { self.end_spline(Some(&path)) } else { Ok(()) };
         self.note_direction(&path);
-        let wish = self.wish(&path);
-        let element = self.outlet.element(Kind::Empty);
-        self.pass_path(path, element, wish);
+        match self.wish(&path) {
+            None => self.outlet.pass_plain(&path),
+            Some(wish) => {
+                let element = self.outlet.element(Kind::Empty);
+                self.pass_path(path, element, wish);
+            }
+        }
         ended
     }
 
@@ -203,7 +207,10 @@ impl Channel<'_> {
                     self.note_direction(&path);
                     let wish = wish.map(|wish| *wish);
                     let wish = if wish.is_none() && self.outlet.is_holding() { self.wish(&path) } else { wish };
-                    self.pass_path(*path, element, wish);
+                    match wish {
+                        None => self.outlet.resolve(&path, element),
+                        Some(wish) => self.pass_path(*path, element, wish),
+                    }
                 }
             }
         }

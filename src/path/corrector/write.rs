@@ -1,23 +1,24 @@
-//! Puts tried pieces into the output, and samples the error along them.
+//! Makes pieces for the output of those that were tried, and samples the error along them.
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::AxisSet;
 use crate::snc::{Element, Manner};
 
 use super::{Active, Corrector};
+use crate::path::Piece;
 use crate::path::cut::of_share;
 use crate::path::place::Placed;
 use crate::path::prediction::{sample_count, sample_place};
 use crate::path::rotary_word;
 use crate::path::treatment::Treatment;
 use crate::path::trial::Trial;
-use crate::path::{Output, Piece};
 
 impl<I> Corrector<'_, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
-    /// Puts a piece into the output: of a trial, or a step on the spot. `share` is its share of the time of the move.
+    /// A piece for the output: of a trial, or a step on the spot. `share` is its share of the time of the move. `None` where it is shorter
+    /// than an increment.
     pub(super) fn write(
         &mut self,
         active: &mut Active,
@@ -25,7 +26,7 @@ where
         trial: Option<&Trial>,
         share: f64,
         is_last: bool,
-    ) {
+    ) -> Option<Piece> {
         let standing = &mut self.standing;
         let motion = &active.motion;
         let first = std::mem::take(&mut active.is_first);
@@ -45,11 +46,10 @@ where
         standing.command = placed.command;
         standing.written = if is_reference { standing.written.union(motion.named) } else { motion.known };
         if words.is_empty() && arc.is_none() && !first && !is_last {
-            // Shorter than an increment.
-            return;
+            return None;
         }
         self.prediction.pieces += 1;
-        let piece = Piece {
+        Some(Piece {
             origin: active.origin,
             starts_block: first && active.starts_block,
             number: if first { active.number } else { None },
@@ -69,14 +69,21 @@ where
             nominal: active.route.at(trial.map_or(active.parameter, |trial| trial.between[1])),
             known: motion.known,
             is_corrected: active.treatment != Treatment::Round,
-        };
-        self.pending.push_back(Ok(Output::Piece(piece)));
+        })
     }
 
-    /// Samples the error along a piece.
+    /// Samples the error along a piece, unless it is short and near the last sample.
     pub(super) fn predict(&mut self, active: &Active, trial: &Trial) {
         let [from, to] = trial.between;
-        let count = sample_count(active.route.size_mm() * (to - from), self.options.sample_mm);
+        let size_mm = active.route.size_mm() * (to - from);
+        let (rapid, sample_mm) = (active.motion.rapid, self.options.sample_mm);
+        if let Some(middle_mm) = trial.middle_mm
+            && self.prediction.passes(rapid, size_mm, sample_mm)
+        {
+            self.prediction.note_after(rapid, middle_mm, &active.origin);
+            return;
+        }
+        let count = sample_count(size_mm, sample_mm);
         for k in 0..count {
             let fraction = sample_place(k, count);
             let nominal = active.route.at(from + (to - from) * fraction);
@@ -85,7 +92,7 @@ where
                 Some(middle_mm) if count == 1 => middle_mm,
                 _ => self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &trial.state),
             };
-            self.prediction.add(active.motion.rapid, before_mm, after_mm, &active.origin);
+            self.prediction.add(rapid, before_mm, after_mm, &active.origin);
         }
     }
 }

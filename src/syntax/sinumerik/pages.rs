@@ -11,6 +11,7 @@ use super::section::empty;
 use super::tree::{Body, Program};
 use crate::dialect::Dialect;
 use crate::source::Source;
+use crate::syntax::plain;
 use crate::syntax::shelf::{Pages, Start};
 
 /// Reads a program by pages of so many bytes; `None` where it must be kept as a whole.
@@ -24,6 +25,15 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, macros: &Macros,
         let first = parser.program.next();
         parser.program.turn_to(first);
         pages.push(Start { offset: at.0, lines: at.1, first });
+        if !parser.program.blocks.is_empty()
+            && parser.macros.is_empty()
+            && let Some(plain) = plain::count(source.bytes(), at.0, at.0 + page, source.line_end())
+        {
+            plain.leave_out(&mut parser.program.blocks, &mut parser.program.words);
+            at = (plain.end, at.1 + plain.lines);
+            does_something |= plain.words > 0;
+            continue;
+        }
         at = parser.read(at, at.0 + page);
         while parser.program.blocks.is_empty() && at.0 < length {
             // Headers that go on belong to the section where no block stands before them: all of them are one page.

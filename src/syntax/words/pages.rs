@@ -9,6 +9,7 @@ use super::parser::{Parser, empty};
 use super::tree::{Body, PartKind, Program};
 use crate::dialect::{Dialect, Language};
 use crate::source::Source;
+use crate::syntax::plain;
 use crate::syntax::shelf::{Pages, Start};
 
 /// Reads a program by pages of so many bytes; `None` where it must be kept as a whole.
@@ -23,6 +24,15 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> 
         let first = parser.program.next();
         parser.program.turn_to(first);
         pages.push(Start { offset: at.0, lines: at.1, first });
+        if !parser.is_fresh
+            && dialect.language != Language::Grundig
+            && let Some(plain) = plain::count(source.bytes(), at.0, end.min(at.0 + page), source.line_end())
+        {
+            plain.leave_out(&mut parser.program.blocks, &mut parser.program.words);
+            at = (plain.end, at.1 + plain.lines);
+            does_something |= plain.words > 0;
+            continue;
+        }
         at = parser.read(at, end.min(at.0 + page));
         while parser.is_fresh && at.0 < end {
             // What stands before the first block is read as a header or not by what came before it: all of it is one page.
