@@ -36,6 +36,7 @@ fn commands() -> Vec<Vec<&'static str>> {
         "steps",
         "load",
         "diagnose",
+        "decompose",
         "sensors",
         "feed",
         "realtime",

@@ -14,7 +14,7 @@ pub(super) const FANUC: Dialect = Dialect {
     extensions: &["eia", "fan"],
     tells,
     is_executable: true,
-    codes: &CODES,
+    codes: || &CODES,
 };
 
 /// `O1234 (NAME)`, `%O1234`, `:1234`, a control statement of a custom macro.

@@ -14,7 +14,7 @@ pub(super) const GRUNDIG: Dialect = Dialect {
     extensions: &["pm", "mm"],
     tells,
     is_executable: true,
-    codes: &CODES,
+    codes: || &CODES,
 };
 
 /// `%PM` and the other memories, a first line such as `N9001 (NAME)`, a value behind `=` that begins with an E parameter.

@@ -8,8 +8,6 @@ mod sinumerik;
 
 pub use code::{CodeEntry, CodeTable, Effect};
 
-use std::sync::LazyLock;
-
 /// The language of a dialect: what its parser and its execution ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Language {
@@ -37,14 +35,14 @@ pub struct Dialect {
     tells: fn(&[u8]) -> bool,
     /// Whether programs of this dialect can be executed yet.
     pub is_executable: bool,
-    codes: &'static LazyLock<CodeTable>,
+    codes: fn() -> &'static CodeTable,
 }
 
 impl Dialect {
     /// G codes and words without a value.
     #[must_use]
     pub fn codes(&self) -> &'static CodeTable {
-        self.codes
+        (self.codes)()
     }
 }
 

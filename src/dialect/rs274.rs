@@ -14,7 +14,7 @@ pub(super) const RS274: Dialect = Dialect {
     extensions: &["ngc"],
     tells,
     is_executable: true,
-    codes: &CODES,
+    codes: || &CODES,
 };
 
 /// O-words, named parameters, active comments.

@@ -14,5 +14,5 @@ pub(super) const SINUMERIK: Dialect = Dialect {
     extensions: &["mpf", "spf", "arc"],
     tells: |line| begins(line, "%_N_") || begins(line, ";$PATH"),
     is_executable: true,
-    codes: &CODES,
+    codes: || &CODES,
 };
