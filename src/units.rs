@@ -59,23 +59,35 @@ pub fn parse_length_mm(text: &str) -> Result<f64, String> {
 
 /// Appends a whole number as text, without an allocation.
 pub fn push_integer(line: &mut Vec<u8>, value: u64) {
-    let mut digits = [0_u8; 20];
-    let mut at = digits.len();
-    let mut rest = value;
-    loop {
-        at -= 1;
-        digits[at] = b'0' + (rest % 10) as u8;
-        rest /= 10;
-        if rest == 0 {
-            break;
-        }
+    /// Numbers below have at most eight digits.
+    const SHORT: u64 = 100_000_000;
+    if value >= SHORT {
+        push_integer(line, value / SHORT);
+        push_digits(line, value % SHORT, 8);
+        return;
     }
-    line.extend_from_slice(&digits[at..]);
+    let count = value.checked_ilog10().map_or(1, |power| power as usize + 1);
+    push_digits(line, value, count);
+}
+
+/// Appends the last `count` digits of a whole number, eight at most, zeros in front included.
+pub fn push_digits(line: &mut Vec<u8>, value: u64, count: usize) {
+    let count = count.min(8);
+    let mut digits = [b'0'; 8];
+    let mut rest = value;
+    for digit in digits[..count].iter_mut().rev() {
+        *digit = b'0' + (rest % 10) as u8;
+        rest /= 10;
+    }
+    // A copy of fixed length is one instruction.
+    let end = line.len() + count;
+    line.extend_from_slice(&digits);
+    line.truncate(end);
 }
 
 #[cfg(test)]
 mod tests {
-    use super::parse_length_mm;
+    use super::{parse_length_mm, push_digits, push_integer};
 
     #[test]
     fn a_length_needs_its_unit() {
@@ -85,5 +97,22 @@ mod tests {
         assert!(parse_length_mm("5").is_err());
         assert!(parse_length_mm("x mm").is_err());
         assert!(parse_length_mm("infmm").is_err());
+    }
+
+    #[test]
+    fn whole_numbers_are_written_as_the_standard_library_does() {
+        let around = (0..20).flat_map(|power| {
+            let ten = 10_u64.pow(power);
+            [ten - 1, ten, ten + 1, ten.saturating_mul(7), u64::MAX / ten]
+        });
+        for value in around {
+            let mut line = b"X".to_vec();
+            push_integer(&mut line, value);
+            assert_eq!(String::from_utf8(line).unwrap(), format!("X{value}"));
+        }
+        let mut line = Vec::new();
+        push_digits(&mut line, 705, 5);
+        push_digits(&mut line, 0, 0);
+        assert_eq!(line, b"00705");
     }
 }

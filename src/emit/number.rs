@@ -6,7 +6,7 @@ use std::io::Write as _;
 
 use crate::path::{Increments, RotaryWord};
 use crate::snc::Way;
-use crate::units::push_integer;
+use crate::units::{push_digits, push_integer};
 
 /// How counts of an increment print: a count times `units` is the number without its decimal point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,13 +75,15 @@ impl Decimals {
             return;
         }
         line.push(b'.');
-        let first = line.len();
-        line.resize(first + self.places, b'0');
+        let mut places = self.places;
         let mut rest = fraction;
-        for digit in line[first..].iter_mut().rev() {
-            *digit = b'0' + (rest % 10) as u8;
-            rest /= 10;
+        if places > 8 {
+            let scale = 10_u64.pow((places - 8) as u32);
+            push_digits(line, rest / scale, 8);
+            rest %= scale;
+            places -= 8;
         }
+        push_digits(line, rest, places);
         while line.last() == Some(&b'0') {
             line.pop();
         }

@@ -14,6 +14,12 @@ use super::route::Route;
 const SAMPLES_PER_LENGTH: f64 = 8.0;
 /// Samples of a piece with a kink in it: what is left between them is a hundredth of a bend that is smooth beside the kink.
 const BESIDE_KINKS: u32 = 9;
+/// Samples of a piece whose ends are rounded by much of the tolerance: with them the bend deviates most anywhere too. What is left between
+/// them is 4 (1/12)², 3 % of the bend.
+const BESIDE_ROUNDING: u32 = 5;
+/// Rounding by more than this share of the tolerance is much: below it, the largest deviation beside the middle is at most 1.3 % of the
+/// tolerance larger than in the middle.
+const MUCH_ROUNDING: f64 = 0.2;
 /// Bounds the time that the check of one piece takes. A helix of 999 turns, the most that can be programmed, needs a quarter of it.
 const MOST_SAMPLES: f64 = 65_536.0;
 
@@ -25,6 +31,8 @@ pub(super) struct Sampler {
     knots: Vec<(Axis, Vec<f64>)>,
     /// Axes whose errors depend on the sense of motion.
     pub(super) backlash: AxisSet,
+    /// The fewest samples of a piece.
+    least: u32,
 }
 
 impl Sampler {
@@ -38,7 +46,18 @@ impl Sampler {
                 .filter(|(_, k)| !k.is_empty())
                 .collect(),
             backlash: AXES.into_iter().filter(|&axis| of_axis(axis).backlash).collect(),
+            least: 1,
         }
+    }
+
+    /// The same for pieces whose ends are rounded to an increment, and that may deviate by a tolerance, mm.
+    pub(super) fn with_rounding(mut self, increment_mm: f64, tolerance_mm: f64) -> Sampler {
+        // Half an increment in each of three directions.
+        let rounding_mm = 0.5 * 3.0_f64.sqrt() * increment_mm;
+        if rounding_mm > MUCH_ROUNDING * tolerance_mm {
+            self.least = BESIDE_ROUNDING;
+        }
+        self
     }
 
     /// Samples that the whole route needs; pieces need their share.
@@ -66,7 +85,7 @@ impl Sampler {
         let needed = whole * share;
         let turned = (route.sweep_rad() * share).abs() / FRAC_PI_8;
         // Odd, so that the middle, where a bend deviates most, is among them. The conversion is exact: at most 65536.
-        let count = needed.max(turned).ceil().min(MOST_SAMPLES) as u32 | 1;
+        let count = (needed.max(turned).ceil().min(MOST_SAMPLES) as u32).max(self.least) | 1;
         fractions.extend((1..=count).map(|k| f64::from(k) / f64::from(count + 1)));
         let first = fractions.len();
         for (axis, knots) in &self.knots {

@@ -88,7 +88,7 @@ where
             elements,
             machine,
             placer: Placer::new(machine, model, &options),
-            sampler: Sampler::new(model),
+            sampler: Sampler::new(model).with_rounding(machine.control.increment_mm, options.tolerance_mm),
             placing: placing_axes(machine),
             standing,
             ever_named: AxisSet::EMPTY,
@@ -255,13 +255,12 @@ where
         }
         let checkable = from + self.sampler.longest_share(active.samples);
         let turning = route.next_turning(self.sampler.backlash, from).min(checkable);
-        let size_mm = route.size_mm();
         if let (Subdivision::Step(step_mm), None) = (self.options.subdivision, route.arc()) {
             return bench.unmeasured(standing, [from, next_step(route, from, step_mm)]);
         }
         let step = match self.options.subdivision {
             Subdivision::Adaptive => f64::INFINITY,
-            Subdivision::Step(step_mm) => step_mm / size_mm,
+            Subdivision::Step(step_mm) => step_mm / route.size_mm(),
         };
         if route.arc().is_some() && !active.as_chords {
             if let Some(trial) = fit_arc(&bench, standing, [from, turning.min(from + step)], active.length, scratch) {
@@ -270,22 +269,18 @@ where
             active.as_chords = true;
             active.length = 1.0;
         }
-        let reach = Reach {
-            from,
-            limit: turning.min(from + step),
-            guess: active.length,
-            floor: SHORTEST_MM / size_mm,
-            order: 2.0,
-        };
+        let limit = turning.min(from + step);
         let mut first = None;
-        if reach.guess >= reach.limit - from {
+        if active.length >= limit - from {
             // Most moves of a surface are one piece, and that is known by one trial.
-            let whole = bench.straight(standing, [from, reach.limit], scratch);
+            let whole = bench.straight(standing, [from, limit], scratch);
             if whole.fits() && !whole.end.is_held_back {
                 return whole;
             }
             first = Some(whole);
         }
+        let floor = SHORTEST_MM / route.size_mm();
+        let reach = Reach { from, limit, guess: active.length, floor, order: 2.0 };
         fit_line(&bench, standing, reach, first, scratch).unwrap_or_else(|| bench.unmeasured(standing, [from, turning]))
     }
 
@@ -330,13 +325,13 @@ where
         self.prediction.note_correction(&nominal, &trial.end.command);
         if active.is_counted && active.treatment != Treatment::Round {
             let tool_mm = self.placer.setup.tool_mm;
-            let (command, state) = (trial.end.command, trial.state);
-            self.poses.offer(|| PoseSample { nominal, command, state, tool_mm });
+            let command = trial.end.command;
+            self.poses.offer(|| PoseSample { nominal, command, state: trial.state(), tool_mm });
         }
         let standing = &mut self.standing;
         standing.nominal = nominal;
         standing.correction = trial.end.command - nominal;
-        standing.state = trial.state;
+        standing.state.direction = trial.sense;
         standing.is_doubtful = false;
         active.parameter = to;
         active.length = to - from;
@@ -351,9 +346,9 @@ where
     /// Points at an axis that cuts while nobody knows from which side it came to its place, if its backlash matters.
     fn check_sense(&mut self, origin: &Origin, nominal: &AxisVector, trial: &Trial) {
         let tool_mm = &self.placer.setup.tool_mm;
-        for axis in self.sampler.backlash.iter().filter(|&axis| trial.state.direction(axis) == 0) {
+        for axis in self.sampler.backlash.iter().filter(|&axis| trial.state().direction(axis) == 0) {
             let [one, other] = [1, -1].map(|sense| {
-                let mut state = trial.state;
+                let mut state = trial.state();
                 state.direction[axis.slot()] = sense;
                 self.placer.model.tip_error_mm(nominal, &trial.end.command, tool_mm, &state)
             });

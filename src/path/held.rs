@@ -45,7 +45,7 @@ impl Bench<'_, '_> {
             state.note_stated(standing.sensed, &standing.command, &start);
             state.note_stated(standing.sensed, &start, &end.command);
             let is_found = self.same_sense(&state, sense);
-            ends = Some(Ends { take_up, start, end, state });
+            ends = Some(Ends { take_up, start, end, sense: state.direction });
             if is_found {
                 break;
             }

@@ -19,7 +19,6 @@ pub(super) struct Route {
     pub(super) start: AxisVector,
     pub(super) end: AxisVector,
     circle: Option<Circle>,
-    size_mm: f64,
 }
 
 /// What is constant along an arc.
@@ -53,24 +52,25 @@ impl Route {
                 sweep_rad: arc.sweep_rad(&start, &end),
             }
         });
+        Route { start, end, circle }
+    }
+
+    /// Length in axis space, mm, rotary axes at an arm of 100 mm.
+    pub(super) fn size_mm(&self) -> f64 {
         let mut squares = 0.0;
         for (slot, axis) in AXES.into_iter().enumerate() {
-            let step = end.0[slot] - start.0[slot];
-            let in_plane = circle.is_some_and(|circle| axis == circle.abscissa || axis == circle.ordinate);
+            let step = self.end.0[slot] - self.start.0[slot];
+            let in_plane =
+                self.circle.as_ref().is_some_and(|circle| axis == circle.abscissa || axis == circle.ordinate);
             if !in_plane {
                 let step = if axis.is_rotary() { step * ROTARY_ARM_MM } else { step };
                 squares += step * step;
             }
         }
-        if let Some(circle) = &circle {
+        if let Some(circle) = &self.circle {
             squares += (circle.radius_mm * circle.sweep_rad).powi(2);
         }
-        Route { start, end, circle, size_mm: squares.sqrt() }
-    }
-
-    /// Length in axis space, mm, rotary axes at an arm of 100 mm.
-    pub(super) fn size_mm(&self) -> f64 {
-        self.size_mm
+        squares.sqrt()
     }
 
     /// Way of the axis that moves farthest, mm, rotary axes at an arm of 100 mm.
@@ -86,12 +86,12 @@ impl Route {
 
     /// Signed angle swept, rad, 0 for a straight line.
     pub(super) fn sweep_rad(&self) -> f64 {
-        self.circle.map_or(0.0, |circle| circle.sweep_rad)
+        self.circle.as_ref().map_or(0.0, |circle| circle.sweep_rad)
     }
 
     /// Radius, mm, 0 for a straight line.
     pub(super) fn radius_mm(&self) -> f64 {
-        self.circle.map_or(0.0, |circle| circle.radius_mm)
+        self.circle.as_ref().map_or(0.0, |circle| circle.radius_mm)
     }
 
     /// The position at a parameter; exact at both ends.

@@ -71,8 +71,8 @@ pub(super) struct Trial {
     /// Where to go first, on the spot.
     pub(super) take_up: Option<Placed>,
     pub(super) end: Placed,
-    /// Sense of motion along the piece.
-    pub(super) state: State,
+    /// Sense of motion of each axis along the piece, as in [`State::direction`].
+    pub(super) sense: [i8; AXIS_COUNT],
     pub(super) circle: Option<PieceArc>,
     /// What the machine will do.
     pub(super) emitted: Route,
@@ -89,13 +89,23 @@ pub(super) struct Ends {
     pub(super) take_up: Option<Placed>,
     pub(super) start: AxisVector,
     pub(super) end: Placed,
-    pub(super) state: State,
+    pub(super) sense: [i8; AXIS_COUNT],
 }
 
 impl Trial {
     pub(super) fn fits(&self) -> bool {
         self.deviation_mm <= self.allowed_mm
     }
+
+    /// What the errors along the piece depend on besides the commands.
+    pub(super) fn state(&self) -> State {
+        state_of(self.sense)
+    }
+}
+
+/// The state of a program that nobody measures: accelerations are not known.
+fn state_of(sense: [i8; AXIS_COUNT]) -> State {
+    State { direction: sense, ..State::default() }
 }
 
 impl Bench<'_, '_> {
@@ -105,7 +115,8 @@ impl Bench<'_, '_> {
         let mut state = standing.state;
         state.note_stated(standing.sensed, &standing.command, &end.command);
         let emitted = Route::new(standing.command, end.command, None);
-        self.trial([0.0, 1.0], Ends { take_up: None, start: standing.command, end, state }, emitted, None)
+        let ends = Ends { take_up: None, start: standing.command, end, sense: state.direction };
+        self.trial([0.0, 1.0], ends, emitted, None)
     }
 
     /// The whole move to the reference point of the axes named, exactly; the others stay where they are.
@@ -118,7 +129,8 @@ impl Bench<'_, '_> {
         let mut state = standing.state;
         state.note_stated(standing.sensed, &standing.command, &end.command);
         let emitted = Route::new(standing.command, end.command, None);
-        self.trial([0.0, 1.0], Ends { take_up: None, start: standing.command, end, state }, emitted, None)
+        let ends = Ends { take_up: None, start: standing.command, end, sense: state.direction };
+        self.trial([0.0, 1.0], ends, emitted, None)
     }
 
     /// The piece as a straight one, its deviation not measured.
@@ -198,7 +210,7 @@ impl Bench<'_, '_> {
             between,
             take_up: ends.take_up,
             end: ends.end,
-            state: ends.state,
+            sense: ends.sense,
             circle,
             emitted,
             deviation_mm: 0.0,
@@ -216,7 +228,7 @@ impl Bench<'_, '_> {
         };
         if self.sampler.backlash.is_empty() && !standing.is_doubtful {
             let end = place(&nominal_end, &standing.state, &standing.correction);
-            return Ends { take_up: None, start: standing.command, end, state: standing.state };
+            return Ends { take_up: None, start: standing.command, end, sense: standing.state.direction };
         }
         let nominal_start = self.route.at(between[0]);
         let mut sense = standing.state;
@@ -244,10 +256,11 @@ impl Bench<'_, '_> {
             state.note_stated(standing.sensed, &start, &end.command);
             tries += 1;
             if self.same_sense(&state, &sense) {
-                return Ends { take_up, start, end, state };
+                return Ends { take_up, start, end, sense: state.direction };
             }
             if tries == MOST_TRIES {
-                return self.held(standing, between, &state, &sense).unwrap_or(Ends { take_up, start, end, state });
+                let last = Ends { take_up, start, end, sense: state.direction };
+                return self.held(standing, between, &state, &sense).unwrap_or(last);
             }
             sense = state;
         }
@@ -272,10 +285,11 @@ impl Bench<'_, '_> {
     /// Measures the deviation at all places that matter.
     fn measure(&self, trial: &mut Trial, scratch: &mut Vec<f64>) {
         let [from, to] = trial.between;
+        let state = trial.state();
         self.sampler.fractions((self.route, self.samples), trial.between, &trial.emitted, scratch);
         for &fraction in &*scratch {
             let nominal = self.route.at(from + (to - from) * fraction);
-            let deviation = self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &trial.state);
+            let deviation = self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &state);
             trial.deviation_mm = trial.deviation_mm.max(deviation);
             if fraction == 0.5 {
                 trial.middle_mm = Some(deviation);
@@ -284,7 +298,7 @@ impl Bench<'_, '_> {
         if trial.deviation_mm > trial.allowed_mm {
             // Rounding at the ends is no reason to cut: another end is rounded as badly.
             let at = |parameter: f64, command: &AxisVector| {
-                self.placer.tip_error_mm(&self.route.at(parameter), command, &trial.state)
+                self.placer.tip_error_mm(&self.route.at(parameter), command, &state)
             };
             let ends = at(from, &trial.emitted.start).max(at(to, &trial.emitted.end));
             if ends > SAMPLED_SHARE * self.tolerance_mm {
@@ -312,9 +326,10 @@ impl Bench<'_, '_> {
         let mut points = [[0.0; 2]; 16];
         let mut shift = [0.0; 2];
         let correction = ends.end.command - self.route.at(to);
+        let state = state_of(ends.sense);
         for (k, point) in (1..=count).zip(&mut points) {
             let nominal = self.route.at(from + (to - from) * f64::from(k) / f64::from(count + 1));
-            let exact = self.placer.exact(&nominal, self.known, &ends.state, &correction, f64::INFINITY).ok()?;
+            let exact = self.placer.exact(&nominal, self.known, &state, &correction, f64::INFINITY).ok()?;
             *point = flat(&exact);
             let straight = flat(&nominal);
             shift[0] += (point[0] - straight[0]) / f64::from(count);

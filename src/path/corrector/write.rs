@@ -90,7 +90,7 @@ where
             let before_mm = self.placer.tip_error_mm(&nominal, &nominal, &self.standing.nominal_state);
             let after_mm = match trial.middle_mm {
                 Some(middle_mm) if count == 1 => middle_mm,
-                _ => self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &trial.state),
+                _ => self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &trial.state()),
             };
             self.prediction.add(rapid, before_mm, after_mm, &active.origin);
         }
