@@ -8,6 +8,7 @@ mod draw;
 mod judge;
 
 use std::collections::BTreeMap;
+use std::panic::AssertUnwindSafe;
 
 use ncfix::diagnostic::Diagnostic;
 use ncfix::dialect;
@@ -25,7 +26,7 @@ use self::draw::Pair;
 use self::judge::Judge;
 
 /// Pairs of a short run.
-const PAIRS: u64 = 300;
+const PAIRS: u64 = 100;
 /// Places of a piece that are looked at.
 const PLACES: usize = 12;
 /// The noise of the arithmetic, and what the readings of a program in inches or degrees leave, mm.
@@ -251,7 +252,8 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
                     worst.note("tolerance", away_mm, bound_mm, seed, &what);
                 } else if at_end && !pair.is_transformed {
                     // Under a transformation a control goes on by chords of its own.
-                    worst.note("ends of fixed steps", away_mm, rounding_mm + NOISE_MM, seed, &what);
+                    let held_mm = held_mm(&judge, way, &sense);
+                    worst.note("ends of fixed steps", away_mm, rounding_mm + NOISE_MM + held_mm, seed, &what);
                 }
             }
         }
@@ -274,17 +276,29 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
     None
 }
 
+/// What axes that stand may owe to their backlash, mm: one that either sense asks to move the other way stays where it is.
+fn held_mm(judge: &Judge, way: &Way, sense: &[i8; 9]) -> f64 {
+    let target = &way.motion.target;
+    let stands = AXES.into_iter().filter(|&axis| (target[axis] - way.start[axis]).abs() < 1e-9);
+    let owed = stands.map(|axis| {
+        let mut turned = *sense;
+        turned[axis.slot()] = -turned[axis.slot()];
+        (judge.actual(target, &turned) - judge.actual(target, sense)).norm()
+    });
+    owed.sum()
+}
+
 /// The feed of all pieces is that of the block; with inverse-time feed they take its time together.
-fn check_feed(nominal: &[Way], ways: &[Way], worst: &mut Worst, seed: u64, context: &String) {
+fn check_feed(nominal: &[Way], ways: &[Way], worst: &mut Worst, seed: u64, context: &str) {
     let feed = nominal[0].motion.feed;
     if nominal[0].motion.inverse_time {
         // Steps on the spot take time of their own.
         let time: f64 = ways.iter().filter(|way| !way.is_on_the_spot).map(|way| 1.0 / way.motion.feed).sum();
         let whole: f64 = nominal.iter().map(|way| 1.0 / way.motion.feed).sum();
-        worst.note("time of G93", (time / whole - 1.0).abs(), 1e-5, seed, context);
+        worst.note("time of G93", (time / whole - 1.0).abs(), 1e-5, seed, &context);
     } else if nominal.len() == 1 {
         for way in ways {
-            worst.note("feed", (way.motion.feed / feed - 1.0).abs(), 1e-5, seed, context);
+            worst.note("feed", (way.motion.feed / feed - 1.0).abs(), 1e-5, seed, &context);
         }
     }
 }
@@ -295,11 +309,18 @@ fn what_is_written_is_what_was_promised() {
     let (from, count) = (number("NCFIX_PAIRS_FROM").unwrap_or(1), number("NCFIX_PAIRS").unwrap_or(PAIRS));
     let mut worst = Worst::default();
     let mut refused: BTreeMap<String, u64> = BTreeMap::new();
+    let mut failed = Vec::new();
     for seed in from..from + count {
-        let pair = Pair::new(seed);
-        judge::check_forward(&pair);
-        if let Some(code) = judge(&pair, &mut worst) {
-            *refused.entry(code).or_default() += 1;
+        // A long run goes on after a pair that fails; what it says stands in the output of the test.
+        let judged = std::panic::catch_unwind(AssertUnwindSafe(|| {
+            let pair = Pair::new(seed);
+            judge::check_forward(&pair);
+            judge(&pair, &mut worst)
+        }));
+        match judged {
+            Ok(None) => (),
+            Ok(Some(code)) => *refused.entry(code).or_default() += 1,
+            Err(_) => failed.push(seed),
         }
     }
     let total: u64 = refused.values().sum();
@@ -310,6 +331,7 @@ fn what_is_written_is_what_was_promised() {
     if let Ok(path) = std::env::var("NCFIX_PAIRS_REPORT") {
         std::fs::write(path, &report).unwrap();
     }
+    assert!(failed.is_empty(), "pairs {failed:?}\n{report}");
     assert!(3 * total < count, "{report}");
     // The bounds mean something: the worst comes near.
     assert!(worst.0["tolerance"].0 > 0.5, "{report}");
