@@ -23,10 +23,12 @@ use ncfix::source::{FileId, Source};
 use ncfix::syntax;
 
 use self::draw::Pair;
-use self::judge::Judge;
+use self::judge::{Judge, Senses};
 
 /// Pairs of a short run.
 const PAIRS: u64 = 100;
+/// A place that is off by less than this part of the rounding is right; nobody needs to know how right.
+const ENOUGH: f64 = 0.25;
 /// Places of a piece that are looked at.
 const PLACES: usize = 12;
 /// The noise of the arithmetic, and what the readings of a program in inches or degrees leave, mm.
@@ -149,13 +151,19 @@ impl<'a> Ideal<'a> {
         self.judge.ideal(&self.ways[part].at(parameter))
     }
 
-    /// Distance of a point from the way, mm: Newton's iteration for the foot of the perpendicular, from the nearest of the points.
-    fn distance_mm(&self, point: &Vector) -> f64 {
-        let away = |index: usize| (self.points[index].2 - point).norm_squared();
-        let mut near: Vec<usize> = (0..self.points.len()).collect();
-        // Both ends of a circle may be near, and both sides of a point.
-        let count = 5.min(near.len());
-        near.select_nth_unstable_by(count - 1, |&a, &b| away(a).total_cmp(&away(b)));
+    /// Distance of a point from the way, mm: Newton's iteration for the foot of the perpendicular, from the nearest of the points. A place
+    /// that is nearer than `enough_mm` ends the search.
+    fn distance_mm(&self, point: &Vector, enough_mm: f64) -> f64 {
+        // Both ends of a circle may be near, and both sides of a point: the nearest few, by one pass.
+        let mut near = [(f64::INFINITY, 0); 5];
+        for (index, (_, _, place)) in self.points.iter().enumerate() {
+            let away = (place - point).norm_squared();
+            if away < near[4].0 {
+                let slot = near.partition_point(|&(other, _)| other <= away);
+                near[slot..].rotate_right(1);
+                near[slot] = (away, index);
+            }
+        }
         let from = |index: usize| {
             let (part, mut parameter, mut place) = self.points[index];
             let mut best = (place - point).norm();
@@ -172,7 +180,14 @@ impl<'a> Ideal<'a> {
             }
             best
         };
-        near[..count].iter().map(|&index| from(index)).fold(f64::INFINITY, f64::min)
+        let mut least = f64::INFINITY;
+        for &(_, index) in near.iter().filter(|(away, _)| away.is_finite()) {
+            if least < enough_mm {
+                break;
+            }
+            least = least.min(from(index));
+        }
+        least
     }
 }
 
@@ -195,7 +210,7 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
     let rounding_mm = 3.0_f64.sqrt() / 2.0 * increment_mm;
     // Rounding alone may exceed the tolerance; then a bend may add a tenth of it.
     let bound_mm = pair.options.tolerance_mm.max(1.1 * rounding_mm) + NOISE_MM;
-    let mut sense = [0; 9];
+    let mut senses = Senses::new(&pair.machine);
     for (number, ways) in &emitted {
         let nominal = &original[number];
         let ideal = Ideal::new(&judge, nominal);
@@ -206,7 +221,7 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
             for k in 0..=8 {
                 let command = way.at(f64::from(k) / 8.0);
                 largest_error_mm =
-                    largest_error_mm.max((judge.actual(&command, &sense) - judge.ideal(&command)).norm());
+                    largest_error_mm.max((judge.actual(&command, &senses.certain) - judge.ideal(&command)).norm());
             }
         }
         let first = *number == draw::FIRST_MOVE;
@@ -217,7 +232,7 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
                 let command = way.at(fraction);
                 if !first {
                     // From which side the first move comes nobody knows.
-                    judge::note_sense(&mut sense, &last, &command);
+                    senses.note(&last, &command);
                 }
                 last = command;
                 for data in pair.machine.axes.iter().flatten() {
@@ -234,14 +249,19 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
                     continue;
                 }
                 let what = format_args!("N{number} to {:?}, {fraction} of it\n{context}", way.motion.target);
-                let away_mm = ideal.distance_mm(&judge.actual(&command, &sense));
+                let possible = senses.possible();
+                let away_mm = possible
+                    .iter()
+                    .map(|sense| ideal.distance_mm(&judge.actual(&command, sense), ENOUGH * rounding_mm));
+                let away_mm = away_mm.fold(f64::INFINITY, f64::min);
                 let is_cut = matches!(pair.options.subdivision, Subdivision::Adaptive);
                 if rapid && pair.options.rapids == Rapids::None {
                     // It is left as it is.
+                    let turned_mm = judge.rotary_rounding_mm(&command, &senses.certain);
                     worst.note(
                         "rapid left alone",
                         away_mm,
-                        largest_error_mm * 1.5 + rounding_mm + NOISE_MM,
+                        largest_error_mm * 1.5 + rounding_mm + turned_mm + NOISE_MM,
                         seed,
                         &what,
                     );
@@ -252,7 +272,7 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
                     worst.note("tolerance", away_mm, bound_mm, seed, &what);
                 } else if at_end && !pair.is_transformed {
                     // Under a transformation a control goes on by chords of its own.
-                    let held_mm = held_mm(&judge, way, &sense);
+                    let held_mm = held_mm(&judge, way, &senses.certain);
                     worst.note("ends of fixed steps", away_mm, rounding_mm + NOISE_MM + held_mm, seed, &what);
                 }
             }
@@ -265,7 +285,10 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
         }
         let is_left_alone = rapid && pair.options.rapids == Rapids::None;
         if !is_left_alone && is_known && !missed {
-            let away_mm = (judge.actual(&to.motion.target, &sense) - judge.ideal(&from.motion.target)).norm();
+            let place = judge.ideal(&from.motion.target);
+            let possible = senses.possible();
+            let away_mm = possible.iter().map(|sense| (judge.actual(&to.motion.target, sense) - place).norm());
+            let away_mm = away_mm.fold(f64::INFINITY, f64::min);
             worst.note("end of the block", away_mm, bound_mm, seed, &format_args!("N{number}\n{context}"));
         }
         if !rapid && !pair.is_transformed {

@@ -5,8 +5,9 @@
 
 use nalgebra::{Matrix4, Rotation3, Translation3};
 use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
-use ncfix::machine::{AxisData, Lever, State};
+use ncfix::machine::{AxisData, Lever, Machine, State};
 use ncfix::model::Model;
+use ncfix::path::Increments;
 
 use super::draw::{Pair, Random};
 
@@ -25,14 +26,59 @@ fn shift(by: Vector) -> Matrix4<f64> {
     Translation3::from(by).to_homogeneous()
 }
 
-/// Notes in which sense axes move.
-pub(super) fn note_sense(sense: &mut [i8; 9], from: &AxisVector, to: &AxisVector) {
-    for (sense, axis) in sense.iter_mut().zip(AXES) {
-        let step = to[axis] - from[axis];
-        // The noise of a turned frame moves nothing.
-        if step.abs() > 1e-9 {
-            *sense = if step > 0.0 { 1 } else { -1 };
+/// In which senses the axes have moved last.
+pub(super) struct Senses {
+    /// The sense of each axis as far as it is certain, by slot.
+    pub(super) certain: [i8; 9],
+    /// The furthest that each axis has gone in its sense.
+    furthest: AxisVector,
+    /// Axes that have gone back by less than an increment: a control may see a turn there or none.
+    unsure: Vec<Axis>,
+    increments: Increments,
+}
+
+impl Senses {
+    pub(super) fn new(machine: &Machine) -> Senses {
+        let increments = Increments::new(&machine.control);
+        Senses { certain: [0; 9], furthest: AxisVector::ZERO, unsure: Vec::new(), increments }
+    }
+
+    /// Notes a short way.
+    pub(super) fn note(&mut self, from: &AxisVector, to: &AxisVector) {
+        for axis in AXES {
+            let certain = &mut self.certain[axis.slot()];
+            if *certain == 0 {
+                self.furthest[axis] = from[axis];
+            }
+            let gone = to[axis] - self.furthest[axis];
+            // The noise of a turned frame moves nothing.
+            let is_further = gone * f64::from(*certain) >= -1e-9;
+            let is_turn = self.increments.ratio(axis, gone).abs() > 1.0 - 1e-6 || *certain == 0;
+            if gone.abs() > 1e-9 && !is_further && !is_turn {
+                if !self.unsure.contains(&axis) {
+                    self.unsure.push(axis);
+                }
+                continue;
+            }
+            self.unsure.retain(|&other| other != axis);
+            if gone.abs() > 1e-9 {
+                *certain = if gone > 0.0 { 1 } else { -1 };
+                self.furthest[axis] = to[axis];
+            }
         }
+    }
+
+    /// All senses that the axes may have now.
+    pub(super) fn possible(&self) -> Vec<[i8; 9]> {
+        let mut possible = vec![self.certain];
+        for axis in &self.unsure {
+            for k in 0..possible.len() {
+                let mut other = possible[k];
+                other[axis.slot()] = -other[axis.slot()];
+                possible.push(other);
+            }
+        }
+        possible
     }
 }
 
@@ -63,6 +109,18 @@ impl<'a> Judge<'a> {
     /// The same with errors.
     pub(super) fn actual(&self, command: &AxisVector, sense: &[i8; 9]) -> Vector {
         self.tip(command, Some(sense))
+    }
+
+    /// What half an increment of each rotary axis moves the tip by, mm, together.
+    pub(super) fn rotary_rounding_mm(&self, command: &AxisVector, sense: &[i8; 9]) -> f64 {
+        let half = Increments::new(&self.pair.machine.control).rotary_deg.to_radians() / 2.0;
+        let rotary = self.pair.machine.axis_set().iter().filter(|axis| axis.is_rotary());
+        let moved = rotary.map(|axis| {
+            let mut rounded = *command;
+            rounded[axis] += half;
+            (self.actual(&rounded, sense) - self.actual(command, sense)).norm()
+        });
+        moved.sum()
     }
 
     fn tip(&self, command: &AxisVector, sense: Option<&[i8; 9]>) -> Vector {
