@@ -66,6 +66,7 @@ mod diagnose_waves;
 mod emission;
 mod esmaeili;
 mod exec;
+mod faults;
 mod feed;
 mod feed_drift;
 mod fewest_pieces;
