@@ -1,6 +1,7 @@
 //! `ncfix fix`: the whole way from a program to its corrected text.
 
 use std::collections::BTreeMap;
+use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -10,7 +11,7 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::is_standard_stream;
 use super::lanes::{self, Lanes};
-use super::machine_choice::{self, Chosen};
+use super::machine_choice::{self, Chosen, short_hash};
 use super::output::{Spool, Target};
 use super::program::{self, Opened, Running};
 use super::state;
@@ -113,10 +114,19 @@ impl<'a> Job<'a> {
         if let Some(increment_mm) = arguments.correction.increment {
             chosen.machine.control.increment_mm = increment_mm;
         }
-        let opened = program::open(&self.source, &arguments.program, Some(&chosen), findings)?;
+        let bytes = self.source.bytes();
+        let threads = arguments.threads.unwrap_or_else(|| lanes::threads_for(bytes.len()));
+        // What the stamp says of the program is worked out beside its parsing.
+        let (opened, hash) = std::thread::scope(|scope| {
+            let hashing = (threads > 1).then(|| scope.spawn(|| short_hash([bytes])));
+            let opened = program::open(&self.source, &arguments.program, Some(&chosen), findings);
+            let hash = hashing.map(|hashing| hashing.join().unwrap_or_else(|fault| resume_unwind(fault)));
+            (opened, hash.unwrap_or_else(|| short_hash([bytes])))
+        });
+        let opened = opened?;
         let Some(opened) = opened.filter(|_| !findings.has_errors()) else { return Ok(()) };
         let mut spool = Spool::new(self.target.clone())?;
-        self.write(opened, &chosen, &mut spool, findings, report)?;
+        self.write((opened, hash), &chosen, (&mut spool, threads), findings, report)?;
         if findings.has_errors() {
             // Numbers of an output that does not exist would be taken for its numbers.
             *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
@@ -172,9 +182,9 @@ impl<'a> Job<'a> {
     /// Executes, corrects and writes. Behind the first error nothing more is written, but all findings are gathered.
     fn write(
         &self,
-        opened: Opened,
+        (opened, hash): (Opened, String),
         chosen: &Chosen,
-        spool: &mut Spool,
+        (spool, threads): (&mut Spool, usize),
         findings: &mut Findings,
         report: &mut Correction,
     ) -> Result<(), Stop> {
@@ -182,12 +192,11 @@ impl<'a> Job<'a> {
         let machine = &chosen.machine;
         let model = chosen.model();
         let start = arguments.program.start;
-        let writing = Writing::new(&arguments.correction, start, opened.dialect.name, chosen, self.source.bytes())?;
+        let writing = Writing::new(&arguments.correction, start, opened.dialect.name, chosen, (self.source.bytes(), hash))?;
         let mut writer = writing.writer()?;
         let mut running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
         let feed_limit = arguments.feed_limit.zip(machine.servo.as_ref());
         let lanes = Lanes { machine, model: &model, options: &writing.options, feed_limit };
-        let threads = arguments.threads.unwrap_or_else(|| lanes::threads_for(self.source.bytes().len()));
         let passed = lanes.pass(&mut running, writer.as_mut(), spool.writer(), threads);
         report.blocks_out = passed.blocks.map_err(|error| spool.fault(&error))?;
         if let Some((limit, limited)) = arguments.feed_limit.zip(passed.limited) {

@@ -1,8 +1,8 @@
 //! Writes a file completely or not at all.
 //!
 //! The text is first spooled to a file without a name, so that an error, an interrupt or a crash leaves nothing behind. Only a
-//! complete text is then written beside the target, flushed to the disk and renamed over it. A target that is no plain file
-//! (standard output, a device, a pipe) gets the complete text as it is.
+//! complete text, flushed to the disk, gets a name beside the target and is renamed over it; where a system cannot give a name to such a
+//! file, it gets a copy. A target that is no plain file (standard output, a device, a pipe) gets the complete text as it is.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek as _, Write as _};
@@ -14,6 +14,10 @@ use super::stop::Stop;
 
 /// Bytes gathered before they go to the disk.
 const BUFFER: usize = 1 << 16;
+
+/// Permissions of a new file before the umask takes its bits away.
+#[cfg(unix)]
+const NEW_FILE: u32 = 0o666;
 
 /// Symbolic links followed to find a target, as many as Linux follows.
 const MAX_LINKS: usize = 40;
@@ -112,7 +116,7 @@ impl Spool {
     pub(super) fn new(target: Target) -> Result<Spool, Stop> {
         let file = match &target {
             Target::Standard | Target::Special(_) => tempfile::tempfile(),
-            Target::File(path) => tempfile::tempfile_in(folder_of(path)),
+            Target::File(path) => without_name(folder_of(path)),
         };
         let file = file.map_err(|error| target_fault(&target, &error))?;
         Ok(Spool { file: BufWriter::with_capacity(BUFFER, file), target })
@@ -167,22 +171,66 @@ fn target_fault(target: &Target, error: &io::Error) -> Stop {
     }
 }
 
-/// Writes beside `path` and renames.
+/// A file without a name that is gone when it is closed, in a folder, with the permissions of any new file.
+fn without_name(folder: &Path) -> io::Result<File> {
+    #[cfg(target_os = "linux")]
+    {
+        use rustix::fs::{Mode, OFlags, open};
+        // Not every file system has such files; what else is wrong with the folder shows below.
+        let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
+        if let Ok(file) = open(folder, flags, Mode::from_raw_mode(NEW_FILE)) {
+            return Ok(file.into());
+        }
+    }
+    tempfile::tempfile_in(folder)
+}
+
+/// Gives a file without a name one that is free, beside the target.
+#[cfg(target_os = "linux")]
+fn name_beside(text: &File, names: &tempfile::Builder<'_, '_>, folder: &Path) -> io::Result<tempfile::TempPath> {
+    use std::os::fd::AsRawFd as _;
+    let open_file = format!("/proc/self/fd/{}", text.as_raw_fd());
+    let link = |path: &Path| {
+        let (from, to) = (rustix::fs::CWD, rustix::fs::CWD);
+        rustix::fs::linkat(from, &open_file, to, path, rustix::fs::AtFlags::SYMLINK_FOLLOW).map_err(io::Error::from)
+    };
+    names.make_in(folder, link).map(tempfile::NamedTempFile::into_temp_path)
+}
+
+/// Elsewhere a file without a name stays without.
+#[cfg(not(target_os = "linux"))]
+fn name_beside(_: &File, _: &tempfile::Builder<'_, '_>, _: &Path) -> io::Result<tempfile::TempPath> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+/// Names the text beside `path` and renames it over that.
 fn replace(text: &mut File, path: &Path, keep_backup: bool) -> io::Result<Option<PathBuf>> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".ncfix-").suffix(".tmp");
+    let mut names = tempfile::Builder::new();
+    names.prefix(".ncfix-").suffix(".tmp");
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
         // As for any new file: the umask takes its bits away. Without this a temporary file is private to its owner.
-        builder.permissions(fs::Permissions::from_mode(0o666));
+        names.permissions(fs::Permissions::from_mode(NEW_FILE));
     }
-    let mut beside = builder.tempfile_in(folder_of(path))?;
-    io::copy(text, beside.as_file_mut())?;
-    if let Ok(existing) = fs::metadata(path) {
-        beside.as_file().set_permissions(existing.permissions())?;
-    }
-    beside.as_file().sync_all()?;
+    let finish = |file: &File| {
+        if let Ok(existing) = fs::metadata(path) {
+            file.set_permissions(existing.permissions())?;
+        }
+        file.sync_all()
+    };
+    let beside = match name_beside(text, &names, folder_of(path)) {
+        Ok(beside) => {
+            finish(text)?;
+            beside
+        }
+        Err(_) => {
+            let mut copy = names.tempfile_in(folder_of(path))?;
+            io::copy(text, copy.as_file_mut())?;
+            finish(copy.as_file())?;
+            copy.into_temp_path()
+        }
+    };
     let backup = if keep_backup && path.exists() { Some(back_up(path)?) } else { None };
     beside.persist(path).map_err(|error| error.error)?;
     // The new name is safe on the disk only when the folder is. Some systems cannot flush folders; the file is complete anyway.

@@ -1,7 +1,7 @@
 //! How a program is corrected and written: the options of `path` and `emit` from the arguments, the machine and the source.
 
 use super::arguments::{ArcChoice, CorrectionChoice, FiveAxisChoice, FrameChoice, RapidChoice, RotaryChoice};
-use super::machine_choice::{Chosen, short_hash};
+use super::machine_choice::Chosen;
 use super::stop::Stop;
 use crate::emit;
 use crate::geometry::AxisVector;
@@ -20,7 +20,7 @@ pub(super) struct Writing {
 }
 
 impl Writing {
-    /// For a program in a dialect, with the position before its first block.
+    /// For a program in a dialect, its bytes and their hash, with the position before its first block.
     ///
     /// # Errors
     /// Where it cannot be written like that.
@@ -29,7 +29,7 @@ impl Writing {
         start: Option<AxisVector>,
         dialect: &'static str,
         chosen: &Chosen,
-        source: &[u8],
+        (source, hash): (&[u8], String),
     ) -> Result<Writing, Stop> {
         let entry = emit::entry(dialect).ok_or_else(|| unwritable(dialect))?;
         let options = path::Options { turns: entry.turns, start, ..options(choice) };
@@ -50,7 +50,7 @@ impl Writing {
                 machine: machine.name.clone(),
                 model: chosen.hash.clone(),
                 state: chosen.state.clone(),
-                source: short_hash([source]),
+                source: hash,
                 is_demo: chosen.is_demo,
             },
         };

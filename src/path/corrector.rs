@@ -158,42 +158,43 @@ where
     }
 
     fn begin(&mut self, element: &Element, motion: &Move) {
-        let (motion, unknown) = &self.placer.in_output_axes(motion);
+        let (named, known, unknown) = self.placer.in_output_axes(motion);
         let is_turned_thread = matches!(motion.manner, Manner::Thread(_)) && self.placer.turns_output();
-        self.findings.in_machine_frame(&element.origin, *unknown, is_turned_thread);
+        self.findings.in_machine_frame(&element.origin, unknown, is_turned_thread);
         let standing = &mut self.standing;
-        let starts_at_known = motion.named.difference(standing.known).is_empty();
-        let is_placed = self.placing.difference(motion.known).is_empty();
+        let starts_at_known = named.difference(standing.known).is_empty();
+        let is_placed = self.placing.difference(known).is_empty();
         let frame = &self.placer.setup.frame;
         let is_parallel = self.placer.is_parallel();
         standing.sensed = if is_parallel { standing.known } else { frame.known_across(standing.known, false) };
-        standing.written = standing.written.intersection(motion.known);
-        self.ever_named = self.ever_named.union(motion.named);
+        standing.written = standing.written.intersection(known);
+        self.ever_named = self.ever_named.union(named);
         let rapids = if motion.manner == Manner::Reference { Rapids::None } else { self.options.rapids };
         let treatment = Treatment::of(motion.rapid, rapids, starts_at_known && is_placed);
         let route = Route::new(standing.nominal, motion.target, motion.arc);
         let feed = self.placer.feed(&standing.nominal, motion);
         self.prediction.moves += 1;
-        let active = Active {
+        let samples = self.sampler.whole(&route);
+        let make = || Active {
             origin: element.origin,
             starts_block: element.starts_block,
             number: element.number,
-            motion: Move { feed, ..*motion },
+            motion: Move { feed, named, known, ..*motion },
             treatment,
-            samples: self.sampler.whole(&route),
+            samples,
             route,
             parameter: 0.0,
             length: 1.0,
             is_first: true,
             as_chords: self.options.arcs == Arcs::Chords,
-            is_counted: starts_at_known && self.ever_named.difference(motion.known).is_empty(),
+            is_counted: starts_at_known && self.ever_named.difference(known).is_empty(),
         };
         self.active = Some(match self.idle.take() {
             Some(mut idle) => {
-                *idle = active;
+                *idle = make();
                 idle
             }
-            None => Box::new(active),
+            None => Box::new(make()),
         });
     }
 

@@ -3,7 +3,7 @@
 //! Rotary axes are rounded first; the linear axes are then solved for the rounded rotary commands and rounded last. So the tip is
 //! off by the rounding of the linear axes only, whatever the lever of the rotary ones.
 
-use std::cell::Cell;
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
@@ -42,18 +42,22 @@ pub(super) struct Placer<'a> {
     kinematics: Kinematics,
     frame: OutputFrame,
     keeps_transform: bool,
+    /// The axes that the machine has.
+    axes: AxisSet,
     pub(super) has_rotary: bool,
     turns_rotary: bool,
     is_empty: bool,
     /// Better guesses on a machine without rotary axes.
-    slope: Option<Cell<Slope>>,
+    slope: Option<RefCell<Slope>>,
 }
 
 impl<'a> Placer<'a> {
     pub(super) fn new(machine: &Machine, model: &'a Model, options: &Options) -> Placer<'a> {
-        let has_rotary = machine.axis_set().iter().any(Axis::is_rotary);
+        let axes = machine.axis_set();
+        let has_rotary = axes.iter().any(Axis::is_rotary);
         Placer {
             model,
+            axes,
             setup: Arc::default(),
             increments: Increments::new(&machine.control),
             turns: options.turns,
@@ -63,7 +67,7 @@ impl<'a> Placer<'a> {
             has_rotary,
             turns_rotary: has_rotary && options.rotary == Rotary::Correct,
             is_empty: model.is_empty(),
-            slope: model.straight_axes().map(|axes| Cell::new(Slope::new(axes))),
+            slope: model.straight_axes().map(|axes| RefCell::new(Slope::new(axes))),
         }
     }
 
@@ -182,12 +186,10 @@ impl<'a> Placer<'a> {
         }
         let tool_mm = &self.setup.tool_mm;
         if let Some(learnt) = &self.slope {
-            let mut slope = learnt.get();
+            let mut slope = learnt.borrow_mut();
             let guess = slope.guess(nominal);
             let exact = self.model.solve(nominal, tool_mm, state, &guess, Solve::PositionOnly)?;
-            if slope.learn(nominal, &exact, &guess) {
-                learnt.set(slope);
-            }
+            slope.learn(nominal, &exact, &guess);
             return Ok(self.keep_unknown(exact, nominal, known));
         }
         let mut start = *nominal + *guess;
@@ -254,15 +256,15 @@ impl<'a> Placer<'a> {
         self.is_machine_frame() && !self.setup.frame.is_translation()
     }
 
-    /// A move whose axes are those of the output, and the first of them that has to be written and is not known.
-    pub(super) fn in_output_axes(&self, motion: &Move) -> (Move, Option<Axis>) {
+    /// The axes of the output that a move names, those that are known behind it, and the first that has to be written and is not known.
+    pub(super) fn in_output_axes(&self, motion: &Move) -> (AxisSet, AxisSet, Option<Axis>) {
         let frame = &self.setup.frame;
         if !self.is_machine_frame() || frame.is_translation() {
-            return (*motion, None);
+            return (motion.named, motion.known, None);
         }
         let (named, known) = (frame.mixed_with(motion.named), frame.known_across(motion.known, false));
         let unknown = named.difference(known).iter().next();
-        (Move { named: named.intersection(known), known, ..*motion }, unknown)
+        (named.intersection(known), known, unknown)
     }
 
     fn keep_unknown(&self, mut command: AxisVector, nominal: &AxisVector, known: AxisSet) -> AxisVector {
@@ -280,10 +282,8 @@ impl<'a> Placer<'a> {
             }
             return command;
         }
-        for axis in crate::geometry::AXES {
-            if !known.contains(axis) {
-                command[axis] = nominal[axis];
-            }
+        for axis in self.axes.difference(known).iter() {
+            command[axis] = nominal[axis];
         }
         command
     }

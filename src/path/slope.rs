@@ -32,8 +32,10 @@ impl Slope {
         Slope { axes, place: Vector::zeros(), correction: Vector::zeros(), by_place: Matrix::zeros() }
     }
 
+    #[inline]
     fn of(&self, position: &AxisVector) -> Vector {
-        Vector::from(self.axes.map(|axis| axis.map_or(0.0, |axis| position[axis])))
+        let of = |axis: Option<Axis>| axis.map_or(0.0, |axis| position[axis]);
+        Vector::new(of(self.axes[0]), of(self.axes[1]), of(self.axes[2]))
     }
 
     /// Where the axes will have to go for a nominal position.
@@ -49,18 +51,18 @@ impl Slope {
         command
     }
 
-    /// Where they had to go, and where the guess would have had them; whether there was something to learn.
+    /// Where they had to go, and where the guess would have had them.
     #[inline]
-    pub(super) fn learn(&mut self, nominal: &AxisVector, command: &AxisVector, guess: &AxisVector) -> bool {
+    pub(super) fn learn(&mut self, nominal: &AxisVector, command: &AxisVector, guess: &AxisVector) {
         let missed = self.of(command) - self.of(guess);
         if missed.norm_squared() < NEAR_MM * NEAR_MM {
-            return false;
+            return;
         }
         let place = self.of(nominal);
         let step = place - self.place;
         let square = step.norm_squared();
         if square < APART_MM * APART_MM {
-            return false;
+            return;
         }
         self.by_place += missed * (step / square).transpose();
         if self.by_place.amax() > STEEPEST {
@@ -68,7 +70,6 @@ impl Slope {
         }
         self.place = place;
         self.correction = self.of(command) - place;
-        true
     }
 }
 
@@ -112,7 +113,8 @@ mod tests {
         let at = |x: f64| AxisVector([x, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         for (nominal, command) in [(1.0, 1.01), (1.1, 1.13)] {
             let guess = slope.guess(&at(nominal));
-            assert!(slope.learn(&at(nominal), &at(command), &guess));
+            slope.learn(&at(nominal), &at(command), &guess);
+            assert_eq!(slope.guess(&at(nominal))[Axis::X], command);
         }
         assert_eq!(slope.guess(&at(5.0))[Axis::X], 5.0 + (1.13 - 1.1));
     }

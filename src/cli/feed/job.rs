@@ -68,7 +68,8 @@ impl Job {
             return Ok(None);
         };
         let start = arguments.program.start;
-        let writing = Writing::new(&arguments.correction, start, opened.dialect.name, &chosen, source.bytes())?;
+        let bytes = (source.bytes(), short_hash([source.bytes()]));
+        let writing = Writing::new(&arguments.correction, start, opened.dialect.name, &chosen, bytes)?;
         let settings = Settings {
             limits: arguments.dosing.limits(),
             rapids_only: arguments.dosing.rapids_only,

@@ -238,8 +238,18 @@ impl Functions {
                 *component = *component * own + coefficient;
             }
         }
+        // Sums of polynomials stay in registers: a sum at a row that is known at run time only goes through memory.
+        if self.intervals.is_none() && self.others.is_empty() {
+            return components;
+        }
+        self.with_others(components, axis, command, state)
+    }
+
+    /// The components with what is no polynomial.
+    #[inline(never)]
+    fn with_others(&self, mut components: [f64; 6], axis: Axis, command: &AxisVector, state: &State) -> [f64; 6] {
         if let Some(intervals) = &self.intervals {
-            let on_grid = intervals.value(own, state.direction(axis));
+            let on_grid = intervals.value(command[axis], state.direction(axis));
             components.iter_mut().zip(on_grid).for_each(|(sum, value)| *sum += value);
         }
         for (row, function) in &self.others {
