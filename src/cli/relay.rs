@@ -7,9 +7,9 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 /// Items of a part: few enough that a part stays in the cache of a core, enough that handing it on costs nothing beside them.
-const PART: usize = 512;
+const PART: usize = 1024;
 /// Parts that may wait.
-const AHEAD: usize = 8;
+const AHEAD: usize = 4;
 
 /// The side that fills.
 pub(super) struct Filler<T> {
