@@ -2,6 +2,7 @@
 //! step of Spaan (ch. 7) that leaves as much.
 
 use std::fmt::Write as _;
+use std::io::Write as _;
 
 use ncfix::geometry::{Axis, AxisVector, Vector};
 use ncfix::machine::{Machine, State};
@@ -141,6 +142,8 @@ fn pieces_are_within_a_tenth_of_the_fewest_possible() {
         assert!(most <= 1.1 * least, "case {case}: {most} pieces, {least} are possible");
         // The search knows ends on a grid and no rounding: what beats it by more would not keep the tolerance.
         assert!(most >= 0.97 * least, "case {case}: {most} pieces, {least} are possible");
+        let figures = format!("case {case}: fewest {least}, adaptive {most}, fixed step {}", counts.fixed);
+        writeln!(std::io::stderr(), "{figures}").unwrap();
         all.fewest += counts.fewest;
         all.adaptive += counts.adaptive;
         all.fixed += counts.fixed;
