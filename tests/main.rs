@@ -8,6 +8,7 @@ mod axis_names;
 mod bad;
 mod bench_machine;
 mod bottleneck;
+mod bounds;
 mod by_hand;
 mod calibrate;
 mod calibrate_effects;
