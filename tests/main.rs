@@ -160,6 +160,7 @@ mod table_formats_hostile;
 mod tables;
 mod temperature;
 mod texts;
+mod theory;
 mod thermal_bench;
 mod thermal_plant;
 mod threads;
