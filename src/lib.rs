@@ -80,7 +80,8 @@
 //!
 //! mm, rad, s inside; units in every name at the edges. Axis letters are those of ISO 841, error names those of ISO 230-1:
 //! `EXX` positioning of X, `EYX` its straightness, `EAX` its roll, `EC0Y` the squareness of Y about Z. An error is the deviation of
-//! the moving body, also on the workpiece side; a correction is what is added to a command.
+//! the moving body, also on the workpiece side; a correction is what is added to a command. `docs/theory.md` has the formulas with their
+//! sources, `docs/limits.md` what is too much.
 
 pub mod calibrate;
 pub mod cli;

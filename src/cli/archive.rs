@@ -8,6 +8,7 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use super::input;
 use super::library::DEFINITION_FILES;
 use super::stop::Stop;
 use crate::exec::Library;
@@ -46,10 +47,10 @@ pub(super) struct Archive {
 /// Where the archive is damaged, or it does not say which of its programs is meant.
 pub(super) fn open(path: &Path) -> Result<Option<Archive>, Stop> {
     let Some(file) = path.ancestors().find(|ancestor| ancestor.is_file()) else { return Ok(None) };
-    if !begins_with_magic(file) {
+    if !is_archive(file) {
         return Ok(None);
     }
-    let bytes = fs::read(file).map_err(|error| Stop::file("read", file, &error))?;
+    let bytes = input::bytes_of(file, MAX_BYTES).map_err(|error| Stop::file("read", file, &error))?;
     let shown = file.display();
     let entries = entries(&bytes).map_err(|at| {
         Stop::Usage(format!(
@@ -86,7 +87,8 @@ pub(super) fn open(path: &Path) -> Result<Option<Archive>, Stop> {
     Ok(Some(Archive { path: file.to_path_buf(), bytes, entries, main }))
 }
 
-fn begins_with_magic(file: &Path) -> bool {
+/// Whether a file begins as an archive does.
+pub(super) fn is_archive(file: &Path) -> bool {
     use std::io::Read as _;
     let mut head = [0; 8];
     fs::File::open(file).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == MAGIC

@@ -70,7 +70,7 @@ fn calibrate(
     report: &mut calibration::Calibration,
 ) -> Result<(), Stop> {
     let target = Target::new(&arguments.output)?;
-    let start = input::read(&arguments.machine, MACHINE, "machine file, --machine")?;
+    let start = input::read_written(&arguments.machine, MACHINE, "machine file, --machine")?;
     let chosen = machine_choice::read(&start, &[], findings)?;
     let files = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
     let tables = arguments.data.iter().chain(&arguments.hold_out);

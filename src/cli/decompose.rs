@@ -159,7 +159,7 @@ fn extend(
         findings.add(Diagnostic::nowhere(Code::NOT_TOLD, "there is nothing to write", help), &[]);
         return Ok(());
     }
-    let old = input::read(path, FileId(0), "machine file to extend")?;
+    let old = input::read_written(path, FileId(0), "machine file to extend")?;
     let name = name.display().to_string();
     match decomposed::extended(old.bytes(), found) {
         Some(text) => {

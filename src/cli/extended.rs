@@ -74,7 +74,7 @@ impl Job<'_> {
     /// Makes the extended machine file, whether or not it is written: what it cannot have is not called correctable either.
     pub(super) fn make(&self, findings: &mut Findings) -> Result<Made, Stop> {
         let Some(path) = file_of(self.chosen) else { return Err(Stop::Usage("-o needs --machine".into())) };
-        let old = input::read(path, MACHINE, "machine file to extend")?;
+        let old = input::read_written(path, MACHINE, "machine file to extend")?;
         let Ok(text) = std::str::from_utf8(old.bytes()) else {
             return Err(Stop::Usage(format!("{} is not UTF-8", old.name())));
         };

@@ -2,6 +2,9 @@
 //!
 //! `L123`, `POCKET` become files of the main program's folder, then of the folders of `control.search_path`, then of the conventional
 //! folders `SPF.DIR`, `CUS.DIR`, `CMA.DIR`, `CST.DIR` up to two levels above it, whatever the case of their names.
+//!
+//! A symbolic link is followed where it ends in, or below, one of these folders. One that leads elsewhere is refused: whoever hands over
+//! a folder of programs shall not choose what else of the disk is read, and shown in findings.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -9,11 +12,15 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::voice;
+use super::{input, stop, voice};
 use crate::exec::Library;
+use crate::source::MAX_BYTES;
 
 /// Folders of a control that are searched without being named, in its order.
 const USUAL: [&str; 4] = ["SPF", "CUS", "CMA", "CST"];
+/// Folders at the root of a control's file system. In folders above that of the program a path must begin with one of them: these
+/// may be anybody's, and `/etc/passwd` is no program.
+const TOP: [&str; 7] = ["WKS", "MPF", "SPF", "CUS", "CMA", "CST", "DEF"];
 /// The folder of definition files.
 const DEFINITIONS: &str = "DEF";
 /// Definition files of a control in the order in which it reads them, macros first.
@@ -44,6 +51,8 @@ pub(super) struct FolderLibrary {
     /// Where paths from the root of the control's file system may begin.
     roots: Vec<PathBuf>,
     loaded: Rc<RefCell<Vec<PathBuf>>>,
+    /// Why the file that was looked for last was not read.
+    refused: Option<String>,
 }
 
 impl FolderLibrary {
@@ -62,6 +71,7 @@ impl FolderLibrary {
             definitions: Vec::new(),
             roots: own.as_deref().map(roots).unwrap_or_default(),
             loaded: Rc::clone(&loaded),
+            refused: None,
         };
         let base = own.clone().unwrap_or_default();
         library.first.extend(own.into_iter().map(Folder::new));
@@ -77,7 +87,7 @@ impl FolderLibrary {
     /// The folders of a conventional name, nearest first.
     fn usual(&self, name: &str) -> Vec<Folder> {
         let found = self.roots.iter().filter_map(|root| subfolder(root, name));
-        found.map(Folder::new).collect()
+        found.filter(|folder| !is_link(folder) || leads_into(folder, &self.roots)).map(Folder::new).collect()
     }
 
     /// The file of a program. Only names of files in the folders are ever compared, so no name leads out of them.
@@ -92,23 +102,59 @@ impl FolderLibrary {
         let path = path.replace('\\', "/");
         let path = path.rsplit(':').next().unwrap_or_default();
         let parts: Vec<&str> = path.split('/').filter(|part| !part.is_empty()).collect();
-        self.roots.iter().find_map(|root| {
+        let plain =
+            |part: &str| part.strip_prefix("_N_").or_else(|| part.strip_prefix("_n_")).unwrap_or(part).to_owned();
+        let top = parts.first().map(|part| plain(part).to_ascii_uppercase()).unwrap_or_default();
+        let top = top.strip_suffix(".DIR").or_else(|| top.strip_suffix("_DIR")).unwrap_or(&top);
+        // The first root is the folder of the program itself.
+        let reach = if TOP.contains(&top) { self.roots.len() } else { 1 };
+        self.roots.iter().take(reach).find_map(|root| {
             let mut folder = root.clone();
             for part in &parts {
-                let name = part.strip_prefix("_N_").or_else(|| part.strip_prefix("_n_")).unwrap_or(part);
+                let name = &plain(part);
                 folder = subfolder(&folder, name)?;
+                if is_link(&folder) && !leads_into(&folder, &self.roots) {
+                    return None;
+                }
             }
             Some(folder)
         })
     }
 
-    fn read(&self, path: PathBuf, role: &str) -> Option<(String, Vec<u8>)> {
-        let bytes = fs::read(&path).ok()?;
+    /// Reads a file that was found in a folder; where it must not or cannot be read, that is remembered.
+    fn read(&mut self, path: PathBuf, role: &str) -> Option<(String, Vec<u8>)> {
         let shown = path.strip_prefix(".").unwrap_or(&path).display().to_string();
-        voice::note(|| format!("read {shown}: {role}"));
-        self.loaded.borrow_mut().push(path);
-        Some((shown, bytes))
+        if is_link(&path) {
+            let folders = self.first.iter().chain(&self.added).chain(&self.last).chain(&self.definitions);
+            if !leads_into(&path, folders.map(|folder| &folder.path)) {
+                self.refused = Some(format!(
+                    "{shown} is a symbolic link that leads out of the folders that belong to the program"
+                ));
+                return None;
+            }
+        }
+        match input::bytes_of(&path, MAX_BYTES) {
+            Ok(bytes) => {
+                voice::note(|| format!("read {shown}: {role}"));
+                self.loaded.borrow_mut().push(path);
+                Some((shown, bytes))
+            }
+            Err(error) => {
+                self.refused = Some(format!("{shown} cannot be read: {}", stop::reason(&error)));
+                None
+            }
+        }
     }
+}
+
+fn is_link(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink())
+}
+
+/// Whether a link ends in one of these folders, or below it.
+fn leads_into(link: &Path, folders: impl IntoIterator<Item = impl AsRef<Path>>) -> bool {
+    let Ok(end) = link.canonicalize() else { return false };
+    folders.into_iter().any(|folder| folder.as_ref().canonicalize().is_ok_and(|folder| end.starts_with(folder)))
 }
 
 impl Folder {
@@ -141,7 +187,9 @@ fn file_names(name: &str) -> Vec<String> {
 fn roots(own: &Path) -> Vec<PathBuf> {
     let full = own.canonicalize().unwrap_or_else(|_| own.to_path_buf());
     let mut roots = vec![own.to_path_buf()];
-    roots.extend(full.ancestors().skip(1).take(LEVELS_UP).map(Path::to_path_buf));
+    // That of the whole disk is none of a control.
+    let above = full.ancestors().skip(1).take(LEVELS_UP).filter(|folder| folder.parent().is_some());
+    roots.extend(above.map(Path::to_path_buf));
     roots
 }
 
@@ -179,19 +227,26 @@ fn list(folder: &Path) -> HashMap<String, Vec<PathBuf>> {
 
 impl Library for FolderLibrary {
     fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)> {
+        self.refused = None;
         let path = self.find(&file_names(name))?;
         self.read(path, "subprogram, in a folder that belongs to the program")
     }
 
     fn load_file(&mut self, names: &[String]) -> Option<(String, Vec<u8>)> {
+        self.refused = None;
         let path = self.find(names)?;
         self.read(path, "subprogram, in a folder that belongs to the program")
     }
 
     fn load_path(&mut self, path: &str, name: &str) -> Option<(String, Vec<u8>)> {
+        self.refused = None;
         let (folder, _) = path.rsplit_once(['/', '\\'])?;
         let file = Folder::new(self.resolve(folder)?).find(&file_names(name))?;
         self.read(file, "subprogram, by its path on the control")
+    }
+
+    fn refusal(&mut self) -> Option<String> {
+        self.refused.take()
     }
 
     fn add_folder(&mut self, path: &str) {
@@ -213,111 +268,5 @@ impl Library for FolderLibrary {
             .into_iter()
             .filter_map(|path| self.read(path, "definitions, in a folder that belongs to the program"))
             .collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn folder(files: &[&str]) -> tempfile::TempDir {
-        let folder = tempfile::tempdir().unwrap();
-        for file in files {
-            let path = folder.path().join(file);
-            fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(path, file).unwrap();
-        }
-        folder
-    }
-
-    fn library(program: &Path) -> FolderLibrary {
-        FolderLibrary::beside(Some(program), &[]).0
-    }
-
-    fn text(found: Option<(String, Vec<u8>)>) -> Option<String> {
-        found.map(|(_, bytes)| String::from_utf8(bytes).unwrap())
-    }
-
-    fn load(folder: &Path, name: &str) -> Option<String> {
-        text(library(&folder.join("main.mpf")).load(name))
-    }
-
-    #[test]
-    fn names_are_found_in_any_case_and_form() {
-        let folder = folder(&["l10.spf", "POCKET.MPF", "_N_EDGE_SPF", "PLAIN"]);
-        let found = |name| load(folder.path(), name);
-        assert_eq!(found("L10").as_deref(), Some("l10.spf"));
-        assert_eq!(found("pocket").as_deref(), Some("POCKET.MPF"));
-        assert_eq!(found("EDGE").as_deref(), Some("_N_EDGE_SPF"));
-        assert_eq!(found("PLAIN").as_deref(), Some("PLAIN"));
-        assert_eq!(found("L010"), None);
-    }
-
-    #[test]
-    fn a_subprogram_goes_before_a_main_program() {
-        let folder = folder(&["A.MPF", "A.SPF", "A"]);
-        assert_eq!(load(folder.path(), "A").as_deref(), Some("A.SPF"));
-    }
-
-    #[test]
-    fn no_name_leads_out_of_the_folder() {
-        let outer = folder(&["SECRET.SPF"]);
-        let inner = outer.path().join("inner");
-        fs::create_dir(&inner).unwrap();
-        assert_eq!(load(&inner, "../SECRET"), None);
-        assert_eq!(load(&inner, outer.path().join("SECRET").to_str().unwrap()), None);
-        assert_eq!(load(outer.path(), "inner"), None);
-        assert!(library(&inner.join("m.mpf")).load_path("/../SECRET", "SECRET").is_none());
-    }
-
-    #[test]
-    fn loaded_files_are_remembered_and_standard_input_has_none() {
-        let folder = folder(&["L1.SPF"]);
-        let (mut library, loaded) = FolderLibrary::beside(Some(&folder.path().join("m.mpf")), &[]);
-        library.load("L1").unwrap();
-        assert_eq!(*loaded.borrow(), [folder.path().join("L1.SPF")]);
-        assert!(FolderLibrary::beside(None, &[]).0.load("L1").is_none());
-    }
-
-    #[test]
-    fn folders_are_searched_in_the_order_of_the_control() {
-        let root = folder(&[
-            "WKS.DIR/PART.WPD/MAIN.MPF",
-            "WKS.DIR/PART.WPD/L1.SPF",
-            "spf.dir/L1.SPF",
-            "spf.dir/L2.SPF",
-            "more/L3.SPF",
-            "CUS/L2.SPF",
-            "CUS/L3.SPF",
-            "CMA.DIR/L4.SPF",
-            "CST.DIR/L4.SPF",
-            "WKS.DIR/OTHER.WPD/L4.SPF",
-            "WKS.DIR/OTHER.WPD/L5.SPF",
-        ]);
-        let program = root.path().join("WKS.DIR/PART.WPD/MAIN.MPF");
-        let (mut library, _) = FolderLibrary::beside(Some(&program), &["../../more".to_owned()]);
-        assert_eq!(text(library.load("L1")).as_deref(), Some("WKS.DIR/PART.WPD/L1.SPF"));
-        assert_eq!(text(library.load("L2")).as_deref(), Some("spf.dir/L2.SPF"));
-        assert_eq!(text(library.load("L3")).as_deref(), Some("more/L3.SPF"));
-        assert_eq!(text(library.load("L4")).as_deref(), Some("CMA.DIR/L4.SPF"));
-        assert!(library.load("L5").is_none());
-        let other = "WKS.DIR/OTHER.WPD/L5.SPF";
-        assert_eq!(text(library.load_path("/_N_WKS_DIR/_N_OTHER_WPD/L5", "L5")).as_deref(), Some(other));
-        assert_eq!(text(library.load_path("NC:/WKS.DIR/OTHER.WPD/L5.SPF", "L5")).as_deref(), Some(other));
-        library.add_folder("/_N_WKS_DIR/_N_OTHER_WPD");
-        assert_eq!(text(library.load("L5")).as_deref(), Some(other));
-        assert_eq!(text(library.load("L4")).as_deref(), Some("WKS.DIR/OTHER.WPD/L4.SPF"), "before CUS, CMA and CST");
-        library.add_folder("");
-        assert!(library.load("L5").is_none());
-    }
-
-    #[test]
-    fn definition_files_are_found_macros_first() {
-        let root = folder(&["MPF.DIR/MAIN.MPF", "DEF.DIR/UGUD.DEF", "def.dir/_N_SMAC_DEF", "MPF.DIR/OTHER.DEF"]);
-        let found = library(&root.path().join("MPF.DIR/MAIN.MPF")).definitions();
-        let mut shown: Vec<String> = found.into_iter().map(|file| text(Some(file)).unwrap()).collect();
-        // Where the file system knows no case both are in one folder.
-        shown.retain(|name| name != "def.dir/_N_SMAC_DEF");
-        assert_eq!(shown, ["DEF.DIR/UGUD.DEF"]);
     }
 }

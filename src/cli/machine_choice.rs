@@ -130,7 +130,7 @@ pub(super) fn choose(choice: &MachineChoice, program: &Path, findings: &mut Find
 /// Where the file cannot be read.
 pub(super) fn source_of(path: Option<&Path>, found: Found, findings: &mut Findings) -> Result<Source, Stop> {
     match path {
-        Some(path) => input::read(path, FileId(0), &format!("machine file, {}", found.words())),
+        Some(path) => input::read_written(path, FileId(0), &format!("machine file, {}", found.words())),
         None => {
             voice::note(|| format!("machine: the demo machine, {}", found.words()));
             findings.add(
@@ -236,7 +236,9 @@ pub(super) struct Member {
 /// # Errors
 /// Where it cannot be read.
 pub(super) fn members(path: &Path) -> Result<(Source, Vec<Member>), Stop> {
-    let setup = input::read(path, FileId(0), "set-up file, --setup")?;
+    // An archive holds whatever the control has, and may be large.
+    let read = if path.is_file() && archive::is_archive(path) { input::read } else { input::read_written };
+    let setup = read(path, FileId(0), "set-up file, --setup")?;
     let inside = archive::saved_data(path, setup.bytes())?.unwrap_or_else(|| vec![setup.clone()]);
     let member = |source: Source| {
         let is_saved_data = source.name() != setup.name() || is_saved_data(path, source.bytes());

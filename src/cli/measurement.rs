@@ -97,8 +97,10 @@ fn read_by(
 ) -> Result<Option<Measurement>, Stop> {
     let description = description_of(table)?;
     let id = |offset: usize| FileId(u16::try_from(2 * number + offset).unwrap_or(u16::MAX));
-    let sources =
-        [input::read(table, id(1), "measurement")?, input::read(&description, id(2), "its description, beside it")?];
+    let sources = [
+        input::read(table, id(1), "measurement")?,
+        input::read_written(&description, id(2), "its description, beside it")?,
+    ];
     let name = table.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     if let Some((described, found)) = trace::describe(&name, &sources[1]) {
         findings.extend(found, &sources);

@@ -30,6 +30,8 @@ mod identifiable;
 mod input;
 mod lanes;
 mod library;
+#[cfg(test)]
+mod library_tests;
 mod load;
 mod machine;
 mod machine_choice;

@@ -40,7 +40,7 @@ pub(super) fn choose(
         let known = known.join(", ");
         return Err(Stop::Usage(format!("--model {model} is no file and no preset; the presets are {known}")));
     }
-    let source = input::read(path, FileId(0), "parameters of the model, --model")?;
+    let source = input::read_written(path, FileId(0), "parameters of the model, --model")?;
     let (parameters, found) = read(&source, machine, errors);
     let is_sound = found.is_empty();
     findings.extend(found, std::slice::from_ref(&source));

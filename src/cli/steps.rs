@@ -129,7 +129,7 @@ fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepRepor
 fn inputs(program: Option<&Source>, machine: &[PathBuf]) -> Result<Vec<Input>, Stop> {
     let mut all: Vec<Input> = program.map(|one| pages::input(one, "program")).into_iter().collect();
     for path in machine {
-        all.push(pages::input(&input::read(path, FileId(0), "machine file")?, "machine"));
+        all.push(pages::input(&input::read_written(path, FileId(0), "machine file")?, "machine"));
     }
     Ok(all)
 }

@@ -20,13 +20,7 @@ pub(super) enum Stop {
 impl Stop {
     /// A file that cannot be read or written: `cannot read part.mpf: no such file`.
     pub(super) fn file(doing: &str, path: &Path, error: &io::Error) -> Stop {
-        let reason = match error.kind() {
-            io::ErrorKind::NotFound => "there is no such file or folder".into(),
-            io::ErrorKind::PermissionDenied => "permission denied".into(),
-            io::ErrorKind::IsADirectory => "it is a folder".into(),
-            _ => error.to_string(),
-        };
-        Stop::Usage(format!("cannot {doing} {}: {reason}", path.display()))
+        Stop::Usage(format!("cannot {doing} {}: {}", path.display(), reason(error)))
     }
 
     /// Standard output that cannot be written.
@@ -36,6 +30,16 @@ impl Stop {
         } else {
             Stop::Usage(format!("cannot write to standard output: {error}"))
         }
+    }
+}
+
+/// Why a file cannot be read or written, in words.
+pub(super) fn reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file or folder".into(),
+        io::ErrorKind::PermissionDenied => "permission denied".into(),
+        io::ErrorKind::IsADirectory => "it is a folder".into(),
+        _ => error.to_string(),
     }
 }
 

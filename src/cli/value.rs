@@ -26,6 +26,12 @@ pub(super) fn whole_mm(text: &str) -> Result<i32, String> {
     }
 }
 
+/// A step into which moves are cut, in mm: finer than a micrometer makes files that end nowhere.
+pub(super) fn step_mm(text: &str) -> Result<f64, String> {
+    let length_mm = positive_length_mm(text)?;
+    if length_mm >= 1e-3 { Ok(length_mm) } else { Err(format!("'{text}' is below 1um")) }
+}
+
 /// Threads to work in.
 pub(super) fn threads(text: &str) -> Result<usize, String> {
     let value = text.parse().ok().filter(|value| (1..=super::lanes::MOST_THREADS).contains(value));

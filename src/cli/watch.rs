@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &SensorsArguments) -> Result<ExitCode, Stop> {
     let [path] = arguments.data.as_slice() else {
         return Err(Stop::Usage("--watch reads one file of live sensors".into()));
     };
-    let source = input::read(path, FileId(0), "live sensors")?;
+    let source = input::read_written(path, FileId(0), "live sensors")?;
     let base = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
     let mut findings = Findings::default();
     let opened = Config::read(&source).and_then(|config| Panel::open(&config, &base).map(|panel| (config, panel)));

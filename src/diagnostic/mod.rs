@@ -69,7 +69,7 @@ impl Diagnostic {
     /// A finding that has no place in a file.
     #[must_use]
     pub fn nowhere(code: Code, message: impl Into<String>, help: impl Into<String>) -> Self {
-        let (message, help) = (message.into(), help.into());
+        let (message, help) = (readable(message.into()), help.into());
         Diagnostic { code, place: None, message, help, unset: None }
     }
 
@@ -83,5 +83,49 @@ impl Diagnostic {
     #[must_use]
     pub fn is_error(&self) -> bool {
         self.severity() == Severity::Error
+    }
+}
+
+/// Numbers with more digits are shown by their power of ten: nobody counts 309 of them.
+const MOST_DIGITS: usize = 24;
+
+/// A message with its longest numbers as powers of ten: `1.000e308`.
+fn readable(message: String) -> String {
+    let is_digit = |byte: u8| byte.is_ascii_digit() || byte == b'.';
+    let is_long = message.as_bytes().windows(MOST_DIGITS + 1).any(|bytes| bytes.iter().all(|&byte| is_digit(byte)));
+    if !is_long {
+        return message;
+    }
+    let mut shown = String::new();
+    let mut rest = message.as_str();
+    while !rest.is_empty() {
+        let end = rest.bytes().position(|byte| !is_digit(byte)).unwrap_or(rest.len());
+        let (digits, behind) = rest.split_at(end);
+        match digits.parse::<f64>() {
+            Ok(value) if digits.len() > MOST_DIGITS && value.is_finite() => shown.push_str(&format!("{value:.3e}")),
+            _ if digits.len() > MOST_DIGITS => shown.push_str(&format!("{}…", &digits[..MOST_DIGITS])),
+            _ => shown.push_str(digits),
+        }
+        let next = behind.bytes().position(is_digit).unwrap_or(behind.len());
+        shown.push_str(&behind[..next]);
+        rest = &behind[next..];
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_numbers_in_messages_are_powers_of_ten() {
+        let shown = |message: String| Diagnostic::nowhere(Code::BAD_WORD_VALUE, message, "").message;
+        assert_eq!(shown("X would move to -12.5, and 3 more…".into()), "X would move to -12.5, and 3 more…");
+        assert_eq!(
+            shown(format!("start radius {:.4} mm, end 5.25 mm", 1e308)),
+            "start radius 1.000e308 mm, end 5.25 mm"
+        );
+        assert_eq!(shown(format!("P{} µm", 1e-320)), "P9.999e-321 µm");
+        assert_eq!(shown("9".repeat(400)), format!("{}…", "9".repeat(24)));
     }
 }

@@ -15,6 +15,11 @@ pub trait Library {
         None
     }
 
+    /// Why the file that was looked for last is not read though there is one, in words; it is asked for once.
+    fn refusal(&mut self) -> Option<String> {
+        None
+    }
+
     /// One more folder to search (CALLPATH); an empty name takes the added ones away.
     fn add_folder(&mut self, _path: &str) {}
 

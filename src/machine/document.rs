@@ -11,6 +11,8 @@ use super::section::Section;
 
 /// Findings about the TOML text itself; a fault early in a file makes many that follow from it.
 const MAX_SYNTAX_FINDINGS: usize = 10;
+/// Faults of which these are chosen: finding the line of each costs a look at the line.
+const MOST_SYNTAX_FAULTS: usize = 1000;
 
 /// A parsed document.
 #[derive(Clone, Debug)]
@@ -61,12 +63,19 @@ impl Document {
             let help = "save the file as UTF-8; comments in another encoding are not allowed in TOML";
             vec![Diagnostic::at(Code::BAD_TOML, place(Span::new(at, at + 1)), "a byte that is not UTF-8", help)]
         })?;
+        if let Some(at) = text.bytes().position(|byte| byte == 0) {
+            // A file of them, such as a crash leaves behind, would have a fault for each.
+            let help = "restore the file; a disk that was full or a crash leaves zeros behind";
+            let message = "a byte that is zero, which stands in no text";
+            return Err(vec![Diagnostic::at(Code::BAD_TOML, place(Span::new(at, at + 1)), message, help)]);
+        }
         let (root, faults) = DeTable::parse_recoverable(text);
         if faults.is_empty() {
             return Ok(Document { file: source.id(), root: Table::of(root.get_ref(), Span::default()) });
         }
         let mut findings: Vec<Diagnostic> = faults
             .iter()
+            .take(MOST_SYNTAX_FAULTS)
             .map(|fault| {
                 let help = "write one `key = value` a line, text in quotation marks, lists in [ ]; see toml.io";
                 let span = fault.span().map_or(Span::default(), span_of);

@@ -209,15 +209,7 @@ fn read_axis(axis: Axis, mut section: Section<'_>, findings: &mut Vec<Diagnostic
         .required("direction", "[1, 0, 0]", Section::vector)
         .and_then(|direction| checked_direction(axis, direction, &mut section));
     let point_mm = section.vector("point_mm").unwrap_or_default();
-    let travel = section.numbers(travel_key).and_then(|travel| match *travel.as_slice() {
-        [low, high] if low < high => Some([to_internal(low), to_internal(high)]),
-        _ => {
-            let message = format!("{travel_key} of axis {axis} must be the lowest and the highest position");
-            let help = format!("write two numbers that increase, for example `{travel_key} = [0, 500]`");
-            section.report(Code::BAD_VALUE, section.place_of(travel_key), message, help);
-            None
-        }
-    });
+    let travel = super::travel::read(axis, travel_key, &mut section).map(|ends| ends.map(to_internal));
     let modulo = axis.is_rotary() && section.boolean("modulo").unwrap_or(false);
     if modulo && section.has(travel_key) {
         let message = format!("axis {axis} turns without end and has {travel_key}");

@@ -24,6 +24,7 @@ mod servo;
 mod setting;
 mod state;
 mod strain;
+mod travel;
 mod zero_offset;
 
 pub use active::{ActiveTables, Compensation, TableProducts};

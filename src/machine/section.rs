@@ -3,11 +3,16 @@
 //! Each value that is missing, of the wrong type or not finite becomes a finding at its place, the keys that were asked for are the
 //! known ones, and [`Section::finish`] reports the others.
 
+use std::collections::HashSet;
+
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::Vector;
 use crate::source::FileId;
 
 use super::document::{Entry, Item, Table, Value};
+
+/// Unknown keys of one table that are reported; a file with more is no machine file.
+const MOST_UNKNOWN: usize = 1000;
 
 /// Reads one table and collects what is wrong with it.
 #[derive(Debug)]
@@ -250,7 +255,9 @@ impl<'a> Section<'a> {
     /// Reports keys that nobody asked for and hands all findings over.
     pub fn finish(mut self, findings: &mut Vec<Diagnostic>) {
         let table = self.table;
-        for entry in table.entries.iter().filter(|entry| !self.asked.contains(&entry.key)) {
+        let asked: HashSet<&str> = self.asked.iter().map(String::as_str).collect();
+        let unknown = table.entries.iter().filter(|entry| !asked.contains(entry.key.as_str()));
+        for entry in unknown.take(MOST_UNKNOWN) {
             let help = match nearest(&entry.key, self.asked.iter().map(String::as_str)) {
                 Some(known) => format!("did you mean `{known}`?"),
                 None if self.asked.is_empty() => "remove it".into(),

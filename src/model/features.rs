@@ -10,6 +10,11 @@ const LINEAR_LENGTH_MM: f64 = 500.0;
 /// The same for a rotary axis: its motion bends every path, rad.
 const ROTARY_LENGTH_RAD: f64 = std::f64::consts::FRAC_PI_6;
 
+/// What bends within less is not followed, mm: a file could ask for more samples than there is time for.
+const FINEST_MM: f64 = 1e-3;
+/// The same for a rotary axis, rad.
+const FINEST_RAD: f64 = 1e-5;
+
 /// Where the error functions of one axis bend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Features {
@@ -68,7 +73,8 @@ pub(super) fn of(machine: &Machine, motion: &[MotionError]) -> [Features; AXIS_C
             error.function.note_features(axis, &travels, &mut features);
         }
     }
-    for feature in &mut features {
+    for (axis, feature) in AXES.into_iter().zip(&mut features) {
+        feature.length = feature.length.max(if axis.is_rotary() { FINEST_RAD } else { FINEST_MM });
         feature.knots.sort_by(f64::total_cmp);
         feature.knots.dedup();
     }

@@ -124,7 +124,11 @@ impl<'a> Findings<'a> {
     }
 
     pub(super) fn not_converged(&mut self, origin: &Origin, failure: NotConverged) {
-        let message = format!("no correction was found here; {} are left", micrometers(failure.residual_mm));
+        let message = if failure.residual_mm.is_finite() {
+            format!("no correction was found here; {} are left", micrometers(failure.residual_mm))
+        } else {
+            "no correction was found here: the errors of the machine file have no finite value".into()
+        };
         let help = "check the error model, and that the machine can move the tool in all directions";
         self.report(origin, Code::NOT_CONVERGED, message, help.into());
     }

@@ -63,7 +63,7 @@ pub(in crate::cli) struct CorrectionChoice {
     #[arg(long, value_name = "LENGTH", default_value = "1um", value_parser = value::positive_length_mm)]
     pub(in crate::cli) tolerance: f64,
     /// Fixed step along the leading axis instead of subdivision by tolerance, with its unit: 20mm
-    #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
+    #[arg(long, value_name = "LENGTH", value_parser = value::step_mm)]
     pub(in crate::cli) step: Option<f64>,
     /// Arcs
     #[arg(long, value_enum, default_value_t)]

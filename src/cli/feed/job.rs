@@ -39,7 +39,7 @@ impl Job {
     pub(in crate::cli) fn new(arguments: &FeedArguments, findings: &mut Findings) -> Result<Option<Job>, Stop> {
         let (profile, link_hash) = profile(&arguments.link, findings)?;
         let sensors_hash = match &arguments.sensors {
-            Some(path) => short_hash([input::read(path, FileId(0), "sensors, --sensors")?.bytes()]),
+            Some(path) => short_hash([input::read_written(path, FileId(0), "sensors, --sensors")?.bytes()]),
             None => String::new(),
         };
         let source = program::read(&arguments.input)?;
@@ -95,7 +95,7 @@ fn profile(link: &str, findings: &mut Findings) -> Result<(Option<Profile>, Stri
         Some((name, text)) => Source::new(FileId(0), name, text.as_bytes().to_vec())
             .map_err(|_| Stop::Usage(format!("the profile {name} is too large")))?,
         None if Path::new(link).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) => {
-            input::read(&PathBuf::from(link), FileId(0), "profile of the link, --link")?
+            input::read_written(&PathBuf::from(link), FileId(0), "profile of the link, --link")?
         }
         None => {
             let names: Vec<&str> = PROFILES.iter().map(|(name, _)| *name).collect();

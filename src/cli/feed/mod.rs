@@ -108,7 +108,7 @@ fn dialogue(job: &Job) -> Result<Box<dyn Dialogue>, Stop> {
 fn panel(arguments: &FeedArguments, job: &Job, findings: &mut Findings) -> Result<Option<Panel>, Stop> {
     let needed = job.chosen.errors.sensors();
     let Some(path) = &arguments.sensors else { return Ok(None) };
-    let source = input::read(path, FileId(0), "sensors, --sensors")?;
+    let source = input::read_written(path, FileId(0), "sensors, --sensors")?;
     let fault = |found, findings: &mut Findings| {
         findings.extend(found, std::slice::from_ref(&source));
         Ok(None)

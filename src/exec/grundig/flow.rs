@@ -152,8 +152,9 @@ impl Interpreter<'_> {
     ) -> Result<(), Fault> {
         let Some((program, part)) = self.find(part_kind, number) else {
             let (what, ending) = if kind == LevelKind::Macro { ("macro", "MM") } else { ("program", "PM") };
-            let message =
-                format!("{what} {number} is not in this file, and there is no file {number}.{ending} beside it");
+            let message = self.library.refusal().unwrap_or_else(|| {
+                format!("{what} {number} is not in this file, and there is no file {number}.{ending} beside it")
+            });
             return Err(fault(Code::NO_SUBPROGRAM, span, message, "put it into the same file or beside it"));
         };
         let start = self.programs.get(program).and_then(|loaded| loaded.program.parts.get(part));

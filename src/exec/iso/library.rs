@@ -41,8 +41,9 @@ impl Interpreter<'_> {
         found.ok_or_else(|| self.not_found(&shown, call.span))
     }
 
-    fn not_found(&self, shown: &str, span: Span) -> Fault {
-        let message = format!("{shown} is neither in this file nor beside it");
+    fn not_found(&mut self, shown: &str, span: Span) -> Fault {
+        let message =
+            self.library.refusal().unwrap_or_else(|| format!("{shown} is neither in this file nor beside it"));
         let help = match self.channel.language {
             Language::Rs274 => {
                 "put the file NAME.ngc beside the program, or its folder into control.search_path; a program that the control runs by \

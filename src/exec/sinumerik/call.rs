@@ -209,7 +209,8 @@ impl Interpreter<'_> {
             let (code, message) = if cycle {
                 (Code::NOT_SUPPORTED, format!("the cycle {name} is not supported yet"))
             } else {
-                (Code::NO_SUBPROGRAM, format!("there is no program {name}"))
+                let refusal = self.library.refusal();
+                (Code::NO_SUBPROGRAM, refusal.unwrap_or_else(|| format!("there is no program {name}")))
             };
             let help = if cycle {
                 "write its moves out, or name it in control.opaque of the machine file if the control shall run it by itself"

@@ -15,6 +15,9 @@ use crate::snc::{FrameKind, Word as AuxWord, WordValue};
 use crate::source::Span;
 use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, NameId, Value, Word};
 
+/// Largest feed and speed that is one.
+const MOST: f64 = 1e9;
+
 /// Gathers blocks of one program.
 #[derive(Clone, Copy)]
 pub(super) struct Gatherer<'a> {
@@ -113,9 +116,9 @@ impl Gatherer<'_> {
                 if value.is_nan() || value < 0.0 {
                     return Err(bad_value(word.span, "a feed must not be negative", "program F with a positive value"));
                 }
-                once(&mut out.feed, (value, word.span), word.span)
+                once(&mut out.feed, (plausible(value, word.span)?, word.span), word.span)
             }
-            b'S' => once(&mut out.speed, (self.number(word)?, word.span), word.span),
+            b'S' => once(&mut out.speed, (plausible(self.number(word)?, word.span)?, word.span), word.span),
             b'T' => {
                 let value = match self.text_value(word)? {
                     Some(name) => WordValue::Name(name),
@@ -372,6 +375,14 @@ impl Gatherer<'_> {
         }
         Err(bad_value(word.span, format!("{value} is not a whole number from 0 to {max}"), "correct the number"))
     }
+}
+
+/// Refuses feeds and speeds that no control takes.
+fn plausible(value: f64, span: Span) -> Result<f64, Fault> {
+    if value.is_nan() || value.abs() > MOST {
+        return Err(bad_value(span, format!("{value} is too large for a word"), "check the value"));
+    }
+    Ok(value)
 }
 
 fn once<T>(place: &mut Option<T>, value: T, span: Span) -> Result<(), Fault> {

@@ -21,6 +21,9 @@ pub(super) fn position_key_of(stem: &str, axis: Option<Axis>) -> String {
 /// Greater deviations are in another unit, µm or µrad.
 const MOST_DEVIATION: f64 = 1e6;
 
+/// Greater coefficients are in another unit than mm and rad per power of mm and rad.
+const MOST_COEFFICIENT: f64 = 1e3;
+
 /// An entry whose component is known.
 #[derive(Debug)]
 pub struct Entry<'a> {
@@ -181,7 +184,14 @@ impl Entry<'_> {
 
     /// Coefficients, mm and rad as they are.
     pub(super) fn coefficients(&mut self, key: &str) -> Option<Vec<f64>> {
-        self.section.required(key, "[0, 1e-5]", Section::numbers)
+        let values = self.section.required(key, "[0, 1e-5]", Section::numbers)?;
+        if let Some(index) = values.iter().position(|value| value.abs() > MOST_COEFFICIENT) {
+            let place = self.section.place_of_item(key, index);
+            let help = format!("{key} are in mm and rad per power of mm and rad; check the unit");
+            self.section.report(Code::BAD_VALUE, place, "a coefficient that makes errors of meters", help);
+            return None;
+        }
+        Some(values)
     }
 
     /// Whether there is a key of this stem, whatever its unit.

@@ -1,0 +1,35 @@
+//! `docs/theory.md` names files and tests: each of them exists.
+
+use std::fs;
+
+use crate::support::repository;
+
+#[test]
+fn every_file_and_test_that_the_theory_names_exists() {
+    let text = fs::read_to_string(repository("docs/theory.md")).unwrap();
+    let is_path = |word: &&str| ["src/", "tests/", "docs/"].iter().any(|folder| word.starts_with(folder));
+    let mut files = 0;
+    let mut tests = 0;
+    for word in text.split('`').skip(1).step_by(2).filter(is_path) {
+        let (file, test) = word.split_once("::").map_or((word, None), |(file, test)| (file, Some(test)));
+        let source = fs::read_to_string(repository(file)).unwrap_or_else(|_| panic!("there is no {file}"));
+        files += 1;
+        if let Some(test) = test {
+            assert!(
+                source.contains(&format!("#[test]\nfn {test}()")) || source.contains(&format!("    fn {test}()")),
+                "{word}"
+            );
+            tests += 1;
+        }
+    }
+    assert!(files > 50 && tests > 35, "{files} {tests}");
+    // What it links to is there too.
+    for link in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        let (page, anchor) = link.split_once('#').unwrap_or((link, ""));
+        assert!(page.is_empty() || repository("docs").join(page).is_file(), "{link}");
+        assert!(
+            !page.is_empty() || text.to_lowercase().replace(' ', "-").contains(&format!("\n##-{anchor}\n")),
+            "{link}"
+        );
+    }
+}
