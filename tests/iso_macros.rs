@@ -389,6 +389,21 @@ fn positions_and_modal_codes_can_be_read() {
 fn offsets_that_are_assigned_move_what_follows() {
     let text = "G90 G54 G0 X0 Y0 Z0\n#5221=10.\nX0\nG55 X0\n#5241=3.\nX1.\nM30\n";
     check("fanuc", text, &["G0 X0 Y0 Z0", "G0 X10 Y0 Z0", "G0 X0 Y0 Z0", "G0 X4 Y0 Z0"]);
+    // The external offset moves all systems at once.
+    let text = "G90 G54 G0 X0 Y0 Z0\n#5201=5.\nX0\nG55 X1.\nM30\n";
+    check("fanuc", text, &["G0 X0 Y0 Z0", "G0 X5 Y0 Z0", "G0 X6 Y0 Z0"]);
+}
+
+#[test]
+fn an_angle_needs_a_direction() {
+    is("#1=ATAN[0]/[5]", "#1", 0.0);
+    is("#1=ATAN[5]/[0]", "#1", 90.0);
+    assert_eq!(run("fanuc", "#1=ATAN[0]/[0]\nM30").1.len(), 1);
+}
+
+#[test]
+fn the_number_of_a_program_is_whole() {
+    check_codes("fanuc", "M98 P9000.5\nM30", &["E0210:1"]);
 }
 
 #[test]

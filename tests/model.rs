@@ -3,9 +3,9 @@
 use ncfix::geometry::{AXES, Axis, AxisVector, Matrix, Vector};
 use ncfix::machine::file::DEMO;
 use ncfix::machine::{Lever, Machine, State};
-use ncfix::model::motion::{Function, KINDS, polynomial::Polynomial};
+use ncfix::model::motion::{Function, KINDS, periodic::Periodic, polynomial::Polynomial};
 use ncfix::model::name::DIRECTIONS;
-use ncfix::model::{ErrorModel, ErrorName, LocationError, Model, MotionError, Solve, file};
+use ncfix::model::{ErrorModel, ErrorName, LocationError, Model, MotionError, Solve, file, write};
 use ncfix::source::{FileId, Source};
 
 /// A generator with a fixed seed (splitmix64), so that a failure repeats.
@@ -460,4 +460,100 @@ fn errors_of_the_demo_machine_are_of_realistic_size() {
         }
     }
     assert!((0.015..0.06).contains(&worst_mm), "{worst_mm}");
+}
+
+/// A control has no time for more: what is left behind the second step is the error times the square of its slopes.
+#[test]
+fn two_steps_in_a_cycle_put_the_tool_where_it_nominally_is() {
+    let mut random = Random(31);
+    for machine in machines() {
+        let errors = all_errors(&machine, &mut random);
+        let model = Model::new(&machine, &errors);
+        let tool = Vector::from(TOOL);
+        for _ in 0..50 {
+            let nominal = random.command(1.4);
+            let state = State::default();
+            let target = model.nominal(&nominal, &tool).translation;
+            // Linear axes that a rotary one turns nearly parallel to each other have no solution either way.
+            let Ok(command) = model.solve(&nominal, &tool, &state, &nominal, Solve::Full) else { continue };
+            if model.is_near_singularity(&nominal, &tool) {
+                continue;
+            }
+            for mode in [Solve::Full, Solve::PositionOnly] {
+                let found = model.solve_in_cycle(&nominal, &tool, &state, mode).unwrap();
+                let left = (model.actual(&found, &tool, &state).translation - target).norm();
+                assert!(left < 2e-5, "{} {mode:?}: {left:e} mm", machine.topology);
+            }
+            assert!((command - nominal).max_abs(&AXES) > 0.0);
+        }
+    }
+}
+
+/// A chord over an interval of h is off a parabola c q² by c (q − a) (b − q), at most c h²/8.
+#[test]
+fn tables_of_equal_intervals_take_in_what_they_can_follow() {
+    let machine = machine("wFXYZSt");
+    let name = |text: &str| text.parse::<ErrorName>().unwrap();
+    let curve = polynomial(name("EXX"), &[0.0, 0.0, 1e-7]);
+    // 10 µm over 10 mm: chords of 4 mm are off by more than 2 µm.
+    let wave = Periodic { amplitude: 0.01, period: 10.0, phase_rad: 0.0 };
+    let wave = MotionError { name: name("EYY"), function: Function::Periodic(wave) };
+    let errors = ErrorModel { motion: vec![curve, wave], ..ErrorModel::default() };
+    let direct = Model::new(&machine, &errors);
+    let model = direct.on_intervals(&machine, 200);
+    let counts = |model: &Model| [Axis::X, Axis::Y, Axis::Z].map(|axis| model.direct_functions(axis));
+    assert_eq!((counts(&direct), counts(&model)), ([1, 1, 0], [0, 1, 0]));
+    // 200 intervals of the 800 mm from −400 mm are 4 mm each.
+    for (q, within) in [(0.0, 0.0), (1.0, 1.0 * 3.0), (2.0, 2.0 * 2.0), (203.5, 3.5 * 0.5)] {
+        let command = AxisVector([q, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let found = model.deviation(&command, &Vector::zeros(), &State::default()).translation.x;
+        assert!((found - 1e-7 * (q * q + within)).abs() < 1e-12, "{q}: {found:e}");
+    }
+}
+
+/// Behind A the tool leans against C by A: the singular value of the direction by C is sin A, that by A is 1. ε is 0.05.
+#[test]
+fn a_singularity_begins_at_2_87_degrees() {
+    let limit = 0.05_f64.asin();
+    for machine in [machine("wCAYFXZSt"), machine("wCAFXYZSt")] {
+        let model = Model::new(&machine, &ErrorModel::default());
+        let is_near = |a: f64, c: f64| {
+            let mut command = AxisVector::ZERO;
+            (command[Axis::A], command[Axis::C]) = (a, c);
+            model.is_near_singularity(&command, &Vector::from(TOOL))
+        };
+        for (a, expected) in
+            [(0.0, true), (0.999 * limit, true), (1.001 * limit, false), (-0.999 * limit, true), (0.7, false)]
+        {
+            assert_eq!([is_near(a, 0.0), is_near(a, 2.0)], [expected; 2], "{a}");
+        }
+    }
+    // One axis turns the tool in one direction only, everywhere the same; none turns it in none.
+    let [alone, none] = ["wBXYFZSt", "wXYFZSt"].map(|topology| Model::new(&machine(topology), &ErrorModel::default()));
+    for model in [alone, none] {
+        assert!(!model.is_near_singularity(&AxisVector::ZERO, &Vector::from(TOOL)));
+    }
+}
+
+#[test]
+fn a_changed_error_takes_the_place_of_the_old_one_in_the_file() {
+    let head = "[machine]\nname = \"test\"\ntopology = \"wFXYZSt\"\n[axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 400]\n\
+        [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [0, 400]\n[axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [0, 400]\n";
+    // What has no parameters stands between: it is not written, and must not be asked for.
+    let text = format!(
+        "{head}[location]\nEC0Y = 20 # a square\nEB0Z = 7\n[[motion]]\ncomponent = \"EYY\"\nkind = \"periodic\"\nperiod_mm = 10\n\
+         amplitude_um = 1\n[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0.0, 2e-5]\n"
+    );
+    let (_, errors) = read(&text);
+    assert_eq!(write::write(&text, &errors, &errors).unwrap(), text);
+    let mut changed = errors.clone();
+    changed.location[0].value = 30e-6;
+    changed.motion[1] = polynomial(errors.motion[1].name, &[1e-3, 4e-5]);
+    let written = write::write(&text, &errors, &changed).unwrap();
+    let (_, found) = read(&written);
+    assert!((found.location[0].value - 30e-6).abs() < 1e-18 && found.location[1] == errors.location[1]);
+    assert_eq!(found.motion, changed.motion);
+    assert!(written.contains(" # a square\n") && written.starts_with(head));
+    // An entry that the text has not is no place to write to.
+    assert!(write::write(head, &errors, &changed).is_err());
 }

@@ -432,3 +432,12 @@ fn an_eighth_of_the_length_is_a_fine_step() {
         }
     }
 }
+
+#[test]
+fn a_wave_that_no_correction_can_follow_is_refused() {
+    for (period, is_read) in [("0.0009", false), ("0.0001", false), ("0.001", true), ("0.002", true)] {
+        let entry = format!("component = \"EXX\"\nkind = \"periodic\"\nperiod_mm = {period}\namplitude_um = 1.5\n");
+        let (loaded, findings) = load(&format!("{MACHINE}[[motion]]\n{entry}"));
+        assert_eq!((loaded.is_some(), findings.is_empty()), (is_read, is_read), "{period}: {findings:?}");
+    }
+}

@@ -5,9 +5,10 @@
 
 use ncfix::geometry::{AxisVector, Vector};
 use ncfix::machine::{Lever, Machine, State};
+use ncfix::model::motion::{Function, piecewise, polynomial::Polynomial};
 use ncfix::model::parameter::ParameterName;
-use ncfix::model::preset::{PRESETS, find};
-use ncfix::model::{ErrorModel, Model};
+use ncfix::model::preset::{PRESETS, Rest, find, rest};
+use ncfix::model::{ErrorModel, LocationError, Model, MotionError};
 
 use crate::model::{Random, machine, sample};
 
@@ -427,4 +428,39 @@ fn a_parameter_is_the_sum_of_its_entries_and_writing_keeps_the_rest() {
     assert_eq!(errors.location.len(), before.location.len() + 1);
     assert_eq!(errors.motion.len(), before.motion.len() + 3);
     assert_eq!(machine.name, "m");
+}
+
+#[test]
+fn what_a_model_has_beside_given_parameters_is_listed() {
+    let knot = |at: f64, coefficients: &[f64]| piecewise::Knot { at, coefficients: coefficients.to_vec() };
+    let motion = |component: &str, function| MotionError { name: component.parse().unwrap(), function };
+    let splines = piecewise::Piecewise {
+        coefficients: vec![0.0, 3e-6],
+        knots: vec![knot(150.0, &[0.0, 0.0, 1e-8]), knot(150.5, &[0.0, 1e-6]), knot(2_147_483_647.0, &[0.0, 1e-6])],
+    };
+    let turns =
+        piecewise::Piecewise { coefficients: Vec::new(), knots: vec![knot(f64::to_radians(90.0), &[0.0, 1e-5])] };
+    let errors = ErrorModel {
+        location: [("EC0Y", 20e-6), ("EX0C", 0.01), ("EB0Z", 0.0)]
+            .map(|(name, value)| LocationError { name: name.parse().unwrap(), value })
+            .to_vec(),
+        motion: vec![
+            motion("EXX", Function::Polynomial(Polynomial { coefficients: vec![0.0, 1e-5] })),
+            motion("EYY", Function::Piecewise(splines)),
+            motion("ECC", Function::Piecewise(turns)),
+        ],
+        ..ErrorModel::default()
+    };
+    let given: Vec<ParameterName> = ["EX0C", "EYY1"].iter().map(|name| name.parse().unwrap()).collect();
+    let mut found: Vec<String> = rest(&errors, &given)
+        .into_iter()
+        .map(|rest| match rest {
+            Rest::Parameter(name) => name.to_string(),
+            Rest::Function(name, kind) => format!("{kind} {name}"),
+            Rest::Source(title) => title.to_owned(),
+        })
+        .collect();
+    found.sort();
+    // The knot at 150.5 mm has no name. What is zero is no error.
+    assert_eq!(found, ["EC0Y", "ECC1@90", "EXX1", "EYY1@2147483647", "EYY2@150", "piecewise EYY"]);
 }

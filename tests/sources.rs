@@ -3,7 +3,7 @@
 use ncfix::geometry::{Axis, AxisVector, Vector};
 use ncfix::machine::{Condition, Load, Machine, State};
 use ncfix::model::name::{DIRECTIONS, ErrorName};
-use ncfix::model::{Accumulator, ErrorModel, Model, SOURCES, Source as ErrorSource, Twist};
+use ncfix::model::{Accumulator, ErrorModel, Model, SOURCES, Source as ErrorSource, Twist, write};
 use ncfix::source::{FileId, Source};
 
 /// A machine with a swiveling rotary table; `sense` is −1 where X counts the other way.
@@ -261,4 +261,82 @@ fn the_sum_is_that_of_all_sources() {
     for (sum, parts) in sum.iter().zip(&parts) {
         assert!(apart(sum, parts) < 3e-3 * apart(sum, &NOTHING), "{sum:?} {parts:?}");
     }
+}
+
+/// The parameters that have a key of their own in the machine file.
+fn written(errors: &mut ErrorModel) -> Vec<(String, f64)> {
+    let mut values = Vec::new();
+    for effect in errors.effects_mut() {
+        effect.visit_parameters(&mut |parameter, value| {
+            if parameter.written.is_some() {
+                values.push((parameter.name.to_owned(), *value));
+            }
+        });
+    }
+    values
+}
+
+#[test]
+fn parameters_that_are_written_into_the_file_are_read_back() {
+    let mut sources = 0;
+    for &source in SOURCES {
+        let (_, errors) = load(1, source.example);
+        let mut changed = errors.clone();
+        for effect in changed.effects_mut() {
+            effect.visit_parameters(&mut |parameter, value| {
+                if parameter.written.is_some() {
+                    *value *= 1.25;
+                }
+            });
+        }
+        let expected = written(&mut changed);
+        sources += usize::from(!expected.is_empty());
+        let head = text(1, "");
+        let new = write::write(&text(1, source.example), &errors, &changed).unwrap();
+        let (_, mut read) = load(1, new.strip_prefix(&head).unwrap());
+        let found = written(&mut read);
+        assert_eq!(found.len(), expected.len(), "{}", source.name);
+        for ((name, found), (of, expected)) in found.iter().zip(&expected) {
+            assert_eq!(name, of);
+            assert!(
+                (found - expected).abs() <= 1e-12 * expected.abs(),
+                "{}: {name} {found:e} {expected:e}",
+                source.name
+            );
+        }
+    }
+    // Location and motion errors have names of their own instead of keys; most sources are more than those.
+    assert!(sources >= 5, "{sources}");
+}
+
+#[test]
+fn effects_are_the_same_where_source_and_values_are() {
+    for &source in SOURCES {
+        let (_, errors) = load(1, source.example);
+        let mut changed = errors.clone();
+        assert!(errors.effects == changed.effects, "{}", source.name);
+        let mut is_first = true;
+        changed.effects.iter_mut().for_each(|effect| {
+            effect.visit_parameters(&mut |_, value| {
+                if std::mem::take(&mut is_first) {
+                    *value *= 2.0;
+                }
+            });
+        });
+        assert_eq!(errors.effects == changed.effects, is_first, "{}", source.name);
+    }
+}
+
+#[test]
+fn a_sum_lists_what_was_added_and_nothing_else() {
+    let (machine, errors) = load(
+        1,
+        "[location]\nEC0Y = 20\n[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0.0, 1e-5]\n",
+    );
+    let sum = Accumulator::sum(&machine, &errors, &Condition::default(), |_| true);
+    let parts = sum.parts();
+    let names: Vec<String> = parts.iter().map(|(name, ..)| name.to_string()).collect();
+    assert_eq!(names, ["EC0Y", "EXX"]);
+    assert!((parts[0].2 - 20e-6).abs() < 1e-18 && parts[0].1.is_none());
+    assert_eq!(parts[1].1, Some(&errors.motion[0].function));
 }

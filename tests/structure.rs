@@ -165,6 +165,8 @@ fn faults_of_a_segment_have_their_place() {
         ("across_mm = 350\n", "", "E0404:22"),
         ("before = \"Z\"", "before = \"B\"", "E0404:16"),
         ("before = \"Z\"", "before = \"Z\"\nalong = \"X\"\nat_mm = 5", "E0404:17"),
+        // X is behind it, but slides across it.
+        ("before = \"Z\"", "before = \"X\"\nalong = \"X\"\nat_mm = 5", "E0404:17"),
         ("before = \"Z\"", "before = \"Z\"\nalong = \"Z\"", "E0403:14"),
         ("um_per_m_K = 12", "um_per_K = 12", "E0403:14"),
         ("across_mm = 350", "across_mm = 0", "E0404:21"),

@@ -132,4 +132,23 @@ mod tests {
             assert!(gain + damping(gain) >= 0.75 * limit * (1.0 - 1e-12));
         }
     }
+
+    /// Undamped, two axes can turn the tool to where any small correction of theirs puts it.
+    #[test]
+    fn a_start_is_found_again() {
+        let mut target = Pointer::new(Vector::zeros(), Vector::z());
+        target.axis_by_command[Axis::A.slot()] = Vector::new(0.0, -1.0, 0.0);
+        target.axis_by_command[Axis::C.slot()] = Vector::new(0.75_f64.sqrt(), 0.3, 0.0);
+        let orientation = Orientation::at(&target, [Axis::A, Axis::C].into_iter().collect());
+        let mut nominal = AxisVector::ZERO;
+        (nominal[Axis::A], nominal[Axis::C]) = (1.2, -0.4);
+        let mut start = nominal;
+        (start[Axis::A], start[Axis::C]) = (1.2 + 0.03, -0.4 - 0.05);
+        let mut command = nominal;
+        orientation.turn(&nominal, &orientation.dual_of(&nominal, &start), &mut command);
+        assert!((command - start).max_abs(&[Axis::A, Axis::C]) < 1e-14);
+        // What is further away than 0.1 rad is no start.
+        start[Axis::C] = -0.4 - 0.11;
+        assert_eq!(orientation.dual_of(&nominal, &start), [0.0; 2]);
+    }
 }

@@ -210,6 +210,37 @@ mod tests {
     }
 
     #[test]
+    fn a_peck_that_would_shrink_to_nothing_stays() {
+        let at = At { height: 10.0, ..At::default() };
+        let list = [(b'Y', 0, 2.0), (b'Z', 0, -12.0), (b'K', 0, 5.0), (b'I', 0, 5.0), (b'J', 0, 1.0)];
+        let expected =
+            [(true, 2.0), (false, -5.0), (true, -4.0), (false, -10.0), (true, -9.0), (false, -12.0), (true, 2.0)];
+        assert_eq!(heights(&run(83, &list, at)), expected);
+    }
+
+    #[test]
+    fn reaming_leaves_the_hole_at_feed() {
+        let at = At { point: [10.0, 20.0], surface: -5.0, height: 10.0, ..At::default() };
+        let steps = run(85, &[(b'Y', 0, 2.0), (b'B', 0, 8.0), (b'Z', 0, -10.0), (b'X', 0, 0.5)], at);
+        // Surface -5: first clearance -3, bottom -15, retraction 5.
+        assert_eq!(heights(&steps), [(true, -3.0), (false, -15.0), (false, -3.0), (true, 5.0)]);
+        assert!(steps.contains(&Step::Dwell(0.5)));
+        // Without B the tool stays at the first clearance.
+        let steps = run(85, &[(b'Y', 0, 2.0), (b'Z', 0, -10.0)], at);
+        assert_eq!(heights(&steps), [(true, -3.0), (false, -15.0), (false, -3.0)]);
+    }
+
+    #[test]
+    fn a_tool_may_be_as_wide_as_the_slot_and_no_wider() {
+        let list = words(&[(b'X', 0, 40.0), (b'Y', 0, 12.0), (b'Z', 0, -2.0), (b'B', 0, 1.0)]);
+        let steps = |tool_radius_mm| {
+            let at = At { tool_radius_mm, engagement_percent: 60.0, ..At::default() };
+            (find(88).unwrap().steps)(&list, &at)
+        };
+        assert_eq!([5.5, 6.0, 6.5].map(|radius| steps(radius).is_ok()), [true, true, false]);
+    }
+
+    #[test]
     fn no_depth_is_a_finding() {
         let cycle = find(81).unwrap();
         assert!((cycle.steps)(&words(&[(b'Y', 0, 2.0), (b'Z', 0, 3.0)]), &At::default()).is_err());
