@@ -1,11 +1,11 @@
 //! What the corrector does with moves: what stays, what is cut, what is said.
 
 use ncfix::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
-use ncfix::machine::State;
+use ncfix::machine::{Machine, State};
 use ncfix::model::motion::Function;
 use ncfix::model::motion::periodic::Periodic;
 use ncfix::model::{ErrorModel, LocationError, Model};
-use ncfix::path::{Options, OutputFrame, PieceArc, Rapids, Subdivision};
+use ncfix::path::{Arcs, Centers, Options, OutputFrame, PieceArc, Rapids, Subdivision};
 use ncfix::snc::{Element, Kind, Origin, Setup, TextReader};
 
 use crate::bench_machine::{
@@ -334,10 +334,16 @@ fn the_tip_is_off_by_the_rounding_of_linear_axes_only() {
     let (mut machine, errors) = load_machine("esmaeili_xyz5");
     // 0.01°: 87 µm at half a meter.
     machine.control.increment_rad = 0.01_f64.to_radians();
-    let model = Model::new(&machine, &errors);
-    let text = "G0 X10.5 Y-20.25 Z150 B12.34 C56.78\nG1 X60 Y70 Z180 B-30.5 C-100 F500\n";
-    let run = correct(text, &machine, &errors, Options::default());
-    let mut replay = Replay::new(&machine);
+    // As the chords of a transformation have them: between the increments.
+    let text = "G0 X10.5 Y-20.25 Z150 B12.343 C56.783\nG1 X60 Y70 Z180 B-30.5 C-100.003 F500\n";
+    check_rounding(text, &machine, &errors);
+    check_rounding(text, &machine, &ErrorModel::default());
+}
+
+fn check_rounding(text: &str, machine: &Machine, errors: &ErrorModel) {
+    let model = Model::new(machine, errors);
+    let run = correct(text, machine, errors, Options::default());
+    let mut replay = Replay::new(machine);
     let targets: Vec<AxisVector> = TextReader::new(text)
         .filter_map(|element| if let Kind::Move(motion) = element.unwrap().kind { Some(motion.target) } else { None })
         .collect();
@@ -363,4 +369,64 @@ fn where_no_useful_arc_fits_there_are_chords() {
     // At its start the circle hardly moves X, so arcs fit there.
     assert!(run.pieces.len() > 20 && arcs < 5, "{arcs} arcs of {} pieces", run.pieces.len());
     assert!(run.prediction.after().max_mm <= 1e-3);
+}
+
+#[test]
+fn a_piece_that_begins_off_its_place_is_looked_at_where_it_deviates_most() {
+    // Less than the tolerance, so that nothing is taken up: a chord behind the reversal begins 0.9 µm off the circle, and bends as well.
+    let errors = ErrorModel { motion: vec![motion("EXX", backlash(-0.9))], ..ErrorModel::default() };
+    let mut machine = xyz_machine();
+    machine.control.increment_mm = 1e-5;
+    let text = "G0 X40 Y1 Z0\nG1 X30 Y0 F500\nG3 X30 Y0 I-30 J0 P17 F500\n";
+    let run = correct(text, &machine, &errors, Options { arcs: Arcs::Chords, ..Options::default() });
+    let model = Model::new(&machine, &errors);
+    let mut replay = Replay::new(&machine);
+    let mut worst = 0.0_f64;
+    for piece in &run.pieces {
+        for (command, state) in replay.follow(piece, 24) {
+            if piece.origin.line == 3 {
+                let [x, y, _] = <[f64; 3]>::from(model.actual(&command, &Vector::zeros(), &state).translation);
+                worst = worst.max((x.hypot(y) - 30.0).abs());
+            }
+        }
+    }
+    assert!((9e-4..1.01e-3).contains(&worst), "{worst:e}");
+}
+
+/// A control that keeps the center as it is written moves on a spiral, whose middle is off the circle by half of what the radii differ by.
+#[test]
+fn arcs_are_judged_as_the_control_of_the_output_moves() {
+    let mut machine = xyz_machine();
+    machine.control.increment_mm = 1e-3;
+    let options = Options { tolerance_mm: 1e-3, centers: Centers::AsWritten, ..Options::default() };
+    let mut random = Random(5);
+    let mut arcs = 0;
+    for _ in 0..2000 {
+        let radius = random.between(0.5, 1.5);
+        // Nearly a full turn: the chord is short.
+        let (from, short) = (random.between(-3.0, 3.0), random.between(0.1, 0.5));
+        let [start, end] = [from, from - short].map(|angle: f64| [radius * angle.cos(), radius * angle.sin()]);
+        let text = format!(
+            "G0 X{:.9} Y{:.9} Z0\nG3 X{:.9} Y{:.9} I{:.9} J{:.9} P17 F500\n",
+            start[0], start[1], end[0], end[1], -start[0], -start[1]
+        );
+        let run = correct(&text, &machine, &ErrorModel::default(), options.clone());
+        let [first, piece, ..] = &run.pieces[..] else { panic!("{text}") };
+        let Some(arc) = piece.arc else { continue };
+        arcs += 1;
+        let at = |counts: i64| counts as f64 * 1e-3;
+        let [from, to] = [first, piece].map(|piece| [at(piece.counts[0]), at(piece.counts[1])]);
+        let center = [from[0] + at(arc.center_counts[0]), from[1] + at(arc.center_counts[1])];
+        let radii = [from, to].map(|place| (place[0] - center[0]).hypot(place[1] - center[1]));
+        let angles = [from, to].map(|place| (place[1] - center[1]).atan2(place[0] - center[0]));
+        let sweep = (angles[1] - angles[0]).rem_euclid(std::f64::consts::TAU);
+        for k in 1..48 {
+            let share = f64::from(k) / 48.0;
+            let (sine, cosine) = (angles[0] + sweep * share).sin_cos();
+            let reach = radii[0] * (1.0 - share) + radii[1] * share;
+            let off = (center[0] + reach * cosine).hypot(center[1] + reach * sine) - radius;
+            assert!(off.abs() < 1.01e-3, "{off:e} at {share}: {text}");
+        }
+    }
+    assert!(arcs > 500, "{arcs}");
 }

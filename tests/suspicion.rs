@@ -7,14 +7,16 @@
 mod draw;
 mod judge;
 
+use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::panic::AssertUnwindSafe;
 
-use ncfix::diagnostic::Diagnostic;
+use ncfix::diagnostic::{Code, Diagnostic};
 use ncfix::dialect;
 use ncfix::emit::{self, Stamp, WriterOptions};
 use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions};
-use ncfix::geometry::{AXES, AxisVector, Vector};
+use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix::machine::Machine;
 use ncfix::model::Model;
 use ncfix::path::{Corrector, Increments, Rapids, Subdivision};
@@ -22,17 +24,21 @@ use ncfix::snc::{Element, Kind, Move};
 use ncfix::source::{FileId, Source};
 use ncfix::syntax;
 
-use self::draw::Pair;
+use self::draw::{Pair, Random};
 use self::judge::{Judge, Senses};
 
 /// Pairs of a short run.
 const PAIRS: u64 = 100;
-/// A place that is off by less than this part of the rounding is right; nobody needs to know how right.
-const ENOUGH: f64 = 0.25;
+/// Pairs that something was wrong with once.
+const BROKE: [u64; 4] = [344, 1316, 1335, 2017];
+/// A place that is off by less than this part of its bound is right; nobody needs to know whether it is nearer to another part of the way.
+const CLEAR: f64 = 0.5;
 /// Places of a piece that are looked at.
 const PLACES: usize = 12;
 /// The noise of the arithmetic, and what the readings of a program in inches or degrees leave, mm.
 const NOISE_MM: f64 = 2e-6;
+/// An arc whose ends are nearer than this is a full circle, mm.
+const SAME_PLACE_MM: f64 = 1e-9;
 
 /// What a program does, by the numbers of its blocks.
 type Groups = BTreeMap<u32, Vec<Way>>;
@@ -41,17 +47,65 @@ type Groups = BTreeMap<u32, Vec<Way>>;
 struct Way {
     start: AxisVector,
     motion: Move,
+    circle: Option<Circle>,
     /// Takes up the backlash of axes before they go on. The tip is between its places then, and where it should be when the axes that
     /// turn back have moved at all.
     is_on_the_spot: bool,
 }
 
+/// An arc in polar coordinates, radius and angle growing evenly.
+struct Circle {
+    axes: [Axis; 2],
+    center_mm: [f64; 2],
+    radius_mm: [f64; 2],
+    start_rad: f64,
+    sweep_rad: f64,
+}
+
 impl Way {
+    fn new(start: AxisVector, motion: Move, is_on_the_spot: bool) -> Way {
+        let circle = motion.arc.map(|arc| {
+            let [abscissa, ordinate, _] = arc.plane.axes();
+            let from_center =
+                |position: &AxisVector| [position[abscissa] - arc.center_mm[0], position[ordinate] - arc.center_mm[1]];
+            let [x, y] = from_center(&start);
+            let [end_x, end_y] = from_center(&motion.target);
+            let (start_rad, sense) = (y.atan2(x), if arc.clockwise { -1.0 } else { 1.0 });
+            // A turn where start and end are one place, and as many more as are asked for.
+            let mut turned = (sense * (end_y.atan2(end_x) - start_rad)).rem_euclid(TAU);
+            if (end_x - x).hypot(end_y - y) < SAME_PLACE_MM {
+                turned = TAU;
+            }
+            let sweep_rad = sense * (turned + TAU * f64::from(arc.extra_turns));
+            let radius_mm = [x.hypot(y), end_x.hypot(end_y)];
+            Circle { axes: [abscissa, ordinate], center_mm: arc.center_mm, radius_mm, start_rad, sweep_rad }
+        });
+        Way { start, motion, circle, is_on_the_spot }
+    }
+
     fn at(&self, fraction: f64) -> AxisVector {
-        match &self.motion.arc {
-            Some(arc) => arc.at(&self.start, &self.motion.target, fraction),
-            None => self.start.lerp(&self.motion.target, fraction),
+        let mut place = self.start.lerp(&self.motion.target, fraction);
+        if let Some(circle) = &self.circle
+            && fraction < 1.0
+        {
+            let (sine, cosine) = (circle.start_rad + circle.sweep_rad * fraction).sin_cos();
+            let radius_mm = circle.radius_mm[0] * (1.0 - fraction) + circle.radius_mm[1] * fraction;
+            place[circle.axes[0]] = circle.center_mm[0] + radius_mm * cosine;
+            place[circle.axes[1]] = circle.center_mm[1] + radius_mm * sine;
         }
+        place
+    }
+}
+
+impl Way {
+    /// Axes of a circle that turn at a place, to an increment: where a rounded circle turns nobody can say better.
+    fn turning(&self, place: &AxisVector, increment_mm: f64) -> Vec<Axis> {
+        let Some(circle) = &self.circle else { return Vec::new() };
+        let is_turning = |&side: &usize| {
+            let from_center_mm = (place[circle.axes[side]] - circle.center_mm[side]).abs();
+            circle.radius_mm[0].max(circle.radius_mm[1]) - from_center_mm < increment_mm
+        };
+        [0, 1].into_iter().filter(is_turning).map(|side| circle.axes[side]).collect()
     }
 }
 
@@ -106,20 +160,29 @@ fn corrected(pair: &Pair) -> (String, Vec<Diagnostic>) {
     (String::from_utf8(out).unwrap(), found)
 }
 
-/// The moves of a stream by the block number in force.
-fn groups(elements: &[Element]) -> Groups {
+/// The moves of a stream by the block number in force; those of a Grundig, whose lines are numbered anew, by the blocks that they belong to.
+fn groups(elements: &[Element], is_renumbered: bool) -> Groups {
     let mut groups = Groups::new();
     let (mut at, mut number, mut is_on_the_spot) = (AxisVector::ZERO, 0, false);
+    let mut is_continued = false;
     for element in elements {
         if element.starts_block {
-            is_on_the_spot = false;
+            (is_on_the_spot, is_continued) = (false, false);
         }
         if let Kind::Comment(text) = &element.kind {
             is_on_the_spot = text.contains(&b'~');
+            is_continued = text.contains(&b'+');
         }
-        number = element.number.map_or(number, |found| found.number);
+        let found = element.number.filter(|_| !is_renumbered);
+        number = found.map_or(number, |found| found.number);
+        let is_move = matches!(element.kind, Kind::Move(_));
+        if is_renumbered && is_move && !is_continued {
+            // The second part of a rapid move belongs to the first.
+            number += draw::FIRST_MOVE;
+            is_continued = true;
+        }
         if let Kind::Move(motion) = &element.kind {
-            groups.entry(number).or_default().push(Way { start: at, motion: *motion, is_on_the_spot });
+            groups.entry(number).or_default().push(Way::new(at, *motion, is_on_the_spot));
             at = motion.target;
         }
     }
@@ -130,69 +193,100 @@ fn groups(elements: &[Element]) -> Groups {
 struct Ideal<'a> {
     judge: &'a Judge<'a>,
     ways: &'a [Way],
-    /// Points of it with their way and the parameter there, dense enough to find the nearest place.
-    points: Vec<(usize, f64, Vector)>,
+    /// Points of it with their way and the parameter there, dense enough to find the nearest place from anywhere.
+    points: OnceCell<Vec<(usize, f64, Vector)>>,
+    /// The last place that was found: the next one is near.
+    last: Cell<(usize, f64)>,
 }
 
 impl<'a> Ideal<'a> {
     fn new(judge: &'a Judge<'a>, ways: &'a [Way]) -> Ideal<'a> {
-        let mut ideal = Ideal { judge, ways, points: Vec::new() };
-        for (part, way) in ways.iter().enumerate() {
-            let count = if way.motion.arc.is_some() { 64 } else { 8 };
-            for k in 0..=count {
-                let parameter = f64::from(k) / f64::from(count);
-                ideal.points.push((part, parameter, ideal.at(part, parameter)));
-            }
-        }
-        ideal
+        Ideal { judge, ways, points: OnceCell::new(), last: Cell::new((0, 0.0)) }
     }
 
     fn at(&self, part: usize, parameter: f64) -> Vector {
         self.judge.ideal(&self.ways[part].at(parameter))
     }
 
-    /// Distance of a point from the way, mm: Newton's iteration for the foot of the perpendicular, from the nearest of the points. A place
-    /// that is nearer than `enough_mm` ends the search.
-    fn distance_mm(&self, point: &Vector, enough_mm: f64) -> f64 {
+    fn points(&self) -> &[(usize, f64, Vector)] {
+        self.points.get_or_init(|| {
+            let mut points = Vec::new();
+            for (part, way) in self.ways.iter().enumerate() {
+                let count = if way.circle.is_some() { 64 } else { 8 };
+                let parameters = (0..=count).map(|k| f64::from(k) / f64::from(count));
+                points.extend(parameters.map(|parameter| (part, parameter, self.at(part, parameter))));
+            }
+            points
+        })
+    }
+
+    /// Distance of a point from the way, mm: that of the foot of a perpendicular, near the last one if it is clearly within the bound, else
+    /// the shortest that there is.
+    fn distance_mm(&self, point: &Vector, bound_mm: f64) -> f64 {
+        let (part, parameter) = self.last.get();
+        // The end of a way is where the next one goes on.
+        for part in part..self.ways.len().min(part + 2) {
+            let from = if part == self.last.get().0 { parameter } else { 0.0 };
+            let (away_mm, foot) = self.foot(point, part, from, bound_mm);
+            if away_mm <= CLEAR * bound_mm {
+                self.last.set((part, foot));
+                return away_mm;
+            }
+        }
         // Both ends of a circle may be near, and both sides of a point: the nearest few, by one pass.
+        let points = self.points();
         let mut near = [(f64::INFINITY, 0); 5];
-        for (index, (_, _, place)) in self.points.iter().enumerate() {
+        for (index, (_, _, place)) in points.iter().enumerate() {
             let away = (place - point).norm_squared();
             if away < near[4].0 {
-                let slot = near.partition_point(|&(other, _)| other <= away);
+                let slot = near.iter().position(|&(other, _)| other > away).unwrap_or(4);
                 near[slot..].rotate_right(1);
                 near[slot] = (away, index);
             }
         }
-        let from = |index: usize| {
-            let (part, mut parameter, mut place) = self.points[index];
-            let mut best = (place - point).norm();
-            for _ in 0..4 {
-                const STEP: f64 = 1e-5;
-                let tangent = (self.at(part, (parameter + STEP).min(1.0)) - self.at(part, (parameter - STEP).max(0.0)))
-                    / ((parameter + STEP).min(1.0) - (parameter - STEP).max(0.0));
-                if tangent.norm_squared() == 0.0 {
-                    break;
-                }
-                parameter = (parameter + (point - place).dot(&tangent) / tangent.norm_squared()).clamp(0.0, 1.0);
-                place = self.at(part, parameter);
-                best = best.min((place - point).norm());
-            }
-            best
-        };
         let mut least = f64::INFINITY;
         for &(_, index) in near.iter().filter(|(away, _)| away.is_finite()) {
-            if least < enough_mm {
-                break;
+            let (part, parameter, _) = points[index];
+            let (away_mm, foot) = self.foot(point, part, parameter, bound_mm);
+            if away_mm < least {
+                least = away_mm;
+                self.last.set((part, foot));
             }
-            least = least.min(from(index));
         }
         least
+    }
+
+    /// Newton's iteration for the foot of a perpendicular onto a part of the way: its length, mm, and the parameter.
+    fn foot(&self, point: &Vector, part: usize, mut parameter: f64, bound_mm: f64) -> (f64, f64) {
+        const STEP: f64 = 1e-5;
+        let mut place = self.at(part, parameter);
+        let mut best = ((place - point).norm(), parameter);
+        for _ in 0..6 {
+            let between = [(parameter - STEP).max(0.0), (parameter + STEP).min(1.0)];
+            let tangent = (self.at(part, between[1]) - self.at(part, between[0])) / (between[1] - between[0]);
+            let square = tangent.norm_squared();
+            if square == 0.0 {
+                break;
+            }
+            let next = (parameter + (point - place).dot(&tangent) / square).clamp(0.0, 1.0);
+            let moved_mm = (next - parameter).abs() * square.sqrt();
+            parameter = next;
+            place = self.at(part, parameter);
+            let away_mm = (place - point).norm();
+            if away_mm < best.0 {
+                best = (away_mm, parameter);
+            }
+            // The square of what is still missing is what the length of the perpendicular is off by, as a part of its own.
+            if moved_mm < 0.001 * bound_mm {
+                break;
+            }
+        }
+        best
     }
 }
 
 /// Judges one pair; the code of the finding where it was refused.
-fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
+fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> Option<String> {
     let seed = pair.seed;
     let (original, found) = execute(&pair.program, pair.dialect, &pair.machine);
     assert!(found.is_empty(), "pair {seed}: {found:?}\n{}", pair.program);
@@ -200,31 +294,51 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
     if let Some(error) = found.iter().find(|finding| finding.is_error()) {
         return Some(error.code.to_string());
     }
-    let missed = !found.is_empty();
-    let (emitted, found) = execute(&text, pair.dialect, &pair.machine);
+    for finding in &found {
+        *warned.entry(finding.code.to_string()).or_default() += 1;
+    }
+    let (emitted, faults) = execute(&text, pair.dialect, &pair.machine);
     let context = format!("{:?}\n{}\n{text}", pair.options, pair.program);
-    assert!(found.is_empty(), "pair {seed}: the corrected program has {found:?}\n{context}");
+    assert!(faults.is_empty(), "pair {seed}: the corrected program has {faults:?}\n{context}");
     let judge = Judge::new(pair);
-    let (original, emitted) = (groups(&original), groups(&emitted));
+    let is_renumbered = pair.dialect == "grundig";
+    let (original, emitted) = (groups(&original, is_renumbered), groups(&emitted, is_renumbered));
     let increment_mm = pair.machine.control.increment_mm;
     let rounding_mm = 3.0_f64.sqrt() / 2.0 * increment_mm;
     // Rounding alone may exceed the tolerance; then a bend may add a tenth of it.
     let bound_mm = pair.options.tolerance_mm.max(1.1 * rounding_mm) + NOISE_MM;
+    // Where rounding alone exceeds the tolerance, the finding says no more than that.
+    let missed = found.iter().any(|finding| match finding.code {
+        Code::SENSE_UNKNOWN => false,
+        Code::TOLERANCE_NOT_REACHED => rounding_mm < pair.options.tolerance_mm,
+        _ => true,
+    });
     let mut senses = Senses::new(&pair.machine);
+    let has_rotary = pair.machine.axis_set().iter().any(Axis::is_rotary);
     for (number, ways) in &emitted {
         let nominal = &original[number];
         let ideal = Ideal::new(&judge, nominal);
         let rapid = ways[0].motion.rapid;
+        let has_arc = nominal.iter().any(|way| way.motion.arc.is_some());
         let is_known = nominal.iter().all(|way| way.motion.named.difference(way.motion.known).is_empty());
         let mut largest_error_mm = 0.0_f64;
         for way in nominal {
             for k in 0..=8 {
                 let command = way.at(f64::from(k) / 8.0);
-                largest_error_mm =
-                    largest_error_mm.max((judge.actual(&command, &senses.certain) - judge.ideal(&command)).norm());
+                let error_mm = (judge.actual(&command, &senses.certain) - judge.ideal(&command)).norm();
+                largest_error_mm = largest_error_mm.max(error_mm);
             }
         }
+        if *number < pair.first_move {
+            continue;
+        }
         let first = *number == draw::FIRST_MOVE;
+        let is_left_alone = rapid
+            && match pair.options.rapids {
+                Rapids::None => true,
+                Rapids::Ends => stays_at_the_end_of_travel(pair, nominal, ways),
+                Rapids::All => false,
+            };
         for way in ways {
             let mut last = way.start;
             for k in 1..=PLACES {
@@ -235,6 +349,11 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
                     senses.note(&last, &command);
                 }
                 last = command;
+                // The first move comes from anywhere.
+                let at_end = k == PLACES;
+                if first && !at_end {
+                    continue;
+                }
                 for data in pair.machine.axes.iter().flatten() {
                     let [low, high] = data.travel.unwrap();
                     let slack = 1e-6;
@@ -243,37 +362,40 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
                         "pair {seed}: travel\n{context}"
                     );
                 }
-                // The first move comes from anywhere.
-                let at_end = k == PLACES;
-                if first && !at_end || way.is_on_the_spot || !is_known || missed {
+                if way.is_on_the_spot || !is_known || missed {
                     continue;
                 }
-                let what = format_args!("N{number} to {:?}, {fraction} of it\n{context}", way.motion.target);
-                let possible = senses.possible();
-                let away_mm = possible
-                    .iter()
-                    .map(|sense| ideal.distance_mm(&judge.actual(&command, sense), ENOUGH * rounding_mm));
-                let away_mm = away_mm.fold(f64::INFINITY, f64::min);
-                let is_cut = matches!(pair.options.subdivision, Subdivision::Adaptive);
-                if rapid && pair.options.rapids == Rapids::None {
+                // Chords of a fixed step would leave the circle.
+                let is_cut = has_arc || matches!(pair.options.subdivision, Subdivision::Adaptive);
+                let (property, bound_mm) = if is_left_alone {
                     // It is left as it is.
                     let turned_mm = judge.rotary_rounding_mm(&command, &senses.certain);
-                    worst.note(
-                        "rapid left alone",
-                        away_mm,
-                        largest_error_mm * 1.5 + rounding_mm + turned_mm + NOISE_MM,
-                        seed,
-                        &what,
-                    );
+                    let backlash_mm = judge.backlash_mm(&command, &senses.certain, AXES.into_iter());
+                    let error_mm = 1.5 * largest_error_mm + backlash_mm;
+                    ("rapid left alone", error_mm + rounding_mm + turned_mm + NOISE_MM)
                 } else if rapid && pair.options.rapids == Rapids::Ends {
                     // Between ends that are right the tool is off by what the errors change on the way.
-                    worst.note("rapid", away_mm, 2.0 * largest_error_mm + bound_mm, seed, &what);
+                    ("rapid", 2.0 * largest_error_mm + bound_mm)
                 } else if is_cut {
-                    worst.note("tolerance", away_mm, bound_mm, seed, &what);
+                    ("tolerance", bound_mm)
                 } else if at_end && !pair.is_transformed {
                     // Under a transformation a control goes on by chords of its own.
                     let held_mm = held_mm(&judge, way, &senses.certain);
-                    worst.note("ends of fixed steps", away_mm, rounding_mm + NOISE_MM + held_mm, seed, &what);
+                    ("ends of fixed steps", rounding_mm + NOISE_MM + held_mm)
+                } else {
+                    continue;
+                };
+                let possible = senses.possible(&way.turning(&command, increment_mm));
+                let away_mm = possible.iter().map(|sense| ideal.distance_mm(&judge.actual(&command, sense), bound_mm));
+                let away_mm = away_mm.fold(f64::INFINITY, f64::min);
+                let what = format_args!("N{number} to {:?}, {fraction} of it\n{context}", way.motion.target);
+                worst.note(property, away_mm, bound_mm, seed, &what);
+                if is_cut && !is_left_alone && !has_rotary {
+                    // Where the tip is, the axes would stand without errors.
+                    let (part, parameter) = ideal.last.get();
+                    let correction = command - nominal[part].at(parameter);
+                    let limit_mm = pair.options.max_correction_mm + increment_mm + bound_mm;
+                    worst.note("correction on the way", correction.xyz().amax(), limit_mm, seed, &what);
                 }
             }
         }
@@ -283,10 +405,9 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
             let limit = pair.options.max_correction_mm + increment_mm;
             worst.note("correction", correction[axis].abs(), limit, seed, &context);
         }
-        let is_left_alone = rapid && pair.options.rapids == Rapids::None;
         if !is_left_alone && is_known && !missed {
             let place = judge.ideal(&from.motion.target);
-            let possible = senses.possible();
+            let possible = senses.possible(&to.turning(&to.motion.target, increment_mm));
             let away_mm = possible.iter().map(|sense| (judge.actual(&to.motion.target, sense) - place).norm());
             let away_mm = away_mm.fold(f64::INFINITY, f64::min);
             worst.note("end of the block", away_mm, bound_mm, seed, &format_args!("N{number}\n{context}"));
@@ -299,16 +420,50 @@ fn judge(pair: &Pair, worst: &mut Worst) -> Option<String> {
     None
 }
 
+/// Whether a rapid move is at the end of the travel of an axis and stays as it is: its correction would lead beyond.
+fn stays_at_the_end_of_travel(pair: &Pair, nominal: &[Way], ways: &[Way]) -> bool {
+    let is_near_end = |target: &AxisVector| {
+        pair.machine.axes.iter().flatten().any(|data| {
+            let most = if data.axis.is_rotary() { 0.01 } else { pair.options.max_correction_mm };
+            data.travel.unwrap().iter().any(|end| (target[data.axis] - end).abs() <= most)
+        })
+    };
+    let stays = |target: &AxisVector| {
+        let is_same = |way: &Way| (way.motion.target - *target).xyz().amax() <= pair.machine.control.increment_mm;
+        ways.iter().any(is_same)
+    };
+    nominal.iter().any(|way| is_near_end(&way.motion.target) && stays(&way.motion.target))
+}
+
+/// Puts the end of the travel of an axis near the furthest that the program goes, at times.
+fn narrow(pair: &mut Pair) {
+    let mut random = Random(pair.seed ^ 0xe4d);
+    if !random.one_in(5) {
+        return;
+    }
+    let groups = groups(&execute(&pair.program, pair.dialect, &pair.machine).0, pair.dialect == "grundig");
+    let axes: Vec<Axis> = pair.machine.axis_set().iter().filter(|axis| !axis.is_rotary()).collect();
+    let axis = random.of(&axes);
+    let places = groups.iter().filter(|(number, _)| **number >= pair.first_move).flat_map(|(number, ways)| {
+        let from = if *number == pair.first_move { 200 } else { 0 };
+        ways.iter().flat_map(move |way| (from..=200).map(move |k| way.at(f64::from(k) / 200.0)[axis]))
+    });
+    let [low, high] =
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| [low.min(place), high.max(place)]);
+    let room_mm = 10_f64.powf(random.between(-4.0, -0.5));
+    let travel = pair.machine.axes[axis.slot()].as_mut().unwrap().travel.as_mut().unwrap();
+    if random.one_in(2) {
+        travel[0] = low - room_mm;
+    } else {
+        travel[1] = high + room_mm;
+    }
+}
+
 /// What axes that stand may owe to their backlash, mm: one that either sense asks to move the other way stays where it is.
 fn held_mm(judge: &Judge, way: &Way, sense: &[i8; 9]) -> f64 {
     let target = &way.motion.target;
     let stands = AXES.into_iter().filter(|&axis| (target[axis] - way.start[axis]).abs() < 1e-9);
-    let owed = stands.map(|axis| {
-        let mut turned = *sense;
-        turned[axis.slot()] = -turned[axis.slot()];
-        (judge.actual(target, &turned) - judge.actual(target, sense)).norm()
-    });
-    owed.sum()
+    judge.backlash_mm(target, sense, stands)
 }
 
 /// The feed of all pieces is that of the block; with inverse-time feed they take its time together.
@@ -316,6 +471,10 @@ fn check_feed(nominal: &[Way], ways: &[Way], worst: &mut Worst, seed: u64, conte
     let feed = nominal[0].motion.feed;
     if nominal[0].motion.inverse_time {
         // Steps on the spot take time of their own.
+        let Some(_) = ways.iter().find(|way| !way.is_on_the_spot) else {
+            // All else is less than an increment.
+            return;
+        };
         let time: f64 = ways.iter().filter(|way| !way.is_on_the_spot).map(|way| 1.0 / way.motion.feed).sum();
         let whole: f64 = nominal.iter().map(|way| 1.0 / way.motion.feed).sum();
         worst.note("time of G93", (time / whole - 1.0).abs(), 1e-5, seed, &context);
@@ -330,15 +489,18 @@ fn check_feed(nominal: &[Way], ways: &[Way], worst: &mut Worst, seed: u64, conte
 fn what_is_written_is_what_was_promised() {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
     let (from, count) = (number("NCFIX_PAIRS_FROM").unwrap_or(1), number("NCFIX_PAIRS").unwrap_or(PAIRS));
+    let again = BROKE.into_iter().filter(|_| count <= PAIRS);
     let mut worst = Worst::default();
     let mut refused: BTreeMap<String, u64> = BTreeMap::new();
+    let mut warned: BTreeMap<String, u64> = BTreeMap::new();
     let mut failed = Vec::new();
-    for seed in from..from + count {
+    for seed in again.chain(from..from + count) {
         // A long run goes on after a pair that fails; what it says stands in the output of the test.
         let judged = std::panic::catch_unwind(AssertUnwindSafe(|| {
-            let pair = Pair::new(seed);
+            let mut pair = Pair::new(seed);
+            narrow(&mut pair);
             judge::check_forward(&pair);
-            judge(&pair, &mut worst)
+            judge(&pair, &mut worst, &mut warned)
         }));
         match judged {
             Ok(None) => (),
@@ -347,7 +509,7 @@ fn what_is_written_is_what_was_promised() {
         }
     }
     let total: u64 = refused.values().sum();
-    let mut report = format!("{count} pairs, {total} refused {refused:?}");
+    let mut report = format!("{count} pairs, {total} refused {refused:?}, warned {warned:?}");
     for (property, (share, seed)) in &worst.0 {
         report += &format!("\n{property}: {share:.3} of its bound at pair {seed}");
     }

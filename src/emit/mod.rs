@@ -20,7 +20,7 @@ use std::io::{self, Write};
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::AXIS_COUNT;
-use crate::path::{Increments, Output, OutputFrame, Turns};
+use crate::path::{Centers, Increments, Output, OutputFrame, Turns};
 
 /// What a writer must know beside the stream.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,6 +61,8 @@ pub struct WriterEntry {
     pub create: fn(&WriterOptions) -> Option<Box<dyn Writer>>,
     /// How far one of its blocks may lead around a circle.
     pub turns: Turns,
+    /// Where its controls have the center of an arc.
+    pub centers: Centers,
     /// Whether every motion can be written in machine coordinates.
     pub has_machine_frame: bool,
 }

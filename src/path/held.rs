@@ -1,6 +1,6 @@
 //! Axes at rest whose backlash the errors of other axes would turn to and fro.
 
-use crate::geometry::{AxisSet, AxisVector};
+use crate::geometry::{Axis, AxisSet, AxisVector};
 use crate::machine::State;
 
 use super::place::Placed;
@@ -18,10 +18,18 @@ impl Bench<'_, '_> {
         if held.is_empty() {
             return None;
         }
-        let hold = |placed: Placed, at: &AxisVector| {
+        let hold = |placed: Placed, at: &AxisVector, nominal: &AxisVector, sense: &State| {
             let mut command = placed.command;
+            let Placed { mut failure, is_held_back, .. } = placed;
+            if held.iter().any(Axis::is_rotary) {
+                // What a rotary axis is off by, the linear ones make up for.
+                held.iter().filter(|axis| axis.is_rotary()).for_each(|axis| command[axis] = at[axis]);
+                match self.placer.around(nominal, self.known, sense, &command) {
+                    Ok(around) => command = around,
+                    Err(found) => failure = Some(found),
+                }
+            }
             held.iter().for_each(|axis| command[axis] = at[axis]);
-            let Placed { failure, is_held_back, .. } = placed;
             self.unmoved(standing, Placed { failure, is_held_back, ..self.placer.round(&command, self.known) })
         };
         let mut at_rest = *state;
@@ -35,17 +43,18 @@ impl Bench<'_, '_> {
                 && self.placer.tip_error_mm(&nominal[0], &standing.command, sense) > SAMPLED_SHARE * self.tolerance_mm
             {
                 let free = place(&nominal[0], &standing.correction);
-                let start = if moves { free } else { hold(free, &standing.command) };
+                let start = if moves { free } else { hold(free, &standing.command, &nominal[0], sense) };
                 take_up = Some(start).filter(|start| distance_mm(&start.command, &standing.command) > SAME_PLACE_MM);
             }
             let start = take_up.map_or(standing.command, |placed| placed.command);
             let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal[0]);
-            let end = hold(place(&nominal[1], &correction), &start);
+            let end = hold(place(&nominal[1], &correction), &start, &nominal[1], sense);
             let mut state = standing.state;
             state.note_stated(standing.sensed, &standing.command, &start);
             state.note_stated(standing.sensed, &start, &end.command);
             let is_found = self.same_sense(&state, sense);
-            ends = Some(Ends { take_up, start, end, sense: state.direction });
+            let begins_off = take_up.is_none() && (standing.is_doubtful || !self.same_sense(&state, &standing.state));
+            ends = Some(Ends { take_up, start, end, sense: state.direction, is_torn: !is_found, begins_off });
             if is_found {
                 break;
             }

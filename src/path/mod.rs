@@ -60,6 +60,8 @@ pub struct Options {
     pub arcs: Arcs,
     /// How far one block may lead around a circle.
     pub turns: Turns,
+    /// Where the control has the center of an arc.
+    pub centers: Centers,
     /// What becomes of rapid moves.
     pub rapids: Rapids,
     /// What the emitted coordinates relate to.
@@ -83,6 +85,7 @@ impl Default for Options {
             subdivision: Subdivision::Adaptive,
             arcs: Arcs::Keep,
             turns: Turns::Several,
+            centers: Centers::OnBisector,
             rapids: Rapids::Ends,
             frame: OutputFrame::Work,
             five_axis: FiveAxis::Tcp,
@@ -124,6 +127,16 @@ pub enum Turns {
     One,
     /// Once, where nothing but the two axes of the circle moves; else less.
     OneFlat,
+}
+
+/// Where a control has the center of an arc whose radii at start and end differ by what rounding has left.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Centers {
+    /// Moved onto the perpendicular bisector of the chord: both radii are one.
+    #[default]
+    OnBisector,
+    /// As written: the way is a spiral.
+    AsWritten,
 }
 
 /// What becomes of rapid moves.

@@ -12,7 +12,7 @@ use crate::model::{Model, NotConverged, Solve};
 use crate::snc::{Move, Setup};
 
 use super::slope::Slope;
-use super::{FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
+use super::{Centers, FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
 
 /// Feeds of axes are written to this many parts of a mm/min.
 const FEED_PARTS: f64 = 1e3;
@@ -39,6 +39,7 @@ pub(super) struct Placer<'a> {
     pub(super) setup: Arc<Setup>,
     pub(super) increments: Increments,
     pub(super) turns: Turns,
+    pub(super) centers: Centers,
     kinematics: Kinematics,
     frame: OutputFrame,
     keeps_transform: bool,
@@ -61,6 +62,7 @@ impl<'a> Placer<'a> {
             setup: Arc::default(),
             increments: Increments::new(&machine.control),
             turns: options.turns,
+            centers: options.centers,
             kinematics: Kinematics::new(machine),
             frame: options.frame,
             keeps_transform: options.five_axis == FiveAxis::Tcp,
@@ -181,7 +183,7 @@ impl<'a> Placer<'a> {
         guess: &AxisVector,
         most_turn_rad: f64,
     ) -> Result<AxisVector, NotConverged> {
-        if self.is_empty {
+        if self.is_empty && !self.has_rotary {
             return Ok(*nominal);
         }
         let tool_mm = &self.setup.tool_mm;
@@ -193,7 +195,7 @@ impl<'a> Placer<'a> {
             return Ok(self.keep_unknown(exact, nominal, known));
         }
         let mut start = *nominal + *guess;
-        if self.turns_rotary {
+        if self.turns_rotary && !self.is_empty {
             let mut turned = self.model.solve(nominal, tool_mm, state, &start, Solve::Full)?;
             for axis in ROTARY_AXES {
                 let near = nominal[axis] + guess[axis];
@@ -207,6 +209,18 @@ impl<'a> Placer<'a> {
             start = self.round_axes(&start, &ROTARY_AXES, known);
         }
         let exact = self.model.solve(nominal, tool_mm, state, &start, Solve::PositionOnly)?;
+        Ok(self.keep_unknown(exact, nominal, known))
+    }
+
+    /// The linear axes for a command whose rotary axes stay where they are.
+    pub(super) fn around(
+        &self,
+        nominal: &AxisVector,
+        known: AxisSet,
+        state: &State,
+        command: &AxisVector,
+    ) -> Result<AxisVector, NotConverged> {
+        let exact = self.model.solve(nominal, &self.setup.tool_mm, state, command, Solve::PositionOnly)?;
         Ok(self.keep_unknown(exact, nominal, known))
     }
 

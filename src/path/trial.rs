@@ -8,7 +8,7 @@ use crate::machine::{Control, State};
 use super::check::Sampler;
 use super::place::{Placed, Placer};
 use super::route::{Route, distance_mm};
-use super::{PieceArc, Turns, arc_fit};
+use super::{Centers, PieceArc, Turns, arc_fit};
 
 /// Share of the tolerance that the samples may use; the rest is for what lies between them.
 pub(super) const SAMPLED_SHARE: f64 = 0.97;
@@ -20,6 +20,11 @@ const CENTER_SHARE: f64 = 0.5;
 const SAME_ANGLE: f64 = 1e-7;
 /// Guesses of the sense of motion before an axis that is asked to go both ways is held.
 const MOST_TRIES: u32 = 3;
+/// Share of the tolerance that an axis which was asked to go both ways may be off by before a step on the spot.
+const READY_SHARE: f64 = 0.5;
+/// Steps at whose ends a piece is looked at that begins or ends off its place. With them a bend is as well: what is left between them is
+/// 4 (1/16)², 2 % of the bend.
+const BESIDE_ENDS: u32 = 8;
 /// Commands nearer than this are the same place on the grid, mm.
 pub(super) const SAME_PLACE_MM: f64 = 1e-9;
 
@@ -73,6 +78,9 @@ pub(super) struct Trial {
     pub(super) end: Placed,
     /// Sense of motion of each axis along the piece, as in [`State::direction`].
     pub(super) sense: [i8; AXIS_COUNT],
+    /// As in [`Ends`].
+    is_torn: bool,
+    begins_off: bool,
     pub(super) circle: Option<PieceArc>,
     /// What the machine will do.
     pub(super) emitted: Route,
@@ -90,6 +98,10 @@ pub(super) struct Ends {
     pub(super) start: AxisVector,
     pub(super) end: Placed,
     pub(super) sense: [i8; AXIS_COUNT],
+    /// Whether an axis was asked to go the other way wherever it was led: the tip is off by its backlash.
+    pub(super) is_torn: bool,
+    /// Whether the start was placed for another sense, or not at all: what that leaves there is within the tolerance.
+    pub(super) begins_off: bool,
 }
 
 impl Trial {
@@ -115,7 +127,14 @@ impl Bench<'_, '_> {
         let mut state = standing.state;
         state.note_stated(standing.sensed, &standing.command, &end.command);
         let emitted = Route::new(standing.command, end.command, None);
-        let ends = Ends { take_up: None, start: standing.command, end, sense: state.direction };
+        let ends = Ends {
+            take_up: None,
+            start: standing.command,
+            end,
+            sense: state.direction,
+            is_torn: false,
+            begins_off: false,
+        };
         self.trial([0.0, 1.0], ends, emitted, None)
     }
 
@@ -129,7 +148,14 @@ impl Bench<'_, '_> {
         let mut state = standing.state;
         state.note_stated(standing.sensed, &standing.command, &end.command);
         let emitted = Route::new(standing.command, end.command, None);
-        let ends = Ends { take_up: None, start: standing.command, end, sense: state.direction };
+        let ends = Ends {
+            take_up: None,
+            start: standing.command,
+            end,
+            sense: state.direction,
+            is_torn: false,
+            begins_off: false,
+        };
         self.trial([0.0, 1.0], ends, emitted, None)
     }
 
@@ -197,7 +223,11 @@ impl Bench<'_, '_> {
             CENTER_SHARE * self.control.arc_tolerance_mm.max(self.control.arc_tolerance_ratio * radius_mm)
         };
         let (from, to) = (&ends.start, &ends.end.command);
-        let done = Arc::through(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance).ok()?;
+        let done = match self.placer.centers {
+            Centers::OnBisector => Arc::through(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
+            Centers::AsWritten => Arc::spiral(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
+        };
+        let done = done.ok()?;
         let emitted = Route::new(ends.start, ends.end.command, Some(done));
         let standing = self.placer.programmed(from);
         let start_counts = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.placer.increments.count(axis, standing[axis]));
@@ -211,6 +241,8 @@ impl Bench<'_, '_> {
             take_up: ends.take_up,
             end: ends.end,
             sense: ends.sense,
+            is_torn: ends.is_torn,
+            begins_off: ends.begins_off,
             circle,
             emitted,
             deviation_mm: 0.0,
@@ -228,19 +260,20 @@ impl Bench<'_, '_> {
         };
         if self.sampler.backlash.is_empty() && !standing.is_doubtful {
             let end = place(&nominal_end, &standing.state, &standing.correction);
-            return Ends { take_up: None, start: standing.command, end, sense: standing.state.direction };
+            let sense = standing.state.direction;
+            return Ends { take_up: None, start: standing.command, end, sense, is_torn: false, begins_off: false };
         }
         let nominal_start = self.route.at(between[0]);
         let mut sense = standing.state;
         sense.note_stated(standing.sensed, &nominal_start, &nominal_end);
         let mut tries = 0;
+        let mut enough_mm = SAMPLED_SHARE * self.tolerance_mm;
         loop {
             let mut take_up = None;
             let turns = !self.same_sense(&sense, &standing.state);
             if self.takes_up
                 && (standing.is_doubtful || turns)
-                && self.placer.tip_error_mm(&nominal_start, &standing.command, &sense)
-                    > SAMPLED_SHARE * self.tolerance_mm
+                && self.placer.tip_error_mm(&nominal_start, &standing.command, &sense) > enough_mm
             {
                 let start = place(&nominal_start, &sense, &standing.correction);
                 if distance_mm(&start.command, &standing.command) > SAME_PLACE_MM {
@@ -255,12 +288,19 @@ impl Bench<'_, '_> {
             state.note_stated(standing.sensed, &standing.command, &start);
             state.note_stated(standing.sensed, &start, &end.command);
             tries += 1;
-            if self.same_sense(&state, &sense) {
-                return Ends { take_up, start, end, sense: state.direction };
+            let is_torn = !self.same_sense(&state, &sense);
+            let begins_off = take_up.is_none() && (standing.is_doubtful || !self.same_sense(&state, &standing.state));
+            let ends = Ends { take_up, start, end, sense: state.direction, is_torn, begins_off };
+            if !is_torn || tries == 2 * MOST_TRIES {
+                return ends;
             }
             if tries == MOST_TRIES {
-                let last = Ends { take_up, start, end, sense: state.direction };
-                return self.held(standing, between, &state, &sense).unwrap_or(last);
+                if let Some(held) = self.held(standing, between, &state, &sense) {
+                    return held;
+                }
+                // The program moves the axis, by less than its backlash. A step on the spot makes room for that, though without one the
+                // tip would be off by less than the tolerance here.
+                enough_mm = READY_SHARE * self.tolerance_mm;
             }
             sense = state;
         }
@@ -287,6 +327,11 @@ impl Bench<'_, '_> {
         let [from, to] = trial.between;
         let state = trial.state();
         self.sampler.fractions((self.route, self.samples), trial.between, &trial.emitted, scratch);
+        if trial.is_torn || trial.begins_off {
+            // Ends are right but for their rounding where they were placed for the sense in which the axes come. Where they were not, the
+            // way between deviates most anywhere.
+            scratch.extend((0..=BESIDE_ENDS).map(|k| f64::from(k) / f64::from(BESIDE_ENDS)));
+        }
         for &fraction in &*scratch {
             let nominal = self.route.at(from + (to - from) * fraction);
             let deviation = self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &state);
@@ -295,14 +340,14 @@ impl Bench<'_, '_> {
                 trial.middle_mm = Some(deviation);
             }
         }
-        if trial.deviation_mm > trial.allowed_mm {
+        if trial.deviation_mm > trial.allowed_mm && !trial.is_torn {
             // Rounding at the ends is no reason to cut: another end is rounded as badly.
             let at = |parameter: f64, command: &AxisVector| {
                 self.placer.tip_error_mm(&self.route.at(parameter), command, &state)
             };
             let ends = at(from, &trial.emitted.start).max(at(to, &trial.emitted.end));
             if ends > SAMPLED_SHARE * self.tolerance_mm {
-                trial.allowed_mm = (1.0 + BEND_SHARE) * ends;
+                trial.allowed_mm = SAMPLED_SHARE * (1.0 + BEND_SHARE) * ends;
             }
         }
     }

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
+use ncfix::emit;
 use ncfix::geometry::{AXES, Axis, Vector};
 use ncfix::machine::{Lever, Machine};
 use ncfix::model::motion::backlash::Backlash;
@@ -12,7 +13,7 @@ use ncfix::model::motion::table::Table;
 use ncfix::model::motion::{Function, MotionError};
 use ncfix::model::name::DIRECTIONS;
 use ncfix::model::{ErrorModel, ErrorName, LocationError};
-use ncfix::path::{Arcs, FiveAxis, Options, OutputFrame, Rapids, Rotary, Subdivision, Turns};
+use ncfix::path::{Arcs, FiveAxis, Options, OutputFrame, Rapids, Rotary, Subdivision};
 
 use crate::five_axis::with_tool;
 
@@ -43,11 +44,11 @@ impl Random {
         (self.next() % count as u64) as usize
     }
 
-    fn one_in(&mut self, count: usize) -> bool {
+    pub(super) fn one_in(&mut self, count: usize) -> bool {
         self.below(count) == 0
     }
 
-    fn of<T: Copy>(&mut self, choices: &[T]) -> T {
+    pub(super) fn of<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.below(choices.len())]
     }
 }
@@ -116,6 +117,8 @@ pub(super) struct Pair {
     pub(super) options: Options,
     /// Whether the five-axis transformation is on.
     pub(super) is_transformed: bool,
+    /// The block with which the axes are where the program says, with the tool.
+    pub(super) first_move: u32,
 }
 
 impl Pair {
@@ -125,12 +128,15 @@ impl Pair {
         let has_five = random.one_in(4);
         let topology = if has_five { random.of(&FIVE) } else { random.of(&THREE) };
         let mut machine = with_tool(crate::model::machine(topology));
-        machine.control.increment_mm = random.of(&[1e-3, 1e-4, 1e-4, 1e-5]);
+        machine.control.increment_mm = random.of(&[1e-2, 1e-3, 1e-3, 1e-4, 1e-4, 1e-4, 1e-5]);
+        machine.control.increment_rad = random.of(&[1e-3_f64, 1e-4, 1e-4]).to_radians();
         place(&mut machine, random);
         let errors = draw_errors(&machine, random);
-        let dialect = if has_five { "sinumerik" } else { random.of(&["sinumerik", "sinumerik", "fanuc", "rs274"]) };
-        let is_transformed = has_five && random.one_in(2);
-        let has_tool = dialect == "sinumerik";
+        let dialects = ["sinumerik", "sinumerik", "fanuc", "rs274", "grundig"];
+        let dialect = random.of(if has_five { &dialects[..4] } else { &dialects });
+        let is_transformed = has_five && dialect != "rs274" && random.one_in(2);
+        let is_tip_control = is_transformed && dialect == "fanuc";
+        let has_tool = dialect == "sinumerik" || is_tip_control;
         let tool_mm = Vector::new(0.0, 0.0, if has_tool { -machine.tools[0].length_mm[0] } else { 0.0 });
         let mut writing = Writing::new(&machine, dialect, is_transformed, random);
         writing.program(random);
@@ -138,6 +144,7 @@ impl Pair {
         let program = writing.text;
         let tolerance_mm = 10_f64.powf(random.between(-3.3, -1.7));
         let can_be_machine = dialect == "sinumerik" && !is_transformed && !is_turned;
+        let entry = emit::entry(dialect).unwrap();
         let options = Options {
             tolerance_mm,
             subdivision: if random.one_in(6) {
@@ -146,15 +153,18 @@ impl Pair {
                 Subdivision::Adaptive
             },
             arcs: if random.one_in(4) { Arcs::Chords } else { Arcs::Keep },
-            turns: if dialect == "sinumerik" { Turns::Several } else { Turns::One },
+            turns: entry.turns,
+            centers: entry.centers,
             rapids: random.of(&[Rapids::Ends, Rapids::Ends, Rapids::None, Rapids::All]),
             frame: if can_be_machine && random.one_in(4) { OutputFrame::Machine } else { OutputFrame::Work },
-            five_axis: if random.one_in(2) { FiveAxis::Tcp } else { FiveAxis::Axes },
+            five_axis: if dialect != "sinumerik" || random.one_in(2) { FiveAxis::Tcp } else { FiveAxis::Axes },
             max_correction_mm: random.of(&[0.2, 0.2, 0.1]),
-            rotary: if random.one_in(3) { Rotary::Hold } else { Rotary::Correct },
+            // A table that is corrected where G43.4 begins turns the coordinates of the control with it.
+            rotary: if is_tip_control || random.one_in(3) { Rotary::Hold } else { Rotary::Correct },
             ..Options::default()
         };
-        Pair { seed, machine, errors, tool_mm, dialect, program, options, is_transformed }
+        let first_move = if is_tip_control { FIRST_MOVE + 1 } else { FIRST_MOVE };
+        Pair { seed, machine, errors, tool_mm, dialect, program, options, is_transformed, first_move }
     }
 
     /// The errors as the correction knows them.
@@ -250,11 +260,15 @@ struct Writing {
     is_turned: bool,
     /// Feed as the reciprocal of the time of a block.
     is_inverse: bool,
+    is_grundig: bool,
+    /// Tool center point control of a Fanuc: it begins behind the first move, where the axes of the table are at zero.
+    is_tip_control: bool,
 }
 
 impl Writing {
     fn new(machine: &Machine, dialect: &'static str, is_transformed: bool, random: &mut Random) -> Writing {
         let is_inch = random.one_in(6);
+        let (is_sinumerik, is_grundig) = (dialect == "sinumerik", dialect == "grundig");
         let rotary: Vec<Axis> = machine.axis_set().iter().filter(|axis| axis.is_rotary()).collect();
         let mut writing = Writing {
             text: String::new(),
@@ -263,16 +277,21 @@ impl Writing {
             rotary,
             unit: if is_inch { (25.4, 5) } else { (1.0, 4) },
             is_turned: false,
-            is_inverse: !is_transformed && random.one_in(8),
+            is_inverse: !is_transformed && !is_grundig && random.one_in(8),
+            is_grundig,
+            is_tip_control: is_transformed && dialect == "fanuc",
         };
-        let is_sinumerik = dialect == "sinumerik";
-        let measure = match (is_sinumerik, is_inch) {
+        let measure = match (is_sinumerik || is_grundig, is_inch) {
             (true, true) => "G70",
             (true, false) => "G71",
             (false, true) => "G20",
             (false, false) => "G21",
         };
         let tool = if is_sinumerik { " T1 M6" } else { "" };
+        if is_grundig {
+            let _ = writeln!(writing.text, "%PM9001\nN9001\nN1 G17 G90 {measure}\nN2 G54");
+            return writing;
+        }
         let _ = writeln!(writing.text, "N1 G17 G90 G94 {measure} G54{tool}");
         if is_sinumerik && random.one_in(4) {
             let _ =
@@ -282,7 +301,10 @@ impl Writing {
             let _ = writeln!(writing.text, "N3 AROT Z{:.2}", random.between(-90.0, 90.0));
             writing.is_turned = true;
         }
-        if is_transformed {
+        if dialect == "fanuc" && writing.rotary.is_empty() && random.one_in(5) {
+            let _ = writeln!(writing.text, "N3 G68 X1. Y-2. R{:.2}", random.between(-90.0, 90.0));
+        }
+        if is_transformed && is_sinumerik {
             writing.text += "N4 TRAORI\nN5 ORIAXES\n";
         }
         writing
@@ -315,9 +337,15 @@ impl Writing {
             words += &self.word(axis, random.between(-150.0, 150.0));
         }
         for axis in self.rotary.clone() {
-            words += &self.word(axis, random.between(-40.0, 40.0));
+            let place = if self.is_tip_control { 0.0 } else { random.between(-40.0, 40.0) };
+            words += &self.word(axis, place);
         }
         self.block(&words);
+        if self.is_tip_control {
+            let word = self.word(Axis::Z, random.between(-150.0, 150.0));
+            let _ = writeln!(self.text, "N11 G43.4 H1{word}");
+            self.number += 1;
+        }
         if self.is_inverse {
             self.text += "N11 G93\n";
             self.number += 1;
@@ -378,12 +406,16 @@ impl Writing {
             words += &self.word(Axis::X, center_x + radius * angle.cos());
             words += &self.word(Axis::Y, center_y + radius * angle.sin());
         }
-        if random.one_in(3) {
+        if random.one_in(3) && !(self.is_grundig && is_full) {
             let place = (self.at[2] + random.between(-20.0, 20.0)).clamp(-180.0, 180.0);
             words += &self.word(Axis::Z, place);
         }
         let (unit, decimals) = self.unit;
-        let _ = write!(words, " I{:.decimals$} J{:.decimals$}", (center_x - x) / unit, (center_y - y) / unit);
+        let center = if self.is_grundig { [center_x, center_y] } else { [center_x - x, center_y - y] };
+        let _ = write!(words, " I{:.decimals$} J{:.decimals$}", center[0] / unit, center[1] / unit);
+        if self.is_grundig && is_full {
+            words += " B5=360";
+        }
         words += &self.feed(random);
         self.block(&words);
     }

@@ -3,7 +3,6 @@
 //! With L the place of an axis, M its motion and D a small displacement (rotated by the exponential of EA EB EC, then shifted by EX EY EZ),
 //! an axis is L D(e0) M D(e) L⁻¹, or L D(e0) D(e) M L⁻¹ where the lever is fixed. The spindle is D(e0) at its gauge point.
 
-use nalgebra::{Matrix4, Rotation3, Translation3};
 use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix::machine::{AxisData, Lever, Machine, State};
 use ncfix::model::Model;
@@ -14,25 +13,66 @@ use super::draw::{Pair, Random};
 /// The judge of one machine.
 pub(super) struct Judge<'a> {
     pair: &'a Pair,
+    /// Links of the two chains from the foundation outwards: to the workpiece and to the tool.
+    chains: [Vec<Link<'a>>; 2],
+    /// From the gauge point of the spindle to the tip, seen by the last axis before it, without errors and with them.
+    tips: [Vector; 2],
     /// Without rotary axes the ideal tip is a sum: its place at zero, and its way per mm of each axis.
     straight: Option<(Vector, Vec<(Axis, Vector)>)>,
 }
 
-fn displacement([x, y, z, a, b, c]: [f64; 6]) -> Matrix4<f64> {
-    Translation3::new(x, y, z).to_homogeneous() * Rotation3::from_scaled_axis(Vector::new(a, b, c)).to_homogeneous()
+/// What a homogeneous matrix holds: a rotation about the origin, then a shift.
+#[derive(Clone, Copy)]
+struct Rigid {
+    /// Unit vector of the rotation.
+    about: Vector,
+    sine: f64,
+    cosine: f64,
+    shift: Vector,
 }
 
-fn shift(by: Vector) -> Matrix4<f64> {
-    Translation3::from(by).to_homogeneous()
+impl Rigid {
+    /// A rotation by the length of a vector about it.
+    fn new(rotation: Vector, shift: Vector) -> Rigid {
+        let angle = rotation.norm();
+        let about = if angle > 0.0 { rotation / angle } else { Vector::zeros() };
+        let (sine, cosine) = angle.sin_cos();
+        Rigid { about, sine, cosine, shift }
+    }
+
+    /// By Rodrigues' formula, in the sense of `sine`.
+    fn turned(&self, point: Vector, sine: f64) -> Vector {
+        let along = self.about * (self.about.dot(&point) * (1.0 - self.cosine));
+        point * self.cosine + self.about.cross(&point) * sine + along
+    }
+
+    fn apply(&self, point: Vector) -> Vector {
+        self.turned(point, self.sine) + self.shift
+    }
+
+    fn unapply(&self, point: Vector) -> Vector {
+        self.turned(point - self.shift, -self.sine)
+    }
+}
+
+fn displacement([x, y, z, a, b, c]: [f64; 6]) -> Rigid {
+    Rigid::new(Vector::new(a, b, c), Vector::new(x, y, z))
+}
+
+/// An axis of a chain; what is constant of it is made once.
+struct Link<'a> {
+    data: &'a AxisData,
+    location: Rigid,
 }
 
 /// In which senses the axes have moved last.
 pub(super) struct Senses {
     /// The sense of each axis as far as it is certain, by slot.
     pub(super) certain: [i8; 9],
-    /// The furthest that each axis has gone in its sense.
+    /// The furthest that each axis has gone in its sense, or where it stood first.
     furthest: AxisVector,
-    /// Axes that have gone back by less than an increment: a control may see a turn there or none.
+    has_begun: [bool; 9],
+    /// Axes that have gone back, or gone at all, by less than an increment: a control may see a turn there or none.
     unsure: Vec<Axis>,
     increments: Increments,
 }
@@ -40,42 +80,49 @@ pub(super) struct Senses {
 impl Senses {
     pub(super) fn new(machine: &Machine) -> Senses {
         let increments = Increments::new(&machine.control);
-        Senses { certain: [0; 9], furthest: AxisVector::ZERO, unsure: Vec::new(), increments }
+        Senses { certain: [0; 9], furthest: AxisVector::ZERO, has_begun: [false; 9], unsure: Vec::new(), increments }
     }
 
     /// Notes a short way.
     pub(super) fn note(&mut self, from: &AxisVector, to: &AxisVector) {
         for axis in AXES {
             let certain = &mut self.certain[axis.slot()];
-            if *certain == 0 {
+            if !std::mem::replace(&mut self.has_begun[axis.slot()], true) {
                 self.furthest[axis] = from[axis];
             }
             let gone = to[axis] - self.furthest[axis];
             // The noise of a turned frame moves nothing.
-            let is_further = gone * f64::from(*certain) >= -1e-9;
-            let is_turn = self.increments.ratio(axis, gone).abs() > 1.0 - 1e-6 || *certain == 0;
-            if gone.abs() > 1e-9 && !is_further && !is_turn {
+            let has_moved = gone.abs() > 1e-9;
+            let is_further = *certain != 0 && gone * f64::from(*certain) >= -1e-9;
+            if has_moved && !is_further && self.increments.ratio(axis, gone).abs() < 1.0 - 1e-6 {
                 if !self.unsure.contains(&axis) {
                     self.unsure.push(axis);
                 }
                 continue;
             }
             self.unsure.retain(|&other| other != axis);
-            if gone.abs() > 1e-9 {
+            if has_moved {
                 *certain = if gone > 0.0 { 1 } else { -1 };
                 self.furthest[axis] = to[axis];
             }
         }
     }
 
-    /// All senses that the axes may have now.
-    pub(super) fn possible(&self) -> Vec<[i8; 9]> {
+    /// All senses that the axes may have now, where `turning` are about to turn.
+    pub(super) fn possible(&self, turning: &[Axis]) -> Vec<[i8; 9]> {
         let mut possible = vec![self.certain];
-        for axis in &self.unsure {
+        let others = turning.iter().filter(|axis| !self.unsure.contains(axis) && self.certain[axis.slot()] != 0);
+        for axis in self.unsure.iter().chain(others) {
             for k in 0..possible.len() {
-                let mut other = possible[k];
-                other[axis.slot()] = -other[axis.slot()];
-                possible.push(other);
+                let others: &[i8] = match possible[k][axis.slot()] {
+                    0 => &[-1, 1],
+                    sense => &[-sense],
+                };
+                for &sense in others {
+                    let mut other = possible[k];
+                    other[axis.slot()] = sense;
+                    possible.push(other);
+                }
             }
         }
         possible
@@ -84,7 +131,16 @@ impl Senses {
 
 impl<'a> Judge<'a> {
     pub(super) fn new(pair: &'a Pair) -> Judge<'a> {
-        let mut judge = Judge { pair, straight: None };
+        let machine = &pair.machine;
+        let link = |&axis: &Axis| {
+            let location = displacement(pair.errors.location[axis.slot()]);
+            Link { data: machine.axis(axis).unwrap(), location }
+        };
+        let workpiece: Vec<Link> = machine.topology.workpiece.iter().map(link).collect();
+        let tool = machine.topology.tool.iter().map(link).collect();
+        let seen = displacement(pair.errors.spindle).apply(pair.tool_mm);
+        let tips = [pair.tool_mm, seen].map(|tip| machine.spindle.origin_mm + tip);
+        let mut judge = Judge { pair, chains: [workpiece, tool], tips, straight: None };
         let axes: Vec<Axis> = pair.machine.axis_set().iter().collect();
         if axes.iter().all(|axis| !axis.is_rotary()) {
             let zero = judge.tip(&AxisVector::ZERO, None);
@@ -111,6 +167,20 @@ impl<'a> Judge<'a> {
         self.tip(command, Some(sense))
     }
 
+    /// What the backlash of some axes is at the tip, mm, together.
+    pub(super) fn backlash_mm(&self, command: &AxisVector, sense: &[i8; 9], axes: impl Iterator<Item = Axis>) -> f64 {
+        let owed = axes.map(|axis| {
+            let [one, other] = [1, -1].map(|turned| {
+                let mut sense = *sense;
+                sense[axis.slot()] = turned;
+                self.actual(command, &sense)
+            });
+            // From an unknown sense it is half of that, which is less.
+            (one - other).norm()
+        });
+        owed.sum()
+    }
+
     /// What half an increment of each rotary axis moves the tip by, mm, together.
     pub(super) fn rotary_rounding_mm(&self, command: &AxisVector, sense: &[i8; 9]) -> f64 {
         let half = Increments::new(&self.pair.machine.control).rotary_deg.to_radians() / 2.0;
@@ -123,43 +193,49 @@ impl<'a> Judge<'a> {
         moved.sum()
     }
 
+    /// From the tip inwards to the foundation, and outwards to the workpiece by the inverse of its chain.
     fn tip(&self, command: &AxisVector, sense: Option<&[i8; 9]>) -> Vector {
-        let machine = &self.pair.machine;
-        let chain = |axes: &[Axis]| {
-            let data = axes.iter().map(|&axis| machine.axis(axis).unwrap());
-            data.fold(Matrix4::<f64>::identity(), |chain, data| chain * self.axis(data, command, sense))
-        };
-        let mut tool = chain(&machine.topology.tool) * shift(machine.spindle.origin_mm);
-        if sense.is_some() {
-            tool *= displacement(self.pair.errors.spindle);
-        }
-        tool *= shift(self.pair.tool_mm);
-        let seen: Matrix4<f64> = chain(&machine.topology.workpiece).try_inverse().unwrap() * tool;
-        seen.fixed_view::<3, 1>(0, 3).into_owned()
+        let [workpiece, tool] = &self.chains;
+        let tip = self.tips[usize::from(sense.is_some())];
+        let on_foundation = tool.iter().rev().fold(tip, |point, link| self.through(link, point, command, sense, false));
+        workpiece.iter().fold(on_foundation, |point, link| self.through(link, point, command, sense, true))
     }
 
-    fn axis(&self, data: &AxisData, command: &AxisVector, sense: Option<&[i8; 9]>) -> Matrix4<f64> {
+    /// A point behind an axis as it is before it, or the inverse of that.
+    fn through(
+        &self,
+        link: &Link,
+        point: Vector,
+        command: &AxisVector,
+        sense: Option<&[i8; 9]>,
+        is_inverse: bool,
+    ) -> Vector {
+        let data = link.data;
         let position = command[data.axis];
-        let motion = if data.axis.is_rotary() {
-            Rotation3::from_scaled_axis(data.direction * position).to_homogeneous()
-        } else {
-            shift(data.direction * position)
+        let way = data.direction * position;
+        let motion =
+            if data.axis.is_rotary() { Rigid::new(way, Vector::zeros()) } else { Rigid::new(Vector::zeros(), way) };
+        let at_place = point - data.point_mm;
+        let Some(sense) = sense else {
+            let moved = if is_inverse { motion.unapply(at_place) } else { motion.apply(at_place) };
+            return moved + data.point_mm;
         };
-        let place = shift(data.point_mm);
-        let back = shift(-data.point_mm);
-        let Some(sense) = sense else { return place * motion * back };
-        let errors = &self.pair.errors;
         let slot = data.axis.slot();
-        let location = displacement(errors.location[slot]);
         let mut components = [0.0; 6];
-        for (component, shape) in errors.motion[slot].iter() {
+        for (component, shape) in &self.pair.errors.motion[slot] {
             components[*component] += shape.value(position, sense[slot]);
         }
         let error = displacement(components);
-        match data.lever {
-            Lever::Carried => place * location * motion * error * back,
-            Lever::Fixed => place * location * error * motion * back,
-        }
+        let [outer, inner] = match data.lever {
+            Lever::Carried => [&motion, &error],
+            Lever::Fixed => [&error, &motion],
+        };
+        let moved = if is_inverse {
+            inner.unapply(outer.unapply(link.location.unapply(at_place)))
+        } else {
+            link.location.apply(outer.apply(inner.apply(at_place)))
+        };
+        moved + data.point_mm
     }
 }
 

@@ -7,7 +7,7 @@ mod words;
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{AXIS_COUNT, Axis};
-use crate::path::{Output, OutputFrame, Turns};
+use crate::path::{Centers, Output, OutputFrame, Turns};
 use crate::snc::BlockNumber;
 
 use super::line::Line;
@@ -26,8 +26,13 @@ const STOPS: StopWords = StopWords {
 /// Digits of a feed: what conversions and cycles compute has noise in the last ones.
 const FEED_DIGITS: i32 = 12;
 
-pub(super) const ENTRY: WriterEntry =
-    WriterEntry { dialect: "sinumerik", create, turns: Turns::Several, has_machine_frame: true };
+pub(super) const ENTRY: WriterEntry = WriterEntry {
+    dialect: "sinumerik",
+    create,
+    turns: Turns::Several,
+    centers: Centers::OnBisector,
+    has_machine_frame: true,
+};
 
 /// The writer of the dialect.
 fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {

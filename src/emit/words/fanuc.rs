@@ -6,7 +6,7 @@
 use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
-use crate::path::Turns;
+use crate::path::{Centers, Turns};
 
 pub(super) const FLAVOUR: Flavour = Flavour {
     language: Language::Fanuc,
@@ -22,6 +22,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     stops: StopWords { always: "G61", running: "G64", once: Some("G9"), group: &["G61", "G62", "G63", "G64"] },
     // Turns beyond the first need the option for spirals.
     turns: Turns::One,
+    centers: Centers::OnBisector,
 };
 
 pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {

@@ -9,7 +9,7 @@
 use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
-use crate::path::Turns;
+use crate::path::{Centers, Turns};
 
 pub(super) const FLAVOUR: Flavour = Flavour {
     language: Language::Grundig,
@@ -24,6 +24,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     // G9 is the pole here, and no code stops at the end of a block.
     stops: StopWords { always: "", running: "", once: None, group: &[] },
     turns: Turns::OneFlat,
+    centers: Centers::OnBisector,
 };
 
 pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {

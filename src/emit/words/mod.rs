@@ -15,7 +15,7 @@ mod thread_tests;
 
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::AXIS_COUNT;
-use crate::path::{Output, Turns};
+use crate::path::{Centers, Output, Turns};
 use crate::snc::{BlockNumber, Origin};
 
 use super::line::Line;
@@ -57,11 +57,19 @@ struct Flavour {
     stops: StopWords,
     /// How far one block may lead around a circle.
     turns: Turns,
+    /// Where its controls have the center of an arc.
+    centers: Centers,
 }
 
 impl Flavour {
     const fn entry(&self, create: fn(&WriterOptions) -> Option<Box<dyn Writer>>) -> WriterEntry {
-        WriterEntry { dialect: self.dialect, create, turns: self.turns, has_machine_frame: false }
+        WriterEntry {
+            dialect: self.dialect,
+            create,
+            turns: self.turns,
+            centers: self.centers,
+            has_machine_frame: false,
+        }
     }
 }
 

@@ -6,7 +6,7 @@
 use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
-use crate::path::Turns;
+use crate::path::{Centers, Turns};
 
 pub(super) const FLAVOUR: Flavour = Flavour {
     language: Language::Rs274,
@@ -22,6 +22,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     is_plain: false,
     stops: StopWords { always: "G61.1", running: "G61", once: None, group: &["G61", "G61.1", "G64"] },
     turns: Turns::Several,
+    centers: Centers::AsWritten,
 };
 
 pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
