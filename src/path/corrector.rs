@@ -62,6 +62,8 @@ struct Active {
     /// Length of the last piece, as a parameter; the whole move before the first.
     length: f64,
     is_first: bool,
+    /// Share of the time that belongs to pieces which were not written, as they are shorter than an increment.
+    unwritten: f64,
     /// No useful arc fits.
     as_chords: bool,
     /// Whether its error counts in the prediction.
@@ -186,6 +188,7 @@ where
             parameter: 0.0,
             length: 1.0,
             is_first: true,
+            unwritten: 0.0,
             as_chords: self.options.arcs == Arcs::Chords,
             is_counted: starts_at_known && self.ever_named.difference(known).is_empty(),
         };

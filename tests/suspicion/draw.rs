@@ -158,7 +158,7 @@ impl Pair {
             rapids: random.of(&[Rapids::Ends, Rapids::Ends, Rapids::None, Rapids::All]),
             frame: if can_be_machine && random.one_in(4) { OutputFrame::Machine } else { OutputFrame::Work },
             five_axis: if dialect != "sinumerik" || random.one_in(2) { FiveAxis::Tcp } else { FiveAxis::Axes },
-            max_correction_mm: random.of(&[0.2, 0.2, 0.1]),
+            max_correction_mm: random.of(&[0.2, 0.2, 0.1, 0.03]),
             // A table that is corrected where G43.4 begins turns the coordinates of the control with it.
             rotary: if is_tip_control || random.one_in(3) { Rotary::Hold } else { Rotary::Correct },
             ..Options::default()

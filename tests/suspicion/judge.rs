@@ -167,6 +167,10 @@ impl<'a> Judge<'a> {
         self.tip(command, Some(sense))
     }
 
+    pub(super) fn increment_mm(&self) -> f64 {
+        self.pair.machine.control.increment_mm
+    }
+
     /// What the backlash of some axes is at the tip, mm, together.
     pub(super) fn backlash_mm(&self, command: &AxisVector, sense: &[i8; 9], axes: impl Iterator<Item = Axis>) -> f64 {
         let owed = axes.map(|axis| {

@@ -45,7 +45,12 @@ where
         standing.counts = placed.counts;
         standing.command = placed.command;
         standing.written = if is_reference { standing.written.union(motion.named) } else { motion.known };
+        // A step on the spot takes time of its own.
+        let share = if trial.is_some() { share + std::mem::take(&mut active.unwritten) } else { share };
         if words.is_empty() && arc.is_none() && !first && !is_last {
+            if trial.is_some() {
+                active.unwritten = share;
+            }
             return None;
         }
         self.prediction.pieces += 1;
