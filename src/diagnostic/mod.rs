@@ -125,7 +125,8 @@ mod tests {
             shown(format!("start radius {:.4} mm, end 5.25 mm", 1e308)),
             "start radius 1.000e308 mm, end 5.25 mm"
         );
-        assert_eq!(shown(format!("P{} µm", 1e-320)), "P9.999e-321 µm");
+        // The nearest number that there is has 2024 of the smallest steps: 9.99989e-321.
+        assert_eq!(shown(format!("P{} µm", 1e-320)), "P1.000e-320 µm");
         assert_eq!(shown("9".repeat(400)), format!("{}…", "9".repeat(24)));
     }
 }

@@ -18,8 +18,9 @@ use super::findings::{Findings, placing_axes};
 use super::place::Placer;
 use super::poses::Poses;
 use super::route::Route;
+use super::standing::Standing;
 use super::treatment::{Treatment, is_pushed_out};
-use super::trial::{Bench, Standing, Trial};
+use super::trial::{Bench, Trial};
 use super::{Arcs, Options, Output, Piece, PoseSample, Prediction, Rapids, Subdivision, lost_axes};
 
 /// Pieces shorter than this are not made, mm.

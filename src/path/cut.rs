@@ -2,7 +2,8 @@
 
 use super::extend::{Reach, longest};
 use super::route::Route;
-use super::trial::{Bench, Standing, Trial};
+use super::standing::Standing;
+use super::trial::{Bench, Trial};
 
 /// Arcs that are no full circle turn by at most this in one piece, rad: near a full turn, rounding could swap start and end.
 const MOST_SWEEP: f64 = 330.0 * std::f64::consts::PI / 180.0;

@@ -5,7 +5,8 @@ use crate::machine::State;
 
 use super::place::Placed;
 use super::route::distance_mm;
-use super::trial::{Bench, Ends, SAME_PLACE_MM, SAMPLED_SHARE, Standing};
+use super::standing::Standing;
+use super::trial::{Bench, Ends, SAME_PLACE_MM, SAMPLED_SHARE};
 
 impl Bench<'_, '_> {
     /// The ends where an axis that the program does not move is asked to go one way by the errors of the other: it stays through the piece,

@@ -27,6 +27,7 @@ mod rotary_word;
 mod route;
 mod singularity;
 mod slope;
+mod standing;
 mod steps;
 mod treatment;
 mod trial;

@@ -8,7 +8,7 @@ use crate::snc::{Move, Way};
 
 use super::RotaryWord;
 use super::place::{Placed, Placer};
-use super::trial::Standing;
+use super::standing::Standing;
 
 /// Steps this near to half a turn leave the shortest way open, rad.
 const HALF_TURN_ROOM: f64 = 1e-3;

@@ -8,6 +8,7 @@ use crate::machine::{Control, State};
 use super::check::Sampler;
 use super::place::{Placed, Placer};
 use super::route::{Route, distance_mm};
+use super::standing::Standing;
 use super::{Centers, PieceArc, Turns, arc_fit};
 
 /// Share of the tolerance that the samples may use; the rest is for what lies between them.
@@ -27,30 +28,6 @@ const READY_SHARE: f64 = 0.5;
 const BESIDE_ENDS: u32 = 8;
 /// Commands nearer than this are the same place on the grid, mm.
 pub(super) const SAME_PLACE_MM: f64 = 1e-9;
-
-/// Where program and machine stand between two pieces.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Standing {
-    /// Command of the program.
-    pub(super) nominal: AxisVector,
-    /// Command of the emitted program.
-    pub(super) command: AxisVector,
-    /// What was written last, and for which axes this is the place where they stand.
-    pub(super) counts: [i64; AXIS_COUNT],
-    pub(super) written: AxisSet,
-    /// Axes whose place is known.
-    pub(super) known: AxisSet,
-    /// Axes of the machine whose place was known when the move began: in which sense the others move is not.
-    pub(super) sensed: AxisSet,
-    /// Sense of motion of the emitted commands.
-    pub(super) state: State,
-    /// Sense of motion of the program.
-    pub(super) nominal_state: State,
-    /// Last correction, as a guess for the next.
-    pub(super) correction: AxisVector,
-    /// The machine may stand off the corrected path: an uncorrected move, another tool.
-    pub(super) is_doubtful: bool,
-}
 
 /// What is needed to try pieces of one move.
 pub(super) struct Bench<'a, 'm> {
