@@ -51,7 +51,7 @@ pub(super) struct FolderLibrary {
     /// Where paths from the root of the control's file system may begin.
     roots: Vec<PathBuf>,
     loaded: Rc<RefCell<Vec<PathBuf>>>,
-    /// Why the file that was looked for last was not read.
+    /// Why a file that was looked for was not read; a further name under which it is looked for, and is not there, does not change that.
     refused: Option<String>,
 }
 
@@ -135,6 +135,7 @@ impl FolderLibrary {
         }
         match input::bytes_of(&path, MAX_BYTES) {
             Ok(bytes) => {
+                self.refused = None;
                 voice::note(|| format!("read {shown}: {role}"));
                 self.loaded.borrow_mut().push(path);
                 Some((shown, bytes))
@@ -227,19 +228,16 @@ fn list(folder: &Path) -> HashMap<String, Vec<PathBuf>> {
 
 impl Library for FolderLibrary {
     fn load(&mut self, name: &str) -> Option<(String, Vec<u8>)> {
-        self.refused = None;
         let path = self.find(&file_names(name))?;
         self.read(path, "subprogram, in a folder that belongs to the program")
     }
 
     fn load_file(&mut self, names: &[String]) -> Option<(String, Vec<u8>)> {
-        self.refused = None;
         let path = self.find(names)?;
         self.read(path, "subprogram, in a folder that belongs to the program")
     }
 
     fn load_path(&mut self, path: &str, name: &str) -> Option<(String, Vec<u8>)> {
-        self.refused = None;
         let (folder, _) = path.rsplit_once(['/', '\\'])?;
         let file = Folder::new(self.resolve(folder)?).find(&file_names(name))?;
         self.read(file, "subprogram, by its path on the control")
@@ -264,9 +262,10 @@ impl Library for FolderLibrary {
             let mut folders = self.first.iter_mut().chain(&mut self.definitions).chain(&mut self.last);
             found.extend(folders.find_map(|folder| folder.find(&candidates)));
         }
-        found
-            .into_iter()
-            .filter_map(|path| self.read(path, "definitions, in a folder that belongs to the program"))
-            .collect()
+        let role = "definitions, in a folder that belongs to the program";
+        let read = found.into_iter().filter_map(|path| self.read(path, role)).collect();
+        // What it lacks is missed where it is used.
+        self.refused = None;
+        read
     }
 }
