@@ -21,16 +21,19 @@ use ncfix::syntax;
 /// Rounds of which the best counts.
 const ROUNDS: usize = 3;
 
-/// A surface milled in lines of short blocks, each with a comment of some length.
-fn program(blocks: usize, comment: usize) -> String {
+/// A remark of a hundred bytes, with its end of line.
+const REMARK_BYTES: usize = 100;
+
+/// A surface milled in lines of short blocks, each with so many remarks in lines of their own behind it.
+fn program(blocks: usize, remarks: usize) -> String {
     let mut text = String::from("G17 G90 G71 G64\nT7\nM6\nG54 D1 S9000 M3\nG0 X0 Y0 Z20\nG1 Z1 F2500\n");
-    let remark = if comment > 0 { format!(" ;{}", "x".repeat(comment - 1)) } else { String::new() };
+    let remarks = format!(";{}\n", "x".repeat(REMARK_BYTES - 2)).repeat(remarks);
     for block in 0..blocks {
         let (line, place) = (block / 400, block % 400);
         let along = if line % 2 == 0 { place } else { 399 - place };
         let (x, y) = (along as f64 * 0.37, (line % 1000) as f64 * 0.3);
         let z = -5.0 * (x * 0.05).sin() * (y * 0.03).cos();
-        writeln!(text, "X{x:.4} Y{y:.4} Z{z:.4}{remark}").unwrap();
+        write!(text, "X{x:.4} Y{y:.4} Z{z:.4}\n{remarks}").unwrap();
     }
     text + "M30\n"
 }
@@ -63,7 +66,8 @@ fn seconds(text: &str, machine: &Machine, errors: &ErrorModel) -> f64 {
     };
     let run = || {
         let start = Instant::now();
-        let program = syntax::parse(&source, dialect::sinumerik()).0;
+        let (program, found) = syntax::parse(&source, dialect::sinumerik());
+        assert!(found.is_empty(), "what is refused costs nothing: {:?}", found[0]);
         let execution = Execution::new(program, machine, Box::new(NoLibrary), ncfix::exec::Options::default());
         let outputs = Corrector::new(execution, machine, &model, Options::default());
         let mut writer = emit::writer("sinumerik", &options).unwrap();
@@ -104,10 +108,10 @@ fn main() {
         },
         Row {
             label: "bytes",
-            what: "bytes in comments of 1000 blocks",
+            what: "bytes of remarks beside 1000 blocks",
             points: decades
                 .iter()
-                .map(|scale| ((100 * scale * 1000) as f64, seconds(&program(1000, 100 * scale), &machine, &errors)))
+                .map(|scale| ((1000 * scale * REMARK_BYTES) as f64, seconds(&program(1000, *scale), &machine, &errors)))
                 .collect(),
         },
         Row {

@@ -219,11 +219,10 @@ fn replace(text: &mut File, path: &Path, keep_backup: bool) -> io::Result<Option
         }
         file.sync_all()
     };
+    // On the disk first: between its name and the rename there are two calls, in which a kill would leave it behind.
+    finish(text)?;
     let beside = match name_beside(text, &names, folder_of(path)) {
-        Ok(beside) => {
-            finish(text)?;
-            beside
-        }
+        Ok(beside) => beside,
         Err(_) => {
             let mut copy = names.tempfile_in(folder_of(path))?;
             io::copy(text, copy.as_file_mut())?;
