@@ -67,15 +67,15 @@ fn no_name_leads_out_of_the_folder() {
 #[test]
 fn links_are_followed_within_the_folders_of_the_program() {
     use std::os::unix::fs::symlink;
-    let outer = folder(&["SECRET.SPF", "own/parts/L1.SPF", "own/MAIN.MPF", "shared/L2.SPF", "elsewhere/L3.SPF"]);
+    let outer = folder(&["SECRET.SPF", "own/parts/L1.SPF", "own/MAIN.MPF", "common/L2.SPF", "elsewhere/L3.SPF"]);
     let own = outer.path().join("own");
     symlink("parts/L1.SPF", own.join("INSIDE.SPF")).unwrap();
-    symlink("../shared/L2.SPF", own.join("SHARED.SPF")).unwrap();
+    symlink("../common/L2.SPF", own.join("SHARED.SPF")).unwrap();
     symlink(outer.path().join("SECRET.SPF"), own.join("OUTSIDE.SPF")).unwrap();
     symlink("AROUND.SPF", own.join("AROUND.SPF")).unwrap();
-    let (mut library, _) = FolderLibrary::beside(Some(&own.join("MAIN.MPF")), &["../shared".to_owned()]);
+    let (mut library, _) = FolderLibrary::beside(Some(&own.join("MAIN.MPF")), &["../common".to_owned()]);
     assert_eq!(text(library.load("INSIDE")).as_deref(), Some("own/parts/L1.SPF"));
-    assert_eq!(text(library.load("SHARED")).as_deref(), Some("shared/L2.SPF"));
+    assert_eq!(text(library.load("SHARED")).as_deref(), Some("common/L2.SPF"));
     assert!(library.refusal().is_none());
     assert!(library.load("OUTSIDE").is_none());
     assert!(
