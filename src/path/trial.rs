@@ -100,19 +100,7 @@ fn state_of(sense: [i8; AXIS_COUNT]) -> State {
 impl Bench<'_, '_> {
     /// The whole move, uncorrected.
     pub(super) fn rounded(&self, standing: &Standing) -> Trial {
-        let end = self.placer.round(&self.route.end, self.known);
-        let mut state = standing.state;
-        state.note_stated(standing.sensed, &standing.command, &end.command);
-        let emitted = Route::new(standing.command, end.command, None);
-        let ends = Ends {
-            take_up: None,
-            start: standing.command,
-            end,
-            sense: state.direction,
-            is_torn: false,
-            begins_off: false,
-        };
-        self.trial([0.0, 1.0], ends, emitted, None)
+        self.unplaced(standing, self.placer.round(&self.route.end, self.known))
     }
 
     /// The whole move to the reference point of the axes named, exactly; the others stay where they are.
@@ -122,6 +110,11 @@ impl Bench<'_, '_> {
             end.command[axis] = standing.command[axis];
             end.counts[axis.slot()] = standing.counts[axis.slot()];
         }
+        self.unplaced(standing, end)
+    }
+
+    /// The whole move straight to an end that is not corrected.
+    fn unplaced(&self, standing: &Standing, end: Placed) -> Trial {
         let mut state = standing.state;
         state.note_stated(standing.sensed, &standing.command, &end.command);
         let emitted = Route::new(standing.command, end.command, None);
@@ -289,6 +282,12 @@ impl Bench<'_, '_> {
         let is_parallel = self.placer.is_parallel();
         for axis in standing.written.iter().filter(|axis| is_parallel || axis.slot() > 2) {
             if placed.counts[axis.slot()] == standing.counts[axis.slot()] {
+                placed.command[axis] = standing.command[axis];
+            }
+        }
+        // Nor does the noise of a frame that turns move an axis: it would turn its backlash.
+        for axis in AXES {
+            if (placed.command[axis] - standing.command[axis]).abs() < SAME_PLACE_MM {
                 placed.command[axis] = standing.command[axis];
             }
         }
