@@ -22,6 +22,14 @@ fn json_has_the_documented_shape() {
 }
 
 #[test]
+fn what_other_languages_write_is_answered_with_what_this_one_does() {
+    let shop = Shop::new().file("part.mpf", "N10 G90 G0 X1e-7 Y0 Z0\nM30\n").file("label.mpf", "A1: G90 G0 X1\nM30\n");
+    let run = shop.run(["check", "part.mpf", "--machine", &machine("demo")]).exits(3);
+    run.says("E0201").says("write an exponent with EX: X1EX-7");
+    shop.run(["check", "label.mpf", "--machine", &machine("demo")]).exits(3).says("a label begins with two letters");
+}
+
+#[test]
 fn all_faults_are_reported_in_one_run() {
     let text = "N10 G90 X\nN20 X1.2.3\nN30 M30\n";
     let shop = Shop::new().file("part.mpf", text);

@@ -170,11 +170,16 @@ fn the_tip_stays_on_its_line_while_the_direction_changes() {
 #[test]
 fn of_two_ways_the_control_takes_the_one_with_less_motion_of_its_first_axis() {
     let (sine, cosine) = 60.0_f64.to_radians().sin_cos();
+    // To B 30 with C 350, or to B -30 with C 170.
+    let (near_x, near_y) = (0.5 * 10.0_f64.to_radians().cos(), 0.5 * 10.0_f64.to_radians().sin());
     for (start, direction, wanted) in [
         ([180.0, 90.0], [-1.0, 0.0, 0.0], [270.0, 0.0]),
         ([45.0, 90.0], [0.0, 0.0, 1.0], [0.0, 90.0]),
         // C 180 with B 60 would turn both together less, and C more.
         ([10.0, 85.0], [-sine, 0.0, cosine], [-60.0, 0.0]),
+        // Both turn both axes alike; the one that ends nearer to zero, or to whole turns.
+        ([0.0, 260.0], [near_x, -near_y, 0.75_f64.sqrt()], [30.0, 350.0]),
+        ([0.0, 80.0], [-near_x, near_y, 0.75_f64.sqrt()], [-30.0, -10.0]),
     ] {
         let ([b, c], [i, j, k]) = (start, direction);
         let text = format!(

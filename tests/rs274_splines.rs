@@ -173,6 +173,23 @@ M2",
     assert_eq!(moves(&lines), wanted);
 }
 
+/// A thread towards +Z is one towards -Z in a mirror, with its tapers and the slide along the flank.
+#[test]
+fn a_thread_towards_plus_is_the_mirror_of_one_towards_minus() {
+    let thread = |from: f64, to: f64| {
+        let text = format!("G21 G90 G18 S100 M3\nG0 X20 Y0 Z{from}\nG76 P1.5 Z{to} I-1 J0.6 K1 R2 Q30 H1 E2 L3\nM2");
+        let (found, codes) = steps(&text, false);
+        assert!(codes.is_empty(), "{codes:?}");
+        found.into_iter().map(|(_, step)| (step.rapid, step.target.0[0], step.target.0[2])).collect::<Vec<_>>()
+    };
+    let (minus, plus) = (thread(5.0, -30.0), thread(-5.0, 30.0));
+    let mirrored: Vec<_> = minus.iter().map(|&(rapid, x, z)| (rapid, x, -z)).collect();
+    assert_eq!(plus, mirrored);
+    // 0.6 along a flank of 30 degrees.
+    let slid = 0.6 * 30.0_f64.to_radians().tan();
+    assert!((minus[1].2 - (5.0 - slid)).abs() < 1e-9, "{minus:?}");
+}
+
 #[test]
 fn probing_ends_where_only_the_machine_knows() {
     let text = "G54 G21 G90 F100\nG0 X0 Y0 Z10\nG38.2 Z-10\nG91 G1 Z1\nM2";

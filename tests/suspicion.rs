@@ -30,7 +30,7 @@ use self::judge::{Judge, Senses};
 /// Pairs of a short run.
 const PAIRS: u64 = 100;
 /// Pairs that something was wrong with once.
-const BROKE: [u64; 7] = [344, 1316, 1335, 1540, 2017, 18_652, 55_194];
+const BROKE: [u64; 10] = [344, 1316, 1335, 1540, 2017, 18_652, 23_208, 41_432, 55_194, 72_042];
 /// A place that is off by less than this part of its bound is right; nobody needs to know whether it is nearer to another part of the way.
 const CLEAR: f64 = 0.5;
 /// Places of a piece that are looked at.

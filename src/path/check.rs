@@ -8,6 +8,7 @@ use std::f64::consts::FRAC_PI_8;
 use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet};
 use crate::model::Model;
 
+use super::increment::Increments;
 use super::route::Route;
 
 /// Samples per smooth length.
@@ -50,11 +51,9 @@ impl Sampler {
         }
     }
 
-    /// The same for pieces whose ends are rounded to an increment, and that may deviate by a tolerance, mm.
-    pub(super) fn with_rounding(mut self, increment_mm: f64, tolerance_mm: f64) -> Sampler {
-        // Half an increment in each of three directions.
-        let rounding_mm = 0.5 * 3.0_f64.sqrt() * increment_mm;
-        if rounding_mm > MUCH_ROUNDING * tolerance_mm {
+    /// The same for pieces whose ends are rounded to increments, and that may deviate by a tolerance, mm.
+    pub(super) fn with_rounding(mut self, increments: &Increments, tolerance_mm: f64) -> Sampler {
+        if increments.rounding_mm() > MUCH_ROUNDING * tolerance_mm {
             self.least = BESIDE_ROUNDING;
         }
         self

@@ -21,7 +21,7 @@ use super::route::Route;
 use super::standing::Standing;
 use super::treatment::{Treatment, is_pushed_out};
 use super::trial::{Bench, Trial};
-use super::{Arcs, Options, Output, Piece, PoseSample, Prediction, Rapids, Subdivision, lost_axes};
+use super::{Arcs, Increments, Options, Output, Piece, PoseSample, Prediction, Rapids, Subdivision, lost_axes};
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -91,7 +91,7 @@ where
             elements,
             machine,
             placer: Placer::new(machine, model, &options),
-            sampler: Sampler::new(model).with_rounding(machine.control.increment_mm, options.tolerance_mm),
+            sampler: Sampler::new(model).with_rounding(&Increments::new(&machine.control), options.tolerance_mm),
             placing: placing_axes(machine),
             standing,
             ever_named: AxisSet::EMPTY,
@@ -210,7 +210,7 @@ where
             self.active = Some(active);
         } else {
             self.standing.known = active.motion.known;
-            self.standing.is_doubtful = active.treatment == Treatment::Round;
+            self.standing.is_doubtful |= active.treatment == Treatment::Round;
             self.idle = Some(active);
         }
         piece
@@ -337,7 +337,7 @@ where
         standing.nominal = nominal;
         standing.correction = trial.end.command - nominal;
         standing.state.direction = trial.sense;
-        standing.is_doubtful = false;
+        standing.is_doubtful = trial.is_torn;
         active.parameter = to;
         active.length = to - from;
         piece

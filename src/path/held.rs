@@ -55,7 +55,7 @@ impl Bench<'_, '_> {
             state.note_stated(standing.sensed, &start, &end.command);
             let is_found = self.same_sense(&state, sense);
             let begins_off = take_up.is_none() && (standing.is_doubtful || !self.same_sense(&state, &standing.state));
-            ends = Some(Ends { take_up, start, end, sense: state.direction, is_torn: !is_found, begins_off });
+            ends = Some(Ends { take_up, start, end, sense: state.direction, is_torn: true, begins_off });
             if is_found {
                 break;
             }

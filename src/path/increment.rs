@@ -21,6 +21,12 @@ impl Increments {
         Increments { linear_mm: control.increment_mm, rotary_deg }
     }
 
+    /// What rounding the linear axes moves the tip by at most, mm: half an increment in each of three directions.
+    #[must_use]
+    pub fn rounding_mm(&self) -> f64 {
+        0.5 * 3.0_f64.sqrt() * self.linear_mm
+    }
+
     /// The nearest whole number of increments to a position of an axis (mm, rad).
     #[must_use]
     pub fn count(&self, axis: Axis, position: f64) -> i64 {

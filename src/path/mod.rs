@@ -31,6 +31,7 @@ mod standing;
 mod steps;
 mod treatment;
 mod trial;
+mod turn;
 mod volume;
 
 pub use compare::{

@@ -1,24 +1,18 @@
 //! One piece tried: its ends corrected and rounded, its deviation from the nominal path measured by the forward function.
 
-use std::f64::consts::{FRAC_PI_4, TAU};
-
-use crate::geometry::{AXES, AXIS_COUNT, Arc, Axis, AxisSet, AxisVector, Plane, Vector};
+use crate::geometry::{AXES, AXIS_COUNT, AxisSet, AxisVector};
 use crate::machine::{Control, State};
 
+use super::PieceArc;
 use super::check::Sampler;
 use super::place::{Placed, Placer};
 use super::route::{Route, distance_mm};
 use super::standing::Standing;
-use super::{Centers, PieceArc, Turns, arc_fit};
 
 /// Share of the tolerance that the samples may use; the rest is for what lies between them.
 pub(super) const SAMPLED_SHARE: f64 = 0.97;
 /// What a bend may add where rounding alone exceeds the tolerance, as a share of it.
 const BEND_SHARE: f64 = 0.1;
-/// Share of the control's tolerance for arc centers that is used, so that its own arithmetic agrees.
-const CENTER_SHARE: f64 = 0.5;
-/// A sweep this near to full turns is full turns, rad.
-const SAME_ANGLE: f64 = 1e-7;
 /// Guesses of the sense of motion before an axis that is asked to go both ways is held.
 const MOST_TRIES: u32 = 3;
 /// Share of the tolerance that an axis which was asked to go both ways may be off by before a step on the spot.
@@ -56,7 +50,7 @@ pub(super) struct Trial {
     /// Sense of motion of each axis along the piece, as in [`State::direction`].
     pub(super) sense: [i8; AXIS_COUNT],
     /// As in [`Ends`].
-    is_torn: bool,
+    pub(super) is_torn: bool,
     begins_off: bool,
     pub(super) circle: Option<PieceArc>,
     /// What the machine will do.
@@ -75,7 +69,8 @@ pub(super) struct Ends {
     pub(super) start: AxisVector,
     pub(super) end: Placed,
     pub(super) sense: [i8; AXIS_COUNT],
-    /// Whether an axis was asked to go the other way wherever it was led: the tip is off by its backlash.
+    /// Whether an axis was asked to go the other way wherever it was led: the tip is off by its backlash, or, where the axis is held, by what
+    /// its correction changes.
     pub(super) is_torn: bool,
     /// Whether the start was placed for another sense, or not at all: what that leaves there is within the tolerance.
     pub(super) begins_off: bool,
@@ -93,7 +88,7 @@ impl Trial {
 }
 
 /// The state of a program that nobody measures: accelerations are not known.
-fn state_of(sense: [i8; AXIS_COUNT]) -> State {
+pub(super) fn state_of(sense: [i8; AXIS_COUNT]) -> State {
     State { direction: sense, ..State::default() }
 }
 
@@ -150,62 +145,7 @@ impl Bench<'_, '_> {
         Some(trial)
     }
 
-    /// The same, its deviation not measured.
-    pub(super) fn unmeasured_arc(&self, standing: &Standing, between: [f64; 2]) -> Option<Trial> {
-        let arc = *self.route.arc()?;
-        let (plane, clockwise) = self.emitted_plane(arc.plane, arc.clockwise)?;
-        let ends = self.ends(standing, between);
-        if ends.end.is_held_back {
-            return None;
-        }
-        let [abscissa, ordinate, _] = arc.plane.axes();
-        let flat = |position: &AxisVector| [position[abscissa], position[ordinate]];
-        let (start, end) = (flat(&ends.start), flat(&ends.end.command));
-        let swept = self.route.sweep_rad().abs() * (between[1] - between[0]);
-        let turns = (swept / TAU).round();
-        let is_full = turns >= 1.0 && (swept - turns * TAU).abs() < SAME_ANGLE;
-        let gap_mm = (end[0] - start[0]).hypot(end[1] - start[1]);
-        if is_full != (gap_mm < SAME_PLACE_MM) {
-            return None;
-        }
-        let extra_turns = if is_full { turns - 1.0 } else { (swept / TAU).floor() };
-        // At most the TURN of the program: a small whole number.
-        let extra_turns = extra_turns as u32;
-        let leads_aside = || {
-            let way = ends.end.command - ends.start;
-            crate::geometry::AXES.into_iter().any(|axis| axis != abscissa && axis != ordinate && way[axis] != 0.0)
-        };
-        let is_too_far = match self.placer.turns {
-            Turns::Several => false,
-            Turns::One => extra_turns > 0,
-            Turns::OneFlat => extra_turns > 0 || is_full && leads_aside(),
-        };
-        if is_too_far {
-            return None;
-        }
-        let center = self.center(&ends, between, &arc, flat)?;
-        let mut from_start = Vector::zeros();
-        from_start[abscissa.slot()] = center[0] - start[0];
-        from_start[ordinate.slot()] = center[1] - start[1];
-        let (center_counts, rounded) = self.round_direction(from_start);
-        let center = [start[0] + rounded[abscissa.slot()], start[1] + rounded[ordinate.slot()]];
-        let tolerance = |radius_mm: f64| {
-            CENTER_SHARE * self.control.arc_tolerance_mm.max(self.control.arc_tolerance_ratio * radius_mm)
-        };
-        let (from, to) = (&ends.start, &ends.end.command);
-        let done = match self.placer.centers {
-            Centers::OnBisector => Arc::through(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
-            Centers::AsWritten => Arc::spiral(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
-        };
-        let done = done.ok()?;
-        let emitted = Route::new(ends.start, ends.end.command, Some(done));
-        let standing = self.placer.programmed(from);
-        let start_counts = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.placer.increments.count(axis, standing[axis]));
-        let circle = PieceArc { plane, clockwise, center_counts, start_counts, extra_turns };
-        Some(self.trial(between, ends, emitted, Some(circle)))
-    }
-
-    fn trial(&self, between: [f64; 2], ends: Ends, emitted: Route, circle: Option<PieceArc>) -> Trial {
+    pub(super) fn trial(&self, between: [f64; 2], ends: Ends, emitted: Route, circle: Option<PieceArc>) -> Trial {
         Trial {
             between,
             take_up: ends.take_up,
@@ -223,7 +163,7 @@ impl Bench<'_, '_> {
 
     /// Corrects and rounds the ends. The sense of motion along the piece follows from the commands that follow from it, so it is
     /// guessed from the program and tried again where the guess was wrong.
-    fn ends(&self, standing: &Standing, between: [f64; 2]) -> Ends {
+    pub(super) fn ends(&self, standing: &Standing, between: [f64; 2]) -> Ends {
         let nominal_end = self.route.at(between[1]);
         let place = |nominal: &AxisVector, state: &State, correction: &AxisVector| {
             self.unmoved(standing, self.place(between, nominal, state, correction))
@@ -316,82 +256,19 @@ impl Bench<'_, '_> {
                 trial.middle_mm = Some(deviation);
             }
         }
-        if trial.deviation_mm > trial.allowed_mm && !trial.is_torn {
-            // Rounding at the ends is no reason to cut: another end is rounded as badly.
+        if trial.deviation_mm > trial.allowed_mm {
+            // Rounding at the ends is no reason to cut: another end is rounded as badly. Nor is what it begins with, but backlash is.
             let at = |parameter: f64, command: &AxisVector| {
                 self.placer.tip_error_mm(&self.route.at(parameter), command, &state)
             };
-            let ends = at(from, &trial.emitted.start).max(at(to, &trial.emitted.end));
+            let mut end = at(to, &trial.emitted.end);
+            if trial.is_torn {
+                end = end.min(self.placer.increments.rounding_mm());
+            }
+            let ends = at(from, &trial.emitted.start).max(end);
             if ends > SAMPLED_SHARE * self.tolerance_mm {
                 trial.allowed_mm = SAMPLED_SHARE * (1.0 + BEND_SHARE) * ends;
             }
         }
-    }
-
-    /// The center nearest to the corrected path, in the plane of the axes, mm.
-    fn center(
-        &self,
-        ends: &Ends,
-        between: [f64; 2],
-        arc: &Arc,
-        flat: impl Fn(&AxisVector) -> [f64; 2],
-    ) -> Option<[f64; 2]> {
-        let (start, end) = (flat(&ends.start), flat(&ends.end.command));
-        if self.placer.model.is_empty() {
-            return Some(arc_fit::center(start, end, arc.center_mm, &[]));
-        }
-        let [from, to] = between;
-        let swept = self.route.sweep_rad().abs() * (to - from);
-        // The conversion is exact: between 3 and 16.
-        let count = (swept / FRAC_PI_4).ceil().clamp(3.0, 16.0) as u32;
-        let mut points = [[0.0; 2]; 16];
-        let mut shift = [0.0; 2];
-        let correction = ends.end.command - self.route.at(to);
-        let state = state_of(ends.sense);
-        for (k, point) in (1..=count).zip(&mut points) {
-            let nominal = self.route.at(from + (to - from) * f64::from(k) / f64::from(count + 1));
-            let exact = self.placer.exact(&nominal, self.known, &state, &correction, f64::INFINITY).ok()?;
-            *point = flat(&exact);
-            let straight = flat(&nominal);
-            shift[0] += (point[0] - straight[0]) / f64::from(count);
-            shift[1] += (point[1] - straight[1]) / f64::from(count);
-        }
-        let guess = [arc.center_mm[0] + shift[0], arc.center_mm[1] + shift[1]];
-        Some(arc_fit::center(start, end, guess, &points[..count as usize]))
-    }
-
-    /// Plane and sense of an arc in the emitted frame; `None` where it is no principal plane there, or not the one that is
-    /// selected.
-    ///
-    /// An arc that is counter-clockwise about n is so about sign(det L) · L · n behind the frame L.
-    fn emitted_plane(&self, plane: Plane, clockwise: bool) -> Option<(Plane, bool)> {
-        let setup = &self.placer.setup;
-        if self.placer.is_parallel() {
-            return (plane == setup.plane).then_some((plane, clockwise));
-        }
-        let linear = setup.frame.linear();
-        let square = linear * linear.transpose();
-        let scale = square.trace() / 3.0;
-        let off_scale = (square - crate::geometry::Matrix::identity() * scale).norm() / scale;
-        let mut normal = Vector::zeros();
-        normal[plane.axes()[2].slot()] = linear.determinant().signum();
-        let normal = setup.frame.unapply_direction(normal).normalize();
-        let across = normal[setup.plane.axes()[2].slot()];
-        let is_principal = off_scale < SAME_PLACE_MM && (across.abs() - 1.0).abs() < SAME_PLACE_MM;
-        is_principal.then_some((setup.plane, clockwise == (across > 0.0)))
-    }
-
-    /// A direction of the axes in counts of the emitted frame, and the direction that these stand for.
-    fn round_direction(&self, direction: Vector) -> ([i64; 3], Vector) {
-        let is_parallel = self.placer.is_parallel();
-        let frame = &self.placer.setup.frame;
-        let programmed = if is_parallel { direction } else { frame.unapply_direction(direction) };
-        let mut counts = [0; 3];
-        let mut rounded = Vector::zeros();
-        for (slot, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
-            counts[slot] = self.placer.increments.count(axis, programmed[slot]);
-            rounded[slot] = self.placer.increments.position(axis, counts[slot]);
-        }
-        (counts, if is_parallel { rounded } else { frame.apply_direction(rounded) })
     }
 }

@@ -348,12 +348,13 @@ impl Gatherer<'_> {
     pub(super) fn unsupported(&self, word: &Word) -> Fault {
         let text = String::from_utf8_lossy(self.scope.program.source.slice(word.span)).into_owned();
         let shown: String = text.chars().take(40).collect();
-        fault(
-            Code::NOT_SUPPORTED,
-            word.span,
-            format!("{shown} is not supported yet"),
-            "the program cannot be corrected with it",
-        )
+        let (start, source) = (word.span.start, &self.scope.program.source);
+        let before = source.slice(Span { start: start.saturating_sub(1), end: start });
+        let is_exponent = before.last().is_some_and(u8::is_ascii_digit)
+            && text.strip_prefix(['e', 'E']).is_some_and(|power| power.parse::<i16>().is_ok());
+        let help =
+            if is_exponent { "write an exponent with EX: X1EX-7" } else { "the program cannot be corrected with it" };
+        fault(Code::NOT_SUPPORTED, word.span, format!("{shown} is not supported yet"), help)
     }
 
     /// The number behind an address.

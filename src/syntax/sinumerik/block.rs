@@ -304,6 +304,10 @@ impl Parser {
                 );
             }
         };
+        if rest.first() == Some(&b':') {
+            let length = input.len() - rest.len() + 1;
+            return fault(Code::UNEXPECTED, input, length, "a label begins with two letters or underscores");
+        }
         Ok((rest, Word { span: Span::new(start, self.offset(rest)), address, value }))
     }
 
