@@ -10,6 +10,7 @@ use crate::support::{Shop, dialects, machine, repository};
 
 /// Codes that no program and no machine file can provoke, with the test that covers each.
 const COVERED_ELSEWHERE: &[(&str, &str)] = &[
+    ("E0313", "rotary_feeds: what_cannot_say_a_time_is_refused"),
     ("E0112", "words: faults_have_their_code_and_their_place"),
     ("E0240", "five_axis: poles_and_directions_out_of_reach_are_found_with_their_place"),
     ("E0241", "five_axis: poles_and_directions_out_of_reach_are_found_with_their_place"),

@@ -40,7 +40,7 @@ fn assert_near(found: &[[f64; 3]], expected: &[[f64; 3]]) {
 
 /// What is written for a machine without errors whose control takes whole thousandths, behind the header.
 #[track_caller]
-fn written(name: &str, more: &str, text: &str) -> Vec<String> {
+pub(crate) fn written(name: &str, more: &str, text: &str) -> Vec<String> {
     let travel = "travel_mm = [-2000, 2000]\nmax_feed_mm_min = 10000";
     let machine = format!(
         "[machine]\nname = \"test\"\ntopology = \"wFXYZSt\"\ncontroller = \"{name}\"\n[axis.X]\ndirection = [1, 0, 0]\n{travel}\n\

@@ -19,7 +19,7 @@ use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions, RapidOrder};
 use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
 use ncfix::machine::Machine;
 use ncfix::model::Model;
-use ncfix::path::{Corrector, Increments, Rapids, Subdivision};
+use ncfix::path::{Corrector, FiveAxis, Increments, Rapids, Subdivision};
 use ncfix::snc::{Element, Kind, Move};
 use ncfix::source::{FileId, Source};
 use ncfix::syntax;
@@ -37,6 +37,8 @@ const CLEAR: f64 = 0.5;
 const PLACES: usize = 12;
 /// The noise of the arithmetic, and what the readings of a program in inches or degrees leave, mm.
 const NOISE_MM: f64 = 2e-6;
+/// What a piece takes at the least, min or min/mm: feeds have six digits before the point.
+const MOST_FEED_MIN: f64 = 1e-6;
 /// An arc whose ends are nearer than this is a full circle, mm.
 const SAME_PLACE_MM: f64 = 1e-9;
 
@@ -420,8 +422,8 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
             let owed_mm = if is_cut && !is_coarse { 0.0 } else { owed_mm(&judge, to, &senses.certain) };
             worst.note("end of the block", away_mm, bound_mm + owed_mm, seed, &format_args!("N{number}\n{context}"));
         }
-        if !rapid && !pair.is_transformed {
-            check_feed(nominal, ways, worst, seed, &context);
+        if !rapid && !first {
+            check_feed(&judge, pair, [nominal, ways], worst, &context);
         }
     }
     assert_eq!(original.keys().collect::<Vec<_>>(), emitted.keys().collect::<Vec<_>>(), "pair {seed}\n{context}");
@@ -485,9 +487,9 @@ fn owed_mm(judge: &Judge, way: &Way, sense: &[i8; 9]) -> f64 {
     if owed_mm > 0.0 { owed_mm + (error(target) - error(&way.start)).norm() } else { 0.0 }
 }
 
-/// The feed of all pieces is that of the block; with inverse-time feed they take its time together.
-fn check_feed(nominal: &[Way], ways: &[Way], worst: &mut Worst, seed: u64, context: &str) {
-    let feed = nominal[0].motion.feed;
+/// The feed of all pieces is that of the block; with inverse-time feed they take its time together, and so they do where rotary axes turn.
+fn check_feed(judge: &Judge, pair: &Pair, [nominal, ways]: [&[Way]; 2], worst: &mut Worst, context: &str) {
+    let (seed, feed) = (pair.seed, nominal[0].motion.feed);
     if nominal[0].motion.inverse_time {
         // Steps on the spot take time of their own.
         let Some(_) = ways.iter().find(|way| !way.is_on_the_spot) else {
@@ -496,11 +498,54 @@ fn check_feed(nominal: &[Way], ways: &[Way], worst: &mut Worst, seed: u64, conte
         };
         let time: f64 = ways.iter().filter(|way| !way.is_on_the_spot).map(|way| 1.0 / way.motion.feed).sum();
         let whole: f64 = nominal.iter().map(|way| 1.0 / way.motion.feed).sum();
-        worst.note("time of G93", (time / whole - 1.0).abs(), 1e-5, seed, &context);
-    } else if nominal.len() == 1 {
+        worst.note(
+            "time of G93",
+            (time / whole - 1.0).abs(),
+            1e-5 + ways.len() as f64 * MOST_FEED_MIN / whole,
+            seed,
+            &context,
+        );
+        return;
+    }
+    let turns = nominal.iter().any(|way| AXES.into_iter().any(|axis| axis.is_rotary() && turned(way, axis) != 0.0));
+    if turns && nominal.iter().all(|way| way.motion.arc.is_none()) {
+        let minutes = |ways: &[Way], is_tip: bool| -> f64 {
+            let of_way = |way: &Way| match way.motion {
+                motion if motion.inverse_time => 1.0 / motion.feed,
+                motion => counted(judge, pair.dialect, way, is_tip) / motion.feed,
+            };
+            ways.iter().filter(|way| !way.is_on_the_spot).map(of_way).sum()
+        };
+        let (before, after) = (
+            minutes(nominal, pair.is_transformed),
+            minutes(ways, pair.is_transformed && pair.options.five_axis == FiveAxis::Tcp),
+        );
+        let rounded = (4.0 * judge.increment_mm() / feed + MOST_FEED_MIN) * ways.len() as f64;
+        worst.note("time of turns", (after - before).abs(), 0.05 * before + rounded, seed, &context);
+    } else if !pair.is_transformed && nominal.len() == 1 {
         for way in ways {
             worst.note("feed", (way.motion.feed / feed - 1.0).abs(), 1e-5, seed, &context);
         }
+    }
+}
+
+fn turned(way: &Way, axis: Axis) -> f64 {
+    (way.motion.target[axis] - way.start[axis]).to_degrees()
+}
+
+/// The way for which a control takes a feed, mm or degrees: of the tip where the transformation is the control's, of all axes on a Fanuc,
+/// else of X, Y, Z, and of the rotary axes where nothing else moves.
+fn counted(judge: &Judge, dialect: &str, way: &Way, is_tip: bool) -> f64 {
+    let linear_mm = match way.motion.target {
+        target if is_tip => (judge.ideal(&target) - judge.ideal(&way.start)).norm(),
+        target => (target.xyz() - way.start.xyz()).norm(),
+    };
+    let turned_deg =
+        AXES.into_iter().filter(|axis| axis.is_rotary()).map(|axis| turned(way, axis).powi(2)).sum::<f64>().sqrt();
+    match dialect {
+        "fanuc" if !is_tip => linear_mm.hypot(turned_deg),
+        _ if linear_mm > NOISE_MM => linear_mm,
+        _ => turned_deg,
     }
 }
 

@@ -32,7 +32,8 @@ impl Writing {
         (source, hash): (&[u8], String),
     ) -> Result<Writing, Stop> {
         let entry = emit::entry(dialect).ok_or_else(|| unwritable(dialect))?;
-        let options = path::Options { turns: entry.turns, centers: entry.centers, start, ..options(choice) };
+        let options =
+            path::Options { turns: entry.turns, centers: entry.centers, feeds: entry.feeds, start, ..options(choice) };
         if options.frame == path::OutputFrame::Machine && !entry.has_machine_frame {
             return Err(Stop::Usage(format!(
                 "in the dialect '{dialect}' not every motion can be written in machine coordinates; leave out --frame machine \

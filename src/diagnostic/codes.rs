@@ -265,6 +265,10 @@ other.";
 "What the axes do at feed can only be told where the machine file says how they follow: [servo] with the interpolation cycle, the smoothing and the tolerance
 of corners of the control, and [servo.X] for every axis with its velocity gain, its feed-forward and its acceleration. The control shows them (Sinumerik MD32200,
 MD32610, MD32300); ncfix decompose finds gain and feed-forward in a trace. docs/servo.md has an example.";
+    FEED_OF_ANOTHER_WAY = "E0313" "feed would be that of the correction"
+"A cut turns rotary axes, and its feed is in degrees per minute or that of a short way of X, Y, Z. Controls take a feed for X, Y and Z where these move at all, so the
+micrometers of a correction would take the feed over, and the axes would turn as fast as they can. Such blocks are written with the time that they take (G93). That is not
+possible where the language has no G93 (Grundig), and where the feed is one per turn of the spindle (G95, G96).";
 
     BAD_TOML = "E0401" "machine file is no TOML"
 "The file breaks the rules of TOML 1.0 at this place.";

@@ -20,7 +20,7 @@ use std::io::{self, Write};
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::AXIS_COUNT;
-use crate::path::{Centers, Increments, Output, OutputFrame, Turns};
+use crate::path::{Centers, Feeds, Increments, Output, OutputFrame, Turns};
 
 /// What a writer must know beside the stream.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +63,8 @@ pub struct WriterEntry {
     pub turns: Turns,
     /// Where its controls have the center of an arc.
     pub centers: Centers,
+    /// For which way its controls take a feed.
+    pub feeds: Feeds,
     /// Whether every motion can be written in machine coordinates.
     pub has_machine_frame: bool,
 }

@@ -1,15 +1,16 @@
 //! The adapter: elements in, corrected pieces and the other elements out, in order, one move at a time.
 
+mod between;
+mod pace;
 mod write;
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{AxisSet, AxisVector};
 use crate::machine::Machine;
 use crate::model::Model;
-use crate::snc::{BlockNumber, Element, Kind, Manner, Move, Origin, Setup};
+use crate::snc::{BlockNumber, Element, Manner, Move, Origin};
 
 use super::check::Sampler;
 use super::cut::{fit_arc, fit_line, next_step};
@@ -21,7 +22,7 @@ use super::route::Route;
 use super::standing::Standing;
 use super::treatment::{Treatment, is_pushed_out};
 use super::trial::{Bench, Trial};
-use super::{Arcs, Increments, Options, Output, Piece, PoseSample, Prediction, Rapids, Subdivision, lost_axes};
+use super::{Arcs, Increments, Options, Output, Piece, PoseSample, Prediction, Rapids, Subdivision};
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -44,6 +45,7 @@ pub struct Corrector<'a, I> {
     findings: Findings<'a>,
     prediction: Prediction,
     poses: Poses,
+    pace: pace::Pace,
     scratch: Vec<f64>,
 }
 
@@ -58,6 +60,8 @@ struct Active {
     route: Route,
     /// Samples that the whole route needs.
     samples: f64,
+    /// Its time, where the correction may change for which way its feed is, min.
+    minutes: Option<f64>,
     /// Where the next piece begins.
     parameter: f64,
     /// Length of the last piece, as a parameter; the whole move before the first.
@@ -101,6 +105,7 @@ where
             findings: Findings::new(machine, options.max_correction_mm),
             prediction: Prediction::default(),
             poses: Poses::default(),
+            pace: pace::Pace::default(),
             scratch: Vec::with_capacity(64),
             options,
         }
@@ -122,42 +127,6 @@ where
     #[must_use]
     pub fn elements(&self) -> &I {
         &self.elements
-    }
-
-    fn take_in(&mut self, element: Element) {
-        match &element.kind {
-            Kind::Move(motion) => {
-                self.begin(&element, motion);
-                return;
-            }
-            Kind::Setup(setup) => self.set_up(Arc::clone(setup)),
-            Kind::Keep(word) if self.placer.drops(word) => {
-                self.pending.push_back(Ok(Output::Element(Element { kind: Kind::Empty, ..element })));
-                return;
-            }
-            _ => self.forget(lost_axes(&element, self.machine)),
-        }
-        self.pending.push_back(Ok(Output::Element(element)));
-    }
-
-    /// A tool change, or something that is not in the stream, moves axes: where they stand is unknown behind it.
-    fn forget(&mut self, axes: AxisSet) {
-        self.standing.known = self.standing.known.difference(axes);
-        self.standing.written = self.standing.written.difference(axes);
-        self.standing.state.forget(axes);
-        self.standing.nominal_state.forget(axes);
-    }
-
-    /// From here on coordinates mean something else; the machine stands where it stood.
-    fn set_up(&mut self, setup: Arc<Setup>) {
-        let standing = &mut self.standing;
-        standing.is_doubtful |= setup.tool_mm != self.placer.setup.tool_mm;
-        let (old, new) = (&self.placer.setup.frame, &setup.frame);
-        if old.linear() != new.linear() && !self.placer.is_machine_frame() {
-            standing.known = new.known_across(old.known_across(standing.known, false), true);
-            standing.written = standing.written.intersection(standing.known);
-        }
-        self.placer.set_up(setup, &standing.command, &mut standing.counts, &mut standing.written);
     }
 
     fn begin(&mut self, element: &Element, motion: &Move) {
@@ -185,6 +154,7 @@ where
             motion: Move { feed, named, known, ..*motion },
             treatment,
             samples,
+            minutes: self.placer.minutes(self.options.feeds, &route, motion, feed),
             route,
             parameter: 0.0,
             length: 1.0,
@@ -388,7 +358,13 @@ where
                 self.pending.extend(self.findings.take().map(Err));
                 continue;
             }
-            match self.elements.next()? {
+            let Some(item) = self.elements.next() else {
+                if self.end_pace() {
+                    continue;
+                }
+                return None;
+            };
+            match item {
                 Ok(element) => self.take_in(element),
                 Err(finding) => return Some(Err(finding)),
             }

@@ -13,6 +13,8 @@ const SAME_ANGLE: f64 = 1e-7;
 const USEFUL_CHORDS: f64 = 3.0;
 /// Halvings of a piece that turns rotary corrections too far.
 const MOST_HALVINGS: u32 = 8;
+/// The largest feed that is written, mm/min or 1/min: controls take six digits before the point. No axis is as fast.
+pub(super) const MOST_FEED: f64 = 999_999.0;
 /// Parameters nearer than this to each other are one place.
 const SAME_PARAMETER: f64 = 1e-9;
 
@@ -86,5 +88,5 @@ pub(super) fn next_step(route: &Route, from: f64, step_mm: f64) -> f64 {
 /// The reciprocal of a share of a time; a step that takes no time keeps that of the move.
 pub(super) fn of_share(feed: f64, share: f64) -> f64 {
     let feed = if share > 0.0 && share < 1.0 { feed / share } else { feed };
-    if feed < 1e6 { (feed * 1e6).round() / 1e6 } else { feed }
+    ((feed * 1e6).round() / 1e6).min(MOST_FEED)
 }

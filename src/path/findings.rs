@@ -164,6 +164,15 @@ impl<'a> Findings<'a> {
         self.report(origin, Code::SENSE_UNKNOWN, message, help);
     }
 
+    /// Says that a feed would be that of the correction.
+    pub(super) fn feed_of_another_way(&mut self, origin: &Origin) {
+        let message =
+            "rotary axes turn here, and with the correction the feed would be that of X, Y, Z beside them".to_owned();
+        let help = "the axes would turn as fast as they can, and this program cannot say here how long a block takes (G93): program \
+                    G94 before it, or turn the axes in rapid";
+        self.report(origin, Code::FEED_OF_ANOTHER_WAY, message, help.into());
+    }
+
     fn out_of_travel(&mut self, origin: &Origin, axis: Axis, position: f64, place: &str, (side, limit): (&str, f64)) {
         let unit = if axis.is_rotary() { "deg" } else { "mm" };
         let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };

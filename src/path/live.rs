@@ -212,7 +212,12 @@ impl<'a> Live<'a> {
             data.max_feed.filter(|feed| *feed > 0.0).map_or(0.0, |feed| way / feed)
         });
         let slowest = slowest.fold(0.0, f64::max);
-        let at_feed = if piece.rapid || piece.feed <= 0.0 { 0.0 } else { way_mm / piece.feed };
+        let at_feed = match piece.feed {
+            _ if piece.rapid => 0.0,
+            feed if feed <= 0.0 => 0.0,
+            feed if piece.inverse_time => feed.recip(),
+            feed => way_mm / feed,
+        };
         SECONDS_PER_MINUTE * at_feed.max(slowest)
     }
 }

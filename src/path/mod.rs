@@ -64,6 +64,8 @@ pub struct Options {
     pub turns: Turns,
     /// Where the control has the center of an arc.
     pub centers: Centers,
+    /// For which way the control takes a feed.
+    pub feeds: Feeds,
     /// What becomes of rapid moves.
     pub rapids: Rapids,
     /// What the emitted coordinates relate to.
@@ -88,6 +90,7 @@ impl Default for Options {
             arcs: Arcs::Keep,
             turns: Turns::Several,
             centers: Centers::OnBisector,
+            feeds: Feeds::OfLinear,
             rapids: Rapids::Ends,
             frame: OutputFrame::Work,
             five_axis: FiveAxis::Tcp,
@@ -139,6 +142,19 @@ pub enum Centers {
     OnBisector,
     /// As written: the way is a spiral.
     AsWritten,
+}
+
+/// For which way a control takes the feed of a block that turns rotary axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Feeds {
+    /// That of X, Y and Z; that of the rotary axes, in degrees, where nothing else moves (RS274/NGC; Sinumerik without FGROUP). A block may
+    /// say instead how long it takes (G93).
+    #[default]
+    OfLinear,
+    /// The same, and no block says how long it takes.
+    OfLinearOnly,
+    /// That of all axes, a degree counted as a millimeter, as Fanuc does; with G93 as well. Under a transformation that of the tip.
+    OfAll,
 }
 
 /// What becomes of rapid moves.
@@ -217,8 +233,10 @@ pub struct Piece {
     pub counts: [i64; AXIS_COUNT],
     /// Axes to write.
     pub words: AxisSet,
-    /// Feed in force, as in the source.
+    /// Feed in force, as in the source, or what [`Feeds`] makes of it.
     pub feed: f64,
+    /// Whether that is the reciprocal of a time, 1/min.
+    pub inverse_time: bool,
     /// Whether the source names the feed in the block and this is the first piece of it.
     pub feed_named: bool,
     /// How the words of A, B and C are written.

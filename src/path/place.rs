@@ -11,6 +11,7 @@ use crate::machine::{Kinematics, Machine, State};
 use crate::model::{Model, NotConverged, Solve};
 use crate::snc::{Move, Setup};
 
+use super::cut::MOST_FEED;
 use super::slope::Slope;
 use super::{Centers, FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
 
@@ -127,12 +128,12 @@ impl<'a> Placer<'a> {
     }
 
     /// Whether the emitted coordinates are those of the tip in the workpiece.
-    fn is_transformed(&self) -> bool {
+    pub(super) fn is_transformed(&self) -> bool {
         self.keeps_transform && self.setup.transform.is_some()
     }
 
     /// Feed of the axes for one of the tip, where the output has no transformation any more: the path feed of a control is that of X, Y, Z,
-    /// or of the rotary axes, in degrees, where only these move.
+    /// or of the rotary axes, in degrees, where only these move, or where the tip stays.
     pub(super) fn feed(&self, start: &AxisVector, motion: &Move) -> f64 {
         if self.keeps_transform || self.setup.transform.is_none() || motion.inverse_time {
             return motion.feed;
@@ -142,10 +143,10 @@ impl<'a> Placer<'a> {
         let tip_mm = (tip(end) - tip(start)).norm();
         let linear_mm = (end.xyz() - start.xyz()).norm();
         let rotary = ROTARY_AXES.map(|axis| (end[axis] - start[axis]).to_degrees());
-        let way =
-            if linear_mm > SHORT_MM { linear_mm } else { rotary.iter().map(|turn| turn * turn).sum::<f64>().sqrt() };
-        let ratio = if tip_mm > SHORT_MM && way > 0.0 { way / tip_mm } else { 1.0 };
-        (motion.feed * ratio * FEED_PARTS).round() / FEED_PARTS
+        let turned_deg = rotary.iter().map(|turn| turn * turn).sum::<f64>().sqrt();
+        let [way, of_tip] = [linear_mm, tip_mm].map(|way| if way > SHORT_MM { way } else { turned_deg });
+        let ratio = if way > 0.0 && of_tip > 0.0 { way / of_tip } else { 1.0 };
+        ((motion.feed * ratio * FEED_PARTS).round() / FEED_PARTS).min(motion.feed.max(MOST_FEED))
     }
 
     /// Whether a word is about the transformation, and not for an output without one.

@@ -155,6 +155,7 @@ impl Pair {
             arcs: if random.one_in(4) { Arcs::Chords } else { Arcs::Keep },
             turns: entry.turns,
             centers: entry.centers,
+            feeds: entry.feeds,
             rapids: random.of(&[Rapids::Ends, Rapids::Ends, Rapids::None, Rapids::All]),
             frame: if can_be_machine && random.one_in(4) { OutputFrame::Machine } else { OutputFrame::Work },
             five_axis: if dialect != "sinumerik" || random.one_in(2) { FiveAxis::Tcp } else { FiveAxis::Axes },

@@ -7,7 +7,7 @@ mod words;
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{AXIS_COUNT, Axis};
-use crate::path::{Centers, Output, OutputFrame, Turns};
+use crate::path::{Centers, Feeds, Output, OutputFrame, Turns};
 use crate::snc::BlockNumber;
 
 use super::line::Line;
@@ -31,6 +31,7 @@ pub(super) const ENTRY: WriterEntry = WriterEntry {
     create,
     turns: Turns::Several,
     centers: Centers::OnBisector,
+    feeds: Feeds::OfLinear,
     has_machine_frame: true,
 };
 

@@ -6,7 +6,7 @@
 use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
-use crate::path::{Centers, Turns};
+use crate::path::{Centers, Feeds, Turns};
 
 pub(super) const FLAVOUR: Flavour = Flavour {
     language: Language::Fanuc,
@@ -23,6 +23,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     // Turns beyond the first need the option for spirals.
     turns: Turns::One,
     centers: Centers::OnBisector,
+    feeds: Feeds::OfAll,
 };
 
 pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {

@@ -9,7 +9,7 @@
 use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
-use crate::path::{Centers, Turns};
+use crate::path::{Centers, Feeds, Turns};
 
 pub(super) const FLAVOUR: Flavour = Flavour {
     language: Language::Grundig,
@@ -25,6 +25,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     stops: StopWords { always: "", running: "", once: None, group: &[] },
     turns: Turns::OneFlat,
     centers: Centers::OnBisector,
+    feeds: Feeds::OfLinearOnly,
 };
 
 pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {

@@ -15,7 +15,7 @@ mod thread_tests;
 
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::AXIS_COUNT;
-use crate::path::{Centers, Output, Turns};
+use crate::path::{Centers, Feeds, Output, Turns};
 use crate::snc::{BlockNumber, Origin};
 
 use super::line::Line;
@@ -59,6 +59,8 @@ struct Flavour {
     turns: Turns,
     /// Where its controls have the center of an arc.
     centers: Centers,
+    /// For which way its controls take a feed.
+    feeds: Feeds,
 }
 
 impl Flavour {
@@ -68,6 +70,7 @@ impl Flavour {
             create,
             turns: self.turns,
             centers: self.centers,
+            feeds: self.feeds,
             has_machine_frame: false,
         }
     }

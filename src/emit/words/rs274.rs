@@ -6,7 +6,7 @@
 use super::super::stops::StopWords;
 use super::super::{Writer, WriterOptions};
 use super::{Flavour, Language};
-use crate::path::{Centers, Turns};
+use crate::path::{Centers, Feeds, Turns};
 
 pub(super) const FLAVOUR: Flavour = Flavour {
     language: Language::Rs274,
@@ -23,6 +23,7 @@ pub(super) const FLAVOUR: Flavour = Flavour {
     stops: StopWords { always: "G61.1", running: "G61", once: None, group: &["G61", "G61.1", "G64"] },
     turns: Turns::Several,
     centers: Centers::AsWritten,
+    feeds: Feeds::OfLinear,
 };
 
 pub(super) fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {

@@ -82,6 +82,7 @@ pub(super) fn line(axes: &[(Axis, i64)]) -> Piece {
         words: named,
         feed: 500.0,
         feed_named: false,
+        inverse_time: false,
         rotary_words: [RotaryWord::Plain; 3],
         in_machine_frame: false,
         manner: Manner::Path,

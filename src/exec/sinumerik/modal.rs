@@ -207,15 +207,16 @@ impl Modal {
         below.compose(&self.programmable)
     }
 
-    /// Gauge point to tip as the control sees it: L1, L2, L3 lie along the plane's axes (G17: Z, Y, X).
+    /// Gauge point to tip as the control sees it: L1, L2, L3 lie along applicate, ordinate, abscissa of the plane (G17: Z Y X, G18: Y X Z,
+    /// G19: X Z Y; Programming Manual NC programming, 12/2019, 3.13.3.4, tools that are neither for turning nor for grinding).
     pub(super) fn tool_mm(&self) -> Vector {
         let plane = self.tool_length_plane.unwrap_or(self.plane);
         let [abscissa, ordinate, applicate] = plane.axes();
         let mut tool = Vector::zeros();
         let [first, second, third] = self.length_mm;
         tool[applicate.slot()] = -first;
-        tool[ordinate.slot()] = if plane == Plane::XY { -second } else { -third };
-        tool[abscissa.slot()] = if plane == Plane::XY { -third } else { -second };
+        tool[ordinate.slot()] = -second;
+        tool[abscissa.slot()] = -third;
         tool
     }
 

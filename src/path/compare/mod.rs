@@ -307,7 +307,7 @@ impl Group<'_> {
             errors_mm: None,
             length_mm: 0.0,
             is_stated: self.step.is_counted,
-            feeds: [self.step.feed, piece.feed],
+            feeds: if self.step.inverse_time == piece.inverse_time { [self.step.feed, piece.feed] } else { [0.0; 2] },
             command: piece.route.end,
             tool: piece.tool.as_deref(),
             course,

@@ -20,6 +20,8 @@ pub(super) struct Step {
     pub(super) route: Route,
     pub(super) rapid: bool,
     pub(super) feed: f64,
+    /// Whether that is the reciprocal of a time.
+    pub(super) inverse_time: bool,
     /// What the coordinates of the program mean.
     pub(super) setup: Arc<Setup>,
     /// Written as machine coordinates.
@@ -149,6 +151,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 setup: Arc::clone(&self.setup),
                 in_machine_frame: motion.in_machine_frame,
                 feed: if motion.rapid { 0.0 } else { motion.feed },
+                inverse_time: motion.inverse_time,
                 tool_mm: self.tool_mm,
                 tool: self.tool.clone(),
                 state: self.state,

@@ -6,7 +6,6 @@ use crate::snc::{Element, Manner};
 
 use super::{Active, Corrector};
 use crate::path::Piece;
-use crate::path::cut::of_share;
 use crate::path::place::Placed;
 use crate::path::prediction::{sample_count, sample_place};
 use crate::path::rotary_word;
@@ -42,6 +41,7 @@ where
         }
         let arc = trial.and_then(|trial| trial.circle);
         let rotary_words = rotary_word::words(&self.placer, self.machine, standing, motion, placed);
+        let start = standing.command;
         standing.counts = placed.counts;
         standing.command = placed.command;
         standing.written = if is_reference { standing.written.union(motion.named) } else { motion.known };
@@ -53,7 +53,9 @@ where
             }
             return None;
         }
+        let (feed, inverse_time) = self.feed_of(active, [&start, &placed.command], share);
         self.prediction.pieces += 1;
+        let motion = &active.motion;
         Some(Piece {
             origin: active.origin,
             starts_block: first && active.starts_block,
@@ -65,7 +67,8 @@ where
             arc,
             counts: placed.counts,
             words,
-            feed: if motion.inverse_time { of_share(motion.feed, share) } else { motion.feed },
+            feed,
+            inverse_time,
             feed_named: first && motion.feed_named,
             rotary_words,
             in_machine_frame: motion.in_machine_frame,

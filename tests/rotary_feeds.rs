@@ -1,0 +1,123 @@
+//! The feed of cuts that turn rotary axes: what a control takes for every block, by the rules of its manual written out here, is what the
+//! program takes. LinuxCNC and Sinumerik take F for X, Y, Z where these move at all, else for the rotary axes in degrees.
+
+use ncfix::exec::{NoLibrary, Options};
+use ncfix::geometry::AxisVector;
+use ncfix::machine::Machine;
+use ncfix::model::file;
+use ncfix::snc::{Element, Kind};
+use ncfix::source::{FileId, Source};
+
+use crate::support::Shop;
+
+/// A table C under three axes, which runs out by 20 µm per radian.
+fn table(controller: &str, errors: &str) -> String {
+    let point = if controller == "fanuc" { "decimal_point = \"calculator\"\n" } else { "" };
+    format!(
+        "[machine]\nname = \"t\"\ntopology = \"wCFXYZSt\"\ncontroller = \"{controller}\"\n\
+         [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [-900, 900]\n\
+         [axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-900, 900]\n\
+         [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-900, 900]\n\
+         [axis.C]\ndirection = [0, 0, -1]\ntravel_deg = [-900, 900]\n\
+         [control]\nincrement_mm = 0.001\nincrement_deg = 0.001\n{point}[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n{errors}"
+    )
+}
+
+const ERRORS: &str = "[[motion]]\ncomponent = \"EXC\"\nkind = \"polynomial\"\ncoefficients = [0, 0.02]\n";
+
+/// The minutes that a control takes for the cuts of each block, by its number.
+fn minutes(name: &str, text: &str, machine: &Machine) -> Vec<(u32, f64)> {
+    let (elements, codes) = crate::iso::elements(name, text, machine, Box::new(NoLibrary), Options::default());
+    assert!(codes.is_empty(), "{codes:?}\n{text}");
+    let (mut at, mut number, mut taken) = (AxisVector::ZERO, 0, Vec::new());
+    for Element { number: found, kind, .. } in &elements {
+        number = found.map_or(number, |found| found.number);
+        let Kind::Move(motion) = kind else { continue };
+        let way = motion.target - at;
+        at = motion.target;
+        let linear_mm = way.xyz().norm();
+        let counted = if linear_mm > 1e-9 { linear_mm } else { way.0[8].abs().to_degrees() };
+        if !motion.rapid && counted > 0.0 {
+            let minutes = if motion.inverse_time { 1.0 / motion.feed } else { counted / motion.feed };
+            match taken.last_mut() {
+                Some((last, sum)) if *last == number => *sum += minutes,
+                _ => taken.push((number, minutes)),
+            }
+        }
+    }
+    taken
+}
+
+fn corrected(controller: &str, errors: &str, program: &str) -> (String, Vec<[f64; 2]>) {
+    let text = table(controller, errors);
+    let shop = Shop::new().file("t.toml", &text).file("in.nc", program);
+    shop.run(["in.nc", "-o", "out.nc", "--machine", "t.toml", "--dialect", controller]).exits(0);
+    let written = shop.text("out.nc");
+    let machine = file::load(&Source::new(FileId(0), "t.toml", text.into_bytes()).unwrap()).0.unwrap().0;
+    let [before, after] = [program, &written].map(|text| minutes(controller, text, &machine));
+    assert_eq!(before.len(), after.len(), "{written}");
+    let pairs = before.iter().zip(&after).map(|(&(number, before), &(other, after))| {
+        assert_eq!(number, other, "{written}");
+        [before, after]
+    });
+    (written.clone(), pairs.collect())
+}
+
+const PROGRAM: &str = "G21 G90 G94 G54\nN1 G0 X50 Y0 Z0 C0\nN10 G1 C90 F500\nN20 X60 F300\nN30 X60.01 C180 F20\nN40 S900 M3\nN50 G1 C0 F700\n\
+                       N60 G0 Z5\nN70 G1 C45 F700\nN80 X160 C90 F400\nM30\n";
+
+#[test]
+fn blocks_that_turn_an_axis_alone_take_the_time_that_they_took() {
+    for controller in ["rs274", "sinumerik"] {
+        let program = if controller == "sinumerik" { PROGRAM.replace("G21", "G17 G71") } else { PROGRAM.to_owned() };
+        let (text, minutes) = corrected(controller, ERRORS, &program);
+        // 90 degrees at 500 degrees a minute, 10 µm at 20 mm a minute, 180 and 45 degrees at 700.
+        for (block, wanted) in [(0, 90.0 / 500.0), (2, 0.01 / 20.0), (3, 180.0 / 700.0), (4, 45.0 / 700.0)] {
+            assert!((minutes[block][0] / wanted - 1.0).abs() < 1e-9, "{minutes:?}");
+        }
+        for [before, after] in &minutes {
+            assert!((after / before - 1.0).abs() < 0.01, "{controller}: {before} {after}\n{text}");
+        }
+        let lines: Vec<&str> = text.lines().filter(|line| line.contains("G93") || line.contains("G94")).collect();
+        // The program's own; then where only C turns, and back where X moves, words stand, or the program ends.
+        let modes: Vec<&str> =
+            lines.iter().flat_map(|line| line.split(' ')).filter(|word| ["G93", "G94"].contains(word)).collect();
+        assert_eq!(modes, ["G94", "G93", "G94", "G93", "G94", "G93", "G94"], "{text}");
+        assert!(lines[1].starts_with("N10 G93 G1"), "{text}");
+    }
+}
+
+#[test]
+fn a_control_that_counts_all_axes_needs_no_times() {
+    let (text, _) = corrected("fanuc", ERRORS, PROGRAM);
+    assert!(!text.contains("G93"), "{text}");
+}
+
+#[test]
+fn where_nothing_is_added_feeds_stay() {
+    for errors in ["", "[[motion]]\ncomponent = \"EXX\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-4]\n"] {
+        let (text, _) = corrected("rs274", errors, PROGRAM);
+        assert!(!text.contains("G93"), "{text}");
+    }
+}
+
+#[test]
+fn the_end_of_a_program_without_an_end_says_what_a_feed_is() {
+    let (text, _) = corrected("rs274", ERRORS, "G21 G90 G94 G54\nN1 G0 X50 Y0 Z0 C0\nN10 G1 C90 F500\n");
+    assert!(text.trim_end().ends_with("G94"), "{text}");
+}
+
+#[test]
+fn what_cannot_say_a_time_is_refused() {
+    let grundig = "%PM9001\nN9001\nN1 G17 G90 G71\nN2 G54\nN3 G0 X50 Y0 Z0 C0\nN4 G1 C90 F500\nN5 M30\n";
+    let turning = PROGRAM.replace("G21", "G71").replace("G94", "G95").replace("F500", "F5");
+    for (controller, program) in [("grundig", grundig), ("sinumerik", &turning)] {
+        let shop = Shop::new().file("t.toml", table(controller, ERRORS)).file("in.nc", program);
+        let run = shop.run(["in.nc", "-o", "out.nc", "--machine", "t.toml", "--dialect", controller]).exits(4);
+        run.says("E0313").says("rotary axes turn here");
+        assert!(!shop.names().contains(&"out.nc".to_owned()));
+        // Without errors nothing is added.
+        let shop = Shop::new().file("t.toml", table(controller, "")).file("in.nc", program);
+        shop.run(["in.nc", "-o", "out.nc", "--machine", "t.toml", "--dialect", controller]).exits(0);
+    }
+}
