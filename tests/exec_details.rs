@@ -28,11 +28,11 @@ fn lengths_of_a_tool_turn_with_the_plane() {
     ] {
         let (elements, codes) = execute(&format!("{plane} T5 D1\nG0 X1 Y2 Z3"), &machine, strict());
         assert!(codes.is_empty(), "{codes:?}");
-        let setups = elements.iter().filter_map(|element| match &element.kind {
+        let mut setups = elements.iter().filter_map(|element| match &element.kind {
             Kind::Setup(setup) => Some(setup.tool_mm),
             _ => None,
         });
-        assert_eq!(setups.last(), Some(wanted), "{plane}");
+        assert_eq!(setups.next_back(), Some(wanted), "{plane}");
     }
 }
 
@@ -200,11 +200,11 @@ fn lengths_by_words_replace_and_add() {
     let axis_z = |lengths: &str| {
         let text = format!("G21 G90 G17\nG0 X0 Y0 Z0\n{lengths}\nG0 Z1\nM2");
         let (found, _) = elements("rs274", &text, &iso_machine(), Box::new(NoLibrary), Options::default());
-        let setups = found.iter().filter_map(|element| match &element.kind {
+        let mut setups = found.iter().filter_map(|element| match &element.kind {
             Kind::Setup(setup) => Some(setup.tool_mm.z),
             _ => None,
         });
-        setups.last().unwrap()
+        setups.next_back().unwrap()
     };
     assert_eq!(axis_z("G43.1 Z5\nG43.1 Z3"), -3.0);
     assert_eq!(axis_z("G43.1 Z5\nG43.1 Z3\nG43.2 Z2"), -5.0);

@@ -37,6 +37,8 @@ const CLEAR: f64 = 0.5;
 const PLACES: usize = 12;
 /// The noise of the arithmetic, and what the readings of a program in inches or degrees leave, mm.
 const NOISE_MM: f64 = 2e-6;
+/// What is shorter is no way but the noise of a tip that stays, mm.
+const NO_WAY_MM: f64 = 1e-7;
 /// What a piece takes at the least, min or min/mm: feeds have six digits before the point.
 const MOST_FEED_MIN: f64 = 1e-6;
 /// An arc whose ends are nearer than this is a full circle, mm.
@@ -544,7 +546,7 @@ fn counted(judge: &Judge, dialect: &str, way: &Way, is_tip: bool) -> f64 {
         AXES.into_iter().filter(|axis| axis.is_rotary()).map(|axis| turned(way, axis).powi(2)).sum::<f64>().sqrt();
     match dialect {
         "fanuc" if !is_tip => linear_mm.hypot(turned_deg),
-        _ if linear_mm > NOISE_MM => linear_mm,
+        _ if linear_mm > NO_WAY_MM => linear_mm,
         _ => turned_deg,
     }
 }

@@ -19,8 +19,8 @@ use super::{Centers, FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
 const FEED_PARTS: f64 = 1e3;
 /// A count this near to a whole number is one: the noise of the arithmetic.
 const WHOLE_COUNT: f64 = 1e-4;
-/// Ways shorter than this have no direction, mm.
-const SHORT_MM: f64 = 1e-6;
+/// Ways shorter than this are the noise of the arithmetic, mm.
+pub(super) const SHORT_MM: f64 = 1e-7;
 
 /// A position that can be written: counts in the emitted frame, and the axis command that they stand for.
 #[derive(Clone, Copy, Debug, PartialEq)]

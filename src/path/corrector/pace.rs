@@ -13,7 +13,7 @@ use crate::snc::{BlockNumber, Element, Kind, Manner, Move, Origin};
 
 use super::{Active, Corrector};
 use crate::path::cut::of_share;
-use crate::path::place::Placer;
+use crate::path::place::{Placer, SHORT_MM};
 use crate::path::route::Route;
 use crate::path::{Feeds, Output};
 
@@ -21,8 +21,6 @@ use crate::path::{Feeds, Output};
 const SAME_SHARE: f64 = 0.05;
 /// Ways that differ by less than so many increments are the same: rounding changes them by two.
 const SAME_INCREMENTS: f64 = 3.0;
-/// Ways shorter than this are none, mm.
-const NO_WAY_MM: f64 = 1e-6;
 /// Codes that say what F counts. Those of the constant cutting speed among them: what they mean besides is left alone.
 const FEED_MODES: [&str; 13] =
     ["G93", "G94", "G95", "G96", "G97", "G961", "G962", "G971", "G972", "G973", "G942", "G952", "G931"];
@@ -50,7 +48,7 @@ impl Placer<'_> {
         let turned_deg = turned.iter().map(|turn| turn * turn).sum::<f64>().sqrt();
         match feeds {
             Feeds::OfAll if !self.is_transformed() => linear_mm.hypot(turned_deg),
-            _ if linear_mm > NO_WAY_MM => linear_mm,
+            _ if linear_mm > SHORT_MM => linear_mm,
             _ => turned_deg,
         }
     }
