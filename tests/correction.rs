@@ -1,7 +1,7 @@
 //! What the corrector does with moves: what stays, what is cut, what is said.
 
 use ncfix::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
-use ncfix::machine::{Machine, State};
+use ncfix::machine::{Machine, State, ToolChange};
 use ncfix::model::motion::Function;
 use ncfix::model::motion::periodic::Periodic;
 use ncfix::model::{ErrorModel, LocationError, Model};
@@ -314,6 +314,14 @@ fn behind_a_tool_change_nothing_is_known() {
     let of_line = |line| run.pieces.iter().filter(|piece| piece.origin.line == line).count();
     assert_eq!(of_line(4), 1, "the way from the tool change is nobody's knowledge");
     assert!(of_line(2) > 2 && of_line(5) == of_line(2));
+    // Where T changes the tool the same holds behind it, and only there.
+    let text = text.replace("M6", "T5");
+    let mut machine = xyz_machine();
+    for (change, pieces) in [(ToolChange::M6, of_line(2)), (ToolChange::T, 1)] {
+        machine.control.tool_change = change;
+        let run = correct(&text, &machine, &errors, Options::default());
+        assert_eq!(run.pieces.iter().filter(|piece| piece.origin.line == 4).count(), pieces, "{change:?}");
+    }
 }
 
 #[test]

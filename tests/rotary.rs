@@ -76,6 +76,17 @@ fn without_errors_the_words_say_the_same_way() {
     assert_eq!(words, ["C=ACP(350)", "C=DC(10)", "C=ACP(5)", "C=ACN(6)", "C=IC(800)", "C100"]);
 }
 
+/// A control that takes the shortest way to a plain position needs no word for it, but for ways of half a turn and more.
+#[test]
+fn where_plain_positions_are_shortest_ways_they_stay_plain() {
+    let mut machine = table();
+    machine.control.modulo_shortest = true;
+    let program = "G17 G90 G71 G54\nG0 X0 Y0 Z0 C=ACP(350)\nG1 C10 F500\nC300\nC=ACP(290)\nM30\n";
+    let text = corrected(program, &machine, &ErrorModel::default(), &Options::default()).text;
+    let words: Vec<&str> = text.split_whitespace().filter(|word| word.starts_with('C')).collect();
+    assert_eq!(words, ["C=ACP(350)", "C10", "C300", "C=ACP(290)"]);
+}
+
 /// An error of the angle repeats with every turn.
 #[test]
 fn errors_repeat_with_every_turn() {
