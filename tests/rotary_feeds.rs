@@ -101,6 +101,21 @@ fn where_nothing_is_added_feeds_stay() {
     }
 }
 
+/// FGROUP with a rotary axis makes its way part of the path, with the radius FGREF: a few micrometers change nothing then.
+#[test]
+fn a_program_that_says_for_which_axes_a_feed_is_keeps_it() {
+    for (words, is_by_time) in [
+        ("FGROUP(X,Y,Z,C) FGREF[C]=10", false),
+        ("FGROUP(X,Y)", true),
+        ("FGROUP(C)\nN7 FGROUP()", true),
+        ("fgroup( x , c )", false),
+    ] {
+        let program = format!("N1 G17 G71 G90 G94 G54\nN5 {words}\nN9 G0 X50 Y0 Z0 C0\nN10 G1 C90 F500\nN20 M30\n");
+        let text = corrected("sinumerik", ERRORS, &program).0;
+        assert_eq!(text.contains("G93"), is_by_time, "{text}");
+    }
+}
+
 #[test]
 fn the_end_of_a_program_without_an_end_says_what_a_feed_is() {
     let (text, _) = corrected("rs274", ERRORS, "G21 G90 G94 G54\nN1 G0 X50 Y0 Z0 C0\nN10 G1 C90 F500\n");

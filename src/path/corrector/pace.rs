@@ -8,7 +8,7 @@
 //! rotary axes: `G91 G1 X20. C40. F300.` takes √(20² + 40²) / 300 min.
 
 use crate::diagnostic::Diagnostic;
-use crate::geometry::{AxisVector, ROTARY_AXES};
+use crate::geometry::{Axis, AxisVector, ROTARY_AXES};
 use crate::snc::{BlockNumber, Element, Kind, Manner, Move, Origin};
 
 use super::{Active, Corrector};
@@ -29,13 +29,15 @@ const FEED_MODES: [&str; 13] =
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
     is_per_minute: bool,
+    /// The program has put rotary axes among those for whose way the feed is (FGROUP): it stays that with a correction.
+    counts_turns: bool,
     /// Since when the output says how long blocks take, where the program says how fast they are.
     by_time: Option<Origin>,
 }
 
 impl Default for Pace {
     fn default() -> Self {
-        Pace { is_per_minute: true, by_time: None }
+        Pace { is_per_minute: true, counts_turns: false, by_time: None }
     }
 }
 
@@ -76,7 +78,8 @@ where
         if motion.inverse_time {
             return (of_share(motion.feed, share), true);
         }
-        let is_by_time = active.minutes.is_some_and(|minutes| {
+        let minutes = active.minutes.filter(|_| !self.pace.counts_turns);
+        let is_by_time = minutes.is_some_and(|minutes| {
             let way = self.placer.counted(self.options.feeds, start, end);
             let (wanted, least) = (share * minutes * motion.feed, SAME_INCREMENTS * self.placer.increments.linear_mm);
             let is_off = (way - wanted).abs() > least.max(SAME_SHARE * wanted);
@@ -93,7 +96,7 @@ where
             let number = active.number.take().filter(|_| std::mem::take(&mut active.starts_block));
             self.change_pace(active.origin, number, is_by_time);
         }
-        match active.minutes.filter(|_| is_by_time) {
+        match minutes.filter(|_| is_by_time) {
             Some(minutes) => (of_share(minutes.recip(), share), true),
             None => (active.motion.feed, false),
         }
@@ -110,11 +113,25 @@ where
         if self.pace.by_time.is_some() && element.starts_block && !matches!(element.kind, Kind::Move(_)) {
             self.change_pace(element.origin, None, false);
         }
-        if let Kind::Keep(word) = element.kind
-            && FEED_MODES.contains(&word)
-        {
-            self.pace.is_per_minute = word == "G94";
+        match &element.kind {
+            Kind::Keep(word) if FEED_MODES.contains(word) => self.pace.is_per_minute = *word == "G94",
+            Kind::Verbatim(text) => {
+                if let Some(counts_turns) = self.counts_turns(text) {
+                    self.pace.counts_turns = counts_turns;
+                }
+            }
+            _ => {}
         }
+    }
+
+    /// Whether words put axes that turn, or that nobody knows, among those for whose way the feed is; `None` where they do not say.
+    fn counts_turns(&self, words: &[u8]) -> Option<bool> {
+        let words = String::from_utf8_lossy(words).to_ascii_uppercase();
+        let (axes, _) = words.split_once("FGROUP(")?.1.split_once(')')?;
+        let by_letter = |name: &str| name.bytes().next().filter(|_| name.len() == 1).and_then(Axis::from_letter);
+        let turns =
+            |name: &str| self.machine.axis_named(name).or_else(|| by_letter(name)).is_none_or(|axis| axis.is_rotary());
+        Some(axes.split(',').map(str::trim).filter(|name| !name.is_empty()).any(turns))
     }
 
     /// The same behind the last element; whether there was anything to say.
