@@ -337,9 +337,13 @@ fn a_killed_job_is_taken_up_again_above_the_part_and_leaves_nothing_out() {
         let old = shop.run(["resume", "part.ngc.journal.old"]);
         assert!(old.code == 2 && old.stderr.contains("was taken up again"), "{old:?}");
         let all = bench.executed();
-        let second = &all[first.len()..];
         let before: Vec<&str> = plan["before"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
         let planned = corrected(&shop, "part.ngc", &["--machine", &mill]);
+        // On a busy computer a line of the first job may still be on its way when the second begins; it comes first, in its order.
+        let late =
+            all[first.len()..].iter().position(|line| before.first() == Some(&line.as_str())).unwrap_or_default();
+        let (before_it, second) = all.split_at(first.len() + late);
+        assert!(before_it.len() <= sent && planned.starts_with(before_it), "{:?}", &before_it[first.len()..]);
         assert_eq!(second[..before.len()], before, "the way there");
         // The rest is the end of the program, and begins where it was carried out for sure.
         let rest = &second[before.len()..];
