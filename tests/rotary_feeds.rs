@@ -79,11 +79,35 @@ fn blocks_that_turn_an_axis_alone_take_the_time_that_they_took() {
             assert!((after / before - 1.0).abs() < 0.01, "{controller}: {before} {after}\n{text}");
         }
         let lines: Vec<&str> = text.lines().filter(|line| line.contains("G93") || line.contains("G94")).collect();
-        // The program's own; then where only C turns, and back where X moves, words stand, or the program ends.
+        // The program's own; then where only C turns, and back where X moves. The end of the program ends the mode.
         let modes: Vec<&str> =
             lines.iter().flat_map(|line| line.split(' ')).filter(|word| ["G93", "G94"].contains(word)).collect();
-        assert_eq!(modes, ["G94", "G93", "G94", "G93", "G94", "G93", "G94"], "{text}");
-        assert!(lines[1].starts_with("N10 G93 G1"), "{text}");
+        assert_eq!(modes, ["G94", "G93", "G94", "G93", "G94"], "{text}");
+        assert!(lines[1].starts_with("N10 G93 G1") && lines[2].starts_with("N20 G94 G1"), "{text}");
+    }
+}
+
+/// What acts in one block stays in the line of its motion: machine coordinates, an exact stop at the last piece.
+#[test]
+fn words_of_one_block_stay_with_their_motion() {
+    for word in ["SUPA", "G153", "G53"] {
+        let program = format!(
+            "N1 G17 G71 G90 G94 G54\nN2 G0 X30 Y0 Z20 C0\nN10 {word} G1 C50 F500\nN20 G1 C45\nN30 G9 G1 C90\nN40 G1 X35 F300 M8\nN50 G1 C5 F500 M30\n"
+        );
+        let text = table("sinumerik", ERRORS).replace("[zero_offset.G54]\nX_mm = 0", "[zero_offset.G54]\nX_mm = 7");
+        let shop = Shop::new().file("t.toml", &text).file("in.nc", &program);
+        shop.run(["in.nc", "-o", "out.nc", "--machine", "t.toml"]).exits(0);
+        let written = shop.text("out.nc");
+        // The judge executes both: where the machine coordinates were lost, the programs would differ by the zero offset.
+        shop.run(["verify", "in.nc", "out.nc", "--machine", "t.toml"]).exits(0);
+        let lines: Vec<&str> = written.lines().collect();
+        let first = lines.iter().position(|line| line.starts_with("N10")).unwrap();
+        assert!(lines[first].starts_with(&format!("N10 {word} G93 G1")), "{written}");
+        let behind = lines[first + 1..].iter().take_while(|line| !line.starts_with('N'));
+        assert!(behind.clone().count() > 0 && behind.clone().all(|line| line.starts_with(word)), "{written}");
+        let stop = lines.iter().position(|line| line.contains("G9 ")).unwrap();
+        assert!(lines[stop].contains('C') && lines[stop + 1].starts_with("N40 G94 G1"), "{written}");
+        assert!(lines.last().unwrap().contains("M30"), "{written}");
     }
 }
 

@@ -60,8 +60,8 @@ struct Active {
     route: Route,
     /// Samples that the whole route needs.
     samples: f64,
-    /// Its time, where the correction may change for which way its feed is, min.
-    minutes: Option<f64>,
+    /// Its time, where the correction may change for which way its feed is.
+    pacing: Option<pace::Pacing>,
     /// Where the next piece begins.
     parameter: f64,
     /// Length of the last piece, as a parameter; the whole move before the first.
@@ -154,7 +154,7 @@ where
             motion: Move { feed, named, known, ..*motion },
             treatment,
             samples,
-            minutes: self.placer.minutes(self.options.feeds, &route, motion, feed),
+            pacing: self.placer.pacing(self.options.feeds, &route, motion, feed),
             route,
             parameter: 0.0,
             length: 1.0,

@@ -168,8 +168,8 @@ impl<'a> Findings<'a> {
     pub(super) fn feed_of_another_way(&mut self, origin: &Origin) {
         let message =
             "rotary axes turn here, and with the correction the feed would be that of X, Y, Z beside them".to_owned();
-        let help = "the axes would turn as fast as they can, and this program cannot say here how long a block takes (G93): program \
-                    G94 before it, or turn the axes in rapid";
+        let help = "the axes would turn as fast as they can, and this program cannot say here how long a block takes (G93): turn \
+                    the axes in rapid, or with a feed in G94 on a control that has G93";
         self.report(origin, Code::FEED_OF_ANOTHER_WAY, message, help.into());
     }
 
