@@ -50,7 +50,7 @@ fn three_axes() -> Shop {
     Shop::new().file("true.toml", format!("{start}{ERRORS}")).file("start.toml", start)
 }
 
-fn simulate(shop: &Shop, plan: &str, output: &str, noise: &str, seed: &str) {
+pub(crate) fn simulate(shop: &Shop, plan: &str, output: &str, noise: &str, seed: &str) {
     let arguments = ["simulate", plan, "-o", output, "--machine", "true.toml", "--noise", noise, "--seed", seed];
     shop.run(arguments).exits(0);
 }
@@ -162,7 +162,7 @@ const SIX: &[(&str, f64)] =
     &[("EC0X", 16.0), ("EB0Z", -12.0), ("EA0Z", 9.0), ("EXX1", 32.0), ("EYY1", -21.0), ("EZZ1", 11.0)];
 
 /// The errors that six parameters can say.
-fn circles() -> Shop {
+pub(crate) fn circles() -> Shop {
     let errors: String = ERRORS.split("[[motion]]").take(4).collect::<Vec<_>>().join("[[motion]]");
     let errors = errors.replace(", -4.0e-8", "");
     Shop::new()

@@ -8,6 +8,7 @@ use std::os::unix::process::ExitStatusExt as _;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::cli_calibrate::{circles, simulate};
 use crate::support::Shop;
 
 /// Kills of a short run; `NCFIX_KILLS` says how many others.
@@ -161,6 +162,30 @@ fn folders_that_cannot_be_written_are_said() {
     shop.run(["in.mpf", "-o", "out.mpf"]).exits(2).says("cannot write out.mpf: it is write-protected");
     assert!(shop.bytes("out.mpf") == OLD);
     assert_eq!(shop.names(), ["in.mpf", "out.mpf"]);
+}
+
+/// What is written beside a program or a machine file is written with it, or neither is.
+#[test]
+fn a_page_that_cannot_be_written_leaves_everything_as_it_was() {
+    let shop = circles().file("in.mpf", program(10, 0.0)).file("out.mpf", OLD).file("new.toml", OLD);
+    simulate(&shop, "plan.csv", "circles.csv", "0.3um", "5");
+    let calibrate = ["calibrate", "circles.csv", "--machine", "start.toml", "--model", "model.txt", "-o", "new.toml"];
+    let diagnose = ["diagnose", "circles.csv", "--machine", "start.toml", "-o", "new.toml"];
+    let (names, before) = (shop.names(), shop.bytes("in.mpf"));
+    for page in ["/dev/full", "/proc/page.html"] {
+        let said = format!("cannot write {page}: ");
+        shop.run(["in.mpf", "-o", "out.mpf", "--review", page]).exits(2).says(&said);
+        shop.run(["in.mpf", "--in-place", "--review", page]).exits(2).says(&said);
+        shop.run([&calibrate[..], &["--report", page]].concat()).exits(2).says(&said);
+        shop.run([&calibrate[..], &["--svg", "/proc/pictures"]].concat()).exits(2).says("cannot write /proc/pictures");
+        shop.run([&diagnose[..], &["--report", page]].concat()).exits(2).says(&said);
+        assert_eq!(shop.names(), names, "{page}");
+        assert!(shop.bytes("out.mpf") == OLD && shop.bytes("new.toml") == OLD, "{page}");
+        assert!(shop.bytes("in.mpf") == before, "{page}");
+    }
+    // With a page that can be written all is written.
+    shop.run([&diagnose[..], &["--report", "page.html"]].concat()).exits(0);
+    assert!(shop.bytes("new.toml") != OLD && shop.path("page.html").exists());
 }
 
 #[test]

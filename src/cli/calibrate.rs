@@ -11,7 +11,7 @@ use super::identifiable;
 use super::input::{self, is_standard_stream, one_stream};
 use super::machine_choice::{self, Chosen, short_hash};
 use super::measurement::{self, Measurement};
-use super::output::{Spool, Target};
+use super::output::{Target, Together};
 use super::pages::Pages;
 use super::stop::Stop;
 use super::{conditions, figures, parameters, print, repeated, select, state, tell};
@@ -42,10 +42,12 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
     let version = env!("CARGO_PKG_VERSION");
     let mut report = calibration::Calibration { model: arguments.model.clone(), version, ..Default::default() };
     let page = Pages::new(&arguments.page, Some(&arguments.output), arguments.json)?;
-    let mut result = calibrate(arguments, page.as_ref(), &mut findings, &mut report);
+    let mut files = Together::default();
+    let mut result = calibrate(arguments, page.as_ref(), &mut files, &mut findings, &mut report);
     if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
-        result = calibrated_report::write(page, arguments, &findings, &mut report);
+        result = calibrated_report::write(page, arguments, &mut files, &findings, &mut report);
     }
+    result = result.and_then(|()| files.publish());
     if result.is_ok() && arguments.json {
         report.diagnostics = findings.json();
         print(&json::line(&report).map_err(Stop::Usage)?)?;
@@ -66,15 +68,16 @@ pub(super) fn run(arguments: &CalibrateArguments) -> Result<ExitCode, Stop> {
 fn calibrate(
     arguments: &CalibrateArguments,
     page: Option<&Pages>,
+    files: &mut Together,
     findings: &mut Findings,
     report: &mut calibration::Calibration,
 ) -> Result<(), Stop> {
     let target = Target::new(&arguments.output)?;
     let start = input::read_written(&arguments.machine, MACHINE, "machine file, --machine")?;
     let chosen = machine_choice::read(&start, &[], findings)?;
-    let files = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
+    let read = std::iter::once(&arguments.machine).chain(&arguments.state.state).cloned().collect();
     let tables = arguments.data.iter().chain(&arguments.hold_out);
-    measurement::protect_inputs(std::iter::once(&target).chain(page.and_then(Pages::target)), files, tables, findings)?;
+    measurement::protect_inputs(std::iter::once(&target).chain(page.and_then(Pages::target)), read, tables, findings)?;
     if page.is_some() && findings.has_errors() {
         return Ok(());
     }
@@ -132,11 +135,7 @@ fn calibrate(
         return Ok(());
     }
     let text = job.text(&start, &fit, &all)?;
-    let mut spool = Spool::new(target)?;
-    if let Err(error) = spool.writer().write_all(text.as_bytes()) {
-        return Err(spool.fault(&error));
-    }
-    spool.publish(false)?;
+    files.add(target, text.as_bytes())?;
     report.output = Some(arguments.output.display().to_string());
     Ok(())
 }

@@ -4,6 +4,7 @@ use super::arguments::CalibrateArguments;
 use super::findings::Findings;
 use super::machine_choice::short_hash;
 use super::measurement::Measurement;
+use super::output::Together;
 use super::pages::Pages;
 use super::stop::Stop;
 use crate::calibrate::{Compared, Fit, Quality};
@@ -17,18 +18,19 @@ use crate::report::page;
 use crate::source::Source;
 use crate::units::{um_from_mm, urad_from_rad};
 
-/// Writes the page, also one that says only why there is no machine file.
+/// Adds the page to what is written, also one that says only why there is no machine file.
 ///
 /// # Errors
 /// Where it cannot be written.
 pub(super) fn write(
     pages: Pages,
     arguments: &CalibrateArguments,
+    files: &mut Together,
     findings: &Findings,
     report: &mut Calibration,
 ) -> Result<(), Stop> {
     report.diagnostics = findings.json();
-    pages.publish(&page::calibration::calibration(report))?;
+    pages.add(&page::calibration::calibration(report), files)?;
     report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
     Ok(())
 }

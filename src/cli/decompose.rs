@@ -7,7 +7,7 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::{self, is_standard_stream, one_stream};
 use super::machine_choice::{self, Chosen};
-use super::output::{Spool, Target};
+use super::output::{Target, Together};
 use super::pages::{self, Pages};
 use super::progress::Progress;
 use super::stop::Stop;
@@ -27,14 +27,16 @@ pub(super) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, Stop> {
     let mut findings = Findings::default();
     let mut report = Decomposition { schema: SCHEMA, ..Decomposition::default() };
     let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
-    let mut result = find(arguments, page.as_ref(), &mut findings, &mut report);
+    let mut files = Together::default();
+    let mut result = find(arguments, page.as_ref(), &mut files, &mut findings, &mut report);
     report.diagnostics = findings.json();
     if let (Some(page), Ok(())) = (page.filter(|_| !report.inputs.is_empty()), &result) {
-        result = page.publish(&page::decomposition::decomposition(&report));
+        result = page.add(&page::decomposition::decomposition(&report), &mut files);
         if result.is_ok() {
             report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
         }
     }
+    result = result.and_then(|()| files.publish());
     if result.is_ok() && arguments.json {
         print(&json::line(&report).map_err(Stop::Usage)?)?;
         return Ok(findings.exit_code());
@@ -58,6 +60,7 @@ pub(super) fn run(arguments: &DecomposeArguments) -> Result<ExitCode, Stop> {
 fn find(
     arguments: &DecomposeArguments,
     page: Option<&Pages>,
+    files: &mut Together,
     findings: &mut Findings,
     report: &mut Decomposition,
 ) -> Result<(), Stop> {
@@ -68,10 +71,10 @@ fn find(
     if target.is_some() && chosen.is_demo {
         return Err(Stop::Usage("-o extends a machine file; give it with --machine".into()));
     }
-    let mut files = chosen.files.clone();
-    files.extend(trace::files(&arguments.traces));
+    let mut inputs = chosen.files.clone();
+    inputs.extend(trace::files(&arguments.traces));
     for target in target.iter().chain(page.and_then(Pages::target)) {
-        program::protect(target, &files, findings);
+        program::protect(target, &inputs, findings);
     }
     let options = options(arguments, &chosen.machine)?;
     if findings.has_errors() {
@@ -101,7 +104,8 @@ fn find(
         Ok(found) => {
             decomposed::fill(&found, &whole, report);
             if let (Some(target), Some(name)) = (target, &arguments.output) {
-                extend(&chosen, &found, (target, name), findings, report)?;
+                let to = (target, name.as_path(), files);
+                extend(&chosen, &found, to, findings, report)?;
             }
         }
         Err(fault) => findings.add(told(&fault), &sources),
@@ -145,11 +149,11 @@ fn options(arguments: &DecomposeArguments, machine: &Machine) -> Result<Options,
     })
 }
 
-/// Writes the machine file with what gives way.
+/// Adds the machine file with what gives way to what is written.
 fn extend(
     chosen: &Chosen,
     found: &decompose::Decomposition,
-    (target, name): (Target, &Path),
+    (target, name, files): (Target, &Path, &mut Together),
     findings: &mut Findings,
     report: &mut Decomposition,
 ) -> Result<(), Stop> {
@@ -163,11 +167,7 @@ fn extend(
     let name = name.display().to_string();
     match decomposed::extended(old.bytes(), found) {
         Some(text) => {
-            let mut spool = Spool::new(target)?;
-            if let Err(error) = spool.writer().write_all(text.as_bytes()) {
-                return Err(spool.fault(&error));
-            }
-            spool.publish(false)?;
+            files.add(target, text.as_bytes())?;
             report.output = Some(name);
         }
         None => {

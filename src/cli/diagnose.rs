@@ -9,7 +9,7 @@ use super::findings::Findings;
 use super::input::{self, is_standard_stream, one_stream};
 use super::machine_choice::{self, Chosen};
 use super::measurement::{self, Measurement};
-use super::output::Target;
+use super::output::{Target, Together};
 use super::pages::Pages;
 use super::progress::Progress;
 use super::stop::Stop;
@@ -40,14 +40,16 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
     let mut report = diagnosis::Diagnosis { schema: SCHEMA, unit: "um", ..Default::default() };
     let mut shown = Shown { version: env!("CARGO_PKG_VERSION"), ..Shown::default() };
     let page = Pages::new(&arguments.page, arguments.output.as_deref(), arguments.json)?;
-    let mut result = find(arguments, page.as_ref(), &mut findings, &mut report, &mut shown);
+    let mut files = Together::default();
+    let mut result = find(arguments, (page.as_ref(), &mut files), &mut findings, &mut report, &mut shown);
     if let (Some(page), Ok(())) = (page.filter(|_| !shown.inputs.is_empty()), &result) {
         report.diagnostics = findings.json();
-        result = page.publish(&page::diagnosis::diagnosis(&report, &shown));
+        result = page.add(&page::diagnosis::diagnosis(&report, &shown), &mut files);
         if result.is_ok() {
             report.report = arguments.page.report.as_ref().map(|path| path.display().to_string());
         }
     }
+    result = result.and_then(|()| files.publish());
     if result.is_ok() && arguments.json {
         report.diagnostics = findings.json();
         if report.readings == 0 {
@@ -75,7 +77,7 @@ pub(super) fn run(arguments: &DiagnoseArguments) -> Result<ExitCode, Stop> {
 
 fn find(
     arguments: &DiagnoseArguments,
-    page: Option<&Pages>,
+    (page, files): (Option<&Pages>, &mut Together),
     findings: &mut Findings,
     report: &mut diagnosis::Diagnosis,
     shown: &mut Shown,
@@ -163,7 +165,7 @@ fn find(
     }
     if let (Some(target), Some(made)) = (target, made) {
         report.findings.iter_mut().zip(&made.why_not).for_each(|(one, why_not)| one.extends = why_not.is_none());
-        let is_written = made.write(target, findings)?;
+        let is_written = made.write(target, files, findings)?;
         report.output = arguments.output.as_ref().filter(|_| is_written).map(|path| path.display().to_string());
     }
     Ok(())

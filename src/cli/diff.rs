@@ -9,7 +9,6 @@ mod text;
 use super::arguments::DiffArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
-use super::output::Target;
 use super::pair::{Outcome, Pair};
 use super::stop::Stop;
 use super::{pages, print, program, tell};
@@ -18,6 +17,7 @@ use crate::report::json;
 use crate::report::review::{Limit, Review};
 use crate::report::verdict::Verdict;
 use crate::review::Trace;
+use crate::source::Source;
 
 use job::Job;
 use listing::Listing;
@@ -26,7 +26,7 @@ use pager::Page;
 /// Rows in the object for programs where nothing else is said.
 const ROWS_OF_JSON: usize = 20;
 /// A line of a corrected program is hardly shorter, bytes.
-const LEAST_LINE: u64 = 16;
+const LEAST_LINE: usize = 16;
 
 /// Compares two programs.
 pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
@@ -39,7 +39,9 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     if let Some(target) = &target {
         program::protect(target, [&arguments.original, &arguments.corrected], &mut findings);
     }
-    let Some((trace, outcome)) = compare(arguments, target.is_some(), &mut findings)? else {
+    // Both are read before anything else: a file that is missing is the first thing to know.
+    let sources = [program::read(&arguments.original)?, program::read(&arguments.corrected)?];
+    let Some((trace, outcome)) = compare(arguments, sources, target.is_some(), &mut findings)? else {
         if arguments.json {
             let review = Review { schema: 1, diagnostics: findings.json(), ..Review::default() };
             print(&json::line(&review).map_err(Stop::Usage)?)?;
@@ -67,7 +69,7 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         review.diagnostics = findings.json();
     }
     if let Some(target) = target {
-        page::write(target, &review, &trace, &outcome, journal.as_ref())?;
+        pages::publish(target, &page::text(&review, &trace, (&outcome, corrected), journal.as_ref())?)?;
     }
     if arguments.json {
         print(&json::line(&review).map_err(Stop::Usage)?)?;
@@ -91,10 +93,11 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
 /// Walks both programs; `None` where findings forbid it.
 fn compare(
     arguments: &DiffArguments,
+    sources: [Source; 2],
     has_places: bool,
     findings: &mut Findings,
 ) -> Result<Option<(Trace, Outcome)>, Stop> {
-    let mut trace = room_for(&arguments.corrected, has_places);
+    let mut trace = Trace::new(sources[1].bytes().len() / LEAST_LINE, has_places);
     let pair = Pair {
         original: &arguments.original,
         corrected: &arguments.corrected,
@@ -103,31 +106,24 @@ fn compare(
         program: &arguments.program,
         at_feed: false,
     };
-    let outcome = pair.compare(findings, &mut |follow| trace.see(&follow, has_places))?;
+    let outcome = pair.compare(sources, findings, &mut |follow| trace.see(&follow, has_places))?;
     Ok(outcome.filter(|_| !findings.has_errors()).map(|outcome| (trace, outcome)))
 }
 
-/// Writes the page of a program that was just corrected, and says what it says; `None` where findings forbid it. `limit` is what the correction was
-/// allowed.
+/// What the page of a program that was just corrected says, and the page; `None` where findings forbid it. `limit` is what the correction was allowed.
 pub(super) fn review(
     arguments: &DiffArguments,
+    sources: [Source; 2],
     limit: impl FnOnce(&Trace) -> Limit,
-    target: Target,
     findings: &mut Findings,
-) -> Result<Option<Verdict>, Stop> {
-    let Some((trace, outcome)) = compare(arguments, true, findings)? else { return Ok(None) };
+) -> Result<Option<(Verdict, String)>, Stop> {
+    let Some((trace, outcome)) = compare(arguments, sources, true, findings)? else { return Ok(None) };
     let Some(corrected) = outcome.sources[1].first() else { return Ok(None) };
     let mut review = Job { arguments, trace: &trace, outcome: &outcome, corrected }.review(findings);
     review.limits.push(limit(&trace));
     review.verdict = Verdict::of(&review);
     let listing = Listing::new(arguments, &trace.rows, &outcome.sources[0], corrected);
     (review.rows, review.more_rows) = listing.some(ROWS_OF_JSON);
-    page::write(target, &review, &trace, &outcome, None)?;
-    Ok(Some(review.verdict))
-}
-
-/// For as many rows as a corrected program may have lines.
-pub(super) fn room_for(corrected: &std::path::Path, has_places: bool) -> Trace {
-    let bytes = std::fs::metadata(corrected).map_or(0, |data| data.len());
-    Trace::new(usize::try_from(bytes / LEAST_LINE).unwrap_or(0), has_places)
+    let page = page::text(&review, &trace, (&outcome, corrected), None)?;
+    Ok(Some((review.verdict, page)))
 }

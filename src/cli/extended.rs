@@ -5,7 +5,7 @@ use super::findings::Findings;
 use super::identifiable;
 use super::input;
 use super::machine_choice::Chosen;
-use super::output::{Spool, Target};
+use super::output::{Target, Together};
 use super::stop::Stop;
 use crate::calibrate::{Fit, Options, Parameter, fit};
 use crate::diagnose::extend::{Anchor, Change, again, cleaned, note};
@@ -43,17 +43,10 @@ pub(super) struct Made {
 }
 
 impl Made {
-    /// Writes it; findings say why not. Whether it was written.
-    pub(super) fn write(self, target: Target, findings: &mut Findings) -> Result<bool, Stop> {
+    /// Adds it to what is written; findings say why not. Whether it will be.
+    pub(super) fn write(self, target: Target, files: &mut Together, findings: &mut Findings) -> Result<bool, Stop> {
         match self.text {
-            Ok(text) => {
-                let mut spool = Spool::new(target)?;
-                if let Err(error) = spool.writer().write_all(text.as_bytes()) {
-                    return Err(spool.fault(&error));
-                }
-                spool.publish(false)?;
-                Ok(true)
-            }
+            Ok(text) => files.add(target, text.as_bytes()).map(|()| true),
             Err((message, help)) => {
                 findings.add(Diagnostic::nowhere(Code::NOT_TOLD, message, help), &[]);
                 Ok(false)

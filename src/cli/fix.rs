@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::panic::resume_unwind;
-use std::path::PathBuf;
 use std::time::Instant;
 
 use super::arguments::{DiffArguments, FixArguments};
@@ -12,7 +11,7 @@ use super::findings::Findings;
 use super::input::is_standard_stream;
 use super::lanes::{self, Lanes};
 use super::machine_choice::{self, Chosen, short_hash};
-use super::output::{Spool, Target};
+use super::output::{Spool, Target, Together, next_backup};
 use super::program::{self, Opened, Running};
 use super::state;
 use super::stop::Stop;
@@ -46,10 +45,7 @@ pub(super) fn run(arguments: &FixArguments) -> Result<ExitCode, Stop> {
         print(&json::line(&report).map_err(Stop::Usage)?)?;
     } else {
         findings.draw();
-        if report.output.is_some() && findings.has_errors() {
-            tell(&report.table());
-            tell(&format!("{}; the program was written, its review was not\n", findings.count()));
-        } else if findings.has_errors() {
+        if findings.has_errors() {
             tell(&format!("{}; nothing was written\n", findings.count()));
         } else {
             tell(&report.table());
@@ -132,11 +128,19 @@ impl<'a> Job<'a> {
             *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
             return Ok(());
         }
+        let page = self.review(&mut spool, findings, report)?;
+        if findings.has_errors() {
+            *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
+            return Ok(());
+        }
+        // The page first: a program that is there has its review.
+        spool.settle()?;
+        page.publish()?;
         if let Some(backup) = spool.publish(arguments.in_place)? {
             report.backup = Some(backup.display().to_string());
         }
         report.output = Some(self.target_name.clone());
-        self.review(findings, report)
+        Ok(())
     }
 
     /// A page that would be written over the program.
@@ -148,17 +152,17 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Executes both programs as they are on the disk now, and writes the page about what was changed.
-    fn review(&self, findings: &mut Findings, report: &mut Correction) -> Result<(), Stop> {
-        let Some(page) = &self.page else { return Ok(()) };
-        // Two names of one file may be told only now that it is there.
-        self.keep_apart(page, findings);
-        if findings.has_errors() {
-            return Ok(());
-        }
+    /// Executes both programs as they were read and will be written, and gives the page about what was changed.
+    fn review(&self, spool: &mut Spool, findings: &mut Findings, report: &mut Correction) -> Result<Together, Stop> {
+        let mut together = Together::default();
+        let Some(page) = &self.page else { return Ok(together) };
         let arguments = self.arguments;
-        let original = report.backup.as_ref().map_or_else(|| arguments.input.clone(), PathBuf::from);
+        let kept = arguments.in_place.then(|| next_backup(&arguments.input)).flatten();
+        let original = kept.unwrap_or_else(|| arguments.input.clone());
         let corrected = arguments.output.clone().unwrap_or_else(|| arguments.input.clone());
+        let text = Source::new(self.source.id(), &self.target_name, spool.text()?)
+            .map_err(|_| Stop::Usage(format!("{} is too long for a review", self.target_name)))?;
+        let sources = [self.source.clone(), text];
         let comparison = DiffArguments::of_fix(arguments, original, corrected);
         let allowed_um = um_from_mm(arguments.correction.max_correction);
         let limit = |trace: &Trace| {
@@ -169,14 +173,15 @@ impl<'a> Job<'a> {
         };
         // What was found in the program is known already, and is found again.
         let mut again = Findings::default();
-        let verdict = diff::review(&comparison, limit, page.clone(), &mut again)?;
-        if verdict.is_none() {
-            findings.absorb(again);
-        } else {
-            report.review = arguments.review.as_ref().map(|path| path.display().to_string());
+        match diff::review(&comparison, sources, limit, &mut again)? {
+            Some((verdict, text)) => {
+                together.add(page.clone(), text.as_bytes())?;
+                report.review = arguments.review.as_ref().map(|path| path.display().to_string());
+                report.verdict = Some(verdict);
+            }
+            None => findings.absorb(again),
         }
-        report.verdict = verdict;
-        Ok(())
+        Ok(together)
     }
 
     /// Executes, corrects and writes. Behind the first error nothing more is written, but all findings are gathered.

@@ -6,10 +6,10 @@ use super::arguments::LoadArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::is_standard_stream;
-use super::output::{Spool, Target};
+use super::output::Target;
 use super::program::protect;
 use super::stop::Stop;
-use super::{deliver, input, machine_choice};
+use super::{deliver, input, machine_choice, pages};
 use crate::csv::Table;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::machine::condition::file::load_text;
@@ -70,12 +70,8 @@ fn weigh(arguments: &LoadArguments, findings: &mut Findings, report: &mut load::
     let Some(weighing) = weighing.filter(|_| !findings.has_errors()) else { return Ok(()) };
     fill(report, &weighing);
     if let (Some(target), Some(path)) = (target, &arguments.output) {
-        let mut spool = Spool::new(target)?;
         let text = state(&weighing, source.name(), &chosen.machine.name);
-        if let Err(error) = spool.writer().write_all(text.as_bytes()) {
-            return Err(spool.fault(&error));
-        }
-        spool.publish(false)?;
+        pages::publish(target, &text)?;
         report.output = Some(path.display().to_string());
     }
     Ok(())

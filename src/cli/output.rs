@@ -5,7 +5,7 @@
 //! file, it gets a copy. A target that is no plain file (standard output, a device, a pipe) gets the complete text as it is.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Seek as _, Write as _};
+use std::io::{self, BufWriter, Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::input::is_standard_stream;
@@ -61,11 +61,11 @@ impl Target {
         }
     }
 
-    /// Whether the target is the file `other`, by whatever name or link.
+    /// Whether the target is the file `other`, by whatever name or link, also where neither is there yet.
     pub(super) fn is(&self, other: &Path) -> bool {
         match self {
             Target::Standard => false,
-            Target::File(path) | Target::Special(path) => is_same_file(path, other),
+            Target::File(path) | Target::Special(path) => is_same_file(path, other) || is_same_name(path, other),
         }
     }
 }
@@ -100,6 +100,13 @@ pub(super) fn is_same_file(one: &Path, other: &Path) -> bool {
         }
     }
     matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
+}
+
+/// Whether two paths would be one file: the same name in one folder. Some disks do not tell capitals from small letters.
+fn is_same_name(one: &Path, other: &Path) -> bool {
+    let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().to_lowercase());
+    let is_missing = !one.exists() && !other.exists();
+    is_missing && name(one) == name(other) && is_same_file(folder_of(one), folder_of(other))
 }
 
 /// A text on its way to a target.
@@ -137,6 +144,26 @@ impl Spool {
         target_fault(&self.target, error)
     }
 
+    /// Reads the text so far.
+    ///
+    /// # Errors
+    /// A sentence where that fails.
+    pub(super) fn text(&mut self) -> Result<Vec<u8>, Stop> {
+        let mut text = Vec::new();
+        let read = self.file.rewind().and_then(|()| self.file.get_mut().read_to_end(&mut text));
+        read.map_err(|error| self.fault(&error))?;
+        Ok(text)
+    }
+
+    /// Brings the text to the disk: what is published then has room there.
+    ///
+    /// # Errors
+    /// A sentence where there is none.
+    pub(super) fn settle(&mut self) -> Result<(), Stop> {
+        let settled = self.file.flush().and_then(|()| self.file.get_ref().sync_all());
+        settled.map_err(|error| self.fault(&error))
+    }
+
     /// Puts the complete text in its place. With `keep_backup` an existing target stays as a `.bak` file, whose path is returned.
     ///
     /// # Errors
@@ -160,6 +187,42 @@ impl Spool {
             }
             Target::File(path) => replace(&mut text, path, keep_backup).map_err(fault),
         }
+    }
+}
+
+/// Texts of one run, which are written all or none: each is on the disk before the first gets its name.
+#[derive(Default)]
+pub(super) struct Together {
+    spools: Vec<Spool>,
+}
+
+impl Together {
+    /// Takes a text that is complete.
+    ///
+    /// # Errors
+    /// A sentence where the disk has no room for it.
+    pub(super) fn take(&mut self, mut spool: Spool) -> Result<(), Stop> {
+        spool.settle()?;
+        self.spools.push(spool);
+        Ok(())
+    }
+
+    /// The same of a text in memory.
+    ///
+    /// # Errors
+    /// A sentence where it cannot be written.
+    pub(super) fn add(&mut self, target: Target, text: &[u8]) -> Result<(), Stop> {
+        let mut spool = Spool::new(target)?;
+        spool.writer().write_all(text).map_err(|error| spool.fault(&error))?;
+        self.take(spool)
+    }
+
+    /// Gives all their names, the first that came, which matters most, last.
+    ///
+    /// # Errors
+    /// A sentence where that fails.
+    pub(super) fn publish(self) -> Result<(), Stop> {
+        self.spools.into_iter().rev().try_for_each(|spool| spool.publish(false).map(drop))
     }
 }
 
@@ -239,15 +302,26 @@ fn replace(text: &mut File, path: &Path, keep_backup: bool) -> io::Result<Option
     Ok(backup)
 }
 
-/// Gives the file a second name, `NAME.bak`, `NAME.bak1` … that does not exist yet, so that a rename over the first leaves it.
-fn back_up(path: &Path) -> io::Result<PathBuf> {
-    for number in 0_u32.. {
+/// The names of copies of a file, `NAME.bak`, `NAME.bak1` …
+fn backups(path: &Path) -> impl Iterator<Item = PathBuf> {
+    (0_u32..).map(move |number| {
         let mut name = path.as_os_str().to_owned();
         name.push(".bak");
         if number > 0 {
             name.push(number.to_string());
         }
-        let backup = PathBuf::from(name);
+        PathBuf::from(name)
+    })
+}
+
+/// The name that a copy of a file would get now.
+pub(super) fn next_backup(path: &Path) -> Option<PathBuf> {
+    backups(path).find(|backup| !backup.exists())
+}
+
+/// Gives the file a second name that does not exist yet, so that a rename over the first leaves it.
+fn back_up(path: &Path) -> io::Result<PathBuf> {
+    for backup in backups(path) {
         let made = fs::hard_link(path, &backup).or_else(|error| {
             // Disks without hard links get a copy.
             if error.kind() == io::ErrorKind::AlreadyExists { Err(error) } else { copy_new(path, &backup) }

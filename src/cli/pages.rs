@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::arguments::PageChoice;
 use super::input::is_standard_stream;
 use super::machine_choice::short_hash;
-use super::output::{Spool, Target};
+use super::output::{Target, Together};
 use super::stop::Stop;
 use crate::report::compared::Input;
 use crate::report::page::apart::pictures;
@@ -41,19 +41,29 @@ impl Pages {
         self.page.as_ref()
     }
 
-    /// Writes the page, and its pictures into their folder, which is made where it is missing.
+    /// Adds the page to what is written, and its pictures in their folder, which is made where it is missing.
     ///
     /// # Errors
     /// Where that is not possible.
-    pub(super) fn publish(self, page: &str) -> Result<(), Stop> {
+    pub(super) fn add(self, page: &str, to: &mut Together) -> Result<(), Stop> {
         if let Some(folder) = &self.pictures {
             let fault = |error: &io::Error| Stop::file("write", folder, error);
             std::fs::create_dir_all(folder).map_err(|error| fault(&error))?;
             for one in pictures(page) {
-                publish(Target::new(&folder.join(one.name))?, &one.text)?;
+                to.add(Target::new(&folder.join(one.name))?, one.text.as_bytes())?;
             }
         }
-        self.page.map_or(Ok(()), |target| publish(target, page))
+        self.page.map_or(Ok(()), |target| to.add(target, page.as_bytes()))
+    }
+
+    /// Writes both, where nothing else is written.
+    ///
+    /// # Errors
+    /// Where that is not possible.
+    pub(super) fn publish(self, page: &str) -> Result<(), Stop> {
+        let mut together = Together::default();
+        self.add(page, &mut together)?;
+        together.publish()
     }
 }
 
@@ -91,10 +101,7 @@ pub(super) fn input(source: &Source, role: &'static str) -> Input {
 /// # Errors
 /// Where it cannot be written.
 pub(super) fn publish(target: Target, text: &str) -> Result<(), Stop> {
-    let mut spool = Spool::new(target)?;
-    if let Err(error) = spool.writer().write_all(text.as_bytes()) {
-        return Err(spool.fault(&error));
-    }
-    spool.publish(false)?;
-    Ok(())
+    let mut together = Together::default();
+    together.add(target, text.as_bytes())?;
+    together.publish()
 }

@@ -49,14 +49,13 @@ impl<'a> From<&'a VerifyArguments> for Pair<'a> {
 }
 
 impl<'p> Pair<'p> {
-    /// Opens both programs and walks them side by side; `None` where findings forbid it.
+    /// Opens both programs, which were read, and walks them side by side; `None` where findings forbid it.
     pub(super) fn compare(
         &self,
+        sources: [Source; 2],
         findings: &mut Findings,
         see: &mut dyn FnMut(Follow<'_>),
     ) -> Result<Option<Outcome>, Stop> {
-        // Both are read before anything else: a file that is missing is the first thing to know.
-        let sources = [program::read(self.original)?, program::read(self.corrected)?];
         let Some(mut chosen) = machine_choice::choose(self.machine, self.original, findings)? else {
             return Ok(None);
         };

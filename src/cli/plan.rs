@@ -7,7 +7,7 @@ use super::arguments::PlanArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
-use super::output::{Spool, Target};
+use super::output::{Target, Together};
 use super::program::protect;
 use super::stop::Stop;
 use super::value::ToolVector;
@@ -77,17 +77,11 @@ fn plan(arguments: &PlanArguments, findings: &mut Findings) -> Result<Option<Str
     if findings.has_errors() {
         return Ok(None);
     }
-    // All are complete before the first is published.
-    let mut spools = Vec::new();
+    let mut together = Together::default();
     for (target, text) in targets.into_iter().zip(texts) {
-        let mut spool = Spool::new(target)?;
-        let written = spool.writer().write_all(&text);
-        written.map_err(|error| spool.fault(&error))?;
-        spools.push(spool);
+        together.add(target, &text)?;
     }
-    for spool in spools {
-        spool.publish(false)?;
-    }
+    together.publish()?;
     let _ = writeln!(
         report,
         "{}: {} rows in {} set-ups; {} beside it",

@@ -7,10 +7,10 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::is_standard_stream;
 use super::machine_choice::Chosen;
-use super::output::{Spool, Target};
+use super::output::Target;
 use super::program::protect;
 use super::stop::Stop;
-use super::{deliver, input, machine_choice, watch};
+use super::{deliver, input, machine_choice, pages, watch};
 use crate::calibrate::sensors::data::{self, Run};
 use crate::calibrate::sensors::{Options, Selection, select, text};
 use crate::diagnostic::{Code, Diagnostic};
@@ -93,12 +93,8 @@ fn find(arguments: &SensorsArguments, findings: &mut Findings, report: &mut Sens
     }
     report.selections = selections.iter().map(row).collect();
     if let (Some(target), Some(path)) = (target, &arguments.output) {
-        let mut spool = Spool::new(target)?;
         let text = file(&selections, &runs, &chosen);
-        if let Err(error) = spool.writer().write_all(text.as_bytes()) {
-            return Err(spool.fault(&error));
-        }
-        spool.publish(false)?;
+        pages::publish(target, &text)?;
         report.output = Some(path.display().to_string());
     }
     Ok(())

@@ -5,7 +5,7 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::input::is_standard_stream;
 use super::measurement::{self, Measurement, description_of};
-use super::output::{Spool, Target};
+use super::output::{Spool, Target, Together};
 use super::program::protect;
 use super::stop::Stop;
 use super::{machine_choice, simulated_trace, state, tell};
@@ -80,12 +80,10 @@ fn simulate(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Op
     if let Err(error) = job.write(&rows, data.writer()) {
         return Err(data.fault(&error));
     }
-    let mut other = Spool::new(description)?;
-    if let Err(error) = other.writer().write_all(&job.description(arguments.noise)) {
-        return Err(other.fault(&error));
-    }
-    other.publish(false)?;
-    data.publish(false)?;
+    let mut together = Together::default();
+    together.take(data)?;
+    together.add(description, &job.description(arguments.noise))?;
+    together.publish()?;
     Ok(Some(rows.len()))
 }
 

@@ -9,7 +9,7 @@ use super::findings::Findings;
 use super::input::is_standard_stream;
 use super::machine_choice::Chosen;
 use super::measurement::description_of;
-use super::output::{Spool, Target};
+use super::output::{Spool, Target, Together};
 use super::program::{self, Running};
 use super::stop::Stop;
 use super::{feed_limit, machine_choice, state, tell};
@@ -129,13 +129,11 @@ fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Opti
     if findings.has_errors() {
         return Ok(None);
     }
-    let mut other = Spool::new(description)?;
-    if let Err(error) = other.writer().write_all(recorder.description(&source).as_bytes()) {
-        return Err(other.fault(&error));
-    }
+    let mut together = Together::default();
+    together.add(description, recorder.description(&source).as_bytes())?;
     let seen = recorder.seen;
-    other.publish(false)?;
-    table.publish(false)?;
+    together.take(table)?;
+    together.publish()?;
     Ok(Some(seen))
 }
 

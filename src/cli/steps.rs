@@ -9,8 +9,8 @@ use super::arguments::{RotaryChoice, StepsArguments};
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
-use super::output::Target;
-use super::pages::{self, publish};
+use super::output::{Target, Together};
+use super::pages;
 use super::program::{self, Running};
 use super::progress::{self, Progress};
 use super::state;
@@ -114,14 +114,16 @@ fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepRepor
         return Ok(report);
     }
     note(&mut report, &steps, &lines, &files, &chosen.machine);
+    let mut together = Together::default();
     if let Some(target) = target {
-        publish(target, &Residual(&report).svg())?;
+        together.add(target, Residual(&report).svg().as_bytes())?;
     }
     if let Some(page) = page {
         report.diagnostics = findings.json();
         let inputs = inputs(source.as_ref(), &chosen.files)?;
-        publish(page, &page::steps::steps(&report, &inputs))?;
+        together.add(page, page::steps::steps(&report, &inputs).as_bytes())?;
     }
+    together.publish()?;
     Ok(report)
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::arguments::TablesArguments;
 use super::findings::Findings;
 use super::input::{self, is_standard_stream};
-use super::output::{Spool, Target};
+use super::output::{Target, Together};
 use super::stop::Stop;
 use super::{pages, program};
 use crate::diagnostic::{Code, Diagnostic};
@@ -61,17 +61,14 @@ pub(super) fn publish(
     if let Some(path) = &arguments.svg {
         files.push((path.clone(), picture(sets)));
     }
-    let mut spools = Vec::new();
+    let mut together = Together::default();
     for (path, text) in &files {
         let target = Target::new(path)?;
         if arguments.json && target == Target::Standard {
             return Err(Stop::Usage("--json and the tables cannot both go to standard output; give -o a file".into()));
         }
         program::protect(&target, inputs.iter(), findings);
-        let mut spool = Spool::new(target)?;
-        let written = spool.writer().write_all(text.as_bytes());
-        written.map_err(|error| spool.fault(&error))?;
-        spools.push(spool);
+        together.add(target, text.as_bytes())?;
     }
     let page = arguments.report.as_deref().map(pages::file).transpose()?;
     if let Some(page) = &page {
@@ -84,9 +81,6 @@ pub(super) fn publish(
     if findings.has_errors() {
         return Ok(());
     }
-    for spool in spools {
-        spool.publish(false)?;
-    }
     report.written = files.iter().map(|(path, _)| path.display().to_string()).collect();
     if let (Some(page), Some(path)) = (page, &arguments.report) {
         report.diagnostics = findings.json();
@@ -94,8 +88,8 @@ pub(super) fn publish(
         for path in &inputs {
             all.push(pages::input(&input::read(path, FileId(0), "file")?, "read"));
         }
-        pages::publish(page, &page::tables::tables(report, &charts(sets), &all))?;
+        together.add(page, page::tables::tables(report, &charts(sets), &all).as_bytes())?;
         report.written.push(path.display().to_string());
     }
-    Ok(())
+    together.publish()
 }

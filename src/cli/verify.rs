@@ -32,7 +32,10 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
             along.see(&follow);
         }
     };
-    let outcome = if findings.has_errors() { None } else { Pair::from(arguments).compare(&mut findings, &mut see)? };
+    // Both are read before anything else: a file that is missing is the first thing to know.
+    let sources = [program::read(&arguments.original)?, program::read(&arguments.corrected)?];
+    let pair = Pair::from(arguments);
+    let outcome = if findings.has_errors() { None } else { pair.compare(sources, &mut findings, &mut see)? };
     if let (Some(pages), Some(outcome)) = (pages, &outcome) {
         pages.publish(&verification(&along.verification(outcome, &findings)))?;
     }

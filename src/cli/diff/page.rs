@@ -1,11 +1,9 @@
-//! The page of a comparison: written whole or not at all.
+//! The page of a comparison.
 
 use std::path::Path;
 
 use crate::cli::input;
 use crate::cli::machine_choice::digest;
-use crate::cli::output::Target;
-use crate::cli::pages::publish;
 use crate::cli::pair::Outcome;
 use crate::cli::stop::Stop;
 use crate::feed::{Shown, shown};
@@ -14,19 +12,19 @@ use crate::report::review::Review;
 use crate::review::Trace;
 use crate::source::{FileId, Source};
 
-/// Writes the page.
-pub(in crate::cli) fn write(
-    target: Target,
+/// Its text.
+///
+/// # Errors
+/// Where there is more than a page can show.
+pub(in crate::cli) fn text(
     object: &Review,
     trace: &Trace,
-    outcome: &Outcome,
+    (outcome, corrected): (&Outcome, &Source),
     journal: Option<&Journal>,
-) -> Result<(), Stop> {
+) -> Result<String, Stop> {
     let originals: Vec<Program<'_>> = outcome.sources[0].iter().map(of).collect();
-    let Some(corrected) = outcome.sources[1].first().map(of) else { return Ok(()) };
-    let subject = Subject { review: object, trace, originals: &originals, corrected, journal };
-    let page = review(&subject, &digest).map_err(Stop::Usage)?;
-    publish(target, &page)
+    let subject = Subject { review: object, trace, originals: &originals, corrected: of(corrected), journal };
+    review(&subject, &digest).map_err(Stop::Usage)
 }
 
 fn of(source: &Source) -> Program<'_> {
