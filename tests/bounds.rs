@@ -219,6 +219,10 @@ fn met(row: &str) -> Vec<(&'static Language, String, &'static str, usize)> {
             (&FANUC, "M98 P9 L999999999\nM30\nO9\nM99".into(), "E0210", 1),
             (&RS274, "M98 P100 L999999999".into(), "E0210", 1),
         ],
+        "repetitions, Sinumerik" => vec![
+            (&SINUMERIK, "A1_:\nX2\nREPEAT A1_ P=2147483648".into(), "E0210", 3),
+            (&SINUMERIK, "CALL \"L7\" P2147483648".into(), "E0210", 1),
+        ],
         "passes of G14, Grundig" => vec![(&GRUNDIG, "X2\nX1\nG14 N1=10 N2=11 J2000000000".into(), "E0210", 3)],
         "value of a word, Fanuc and RS274/NGC" => {
             [&FANUC, &RS274].map(|language| (language, "X2. F9999999999.".to_owned(), "E0210", 1)).to_vec()

@@ -160,3 +160,45 @@ fn what_cannot_say_a_time_is_refused() {
         shop.run(["in.nc", "-o", "out.nc", "--machine", "t.toml", "--dialect", controller]).exits(0);
     }
 }
+
+/// A comparison sees times: what the correction wrote has the feeds of the program, and a block that says it takes a hundredth of its time has not.
+#[test]
+fn a_comparison_sees_how_long_blocks_take() {
+    let text = table("rs274", ERRORS);
+    let shop = Shop::new().file("t.toml", &text).file("in.nc", PROGRAM);
+    shop.run(["in.nc", "-o", "out.nc", "--machine", "t.toml", "--dialect", "rs274"]).exits(0);
+    let compared = |name: &str| {
+        shop.run(["diff", "in.nc", name, "--machine", "t.toml", "--dialect", "rs274", "--json"]).exits(1).json()
+    };
+    let found = compared("out.nc");
+    assert_eq!((&found["other_feeds"], &found["feed_share"]), (&0.into(), &serde_json::Value::Null), "{found}");
+    let written = shop.text("out.nc");
+    let mut is_by_time = false;
+    let faster = |line: &str, by: f64| {
+        let words = line.split(' ').map(|word| match word.strip_prefix('F') {
+            Some(feed) => format!("F{}", feed.parse::<f64>().unwrap() * by),
+            None => word.to_owned(),
+        });
+        words.collect::<Vec<_>>().join(" ") + "\n"
+    };
+    let times = written.lines().map(|line| {
+        is_by_time = (is_by_time || line.contains("G93")) && !line.contains("G94");
+        faster(line, if is_by_time { 100.0 } else { 1.0 })
+    });
+    let times: String = times.collect();
+    // 20 in place of the 90/500 min and the 180/700 of N10 and N50; and a feed of X, by 1 %.
+    let feeds: String =
+        written.lines().map(|line| faster(line, if line.contains("N20") { 1.01 } else { 1.0 })).collect();
+    for (name, text, least, most) in [("times.nc", &times, 95.0, 105.0), ("feeds.nc", &feeds, 1.009_99, 1.010_01)] {
+        std::fs::write(shop.path(name), text).unwrap();
+        let found = compared(name);
+        let [low, high] = [0, 1].map(|k| found["feed_share"][k].as_f64().unwrap());
+        assert!(found["other_feeds"].as_u64().unwrap() >= 1 && low > least && high < most, "{found}");
+    }
+    // The flat stream says what is a time.
+    let flat = shop.run(["snc", "out.nc", "--machine", "t.toml", "--dialect", "rs274"]).exits(0).stdout;
+    let marked = |is_marked: bool| {
+        flat.lines().filter(|line| line.starts_with("G1") && line.contains(" G93 ;@") == is_marked).count()
+    };
+    assert!(marked(true) >= 2 && marked(false) >= 2, "{flat}");
+}

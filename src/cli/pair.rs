@@ -19,7 +19,7 @@ use crate::emit;
 use crate::exec::RapidOrder;
 use crate::geometry::{Axis, AxisVector};
 use crate::machine::Kinematics;
-use crate::path::{self, Follow, Grouping};
+use crate::path::{self, Feeds, Follow, Grouping};
 use crate::report::json::AtFeed;
 use crate::snc::Element;
 use crate::source::{FileId, Source};
@@ -118,13 +118,15 @@ impl<'p> Pair<'p> {
         }
         let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());
         let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };
+        let feeds = [&original, &corrected]
+            .map(|opened| emit::entry(opened.dialect.name).map_or(Feeds::default(), |entry| entry.feeds));
         let (filler, ahead) = relay();
         std::thread::scope(|scope| {
             // One core executes the corrected program ahead, the other one the original, and compares.
             let run = move || send(start(corrected, self.corrected).silent(), filler);
             let thread = scope.spawn(run);
             let original = start(original, self.original);
-            let how = How { grouping, at_feed: self.at_feed, start: self.program.start };
+            let how = How { of_path: path::How { grouping, feeds }, at_feed: self.at_feed, start: self.program.start };
             walk((original, ahead), &how, chosen, findings, see, || {
                 thread.join().unwrap_or_else(|fault| resume_unwind(fault))
             })
@@ -147,7 +149,7 @@ fn send(mut running: Running<'_>, to: Filler<Item>) -> Vec<Source> {
 
 /// How two programs are compared.
 struct How {
-    grouping: Grouping,
+    of_path: path::How,
     at_feed: bool,
     start: Option<AxisVector>,
 }
@@ -182,8 +184,8 @@ fn walk(
     let (result, driven) = {
         let mut original = Clean { items, findings: &shared, mark: 0, driven: driven() };
         let mut corrected = Clean { items: corrected, findings: &shared, mark: OF_CORRECTED, driven: driven() };
-        let grouping = how.grouping;
-        let result = path::compare_seeing(&mut original, &mut corrected, grouping, &chosen.machine, &model, &mut see);
+        let result =
+            path::compare_seeing(&mut original, &mut corrected, how.of_path, &chosen.machine, &model, &mut see);
         (result, [original.driven, corrected.driven])
     };
     let sources = [original.sources().to_vec(), files()];

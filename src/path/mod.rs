@@ -33,9 +33,10 @@ mod treatment;
 mod trial;
 mod turn;
 mod volume;
+mod way;
 
 pub use compare::{
-    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Follow, Grouping, ON_THE_SPOT, compare, compare_seeing,
+    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Follow, Grouping, How, ON_THE_SPOT, compare, compare_seeing,
 };
 pub use corrector::Corrector;
 pub use increment::Increments;

@@ -13,6 +13,7 @@ use crate::snc::{Move, Setup};
 
 use super::cut::MOST_FEED;
 use super::slope::Slope;
+use super::way::turned_deg;
 use super::{Centers, FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
 
 /// Feeds of axes are written to this many parts of a mm/min.
@@ -142,8 +143,7 @@ impl<'a> Placer<'a> {
         let tip = |command: &AxisVector| self.kinematics.tip_mm(command, &self.setup.tool_mm);
         let tip_mm = (tip(end) - tip(start)).norm();
         let linear_mm = (end.xyz() - start.xyz()).norm();
-        let rotary = ROTARY_AXES.map(|axis| (end[axis] - start[axis]).to_degrees());
-        let turned_deg = rotary.iter().map(|turn| turn * turn).sum::<f64>().sqrt();
+        let turned_deg = turned_deg(start, end);
         let [way, of_tip] = [linear_mm, tip_mm].map(|way| if way > SHORT_MM { way } else { turned_deg });
         let ratio = if way > 0.0 && of_tip > 0.0 { way / of_tip } else { 1.0 };
         ((motion.feed * ratio * FEED_PARTS).round() / FEED_PARTS).min(motion.feed.max(MOST_FEED))

@@ -56,13 +56,12 @@ impl Row {
             let added = follow.written[axis] - follow.nominal[axis];
             if added.abs() < NOTHING { 0.0 } else { added as f32 }
         });
-        let [before, after] = follow.feeds;
         let flags = [
             (Row::RAPID, follow.rapid),
             (Row::FIRST, follow.is_first),
             (Row::SPOT, follow.on_the_spot),
             (Row::UNSTATED, !follow.is_stated),
-            (Row::FEED, (before - after).abs() > 1e-6 * before.abs()),
+            (Row::FEED, follow.feed_share.is_some_and(|share| (share - 1.0).abs() > 1e-6)),
         ];
         Row {
             file: follow.original.file.0,

@@ -54,9 +54,7 @@ impl Trace {
             }
             self.at_mm.push(follow.nominal.xyz().map(|value| value as f32).into());
         }
-        let [before, after] = follow.feeds;
-        let share = after / before;
-        if share.is_finite() && (share - 1.0).abs() > SAME_FEED {
+        if let Some(share) = follow.feed_share.filter(|share| (share - 1.0).abs() > SAME_FEED) {
             let [least, most] = self.feeds.unwrap_or([share; 2]);
             self.feeds = Some([least.min(share), most.max(share)]);
         }

@@ -12,25 +12,12 @@ use crate::geometry::{AxisSet, AxisVector, Vector};
 use crate::machine::{Machine, Servo};
 use crate::model::Model;
 use crate::path::{Increments, Options, Output, OutputFrame, Piece, PieceArc};
-use crate::snc::{Dwell, Element, Kind, Manner, Setup, Word, WordValue};
+use crate::snc::{Dwell, Element, FeedUnit, Kind, Manner, Setup, Word, WordValue};
 
 /// Modal words: exact stop from here on, no more, and for one block.
 const EXACT: &[&str] = &["G60", "G61", "G61.1"];
 const RUNNING: &[&str] = &["G64", "G641", "G642", "G643", "G644", "G645", "G62", "G63"];
 const ONCE: &[&str] = &["G9", "G09"];
-/// Units of the feed.
-const PER_MINUTE: &[&str] = &["G94", "G942", "G961", "G971"];
-const PER_TURN: &[&str] = &["G95", "G952", "G96", "G97", "G962", "G972", "G973"];
-const INVERSE_TIME: &[&str] = &["G93", "G931"];
-
-/// What a feed counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum FeedUnit {
-    #[default]
-    PerMinute,
-    PerTurn,
-    InverseTime,
-}
 
 /// A program on a machine.
 #[derive(Clone, Debug)]
@@ -287,12 +274,8 @@ impl<'a> Run<'a> {
             self.stops = false;
         } else if is_of(ONCE) {
             self.stops_once = true;
-        } else if is_of(PER_MINUTE) {
-            self.unit = FeedUnit::PerMinute;
-        } else if is_of(PER_TURN) {
-            self.unit = FeedUnit::PerTurn;
-        } else if is_of(INVERSE_TIME) {
-            self.unit = FeedUnit::InverseTime;
+        } else if let Some(unit) = FeedUnit::of(word) {
+            self.unit = unit;
         }
     }
 }

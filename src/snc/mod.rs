@@ -4,10 +4,12 @@
 //! in their places. Targets are **axis commands** (mm, rad); the text form adds the tool vector, so that it shows positions
 //! at the tool center point. Elements of one executed block follow each other; the first has [`Element::starts_block`].
 
+mod feed_unit;
 mod manner;
 mod text;
 mod text_reader;
 
+pub use feed_unit::FeedUnit;
 pub use manner::{Manner, Thread, ThreadCode};
 pub use text::TextWriter;
 pub use text_reader::{TextError, TextReader};

@@ -7,12 +7,13 @@
 //! ```
 //!
 //! Positions are at the tool center point, mm and degrees, up to 6 decimals. `;@14<3` is line 14 called from line 3.
+//! A feed is per minute, unless `G95` (mm per turn of the spindle) or `G93` (blocks per minute, the reciprocal of the time) stands behind it.
 //! `I J K` is the center minus the start, `P` the plane, `L` the number of extra full turns. Threads and positioning axes are shown by
 //! their moves alone: G1 without a feed for what the spindle drives, G0 for positioning axes.
 
 use std::io::{self, Write};
 
-use super::{Dwell, Element, Kind, Move, WordValue};
+use super::{Dwell, Element, FeedUnit, Kind, Move, WordValue};
 use crate::geometry::{AXES, AxisSet, AxisVector, Vector};
 use crate::units::push_integer;
 
@@ -29,6 +30,7 @@ pub struct TextWriter<'a, W: Write> {
     turned_tool_mm: TurnTool<'a>,
     position: AxisVector,
     tool_mm: Vector,
+    unit: FeedUnit,
     line: Vec<u8>,
     count: u64,
 }
@@ -52,6 +54,7 @@ impl<'a, W: Write> TextWriter<'a, W> {
             turned_tool_mm: Box::new(turned_tool_mm),
             position: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
+            unit: FeedUnit::default(),
             line: Vec::with_capacity(160),
             count: 0,
         })
@@ -77,6 +80,11 @@ impl<'a, W: Write> TextWriter<'a, W> {
         match &element.kind {
             Kind::Setup(setup) => self.tool_mm = setup.tool_mm,
             Kind::Move(motion) => self.motion(motion),
+            Kind::Keep(word) => self.unit = FeedUnit::of(word).unwrap_or(self.unit),
+            Kind::Verbatim(words) => {
+                let units = words.split(u8::is_ascii_whitespace).filter_map(|word| std::str::from_utf8(word).ok());
+                self.unit = units.filter_map(FeedUnit::of).last().unwrap_or(self.unit);
+            }
             Kind::Dwell(Dwell::Seconds(seconds)) => {
                 self.line.extend_from_slice(b"G4");
                 push_value(&mut self.line, b" S", *seconds);
@@ -146,6 +154,12 @@ impl<'a, W: Write> TextWriter<'a, W> {
         }
         if !motion.rapid && motion.feed >= LEAST_FEED {
             push_value(&mut self.line, b" F", motion.feed);
+            let unit = if motion.inverse_time { FeedUnit::InverseTime } else { self.unit };
+            // Such a block may have a feed of its own beside the mode.
+            if unit == FeedUnit::PerTurn || motion.inverse_time {
+                self.line.push(b' ');
+                self.line.extend_from_slice(unit.word().as_bytes());
+            }
         }
         self.position = motion.target;
     }
@@ -210,6 +224,9 @@ mod tests {
 G0 X10 Y0 Z100 ;@12
 G1 X20.5 Y0 Z-1 F500 ;@13
 G2 X30.5 Y10 Z-1 I0 J10 K0 P17 L2 F500 ;@14
+G1 X31 Y10 Z-1 F0.1 G95 ;@14
+G1 X32 Y10 Z-1 F12.5 G93 ;@14
+G1 X33 Y10 Z-1 F100 ;@14
 G4 S1.5 ;@15<9<3
 T5 ;@16
 T=\"MILL_10\" ;@16
@@ -223,7 +240,7 @@ M3 S1200 S2=500 ;@16
         while let Some(element) = reader.next() {
             out.write(&element.unwrap(), reader.call_lines()).unwrap();
         }
-        assert_eq!(out.count(), 7);
+        assert_eq!(out.count(), 10);
         assert_eq!(String::from_utf8(out.finish().unwrap()).unwrap(), TEXT);
     }
 
@@ -245,9 +262,9 @@ M3 S1200 S2=500 ;@16
 
     #[test]
     fn faults_name_their_line() {
-        let mut reader = TextReader::new("G0 X1\nG9 X1\nG1 Q4\nG1 Xfoo\n");
+        let mut reader = TextReader::new("G0 X1\nG9 X1\nG1 Q4\nG1 Xfoo\nG1 X1 F1 G96\n");
         assert!(reader.next().unwrap().is_ok());
-        for line in 2..=4 {
+        for line in 2..=5 {
             assert_eq!(reader.next().unwrap().unwrap_err().line, line);
         }
     }

@@ -77,7 +77,9 @@ impl Sinumerik {
                 self.feed = f64::NAN;
             }
         }
-        if piece.feed_named || !piece.rapid && piece.feed > 0.0 && piece.feed != self.feed {
+        // The time of a block is its own: a control takes none from the block above.
+        let is_needed = piece.feed > 0.0 && (piece.inverse_time || piece.feed != self.feed);
+        if piece.feed_named || !piece.rapid && is_needed {
             self.feed_word(piece.feed);
         }
         self.line.release();

@@ -166,7 +166,11 @@ impl Request {
 fn whole(scope: &Scope<'_, '_>, word: &Word) -> Result<i64, Fault> {
     let value = scope.word(word)?.unwrap_or(0.0);
     let nearest = value.round();
-    if nearest.abs() > 1e9 || (value - nearest).abs() > 1e-3 {
+    if nearest.abs() > 1e9 {
+        let message = format!("{value} is more than any number of repetitions or of a program");
+        return Err(bad_value(word.span, message, "write a smaller number"));
+    }
+    if (value - nearest).abs() > 1e-3 {
         return Err(bad_value(word.span, format!("{value} is no whole number"), "write a whole number"));
     }
     Ok(nearest as i64)

@@ -6,7 +6,7 @@ use super::gathered::Call;
 use super::jump::{Place, place_of, search, variable};
 use super::level::Level;
 use super::parameters::{self, Argument};
-use super::part::{Part, count_of};
+use super::part::{COUNT_HELP, Part, count_of};
 use super::pass::opaque_statement;
 use super::value::Value;
 use super::variables::Locals;
@@ -71,7 +71,7 @@ impl Interpreter<'_> {
         let repeats = match repeats {
             Some(id) => {
                 let value = scope_of(&self.programs[caller], &self.channel).number(id)?;
-                let help = "P is a whole number that is not negative";
+                let help = COUNT_HELP;
                 count_of(value)
                     .ok_or_else(|| fault(Code::BAD_WORD_VALUE, span, format!("P{value} is not possible"), help))?
             }

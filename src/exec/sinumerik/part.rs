@@ -111,18 +111,18 @@ pub(super) fn passes(loaded: &Loaded, channel: &Channel<'_>, repetition: &Repeti
     let value = scope_of(loaded, channel).number(count)?;
     count_of(value).ok_or_else(|| {
         let span = loaded.program.expr(count).span;
-        fault(
-            Code::BAD_WORD_VALUE,
-            span,
-            format!("P{value} is not possible"),
-            "P is a whole number that is not negative",
-        )
+        fault(Code::BAD_WORD_VALUE, span, format!("P{value} is not possible"), COUNT_HELP)
     })
 }
 
+/// The largest number of repetitions, that of the control's INT.
+const MAX_COUNT: i32 = 2_147_483_647;
+/// What a number of repetitions may be.
+pub(super) const COUNT_HELP: &str = "P is a whole number from 0 to 2147483647";
+
 /// A number of repetitions.
 pub(super) fn count_of(value: f64) -> Option<u32> {
-    (value >= 0.0 && value <= f64::from(i32::MAX) && value.fract() == 0.0).then_some(value as u32)
+    (value >= 0.0 && value <= f64::from(MAX_COUNT) && value.fract() == 0.0).then_some(value as u32)
 }
 
 /// Begins to repeat a part.

@@ -6,6 +6,7 @@
 //! the text are not needed, so programs of other origin, or an original beside itself, can be compared too; where a program is known
 //! to carry them ([`Grouping::ByMarks`]), they decide instead.
 
+mod feed;
 mod step;
 
 use std::iter::Peekable;
@@ -19,7 +20,7 @@ use crate::snc::{Element, Origin, WordValue};
 use step::{SENSE_STEP, Step, Walk};
 
 use super::prediction::{Pair, sample_count, sample_place};
-use super::{Prediction, Spread};
+use super::{Feeds, Prediction, Spread};
 
 /// Distance of the samples along the path, mm.
 const SAMPLE_MM: f64 = 1.0;
@@ -110,8 +111,9 @@ pub struct Follow<'a> {
     pub length_mm: f64,
     /// Whether the program has stated where all axes are that it moves.
     pub is_stated: bool,
-    /// Feeds of the original and of the piece, as the programs have them; 0 where there is none.
-    pub feeds: [f64; 2],
+    /// The feed of the piece as a share of that of its move; by the times that both take where rotary axes turn or one of them says its time.
+    /// `None` where there is no feed, or it is not comparable.
+    pub feed_share: Option<f64>,
     /// The axis command of the piece, mm and rad.
     pub command: AxisVector,
     /// The tool word that stands above the piece.
@@ -136,6 +138,15 @@ pub enum Grouping {
     ByPlace,
 }
 
+/// How two programs are compared.
+#[derive(Clone, Copy, Debug)]
+pub struct How {
+    /// How the moves are found.
+    pub grouping: Grouping,
+    /// For which way the controls of both take a feed.
+    pub feeds: [Feeds; 2],
+}
+
 /// Compares two programs; neither may have had errors in its execution.
 ///
 /// # Errors
@@ -147,7 +158,8 @@ pub fn compare(
     machine: &Machine,
     model: &Model,
 ) -> Result<Comparison, Diagnostic> {
-    compare_seeing(original, corrected, grouping, machine, model, &mut |_| {})
+    let how = How { grouping, feeds: [Feeds::default(); 2] };
+    compare_seeing(original, corrected, how, machine, model, &mut |_| {})
 }
 
 /// The same; every piece of the corrected program is shown on the way.
@@ -157,17 +169,17 @@ pub fn compare(
 pub fn compare_seeing(
     original: impl Iterator<Item = Element>,
     corrected: impl Iterator<Item = Element>,
-    grouping: Grouping,
+    How { grouping, feeds }: How,
     machine: &Machine,
     model: &Model,
     see: &mut dyn FnMut(Follow<'_>),
 ) -> Result<Comparison, Diagnostic> {
     let has_backlash = AXES.into_iter().any(|axis| model.features(axis).backlash);
-    let mut corrected = Walk::new(corrected, machine, has_backlash).peekable();
+    let mut corrected = Walk::new(corrected, machine, feeds[1], has_backlash).peekable();
     let kinematics = Kinematics::new(machine);
     let mut prediction = Prediction::default();
     let mut carried = Offset::default();
-    for step in Walk::new(original, machine, has_backlash) {
+    for step in Walk::new(original, machine, feeds[0], has_backlash) {
         let mut group = Group {
             model,
             grouping,
@@ -272,7 +284,8 @@ impl Group<'_> {
                 from: before,
                 to: self.parameter,
             };
-            see(Follow { errors_mm, length_mm, ..self.seen(course, is_first, stands) });
+            let feed_share = self.feed_share(&course, stands);
+            see(Follow { errors_mm, length_mm, feed_share, ..self.seen(course, is_first, stands) });
             if is_complete && self.off_mm(&offset) > MEANT_END_MM {
                 return Err(self
                     .step
@@ -307,7 +320,7 @@ impl Group<'_> {
             errors_mm: None,
             length_mm: 0.0,
             is_stated: self.step.is_counted,
-            feeds: if self.step.inverse_time == piece.inverse_time { [self.step.feed, piece.feed] } else { [0.0; 2] },
+            feed_share: None,
             command: piece.route.end,
             tool: piece.tool.as_deref(),
             course,

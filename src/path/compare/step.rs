@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::super::lost_axes;
 use super::super::route::Route;
+use super::super::way::counts_turns;
+use super::super::{Feeds, lost_axes};
 use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT, ON_THE_SPOT_MM};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AxisSet, AxisVector, Vector};
@@ -22,6 +23,8 @@ pub(super) struct Step {
     pub(super) feed: f64,
     /// Whether that is the reciprocal of a time.
     pub(super) inverse_time: bool,
+    /// For which way it is.
+    pub(super) feeds: Feeds,
     /// What the coordinates of the program mean.
     pub(super) setup: Arc<Setup>,
     /// Written as machine coordinates.
@@ -78,6 +81,8 @@ impl Step {
 pub(super) struct Walk<'a, I> {
     elements: I,
     machine: &'a Machine,
+    feeds: Feeds,
+    counts_turns: bool,
     has_backlash: bool,
     position: AxisVector,
     tool_mm: Vector,
@@ -91,10 +96,12 @@ pub(super) struct Walk<'a, I> {
 }
 
 impl<'a, I> Walk<'a, I> {
-    pub(super) fn new(elements: I, machine: &'a Machine, has_backlash: bool) -> Self {
+    pub(super) fn new(elements: I, machine: &'a Machine, feeds: Feeds, has_backlash: bool) -> Self {
         Walk {
             elements,
             machine,
+            feeds,
+            counts_turns: false,
             has_backlash,
             position: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
@@ -140,6 +147,10 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                     self.tool = Some(Arc::new(word));
                     continue;
                 }
+                Kind::Verbatim(text) => {
+                    self.counts_turns = counts_turns(&text, self.machine).unwrap_or(self.counts_turns);
+                    continue;
+                }
                 Kind::Move(motion) => motion,
                 _ => continue,
             };
@@ -152,6 +163,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 in_machine_frame: motion.in_machine_frame,
                 feed: if motion.rapid { 0.0 } else { motion.feed },
                 inverse_time: motion.inverse_time,
+                feeds: if self.counts_turns { Feeds::OfAll } else { self.feeds },
                 tool_mm: self.tool_mm,
                 tool: self.tool.clone(),
                 state: self.state,

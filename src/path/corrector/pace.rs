@@ -6,18 +6,17 @@
 //! line with which a block begins, so that what acts in that block alone stays with its motion. A short way beside a turn, and what
 //! comes up within a block, gets the F that takes the same time.
 //!
-//! Sources: LinuxCNC, G code overview, "Feed rate"; Sinumerik, programming manual, FGROUP; Fanuc, operator's manual, G01 with linear and
-//! rotary axes: `G91 G1 X20. C40. F300.` takes √(20² + 40²) / 300 min.
+//! Which way counts: [`crate::path::way`].
 
 use crate::diagnostic::Diagnostic;
-use crate::geometry::{Axis, AxisVector, ROTARY_AXES};
+use crate::geometry::{AxisVector, ROTARY_AXES};
 use crate::snc::{Element, Kind, Manner, Move, Origin, Word, WordValue};
 
 use super::{Active, Corrector};
 use crate::path::cut::{MOST_FEED, of_share};
 use crate::path::place::{Placer, SHORT_MM};
 use crate::path::route::Route;
-use crate::path::{Feeds, Output};
+use crate::path::{Feeds, Output, way};
 
 /// Times that differ by less than this part are the same.
 const SAME_SHARE: f64 = 0.05;
@@ -61,15 +60,7 @@ impl Default for Pace {
 impl Placer<'_> {
     /// The way between two commands for which a control takes a feed: mm or degrees.
     fn counted(&self, feeds: Feeds, start: &AxisVector, end: &AxisVector) -> f64 {
-        let (start, end) = (self.programmed(start), self.programmed(end));
-        let linear_mm = (end.xyz() - start.xyz()).norm();
-        let turned = ROTARY_AXES.map(|axis| (end[axis] - start[axis]).to_degrees());
-        let turned_deg = turned.iter().map(|turn| turn * turn).sum::<f64>().sqrt();
-        match feeds {
-            Feeds::OfAll if !self.is_transformed() => linear_mm.hypot(turned_deg),
-            _ if linear_mm > SHORT_MM => linear_mm,
-            _ => turned_deg,
-        }
+        way::counted(feeds, self.is_transformed(), [&self.programmed(start), &self.programmed(end)])
     }
 
     /// Whether a feed is for the way of X, Y, Z between two commands, whatever turns beside it.
@@ -96,8 +87,14 @@ where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
     /// The feed of a piece between two commands that takes this share of the time of its move, and whether it is the reciprocal of a time. What
-    /// changes between the two waits in the queue then.
-    pub(super) fn feed_of(&mut self, active: &mut Active, [start, end]: [&AxisVector; 2], share: f64) -> (f64, bool) {
+    /// changes between the two waits in the queue then. A step on the spot has no share of the way, and keeps the feed where that is one.
+    pub(super) fn feed_of(
+        &mut self,
+        active: &mut Active,
+        [start, end]: [&AxisVector; 2],
+        share: f64,
+        is_on_the_spot: bool,
+    ) -> (f64, bool) {
         let is_fresh = std::mem::take(&mut self.pace.is_fresh);
         let motion = &active.motion;
         if motion.rapid || motion.feed <= 0.0 {
@@ -127,7 +124,7 @@ where
                 self.pace.by_time = Some(origin);
                 return (of_share(minutes.recip(), share), true);
             }
-            if is_off && way > 0.0 && wanted > 0.0 && self.leave_pace(active, is_fresh) {
+            if is_off && !is_on_the_spot && way > 0.0 && wanted > 0.0 && self.leave_pace(active, is_fresh) {
                 // To parts of a millionth, but never to none.
                 return (((feed * way / wanted * 1e6).ceil() / 1e6).min(MOST_FEED), false);
             }
@@ -185,22 +182,12 @@ where
             // The end of the program is the end of its modes.
             Kind::Before(words) | Kind::After(words) if has_m(words, &ENDS) => self.pace.by_time = None,
             Kind::Verbatim(text) => {
-                if let Some(counts_turns) = self.counts_turns(text) {
+                if let Some(counts_turns) = way::counts_turns(text, self.machine) {
                     self.pace.counts_turns = counts_turns;
                 }
             }
             _ => {}
         }
-    }
-
-    /// Whether words put axes that turn, or that nobody knows, among those for whose way the feed is; `None` where they do not say.
-    fn counts_turns(&self, words: &[u8]) -> Option<bool> {
-        let words = String::from_utf8_lossy(words).to_ascii_uppercase();
-        let (axes, _) = words.split_once("FGROUP(")?.1.split_once(')')?;
-        let by_letter = |name: &str| name.bytes().next().filter(|_| name.len() == 1).and_then(Axis::from_letter);
-        let turns =
-            |name: &str| self.machine.axis_named(name).or_else(|| by_letter(name)).is_none_or(|axis| axis.is_rotary());
-        Some(axes.split(',').map(str::trim).filter(|name| !name.is_empty()).any(turns))
     }
 
     /// The same behind the last element; whether there was anything to say.

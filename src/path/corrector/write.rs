@@ -53,7 +53,7 @@ where
             }
             return None;
         }
-        let (feed, inverse_time) = self.feed_of(active, [&start, &placed.command], share);
+        let (feed, inverse_time) = self.feed_of(active, [&start, &placed.command], share, trial.is_none());
         self.prediction.pieces += 1;
         let motion = &active.motion;
         Some(Piece {

@@ -1,0 +1,73 @@
+//! The feed of a piece beside that of its move.
+//!
+//! Numbers behind F can be compared where both count the same way. Where a rotary axis turns, where one of the programs says how long a block takes (G93), or
+//! where only one has a transformation, they cannot: the times can that a control takes for them.
+
+use super::super::way::counted;
+use super::step::Step;
+use super::{Course, Group, ON_THE_SPOT_MM};
+use crate::geometry::{AXES, AxisVector};
+use crate::machine::Kinematics;
+
+/// Times that differ by less than this share are the same: corrections change ways.
+const SAME_TIME: f64 = 0.05;
+
+impl Step {
+    /// Minutes (turns under G95) that a control takes for a part of it; `None` where there is no feed, or it is a curve that turns an axis.
+    fn minutes(&self, [from, to]: [f64; 2], kinematics: &Kinematics) -> Option<f64> {
+        if self.rapid || self.feed <= 0.0 {
+            return None;
+        }
+        if self.inverse_time {
+            return Some((to - from) / self.feed);
+        }
+        let way = match self.route.arc() {
+            Some(_) if self.turns() => return None,
+            Some(_) => self.route.size_mm() * (to - from),
+            None => {
+                let [start, end] = [from, to].map(|place| self.programmed(&self.route.at(place), kinematics));
+                counted(self.feeds, self.setup.transform.is_some(), [&start, &end])
+            }
+        };
+        Some(way / self.feed)
+    }
+
+    /// Whether it turns a rotary axis.
+    fn turns(&self) -> bool {
+        let turns = |start: &AxisVector, end: &AxisVector| {
+            AXES.into_iter().any(|axis| axis.is_rotary() && start[axis] != end[axis])
+        };
+        turns(&self.route.start, &self.route.end)
+    }
+}
+
+impl Group<'_> {
+    /// The feed of a piece as a share of that of its move. A step on the spot covers nothing of the move, so that only its number can be compared.
+    pub(super) fn feed_share(&self, course: &Course<'_>, stands: bool) -> Option<f64> {
+        let (step, piece) = (self.step, course.piece);
+        let is_comparable = !step.inverse_time
+            && !piece.inverse_time
+            && step.feeds == piece.feeds
+            && step.setup.transform.is_some() == piece.setup.transform.is_some();
+        let of_numbers = (is_comparable && step.feed > 0.0).then(|| piece.feed / step.feed);
+        if of_numbers.is_some() && !step.turns() {
+            return of_numbers;
+        }
+        let part = [course.from, course.to];
+        let way_mm = step.route.size_mm() * (part[1] - part[0]);
+        if stands || way_mm < ON_THE_SPOT_MM {
+            return None;
+        }
+        let wanted = step.minutes(part, self.kinematics)?;
+        let share = wanted / piece.minutes([0.0, 1.0], self.kinematics)?;
+        // The place on the move is known to what the tip is off.
+        let same = SAME_TIME + 2.0 * ON_THE_SPOT_MM / way_mm;
+        let is_near = |ratio: f64| ratio > 1.0 / (1.0 + same) && ratio < 1.0 + same;
+        match of_numbers {
+            // Both numbers are for the same way.
+            Some(of_numbers) if is_near(share / of_numbers) => Some(of_numbers),
+            _ if is_near(share) => Some(1.0),
+            _ => share.is_finite().then_some(share),
+        }
+    }
+}
