@@ -220,7 +220,7 @@ fn met(row: &str) -> Vec<(&'static Language, String, &'static str, usize)> {
             (&RS274, "M98 P100 L999999999".into(), "E0210", 1),
         ],
         "repetitions, Sinumerik" => vec![
-            (&SINUMERIK, "A1_:\nX2\nREPEAT A1_ P=2147483648".into(), "E0210", 3),
+            (&SINUMERIK, "HERE:\nX2\nREPEAT HERE P=2147483648".into(), "E0210", 3),
             (&SINUMERIK, "CALL \"L7\" P2147483648".into(), "E0210", 1),
         ],
         "passes of G14, Grundig" => vec![(&GRUNDIG, "X2\nX1\nG14 N1=10 N2=11 J2000000000".into(), "E0210", 3)],

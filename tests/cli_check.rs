@@ -165,3 +165,31 @@ fn no_sample_reads_like_another_dialect() {
         }
     }
 }
+
+/// What the correction would refuse is said before: ends, and where arcs lead on their way. X reaches from 0 to 300.
+#[test]
+fn the_travel_of_a_machine_file_counts() {
+    let machine = "[machine]\nname = \"t\"\ntopology = \"wFXYZt\"\ncontroller = \"rs274\"\n\
+        [axis.X]\ndirection = [1, 0, 0]\ntravel_mm = [0, 300]\n[axis.Y]\ndirection = [0, 1, 0]\ntravel_mm = [-100, 100]\n\
+        [axis.Z]\ndirection = [0, 0, 1]\ntravel_mm = [-100, 100]\n[zero_offset.G54]\nX_mm = 10\nY_mm = 0\nZ_mm = 0\n";
+    let program = "G21 G90 G54 F100\nG0 X0 Y0 Z0\nG1 X290\nX290.001\nX10\nG3 X10 Y40 I0 J20\nG3 X10 Y0 I0 J-20\nG2 X50 Y0 I20 J0\nM2\n";
+    let shop = Shop::new().file("t.toml", machine).file("in.ngc", program);
+    let run = shop.run(["check", "in.ngc", "--machine", "t.toml", "--json"]).exits(4);
+    let json = run.json();
+    let found: Vec<(String, u64)> = json["diagnostics"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| (one["code"].as_str().unwrap().to_owned(), one["line"].as_u64().unwrap()))
+        .collect();
+    // Line 4 ends a micrometer beyond; counter-clockwise from (20, 40) back to (20, 0) the arc leads over X 0 in the machine, which is on the limit.
+    assert_eq!(found, [("E0302".to_owned(), 4)], "{json}");
+    let wide = program.replace("X10", "X9").replace("X50", "X49");
+    let shop = shop.file("wide.ngc", wide);
+    let json = shop.run(["check", "wide.ngc", "--machine", "t.toml", "--json"]).exits(4).json();
+    let lines: Vec<u64> =
+        json["diagnostics"].as_array().unwrap().iter().map(|one| one["line"].as_u64().unwrap()).collect();
+    assert_eq!(lines, [4, 7], "{json}");
+    // On the demo machine, which nobody has, nothing is said of it.
+    shop.run(["check", "in.ngc"]).exits(0);
+}

@@ -274,7 +274,7 @@ fn states_are_saved_and_come_back() {
     check(
         "rs274",
         "G21 G90 G0 X0 Y0 Z0 F100\nM70\nG91 G20 G93\nG1 X1 F2\nM72\nX1\nM2",
-        &["G0 X0 Y0 Z0", "G1 X25.4 Y0 Z0 F2", "G1 X1 Y0 Z0 F100"],
+        &["G0 X0 Y0 Z0", "G1 X25.4 Y0 Z0 F2 G93", "G1 X1 Y0 Z0 F100"],
     );
     check_codes("rs274", "G21 M72\nM2", &["E0210:1"]);
 }

@@ -283,7 +283,7 @@ fn feeds_per_turn_and_by_time_are_written_as_such() {
     check(
         "rs274",
         "G20 G90 G0 X0 Y0 Z0\nG95\nG1 X1 F0.1\nG93\nG1 X2 F3\nM2",
-        &["G0 X0 Y0 Z0", "G1 X25.4 Y0 Z0 F2.54", "G1 X50.8 Y0 Z0 F3"],
+        &["G0 X0 Y0 Z0", "G1 X25.4 Y0 Z0 F2.54 G95", "G1 X50.8 Y0 Z0 F3 G93"],
     );
 }
 

@@ -1,4 +1,4 @@
-//! `ncfix check`: parses and executes a program, reports every finding, writes nothing.
+//! `ncfix check`: parses and executes a program, looks whether the axes reach where it leads, reports every finding, writes nothing.
 
 use super::arguments::CheckArguments;
 use super::exit_code::ExitCode;
@@ -9,6 +9,7 @@ use super::stop::Stop;
 use super::support_file;
 use super::{print, tell};
 use crate::exec::RapidOrder;
+use crate::path::Reach;
 use crate::report::json;
 use crate::report::number::grouped;
 use crate::syntax::Program;
@@ -66,9 +67,16 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings, check: &mut json
     let mut running =
         Running::start(opened, &arguments.input, &arguments.program, &chosen.machine, false, RapidOrder::All);
     check.executed = true;
+    // Nobody's program is for the demo machine.
+    let mut reach = (!chosen.is_demo).then(|| Reach::new(&chosen.machine, arguments.program.start));
     while let Some(item) = running.next() {
         match item {
-            Ok(element) => check.elements += u64::from(element.kind.is_in_text()),
+            Ok(element) => {
+                check.elements += u64::from(element.kind.is_in_text());
+                if let Some(reach) = &mut reach {
+                    reach.note(&element).for_each(|found| findings.add(found, running.sources()));
+                }
+            }
             Err(diagnostic) => {
                 check.executed &= !diagnostic.is_error();
                 findings.add(diagnostic, running.sources());

@@ -190,42 +190,6 @@ impl Spool {
     }
 }
 
-/// Texts of one run, which are written all or none: each is on the disk before the first gets its name.
-#[derive(Default)]
-pub(super) struct Together {
-    spools: Vec<Spool>,
-}
-
-impl Together {
-    /// Takes a text that is complete.
-    ///
-    /// # Errors
-    /// A sentence where the disk has no room for it.
-    pub(super) fn take(&mut self, mut spool: Spool) -> Result<(), Stop> {
-        spool.settle()?;
-        self.spools.push(spool);
-        Ok(())
-    }
-
-    /// The same of a text in memory.
-    ///
-    /// # Errors
-    /// A sentence where it cannot be written.
-    pub(super) fn add(&mut self, target: Target, text: &[u8]) -> Result<(), Stop> {
-        let mut spool = Spool::new(target)?;
-        spool.writer().write_all(text).map_err(|error| spool.fault(&error))?;
-        self.take(spool)
-    }
-
-    /// Gives all their names, the first that came, which matters most, last.
-    ///
-    /// # Errors
-    /// A sentence where that fails.
-    pub(super) fn publish(self) -> Result<(), Stop> {
-        self.spools.into_iter().rev().try_for_each(|spool| spool.publish(false).map(drop))
-    }
-}
-
 /// The reason why a target cannot be written.
 fn target_fault(target: &Target, error: &io::Error) -> Stop {
     match target {

@@ -22,6 +22,7 @@ mod moves;
 mod place;
 mod poses;
 mod prediction;
+mod reach;
 mod remaining;
 mod rotary_word;
 mod route;
@@ -36,7 +37,7 @@ mod volume;
 mod way;
 
 pub use compare::{
-    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Follow, Grouping, How, ON_THE_SPOT, compare, compare_seeing,
+    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Follow, Grouping, How, ON_THE_SPOT, compare, compare_seeing,
 };
 pub use corrector::Corrector;
 pub use increment::Increments;
@@ -44,6 +45,7 @@ pub use live::{Allows, Applied, Asked, Doses, Live};
 pub use moves::Moves;
 pub use poses::PoseSample;
 pub use prediction::{Prediction, Spread};
+pub use reach::Reach;
 pub use remaining::{Remaining, remaining};
 pub use steps::{Answer, Line, Residual, Row, StepTrial, Steps};
 pub use volume::volume;

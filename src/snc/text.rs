@@ -83,7 +83,7 @@ impl<'a, W: Write> TextWriter<'a, W> {
             Kind::Keep(word) => self.unit = FeedUnit::of(word).unwrap_or(self.unit),
             Kind::Verbatim(words) => {
                 let units = words.split(u8::is_ascii_whitespace).filter_map(|word| std::str::from_utf8(word).ok());
-                self.unit = units.filter_map(FeedUnit::of).last().unwrap_or(self.unit);
+                self.unit = units.rev().find_map(FeedUnit::of).unwrap_or(self.unit);
             }
             Kind::Dwell(Dwell::Seconds(seconds)) => {
                 self.line.extend_from_slice(b"G4");

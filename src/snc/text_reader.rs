@@ -87,11 +87,12 @@ impl<'a> TextReader<'a> {
     fn unit_of(&self, values: &[(u8, &str)]) -> Option<FeedUnit> {
         let has_feed = matches!(values, [(b'G', _), ..]) && values.iter().any(|(letter, _)| *letter == b'F');
         let said = values.iter().skip(1).find(|(letter, _)| *letter == b'G');
-        has_feed.then(|| match said {
+        let unit = match said {
             Some((_, "93")) => FeedUnit::InverseTime,
             Some((_, "95")) => FeedUnit::PerTurn,
             _ => FeedUnit::PerMinute,
-        })
+        };
+        has_feed.then_some(unit)
     }
 
     fn dwell(&self, values: &[(u8, &str)]) -> Result<Kind, String> {

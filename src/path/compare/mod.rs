@@ -6,6 +6,7 @@
 //! the text are not needed, so programs of other origin, or an original beside itself, can be compared too; where a program is known
 //! to carry them ([`Grouping::ByMarks`]), they decide instead.
 
+mod course;
 mod feed;
 mod step;
 
@@ -17,6 +18,7 @@ use crate::machine::{Kinematics, Machine};
 use crate::model::Model;
 use crate::snc::{Element, Origin, WordValue};
 
+pub use course::Course;
 use step::{SENSE_STEP, Step, Walk};
 
 use super::prediction::{Pair, sample_count, sample_place};
@@ -59,31 +61,6 @@ pub struct Comparison {
     pub samples: u64,
     /// Where in the original the largest error of the corrected program lies.
     pub max_at: Option<Origin>,
-}
-
-/// What the original does while the corrected program runs a piece.
-#[derive(Clone, Copy, Debug)]
-pub struct Course<'a> {
-    step: &'a Step,
-    piece: &'a Step,
-    kinematics: &'a Kinematics,
-    from: f64,
-    to: f64,
-}
-
-impl Course<'_> {
-    /// Through how much of an arc it leads, rad, never below zero; 0 for a straight line.
-    #[must_use]
-    pub fn sweep_rad(&self) -> f64 {
-        (self.step.route.sweep_rad() * (self.to - self.from)).abs()
-    }
-
-    /// The place at a share of it, in the coordinates in which the corrected program writes, mm and rad.
-    #[must_use]
-    pub fn at(&self, share: f64) -> AxisVector {
-        let command = self.step.route.at(self.from + (self.to - self.from) * share);
-        self.piece.programmed(&command, self.kinematics)
-    }
 }
 
 /// A piece of the corrected program beside the place of the original that it belongs to.
