@@ -124,6 +124,8 @@ impl Triangle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::cause::{Effect, Weight};
 
     #[test]
     fn of_two_that_are_nearly_one_the_later_is_cancelled() {
@@ -144,5 +146,21 @@ mod tests {
         };
         assert_eq!(taken(&[&first, &nearly, &other]), Some(1));
         assert_eq!(taken(&[&first, &wave, &other]), None);
+    }
+
+    #[test]
+    fn millimetres_for_readings_of_micrometres_are_absurd() {
+        let machine = bench::machine();
+        let found = |um: f64| {
+            let sets = [bench::reads_along_x(&machine, &[um; 8])];
+            let scene = bench::scene(&machine, &sets);
+            // Readings show a thousandth of it.
+            let mut one = bench::candidate(Effect::Unknown, Through::Tip(0), |_| 1.0);
+            one.columns[0].push((Through::Tip(0), Weight::new(|_| -0.999)));
+            let field = Field::new(&scene, vec![one]);
+            field.is_absurd(0, &field.series(&bench::even(&scene), &[], 0.0))
+        };
+        // 0.5 mm is none, 10 mm is; readings of 0.1 mm show that something is far off.
+        assert_eq!([0.5, 10.0, 100.0].map(found), [false, true, false]);
     }
 }

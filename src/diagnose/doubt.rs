@@ -357,3 +357,6 @@ fn is_of_place(one: &Candidate) -> bool {
         && one.drivers.iter().all(is_place)
         && one.columns.iter().flatten().all(|(through, _)| matches!(through, Through::Component(_) | Through::Tip(_)))
 }
+
+#[cfg(test)]
+mod tests;

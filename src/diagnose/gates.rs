@@ -132,3 +132,20 @@ pub(super) fn hold(
         out.extend(field.candidates.get(term.candidate).cloned());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::scene::Through;
+
+    #[test]
+    fn a_day_a_set_up_and_a_vibration_are_only_here() {
+        let of =
+            |effect: Effect, driver: &str| bench::candidate(effect, Through::Tip(0), |_| 1.0).driven_by(&[&driver]);
+        assert!(is_only_here(&of(Effect::Setup, "setup")) && is_only_here(&of(Effect::Drift, "t_s")));
+        // What vibrates goes with the clock, what gives way to acceleration does so on every day.
+        assert!(is_only_here(&of(Effect::Dynamic, "t_s")) && !is_only_here(&of(Effect::Dynamic, "X_acc")));
+        assert!(!is_only_here(&of(Effect::Motion, "t_s")));
+    }
+}

@@ -126,3 +126,31 @@ pub(super) fn compare(scene: &Scene<'_>, weights: &Weights, of: [&[f64]; 3]) -> 
         readings: places.into_iter().filter(|&place| has_size(place)).count(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn intervals_are_those_of_draws_with_replacement_and_efficiency_is_of_sizes() {
+        let machine = bench::machine();
+        // 60 stretches of four rows, of which every other one reads 2 and the others nothing; the model halves them, findings take a tenth.
+        let measured: Vec<f64> = (0..240).map(|row| if row / 4 % 2 == 0 { 2.0 } else { 0.0 }).collect();
+        let [before, after] = [0.5, 0.1].map(|share| measured.iter().map(|value| value * share).collect::<Vec<f64>>());
+        let sets = [bench::reads_along_x(&machine, &[0.0; 240])];
+        let scene = bench::scene(&machine, &sets);
+        let found = compare(&scene, &bench::even(&scene), [&measured, &before, &after]);
+        assert!((found.measured.rms - 2.0_f64.sqrt()).abs() < 1e-12 && found.measured.max == 2.0);
+        // The share of those with readings is 1/2 with a standard deviation of √(1/4 / 60) = 0.065: 4 · (0.5 ∓ 1.96 · 0.065) are the mean squares.
+        let sigma = (0.25_f64 / 60.0).sqrt();
+        for (end, sign) in found.measured.interval.iter().zip([-1.0, 1.0]) {
+            let expected = (4.0 * (0.5 + sign * 1.96 * sigma)).sqrt();
+            assert!((end - expected).abs() < 0.05, "{end} {expected}");
+        }
+        assert_eq!([found.before, found.after].map(|sizes| (sizes.efficiency * 1e9).round() / 1e9), [0.5, 0.9]);
+        // Of a model that takes half of everything away nothing depends on what is drawn.
+        assert!((found.gain.0 - 0.8).abs() < 1e-12 && found.gain.1.iter().all(|end| (end - 0.8).abs() < 1e-9));
+        assert!(!found.is_expired && found.readings == 240);
+    }
+}

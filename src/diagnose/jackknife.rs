@@ -167,4 +167,13 @@ mod tests {
         assert!(u95 < 0.6, "{u95}");
         assert_eq!(scatter([5.0, 0.18], &without[2..]), None);
     }
+
+    #[test]
+    fn a_part_counts_in_full_up_to_its_leverage() {
+        // Five parts; without one of them a variance of 17 in place of 1 was told, which is 16 more, where 4 · 1/(5 − 1) = 1 count: its square of 16 as 1.
+        let without = [[14.0, 17.0_f64.sqrt()], [10.0, 1.0], [10.0, 1.0], [10.0, 1.0], [10.0, 1.0]];
+        let found = scatter([10.0, 1.0], &without).unwrap();
+        // Student's factor of four degrees of freedom is 2.776445; √(1 · 4/5) of it.
+        assert!((found - 2.776_445 * 0.8_f64.sqrt()).abs() < 1e-4, "{found}");
+    }
 }

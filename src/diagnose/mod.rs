@@ -15,6 +15,8 @@
 //! ```
 
 mod account;
+#[cfg(test)]
+mod bench;
 mod cancel;
 pub mod cause;
 mod circles;

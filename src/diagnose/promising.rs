@@ -129,4 +129,14 @@ mod tests {
         assert_eq!(found.iter().filter(|is_in| **is_in).count(), MOST);
         assert_eq!(found[MOST..], [false, true, false, false]);
     }
+
+    #[test]
+    fn what_says_no_more_than_noise_gives_way_to_what_surely_says_more() {
+        let of = |squares: f64, rank: usize| Gain { squares, rank };
+        // χ² of 26 are 25 beyond noise: 10 · 25 + 1 − 3 = 248 in all readings, by chance 2 · 10 · √(4 · 25 + 2) = 202 less: 46. χ² of 1 is noise:
+        // −2, by chance 2 · 10 · √2 = 28 more.
+        assert_eq!(promising(&[of(1.0, 1), of(26.0, 1)], 10.0, 3.0), [false, true]);
+        // χ² of 3 are 2 beyond it: 10 · 2 + 1 − 3 = 18, by chance 2 · 10 · √10 = 63 more.
+        assert_eq!(promising(&[of(3.0, 1), of(26.0, 1)], 10.0, 3.0), [true, true]);
+    }
 }

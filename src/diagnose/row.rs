@@ -205,3 +205,24 @@ fn acceleration(
     AXES.into_iter().for_each(|axis| out[axis] = (to[axis] - from[axis]) / seconds);
     Some(out)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn speeds_and_accelerations_of_a_line_are_differences_to_its_ends() {
+        let machine = bench::machine();
+        // x = t² with a reading in every second.
+        let cells: Vec<(f64, String)> = (0..5).map(|t| (f64::from(t * t), format!(",{t}"))).collect();
+        let data = bench::along_x(&machine, ",t_s", &cells.iter().map(|(x, t)| (*x, t.as_str())).collect::<Vec<_>>());
+        let found = rows(&[data]);
+        let of = |at: fn(&Row) -> Option<AxisVector>| -> Vec<f64> {
+            found.iter().map(|row| at(row).unwrap()[Axis::X]).collect()
+        };
+        // In the middle over two seconds, 2t and 2; at the ends over one: 1 and 16 − 9, and 1 from there to the next.
+        assert_eq!(of(|row| row.velocity), [1.0, 2.0, 4.0, 6.0, 7.0]);
+        assert_eq!(of(|row| row.acceleration), [1.0, 1.5, 2.0, 1.5, 1.0]);
+    }
+}

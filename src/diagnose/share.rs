@@ -84,3 +84,48 @@ fn unit(column: &[f64]) -> Vec<f64> {
     let length = column.iter().map(|value| value * value).sum::<f64>().sqrt();
     if length > 0.0 { column.iter().map(|value| value / length).collect() } else { column.to_vec() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::cause::Effect;
+    use crate::diagnose::scene::Through;
+
+    /// Readings of 1 µm along X in some rows; three findings say those of the first row, one more those of each other row.
+    fn of(rows: usize) -> Vec<Share> {
+        let machine = bench::machine();
+        let sets = [bench::reads_along_x(&machine, &vec![1.0; rows])];
+        let scene = bench::scene(&machine, &sets);
+        let own = |at: usize| move |row: &crate::diagnose::row::Row| f64::from(u8::from(row.number == at));
+        let all = [0, 0].into_iter().chain(0..rows);
+        let all = all.map(|at| bench::candidate(Effect::Unknown, Through::Tip(0), own(at))).collect();
+        let field = Field::new(&scene, all);
+        shares(&field, &bench::even(&scene), &(0..rows + 2).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn those_that_say_the_same_share_it() {
+        let found = of(8);
+        // Nothing is lost without one of the three, which have a third each of their row.
+        for (k, share) in found.iter().enumerate() {
+            let expected = if k < 3 { [0.0, 1.0 / 24.0] } else { [1.0 / 8.0; 2] };
+            assert!(
+                (share.alone - expected[0]).abs() < 1e-9 && (share.fair - expected[1]).abs() < 1e-9,
+                "{k} {share:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn of_many_the_fair_part_is_between_what_is_lost_without_it_and_what_it_says_alone() {
+        let found = of(9);
+        for (k, share) in found.iter().enumerate() {
+            let expected = if k < 3 { [0.0, 1.0 / 18.0] } else { [1.0 / 9.0; 2] };
+            assert!(
+                (share.alone - expected[0]).abs() < 1e-9 && (share.fair - expected[1]).abs() < 1e-9,
+                "{k} {share:?}"
+            );
+        }
+    }
+}

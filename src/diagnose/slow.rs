@@ -305,3 +305,34 @@ pub(super) fn stand(
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::scene::Through;
+
+    #[test]
+    fn rivals_of_what_depends_on_more_than_one_slow_driver_depend_on_some_of_them() {
+        let machine = bench::machine();
+        let sets = [bench::reads_along_x(&machine, &[1.0; 8])];
+        let scene = bench::scene(&machine, &sets);
+        let of = |effect: Effect, drivers: &[&str]| {
+            let mut one = bench::candidate(effect, Through::Tip(0), |_| 1.0);
+            one.drivers = drivers.iter().map(|&name| name.to_owned()).collect();
+            one
+        };
+        let all = vec![
+            of(Effect::ThermalDrift, &["T_a_C"]),
+            of(Effect::ThermalDrift, &["T_b_C"]),
+            of(Effect::Unknown, &["T_a_C"]),
+        ];
+        let field = Field::new(&scene, all);
+        let rivals = |drivers: &[&str]| named_of(&field, &of(Effect::Unknown, drivers));
+        assert_eq!(rivals(&["T_a_C", "t_s"]), [0]);
+        assert_eq!(rivals(&["T_a_C", "T_b_C", "t_s"]), [0, 1]);
+        // One driver alone has been looked at with its name; places are not slow.
+        assert_eq!(rivals(&["T_a_C"]), [0; 0]);
+        assert_eq!(rivals(&["T_a_C", "X"]), [0; 0]);
+    }
+}

@@ -101,3 +101,28 @@ fn table(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn a_guideway_gives_way_with_the_weight_its_place_and_along_the_axis() {
+        let machine = bench::machine();
+        // 3000 N at 50 mm, of which units are 1000 N and 100 mm; X from 100 to 300 mm.
+        let rows = [(100.0, ",3000,50"), (150.0, ",3000,50"), (300.0, ",3000,50")];
+        let sets = [bench::along_x(&machine, ",load_N,load_x_mm", &rows)];
+        let scene = bench::scene(&machine, &sets);
+        let mut found = Vec::new();
+        guide(&scene, &mut found);
+        let one = found.iter().find(|one| one.parameter == "EBX" && one.drivers.len() == 3 && one.columns.len() == 6);
+        assert_eq!(one.unwrap().drivers, ["load_N", "load_x_mm", "X"]);
+        let weights: Vec<[f64; 3]> =
+            one.unwrap().columns.iter().map(|column| [0, 1, 2].map(|row| column[0].1.of(&scene.rows[row]))).collect();
+        // Along the axis from −1 to 1 with −1/2 at a quarter, and its square; by the weight of 3 and by its moment of 3/2. Last both without the axis.
+        let shapes = [[-1.0, -0.5, 1.0], [1.0, 0.25, 1.0]];
+        let by = |factor: f64| shapes.map(|shape| shape.map(|share: f64| share * factor));
+        assert_eq!(weights, [by(3.0).as_slice(), &by(1.5), &[[3.0; 3], [1.5; 3]]].concat());
+    }
+}

@@ -80,3 +80,32 @@ pub(in crate::diagnose) fn bows(scene: &Scene<'_>) -> Vec<Candidate> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn pieces_meet_at_shares_of_the_range_and_bend_behind_them() {
+        let machine = bench::machine();
+        let sets = [bench::along_x(&machine, "", &[(-100.0, ""), (0.0, ""), (200.0, "")])];
+        let scene = bench::scene(&machine, &sets);
+        let mut found = Vec::new();
+        propose(&scene, &mut found);
+        // A third and two thirds of 300 mm from −100 mm on.
+        let knots = |one: &&Candidate| one.columns.len() == 4 && one.term == knotted([-1, 101]);
+        let one = found.iter().find(knots).unwrap();
+        let at = |column: usize, row: usize| one.columns[column][0].1.of(&scene.rows[row]);
+        assert_eq!([0, 1, 2].map(|row| at(2, row)), [0.0, 1.0, 201.0 * 201.0]);
+        assert_eq!([0, 1, 2].map(|row| at(3, row)), [0.0, 0.0, 99.0 * 99.0]);
+    }
+
+    fn knotted(knots: [i32; 2]) -> super::super::Term {
+        let component = ErrorName::motion(DIRECTIONS[1], crate::geometry::Axis::X);
+        let terms = [Term::Coefficient(1), Term::Coefficient(2)]
+            .into_iter()
+            .chain(knots.map(|at| Term::Knot { degree: 2, at }));
+        super::super::Term::Parameters(terms.map(|term| ParameterName { component, term }).collect())
+    }
+}

@@ -249,3 +249,32 @@ fn probe(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         push(out, &PROBE, "lobes", vec![parts], &["X_dir", "Y_dir"]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn an_artefact_that_is_turned_moves_across_its_arm() {
+        let machine = bench::machine();
+        // Points about their middle at (10, 20, 30): the first one is off by (−10, −20, 30).
+        let rows = "X,Y,Z,dx_um,dy_um,dz_um\n0,0,60,0,0,0\n20,40,0,0,0,0\n";
+        let sets = [bench::table(&machine, rows, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")];
+        let scene = bench::scene(&machine, &sets);
+        let mut found = Vec::new();
+        place(&scene, &mut found);
+        let one = found.iter().find(|one| one.parameter == "rotation").unwrap();
+        let moves = |column: &Vec<(Through, Weight)>| {
+            let mut out = [0.0; 3];
+            for (through, weight) in column {
+                let Through::Value(value) = through else { panic!("{through:?}") };
+                out[*value] += weight.of(&scene.rows[0]);
+            }
+            out
+        };
+        // e × p about X, Y and Z.
+        let expected = [[0.0, -30.0, -20.0], [30.0, 0.0, 10.0], [20.0, -10.0, 0.0]];
+        assert_eq!(one.columns.iter().map(moves).collect::<Vec<_>>(), expected);
+    }
+}

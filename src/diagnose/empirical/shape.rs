@@ -180,3 +180,19 @@ fn times(ones: &[(Column, Vec<f64>)], others: &[(Column, Vec<f64>)]) -> Vec<(Col
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn knots_are_values_that_there_are_as_evenly_as_these_allow() {
+        let levels: Vec<f64> = (0..=10).map(f64::from).collect();
+        assert_eq!(spread(&levels, 3), [0.0, 5.0, 10.0]);
+        assert_eq!(spread(&levels, 6), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+        // Few are all of them; where there is nothing between two heaps, one knot is enough for those of a heap.
+        assert_eq!(spread(&[1.0, 4.0], 3), [1.0, 4.0]);
+        assert_eq!(spread(&[0.0, 0.1, 0.2, 10.0], 3), [0.0, 0.2, 10.0]);
+        assert_eq!(spread(&[], 3), [0.0; 0]);
+    }
+}

@@ -253,4 +253,12 @@ mod tests {
         // A constant alone is what was found.
         assert!(!is_offset(&[vec![5.0, 5.0]]));
     }
+
+    #[test]
+    fn a_straight_line_needs_its_ends_and_a_bend_its_place() {
+        let places = [10.0, 20.0, 40.0, 50.0];
+        // 3 per mm throughout; and half of it from 20 on.
+        assert_eq!(needed(&places, &[vec![0.0, 30.0, 90.0, 120.0]]), [0, 3]);
+        assert_eq!(needed(&places, &[vec![0.0, 30.0, 60.0, 75.0]]), [0, 1, 3]);
+    }
 }

@@ -332,3 +332,46 @@ fn remedy(candidate: &Candidate) -> &'static str {
         Correctable::No => "a corrected program takes it away, whatever makes it",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::share::Share;
+    use crate::diagnose::size::{Amounts, Size};
+
+    fn finding(um: f64, rms: f64) -> Finding {
+        Finding {
+            candidate: bench::candidate(Effect::Motion, Through::Component("EXX".parse().unwrap()), |_| 1.0),
+            amounts: Amounts::default(),
+            size: Size { value: um, u95: 0.1, unit: "um" },
+            rms,
+            doing: Vec::new(),
+            alone: 0.0,
+            chance: 0.0,
+            gain_unseen: 0.0,
+            share: Share::default(),
+            class: Vec::new(),
+            aliases: Vec::new(),
+            doubt: None,
+            by_file: Vec::new(),
+            separate_by: None,
+        }
+    }
+
+    #[test]
+    fn no_machine_errs_by_more_than_a_millimetre() {
+        let why = |um: f64, rms: f64| is_sound(&finding(um, rms), 10.0).err().unwrap_or_default();
+        assert_eq!(why(900.0, 0.9), "");
+        assert!(why(1100.0, 0.5).contains("no machine errs so much"));
+        // A small size may do much to the readings.
+        assert!(why(500.0, 1.1).contains("no machine errs so much"));
+    }
+
+    #[test]
+    fn what_does_more_than_there_is_left_is_cancelled_by_others() {
+        let why = |rms: f64| is_sound(&finding(100.0, rms), 0.1).err().unwrap_or_default();
+        assert_eq!(why(0.14), "");
+        assert!(why(0.2).contains("2.0 times what the model leaves"));
+    }
+}

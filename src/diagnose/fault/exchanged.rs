@@ -149,3 +149,34 @@ fn is_sudden(sums: &[f64], row: usize, jump: f64) -> bool {
 fn noise(values: &[f64]) -> f64 {
     spread(values.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]) / 6.0_f64.sqrt()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn sensors_far_apart_that_are_exchanged_leave_their_noise() {
+        let machine = bench::machine();
+        let clock = Clock::new(&bench::reads_along_x(&machine, &[0.0; 60]));
+        // xorshift, from −0.1 to 0.1 K.
+        let mut state = 0x2545_f491_4f6c_dd1d_u64;
+        let mut noise = || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            0.2 * ((state >> 11) as f64 / (1_u64 << 53) as f64) - 0.1
+        };
+        let mut sensor = |name: &str, before: f64, behind: f64| Sensor {
+            name: name.into(),
+            values: (0..60).map(|row| if row < 25 { before } else { behind } + noise()).collect(),
+        };
+        let swapped = [sensor("T_a_C", 20.0, 35.0), sensor("T_b_C", 35.0, 20.0), sensor("T_c_C", 22.0, 22.0)];
+        let found = best(&swapped, &clock).unwrap();
+        assert_eq!((found.row, found.pair), (25, [0, 1]));
+        assert!((found.apart_k - 15.0).abs() < 0.4 && found.left_k < 0.5, "{} {}", found.apart_k, found.left_k);
+        // Each goes elsewhere than where the other one was.
+        let others = [sensor("T_a_C", 20.0, 35.0), sensor("T_b_C", 40.0, 25.0)];
+        assert!(best(&others, &clock).is_none());
+    }
+}

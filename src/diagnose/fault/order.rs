@@ -75,3 +75,24 @@ fn out_of_order(data: &DataSet) -> Option<String> {
         format!("from row to row axes move {percent:.0} % of the way between any two rows of a run")
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn an_axis_that_goes_to_and_fro_on_its_way_is_in_order() {
+        let machine = bench::machine();
+        let found = |order: &[usize]| {
+            let cells: Vec<(f64, &str)> = order.iter().map(|&k| (100.0 * k as f64 - 950.0, "")).collect();
+            out_of_order(&bench::along_x(&machine, "", &cells))
+        };
+        // 20 places 100 mm apart have 100 · (20² − 1)/(3 · 20) = 665 mm between any two; these steps are 5700/19 = 300 mm.
+        let series = [0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15, 16, 18, 17, 19];
+        assert_eq!(found(&series), None);
+        // From one half to the other and back: ten steps of 1000 mm and nine of 900 mm.
+        let halves: Vec<usize> = (0..10).flat_map(|k| [k, k + 10]).collect();
+        assert!(found(&halves).is_some());
+    }
+}

@@ -74,3 +74,24 @@ pub(super) fn usual_of(jumps: impl Iterator<Item = f64>, least: f64) -> f64 {
 pub(super) fn usual(channel: &Channel, side: usize) -> f64 {
     spread(jumps(channel, side)).max(LEAST * channel.noise * (2.0 / side as f64).sqrt())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_jump_counts_in_what_is_usual_and_needs_readings_on_both_sides() {
+        let mut channel = Channel::default();
+        channel.at = (0..200).map(|row| (row, 0)).collect();
+        channel.left = (0..200).map(|row| if row < 100 { 0.0 } else { 1.0 }).collect();
+        (channel.noise, channel.step) = (0.1, 1);
+        channel.sum_up();
+        let mut trail = Trail::default();
+        (trail.channels, trail.blocks, trail.rows) = (vec![channel], vec![[0, 199]], 200);
+        // Means of two readings of noise differ by it: 1 is 1/(0.8 · 0.1) of what is usual at least.
+        let found = sharpness(&trail, 100, 2).unwrap();
+        assert!((found - 156.25).abs() < 1e-9, "{found}");
+        assert_eq!(sharpness(&trail, 50, 2), Some(0.0));
+        assert_eq!([1, 199].map(|row| sharpness(&trail, row, 2)), [None; 2]);
+    }
+}

@@ -90,3 +90,41 @@ fn pieces(sensor: &Sensor) -> Vec<[usize; 2]> {
     }
     pieces
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    /// A display of few digits that shows each number three times, and one of them 16 times; beside another sensor.
+    fn found(other: impl Fn(usize) -> f64) -> Vec<String> {
+        let machine = bench::machine();
+        let sets = [bench::reads_along_x(&machine, &[0.0; 46])];
+        let scene = bench::scene(&machine, &sets);
+        let few = |row: usize| match row {
+            0..15 => 20.0 + 0.1 * (row / 3) as f64,
+            15..31 => 20.5,
+            _ => 20.6 + 0.1 * ((row - 31) / 3) as f64,
+        };
+        let sensor = |name: &str, values: Vec<f64>| Sensor { name: name.into(), values };
+        let sensors =
+            vec![sensor("T_few_C", (0..46).map(few).collect()), sensor("T_other_C", (0..46).map(other).collect())];
+        let view = View {
+            scene: &scene,
+            sensors: vec![sensors],
+            trails: Vec::new(),
+            refused: std::collections::BTreeSet::new(),
+            tips: std::cell::OnceCell::new(),
+        };
+        let mut out = Vec::new();
+        look(&view, &mut out);
+        out.into_iter().map(|fault| fault.name).collect()
+    }
+
+    #[test]
+    fn a_display_of_few_digits_is_stuck_only_while_others_move() {
+        // Within the 16 rows the other one goes up and down by a tenth, and from the first quarter of them to the last by 2 K.
+        assert_eq!(found(|row| 21.0 + 0.1 * (row % 2) as f64), [""; 0]);
+        assert_eq!(found(|row| 21.0 + 2.0 * row as f64 / 12.0), ["T_few_C"]);
+    }
+}

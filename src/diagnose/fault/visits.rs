@@ -182,3 +182,24 @@ impl Channel {
         known.iter().zip(rest).for_each(|(&k, rest)| left[k] = rest);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_wild_reading_of_a_shifted_piece_counts_up_to_its_limit() {
+        // Four visits that read 0 and seven in a window that read 1, but for one of 100; its noise of 0.5 lets it count as 3 beyond the middle.
+        let mut channel = Channel::default();
+        channel.at = (0..11).map(|row| (row, 0)).collect();
+        channel.value = [0.0; 4].into_iter().chain([1.0; 6]).chain([100.0]).collect();
+        (channel.group, channel.groups, channel.noise) = (vec![0; 11], 1, 0.5);
+        let left = channel.beside_visits(Some([4, 10]));
+        // The middle of all is 1 at first: columns of −7/11 and 4/11 take (4 · 7/11 + 4/11 · 3) / (28/11) = 10/7 for the shift. Then the middle is 1 − 10/7,
+        // the four are 3/7 above it, and 4 · 7/11 · 3/7 = 4/11 · 3: it stays.
+        for (k, left) in left.iter().enumerate().take(10) {
+            let expected = if k < 4 { 3.0 / 7.0 } else { 10.0 / 7.0 };
+            assert!((left - expected).abs() < 1e-12, "{k} {left}");
+        }
+    }
+}
