@@ -1,5 +1,6 @@
 //! `ncfix diagnose`: what the model gets wrong, and why.
 
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 
 use super::arguments::DiagnoseArguments;
@@ -129,9 +130,9 @@ fn find(
     let (of_model, bare) = std::thread::scope(|scope| {
         let of_model = scope.spawn(|| scene(&chosen.errors));
         let bare = scene(&ErrorModel::default());
-        (of_model.join(), bare)
+        (of_model.join().unwrap_or_else(|fault| resume_unwind(fault)), bare)
     });
-    let (Ok(Ok(mut of_model)), Ok(mut bare)) = (of_model, bare) else {
+    let (Ok(mut of_model), Ok(mut bare)) = (of_model, bare) else {
         let message = "the readings cannot even tell the set-ups";
         let help =
             "check the columns of positions and their units, describe what is known of the set-ups, or measure more";

@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
+use std::panic::resume_unwind;
 use std::sync::Arc;
 
 use super::cause::{Candidate, circle, drift, periodic, vibration};
@@ -115,7 +116,7 @@ impl Seek {
         std::thread::scope(|scope| {
             let shapes = scope.spawn(|| self.empirical.propose(&own, left, weights, price));
             let mut out = self.named(scene, factors, left, weights);
-            out.extend(shapes.join().unwrap_or_default());
+            out.extend(shapes.join().unwrap_or_else(|fault| resume_unwind(fault)));
             out
         })
     }
