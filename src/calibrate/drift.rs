@@ -49,3 +49,24 @@ pub fn reversals<'a>(
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::bench;
+    use crate::measure::data::cycles::Cycle;
+
+    #[test]
+    fn a_length_feels_the_angles_of_its_axis_and_an_angle_only_itself() {
+        let machine = bench::machine();
+        let found = |component: &str, value: &str, fitted: &str| {
+            let rows = format!("X,Y,Z,component,{value}\n0,0,0,{component},0\n");
+            let mut data = bench::table(&machine, &rows, "[measurement]\nkind = \"direct\"\n");
+            data.cycles = vec![Cycle { setup: 0, target: 0, number: 1, level: None }];
+            let name: Parameter = fitted.parse::<ParameterName>().unwrap().into();
+            reversals(&ErrorModel::default(), [name].iter(), &[data]).len()
+        };
+        assert_eq!(["EXXb", "EBXb", "EYXb", "EBYb"].map(|fitted| found("EXX", "value_um", fitted)), [1, 1, 0, 0]);
+        assert_eq!(["EBXb", "EAXb", "EXXb"].map(|fitted| found("EBX", "value_urad", fitted)), [1, 0, 0]);
+    }
+}

@@ -392,3 +392,6 @@ fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Sol
     let (condition, freedom) = (rounds.judged.condition, solution.freedom);
     Fit { errors, estimates, sigmas, angle_sigmas, residuals, ties, condition, freedom, rounds: count }
 }
+
+#[cfg(test)]
+mod tests;

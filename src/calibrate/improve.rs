@@ -129,3 +129,34 @@ fn factors(design: &Design<'_>, start: &ErrorModel) -> Vec<Vec<f64>> {
     });
     rows
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::bench;
+    use crate::model::ParameterName;
+
+    #[test]
+    fn the_weakest_direction_is_the_one_told_worst_or_all_that_are_lost() {
+        let of = |squares: &[f64]| {
+            let found = weakest(&DMatrix::from_diagonal(&DVector::from_row_slice(squares)));
+            found.iter().map(|direction| direction.iter().map(|value| value.abs()).collect()).collect::<Vec<Vec<f64>>>()
+        };
+        assert_eq!(of(&[4.0, 1.0, 9.0]), [[0.0, 1.0, 0.0]]);
+        let mut lost = of(&[0.0, 2.0, 1e-11]);
+        lost.sort_by(|one, other| other[0].total_cmp(&one[0]));
+        assert_eq!(lost, [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+    }
+
+    #[test]
+    fn what_has_been_measured_counts_in_units_of_what_could_be() {
+        let machine = bench::machine();
+        // The slope of X is told by one reading at 500 mm and may be by another one; that of Y by three at 10 mm, and may be by a fourth.
+        let rows = "X,Y,Z,component,value_um,run\n500,0,0,EXX,0,1\n0,10,0,EYY,0,1\n0,10,0,EYY,0,2\n0,10,0,EYY,0,3\n";
+        let data = bench::table(&machine, rows, "[measurement]\nkind = \"direct\"\n");
+        let candidates = [data.observations[1], data.observations[0]];
+        let names: Vec<ParameterName> = ["EXX1", "EYY1"].map(|name| name.parse().unwrap()).to_vec();
+        // 1/2 of what could be is told of X, 3/4 of Y.
+        assert_eq!(improve(&machine, &ErrorModel::default(), &names, &[data], &candidates, 1), [1]);
+    }
+}

@@ -6,6 +6,8 @@
 //! out has uncertainties, which [`monte_carlo()`] checks, and [`quality()`] holds it against the data, also against data that it has not seen.
 //! [`select()`] finds which of many parameters the data needs. [`sensors`] selects the sensors of temperature that tell a drift.
 
+#[cfg(test)]
+pub(crate) mod bench;
 pub mod candidates;
 mod cause;
 mod column;

@@ -102,3 +102,26 @@ impl Noise {
         is_same
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::design::Origin;
+
+    /// The uncertainty of eight readings of which half are used up, described as 1 µm, when this is what they leave in all but rounding.
+    fn sigma(found: f64) -> f64 {
+        let group = Group { given: Some(1e-3), scale: 1e-3, sigma: 1e-3 };
+        let mut noise = Noise(vec![group; 2]);
+        let residual = found * 0.5_f64.sqrt();
+        let line = |row| Line { residual, set: 0, origin: Origin::Row(row), is_angle: false };
+        noise.update(&(0..8).map(line).collect::<Vec<_>>(), &[4.0, 0.0], false);
+        noise.sigma(0)
+    }
+
+    #[test]
+    fn residuals_agree_with_what_is_described_up_to_their_own_spread() {
+        // Four degrees of freedom tell a standard deviation to 1/√8: three of these are 1.06 of it.
+        assert_eq!(sigma(2e-3), 1e-3);
+        assert!((sigma(2.1e-3) - 2.1e-3).abs() < 1e-12);
+    }
+}

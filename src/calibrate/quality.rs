@@ -114,4 +114,15 @@ mod tests {
         let part = found.part("b".into(), |line| line.index == 1);
         assert_eq!((part.readings, part.left_sigma, part.efficiency), (1, None, 0.875));
     }
+
+    #[test]
+    fn readings_of_a_row_are_numbered_within_it() {
+        let machine = crate::calibrate::bench::machine();
+        let rows = "X,Y,Z,dx_um,dy_um\n0,0,0,1,2\n9,0,0,3,\n18,0,0,4,5\n";
+        let data = crate::calibrate::bench::table(&machine, rows, "[measurement]\nkind = \"displacement\"\n");
+        let found = quality(&machine, &ErrorModel::default(), &data).unwrap();
+        let lines: Vec<(usize, usize, f64)> =
+            found.lines.iter().map(|line| (line.row, line.index, (line.measured * 1e3).round())).collect();
+        assert_eq!(lines, [(0, 0, 1.0), (0, 1, 2.0), (1, 0, 3.0), (2, 0, 4.0), (2, 1, 5.0)]);
+    }
 }

@@ -315,3 +315,37 @@ fn residuals(equations: &Equations, width: usize, weights: &[f64], sigmas: &[f64
     };
     (0..equations.lines.len()).map(left).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::bench;
+
+    #[test]
+    fn few_rows_have_the_uncertainty_that_is_left_beside_what_is_always_in() {
+        let machine = bench::machine();
+        let data =
+            [bench::table(&machine, "X,Y,Z,component,value_um\n0,0,0,EXX,0\n", "[measurement]\nkind = \"direct\"\n")];
+        let job = Job {
+            machine: &machine,
+            start: &ErrorModel::default(),
+            base: &[],
+            candidates: &[],
+            data: &data,
+            options: Options { robust: true },
+        };
+        // Eight rows that two unknowns say nothing of and two candidates neither.
+        let line = |row| Line { residual: 0.0, set: 0, origin: Origin::Row(row), is_angle: false };
+        let equations = Equations {
+            lines: (0..8).map(line).collect(),
+            places: vec![0; 8],
+            factors: vec![0.0; 32],
+            values: [2e-3, -2e-3].repeat(4),
+            width: 4,
+        };
+        let (weights, sigmas) = job.weigh(&equations, 2);
+        assert_eq!(weights, [1.0; 8]);
+        // The median is 0.6745 standard deviations, and the two take a quarter of the squares.
+        assert!((sigmas[0] - 2e-3 / 0.674_489_75 / 0.75_f64.sqrt()).abs() < 1e-9, "{sigmas:?}");
+    }
+}

@@ -1,32 +1,13 @@
-//! Scenes for tests of this room: a machine without errors and tables as people write them.
+//! Scenes for tests of this room: tables of a machine without errors, and candidates.
 
 use super::cause::{CAUSES, Candidate, Effect, Weight};
 use super::row::Row;
 use super::scene::{Scene, Through};
 use super::search::Weights;
+pub(super) use crate::calibrate::bench::{machine, table};
 use crate::machine::Machine;
-use crate::measure::data::{DataSet, load};
-use crate::model::{ErrorModel, file};
-use crate::source::{FileId, Source};
-
-fn source(name: &str, text: &str) -> Source {
-    Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap()
-}
-
-/// Three axes of which each moves the tool along a direction of F.
-pub(super) fn machine() -> Machine {
-    let mut text = "[machine]\nname = \"bench\"\ntopology = \"wFXYZSt\"\n".to_owned();
-    for (letter, direction) in [("X", "[1, 0, 0]"), ("Y", "[0, 1, 0]"), ("Z", "[0, 0, 1]")] {
-        text += &format!("[axis.{letter}]\ndirection = {direction}\ntravel_mm = [-1000, 1000]\n");
-    }
-    file::load(&source("bench.toml", &text)).0.unwrap().0
-}
-
-/// A table with its description.
-pub(super) fn table(machine: &Machine, rows: &str, description: &str) -> DataSet {
-    let (data, findings) = load("t", &source("t.csv", rows), &source("t.toml", description), machine);
-    data.unwrap_or_else(|| panic!("{findings:#?}"))
-}
+use crate::measure::data::DataSet;
+use crate::model::ErrorModel;
 
 /// Displacements at some positions of X, which are all zero, with more columns of each row.
 pub(super) fn along_x(machine: &Machine, more: &str, rows: &[(f64, &str)]) -> DataSet {
@@ -37,11 +18,11 @@ pub(super) fn along_x(machine: &Machine, more: &str, rows: &[(f64, &str)]) -> Da
     table(machine, &text, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")
 }
 
-/// Readings along X at every millimetre, µm.
+/// Readings along X at every tenth of a millimetre, µm.
 pub(super) fn reads_along_x(machine: &Machine, um: &[f64]) -> DataSet {
     let mut text = "X,Y,Z,dx_um\n".to_owned();
-    for (x, um) in um.iter().enumerate() {
-        text += &format!("{x},0,0,{um}\n");
+    for (place, um) in um.iter().enumerate() {
+        text += &format!("{}.{},0,0,{um}\n", place / 10, place % 10);
     }
     table(machine, &text, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")
 }

@@ -156,3 +156,24 @@ pub(super) fn counts(scene: &Scene<'_>, weights: &Weights) -> Vec<usize> {
     };
     (0..scene.items.len()).filter(counts).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn places_that_come_again_are_dealt_out_along_the_axis() {
+        let machine = bench::machine();
+        let there_and_back = || (0..8).chain((0..8).rev()).enumerate();
+        let cells: Vec<(f64, String)> = there_and_back().map(|(t, x)| (f64::from(x), format!(",{t}"))).collect();
+        let cells: Vec<(f64, &str)> = cells.iter().map(|(x, t)| (*x, t.as_str())).collect();
+        let sets = [bench::along_x(&machine, ",t_s", &cells)];
+        let found = places(&bench::scene(&machine, &sets), Axis::X);
+        let of_rows: Vec<usize> = found.iter().step_by(3).copied().collect();
+        assert_eq!(of_rows, there_and_back().map(|(_, x)| x as usize % STRETCHES).collect::<Vec<_>>());
+        // Where each was visited once nothing comes again.
+        let sets = [bench::along_x(&machine, ",t_s", &cells[..8])];
+        assert_eq!(places(&bench::scene(&machine, &sets), Axis::X), [0; 0]);
+    }
+}

@@ -217,6 +217,9 @@ impl<'a> Scene<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::cause::Effect;
+    use crate::diagnose::scene::Through;
 
     #[test]
     fn rows_of_a_part_are_from_all_over_and_not_evenly_spaced() {
@@ -231,5 +234,27 @@ mod tests {
         // A short run keeps more of them, or all.
         assert_eq!(of_run(&run[..120], 4.0).len(), OF_RUN);
         assert_eq!(of_run(&run[..50], 4.0), run[..50]);
+    }
+
+    #[test]
+    fn beside_a_part_of_many_readings_gains_are_those_of_all_where_a_candidate_is_promising() {
+        const ROWS: usize = 9000;
+        let machine = bench::machine();
+        // Of whole turns over all rows the first one is taken, the second one is there too and the third one is not.
+        let turns = |count: f64, row: usize| (std::f64::consts::TAU * count * row as f64 / ROWS as f64).cos();
+        let um: Vec<f64> = (0..ROWS).map(|row| 5.0 * turns(3.0, row) + 2.0 * turns(7.0, row)).collect();
+        let sets = [bench::reads_along_x(&machine, &um)];
+        let scene = bench::scene(&machine, &sets);
+        let of = |count: f64| bench::candidate(Effect::Unknown, Through::Tip(0), move |row| turns(count, row.number));
+        let mut field = Field::new(&scene, [3.0, 7.0, 11.0].map(of).to_vec());
+        let sample = Sample::new(&scene).unwrap();
+        field.part = Some(Box::new(Part::new(&field, &sample)));
+        let weights = bench::even(&scene);
+        let series = field.series(&weights, &[0], 0.0);
+        let gains = Look::new(&mut field, &weights, &[0]).gains(&field, &series);
+        // 2 µm of a cosine: N/2 of their square.
+        let expected = 2e-3_f64.powi(2) * ROWS as f64 / 2.0;
+        assert!((gains[1].squares / expected - 1.0).abs() < 1e-6 && gains[1].rank == 1, "{:?}", gains[1]);
+        assert!(gains[0].squares < 1e-9 * expected && gains[2].squares < 1e-9 * expected, "{gains:?}");
     }
 }

@@ -302,3 +302,25 @@ impl Clock {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn a_vibration_is_found_at_its_frequency() {
+        let machine = bench::machine();
+        // 20 readings a second for 50 s, from a time on that is none of whole cycles.
+        let time = |row: usize| 7.3 + 0.05 * row as f64;
+        let cells: Vec<(f64, String)> = (0..1000).map(|row| (0.1 * row as f64, format!(",{}", time(row)))).collect();
+        let cells: Vec<(f64, &str)> = cells.iter().map(|(x, t)| (*x, t.as_str())).collect();
+        let sets = [bench::along_x(&machine, ",t_s", &cells)];
+        let clock = Clock::new(&bench::scene(&machine, &sets)).unwrap();
+        for hertz in [0.7, 2.93, 6.1] {
+            let sums: Vec<f64> = (0..1000).map(|row| (TAU * hertz * time(row) + 0.4).sin()).collect();
+            let found = clock.best(&sums).unwrap();
+            assert!((found - hertz).abs() < 0.005, "{hertz}: {found}");
+        }
+    }
+}

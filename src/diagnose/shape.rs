@@ -292,3 +292,20 @@ fn explained(driver: &Driver, rows: &[usize], deviations: &[f64]) -> f64 {
     let between: f64 = sums.iter().filter(|sum| sum[1] > 0.0).map(|sum| sum[0] * sum[0] / sum[1]).sum();
     if total > 0.0 { between / total } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_values_are_places_of_their_own_and_many_are_parts_of_the_range() {
+        let of = |values: &[f64], most: usize| {
+            let driver = Driver { name: "X".into(), unit: "mm", values: values.to_vec() };
+            places(&driver, &(0..values.len()).collect::<Vec<_>>(), most)
+        };
+        // A thousandth of the range is no other place.
+        assert_eq!(of(&[10.0, 0.0, 0.009, 5.0, 10.0], 5), [2, 0, 0, 1, 2]);
+        // Four parts of 100 where five places are too few.
+        assert_eq!(of(&[0.0, 24.0, 26.0, 49.0, 51.0, 74.0, 76.0, 100.0], 5), [0, 0, 1, 1, 2, 2, 3, 3]);
+    }
+}

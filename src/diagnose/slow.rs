@@ -335,4 +335,28 @@ mod tests {
         assert_eq!(rivals(&["T_a_C"]), [0; 0]);
         assert_eq!(rivals(&["T_a_C", "X"]), [0; 0]);
     }
+
+    #[test]
+    fn what_a_name_says_as_well_has_the_name() {
+        let machine = bench::machine();
+        let temperature = |row: usize| (0.7 * row as f64).sin();
+        let found = |um: &dyn Fn(usize) -> f64| {
+            let sets = [bench::reads_along_x(&machine, &(0..60).map(um).collect::<Vec<_>>())];
+            let scene = bench::scene(&machine, &sets);
+            let tip = Through::Tip(0);
+            let mut named = bench::candidate(Effect::ThermalDrift, tip, move |row| temperature(row.number));
+            named.drivers = vec!["T_a_C".into()];
+            // Beside the temperature also what goes with it more and more.
+            let mut shape = bench::candidate(Effect::Unknown, tip, move |row| temperature(row.number));
+            shape.drivers = vec!["T_a_C".into(), "t_s".into()];
+            let mut more =
+                bench::candidate(Effect::Unknown, tip, move |row| row.number as f64 * temperature(row.number));
+            shape.columns.append(&mut more.columns);
+            let field = Field::new(&scene, vec![shape, named]);
+            let judged = super::named(&field, &bench::even(&scene), vec![Taken { candidate: 0, chance: 0.0 }]);
+            judged.iter().map(|term| term.candidate).collect::<Vec<_>>()
+        };
+        assert_eq!(found(&|row| 5.0 * temperature(row)), [1]);
+        assert_eq!(found(&|row| 0.1 * row as f64 * temperature(row)), [0]);
+    }
 }

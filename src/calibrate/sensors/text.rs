@@ -64,3 +64,21 @@ fn quoted(text: &str) -> String {
     out.push('"');
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Size, Term};
+    use super::*;
+
+    #[test]
+    fn sensors_that_may_stand_for_another_one_are_a_comment_of_one_line() {
+        let alike = vec!["nose\nof the spindle".into(), "column".into()];
+        let term = Term { sensor: "bearing".into(), um_per_k: -1.5, lag_s: 0.0, alike };
+        let size =
+            Size { terms: vec![term], cp: None, efficiency: 0.9, independent: 0.8, left_um: 2.0, is_exact: true };
+        let one = Selection { direction: 2, at: None, rows: 90, drift_um: 10.0, sizes: vec![size], chosen: Some(0) };
+        let text = entries(&[one]);
+        assert!(text.contains("\n# In place of bearing: nose of the spindle, column.\n[[drift]]\n"), "{text}");
+        assert!(text.contains("    { name = \"bearing\", um_per_K = -1.50000 },\n"), "{text}");
+    }
+}

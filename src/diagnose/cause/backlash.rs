@@ -79,3 +79,24 @@ fn wind_up(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         out.push(one.driven_by(&[&format!("{axis}_dir"), &axis]));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn play_shows_where_an_axis_came_from_both_sides() {
+        let machine = bench::machine();
+        let found = |places: &[f64], share: f64| {
+            let cells: Vec<(f64, &str)> = places.iter().map(|&x| (x, "")).collect();
+            let sets = [bench::along_x(&machine, "", &cells)];
+            both_ways(&bench::scene(&machine, &sets), Axis::X, share)
+        };
+        // Where it stands first it came from no side.
+        assert!(!found(&[300.0, 200.0, 100.0], 0.0));
+        assert!(found(&[300.0, 200.0, 100.0, 150.0, 190.0], 0.0));
+        // Up over 40 mm of 200 mm.
+        assert_eq!([0.1, 0.3].map(|share| found(&[300.0, 200.0, 100.0, 150.0, 190.0], share)), [true, false]);
+    }
+}

@@ -108,4 +108,19 @@ mod tests {
             .chain(knots.map(|at| Term::Knot { degree: 2, at }));
         super::super::Term::Parameters(terms.map(|term| ParameterName { component, term }).collect())
     }
+
+    #[test]
+    fn bows_are_those_of_legendre_over_the_range() {
+        let machine = bench::machine();
+        let sets = [bench::along_x(&machine, "", &[(100.0, ""), (200.0, ""), (250.0, ""), (300.0, "")])];
+        let scene = bench::scene(&machine, &sets);
+        let found = bows(&scene);
+        let both = found.iter().find(|one| one.parameter == "EYX" && one.columns.len() == 2).unwrap();
+        let at = |column: usize| [0, 1, 2, 3].map(|row| both.columns[column][0].1.of(&scene.rows[row]));
+        // At −1, 0, 1/2 and 1: u² and u³ − 3/5 u.
+        let expected = [[1.0, 0.0, 0.25, 1.0], [-0.4, 0.0, 0.125 - 0.3, 0.4]];
+        for (column, expected) in expected.iter().enumerate() {
+            assert!(at(column).iter().zip(expected).all(|(own, expected)| (own - expected).abs() < 1e-12), "{column}");
+        }
+    }
 }

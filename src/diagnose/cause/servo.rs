@@ -206,3 +206,28 @@ fn stick_slip(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn a_lag_of_first_order_leaves_half_of_the_acceleration() {
+        let machine = bench::machine();
+        // x = t² and y = −2 t² with a reading in every second.
+        let rows: String = (0..5).map(|t| format!("{},{},0,0,0,0,{t}\n", t * t, -2 * t * t)).collect();
+        let rows = format!("X,Y,Z,dx_um,dy_um,dz_um,t_s\n{rows}");
+        let sets = [bench::table(&machine, &rows, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")];
+        let scene = bench::scene(&machine, &sets);
+        let mut found = Vec::new();
+        following(&scene, &mut found);
+        let both = found.iter().find(|one| one.parameter == "XY").unwrap();
+        // In the middle accelerations are 2 and −4 mm/s².
+        let parts: Vec<f64> = both.columns[0].iter().map(|(_, weight)| weight.of(&scene.rows[2])).collect();
+        assert_eq!(parts, [1.0, -2.0]);
+        // Velocities are 4 and −8 mm/s, and it is late.
+        let lags = ["X", "Y"].map(|axis| found.iter().find(|one| one.parameter == axis).unwrap());
+        assert_eq!(lags.map(|one| one.columns[0][0].1.of(&scene.rows[2])), [-4.0, 8.0]);
+    }
+}

@@ -344,3 +344,6 @@ fn merge(all: &[[f64; 2]], count: usize) -> Vec<[f64; 2]> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests;

@@ -51,3 +51,38 @@ fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Sensor;
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn exactly_nothing_in_a_warm_shop_is_no_temperature() {
+        let machine = bench::machine();
+        let sets = [bench::reads_along_x(&machine, &[0.0; 20])];
+        let scene = bench::scene(&machine, &sets);
+        let found = |shop: f64| {
+            let own = |row: usize| if (7..10).contains(&row) { 0.0 } else { shop + 0.1 * row as f64 };
+            let sensor = |name: &str, values: Vec<f64>| Sensor { name: name.into(), values };
+            let sensors = vec![
+                sensor("T_nose_C", (0..20).map(own).collect()),
+                sensor("T_other_C", (0..20).map(|row| shop + 0.1 * f64::from(row)).collect()),
+            ];
+            let view = View {
+                scene: &scene,
+                sensors: vec![sensors],
+                trails: Vec::new(),
+                refused: std::collections::BTreeSet::new(),
+                tips: std::cell::OnceCell::new(),
+            };
+            let mut out = Vec::new();
+            look(&view, &mut out);
+            out.into_iter().map(|fault| (fault.name, fault.rows)).collect::<Vec<_>>()
+        };
+        assert_eq!(found(20.0), [("T_nose_C".to_owned(), [7, 9])]);
+        // In the cold it may be one.
+        assert_eq!(found(-1.0), []);
+    }
+}

@@ -223,3 +223,26 @@ impl Trail {
         Some(trail)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_that_rise_alike_break_where_one_jumps() {
+        let trail = |jump: f64| {
+            let mut channel = Channel::default();
+            channel.at = (0..200).map(|row| (row, 0)).collect();
+            let read = |row: i32| 0.01 * f64::from(row) + if row < 100 { 0.0 } else { jump };
+            channel.left = (0..200).map(read).collect();
+            (channel.noise, channel.step) = (0.1, 1);
+            channel.sum_up();
+            let mut trail = Trail::default();
+            (trail.channels, trail.blocks, trail.rows) = (vec![channel], vec![[0, 199]], 200);
+            trail
+        };
+        // Lines through eight readings of noise 0.1 miss each other by 2 · 0.1 · √(2/8) = 0.1, of which 1 is ten; through 32 by 0.05, of which 0.2 is four.
+        assert_eq!(breaks(&trail(1.0)).first(), Some(&100));
+        assert_eq!([0.0, 0.2].map(|jump| breaks(&trail(jump)).len()), [0, 0]);
+    }
+}

@@ -155,11 +155,8 @@ mod tests {
     use super::*;
     use crate::diagnose::bench;
 
-    #[test]
-    fn sensors_far_apart_that_are_exchanged_leave_their_noise() {
-        let machine = bench::machine();
-        let clock = Clock::new(&bench::reads_along_x(&machine, &[0.0; 60]));
-        // xorshift, from −0.1 to 0.1 K.
+    /// Sensors that read one temperature in the first half of the rows and another one in the second, with noise from −0.1 to 0.1 K (xorshift).
+    fn sensors<const N: usize>(halves: [[f64; 2]; N], rows: usize) -> [Sensor; N] {
         let mut state = 0x2545_f491_4f6c_dd1d_u64;
         let mut noise = || {
             state ^= state << 13;
@@ -167,16 +164,38 @@ mod tests {
             state ^= state << 17;
             0.2 * ((state >> 11) as f64 / (1_u64 << 53) as f64) - 0.1
         };
-        let mut sensor = |name: &str, before: f64, behind: f64| Sensor {
-            name: name.into(),
-            values: (0..60).map(|row| if row < 25 { before } else { behind } + noise()).collect(),
-        };
-        let swapped = [sensor("T_a_C", 20.0, 35.0), sensor("T_b_C", 35.0, 20.0), sensor("T_c_C", 22.0, 22.0)];
+        halves.map(|[before, behind]| Sensor {
+            name: format!("T_{before}_C"),
+            values: (0..rows).map(|row| if row < rows / 2 { before } else { behind } + noise()).collect(),
+        })
+    }
+
+    #[test]
+    fn sensors_far_apart_that_are_exchanged_leave_their_noise() {
+        let machine = bench::machine();
+        let clock = Clock::new(&bench::reads_along_x(&machine, &[0.0; 60]));
+        let swapped = sensors([[20.0, 35.0], [35.0, 20.0], [22.0, 22.0]], 60);
         let found = best(&swapped, &clock).unwrap();
-        assert_eq!((found.row, found.pair), (25, [0, 1]));
+        assert_eq!((found.row, found.pair), (30, [0, 1]));
         assert!((found.apart_k - 15.0).abs() < 0.4 && found.left_k < 0.5, "{} {}", found.apart_k, found.left_k);
         // Each goes elsewhere than where the other one was.
-        let others = [sensor("T_a_C", 20.0, 35.0), sensor("T_b_C", 40.0, 25.0)];
-        assert!(best(&others, &clock).is_none());
+        assert!(best(&sensors([[20.0, 35.0], [40.0, 25.0]], 60), &clock).is_none());
+    }
+
+    #[test]
+    fn sensors_that_are_nearly_alike_are_told_by_means_over_rows() {
+        let machine = bench::machine();
+        let clock = Clock::new(&bench::reads_along_x(&machine, &[0.0; 120]));
+        // 0.3 K apart with a noise of 0.1 K at most.
+        let alike = sensors([[20.0, 20.3], [20.3, 20.0]], 120);
+        let found = over_rows(&alike, &clock).unwrap();
+        assert_eq!(found.pair, [0, 1]);
+        assert!(
+            found.row.abs_diff(60) <= 1 && (found.apart_k - 0.3).abs() < 0.1 && found.left_k < 0.1,
+            "{}",
+            found.row
+        );
+        // Two that come nearer to each other stay which they are.
+        assert!(over_rows(&sensors([[20.0, 20.3], [21.0, 20.7]], 120), &clock).is_none());
     }
 }

@@ -278,3 +278,23 @@ fn is_step(trail: &Trail, change: &Change, sharp: f64) -> bool {
     }
     whole > 0.0 && end > sharp * whole && slopes.iter().all(|slope| slope.abs() < FLAT * whole)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_begins_where_readings_differ_most() {
+        let mut channel = Channel::default();
+        channel.at = (0..200).map(|row| (row, 0)).collect();
+        channel.left = (0..200).map(|row| if row < 100 { -1.0 } else { 1.0 }).collect();
+        (channel.noise, channel.step) = (0.1, 1);
+        channel.sum_up();
+        let mut trail = Trail::default();
+        (trail.channels, trail.blocks, trail.rows) = (vec![channel], vec![[0, 199]], 200);
+        let found = |row: usize| {
+            sharpest(&trail, &Change { row, block: [0, 199], until: 199, gain: 100.0, size: 20.0, side: 12 })
+        };
+        assert_eq!([98, 99, 100, 101, 102].map(found), [100; 5]);
+    }
+}

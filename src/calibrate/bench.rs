@@ -1,0 +1,25 @@
+//! A machine without errors and tables as people write them, for tests of this room and of those that build on it.
+
+use crate::machine::Machine;
+use crate::measure::data::{DataSet, load};
+use crate::model::file;
+use crate::source::{FileId, Source};
+
+fn source(name: &str, text: &str) -> Source {
+    Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap()
+}
+
+/// Three axes of which each moves the tool along a direction of F.
+pub(crate) fn machine() -> Machine {
+    let mut text = "[machine]\nname = \"bench\"\ntopology = \"wFXYZSt\"\n".to_owned();
+    for (letter, direction) in [("X", "[1, 0, 0]"), ("Y", "[0, 1, 0]"), ("Z", "[0, 0, 1]")] {
+        text += &format!("[axis.{letter}]\ndirection = {direction}\ntravel_mm = [-1000, 1000]\n");
+    }
+    file::load(&source("bench.toml", &text)).0.unwrap().0
+}
+
+/// A table with its description.
+pub(crate) fn table(machine: &Machine, rows: &str, description: &str) -> DataSet {
+    let (data, findings) = load("t", &source("t.csv", rows), &source("t.toml", description), machine);
+    data.unwrap_or_else(|| panic!("{findings:#?}"))
+}
