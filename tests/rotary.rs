@@ -98,3 +98,28 @@ fn errors_repeat_with_every_turn() {
     let again = model.actual(&command, &Default::default(), &Default::default());
     assert!((once.translation - again.translation).norm() < 1e-9);
 }
+
+/// A correction of C is judged by the arc that it makes at the tip, about the line of C as A has turned it: at A90 it lies along Y, so that a tip that is
+/// 300 mm above it takes 0.3 mm of a milliradian, and one that is 300 mm along it takes next to nothing.
+#[test]
+fn rotary_corrections_are_judged_about_the_line_as_it_lies() {
+    let rotary =
+        |axis: &str, direction: &str| format!("[axis.{axis}]\ndirection = {direction}\ntravel_deg = [-400, 400]\n");
+    let linear =
+        |axis: &str, direction: &str| format!("[axis.{axis}]\ndirection = {direction}\ntravel_mm = [-900, 900]\n");
+    let machine = format!(
+        "[machine]\nname = \"t\"\ntopology = \"wCAFXYZSt\"\ncontroller = \"sinumerik\"\n{}{}{}{}{}[zero_offset.G54]\nX_mm = 0\nY_mm = 0\nZ_mm = 0\n\
+         [[motion]]\ncomponent = \"ECC\"\nkind = \"polynomial\"\ncoefficients = [1e-3]\n",
+        linear("X", "[1, 0, 0]"),
+        linear("Y", "[0, 1, 0]"),
+        linear("Z", "[0, 0, 1]"),
+        rotary("A", "[-1, 0, 0]"),
+        rotary("C", "[0, 0, -1]"),
+    );
+    for (place, status) in [("Y10 Z300", 4), ("Y300 Z10", 0)] {
+        let shop = crate::support::Shop::new().file("t.toml", &machine);
+        let shop = shop.file("in.mpf", format!("G17 G71 G90 G94 G54\nG0 X10 {place} A90 C0\nG1 C20 F1000\nM30\n"));
+        let run = shop.run(["in.mpf", "-o", "out.mpf", "--machine", "t.toml"]).exits(status);
+        assert_eq!(run.stderr.contains("E0303"), status == 4, "{place}: {}", run.stderr);
+    }
+}

@@ -410,9 +410,17 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
         }
         let (from, to) = (nominal.last().unwrap(), ways.last().unwrap());
         let correction = to.motion.target - from.motion.target;
-        for axis in AXES.into_iter().filter(|axis| !axis.is_rotary()) {
+        for axis in AXES {
             let limit = pair.options.max_correction_mm + increment_mm;
-            worst.note("correction", correction[axis].abs(), limit, seed, &context);
+            if axis.is_rotary() {
+                // The arc at the tip, of that axis alone.
+                let mut turned = from.motion.target;
+                turned[axis] = to.motion.target[axis];
+                let [before, behind] = [from.motion.target, turned].map(|command| judge.ideal(&command));
+                worst.note("rotary correction", (behind - before).norm(), limit, seed, &context);
+            } else {
+                worst.note("correction", correction[axis].abs(), limit, seed, &context);
+            }
         }
         if !is_left_alone && is_known && !missed {
             let place = judge.ideal(&from.motion.target);

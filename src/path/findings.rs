@@ -6,7 +6,7 @@ use std::collections::HashSet;
 
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AXES, Axis, AxisSet, AxisVector, Vector};
-use crate::machine::{AxisData, Machine};
+use crate::machine::{Kinematics, Machine};
 use crate::model::NotConverged;
 use crate::snc::Origin;
 use crate::source::FileId;
@@ -22,6 +22,7 @@ pub(super) const ON_LIMIT: f64 = 1e-9;
 #[derive(Debug)]
 pub(super) struct Findings<'a> {
     machine: &'a Machine,
+    kinematics: Kinematics,
     max_correction_mm: f64,
     reported: HashSet<(FileId, u32, Code)>,
     new: Vec<Diagnostic>,
@@ -34,6 +35,7 @@ impl<'a> Findings<'a> {
     pub(super) fn new(machine: &'a Machine, max_correction_mm: f64) -> Findings<'a> {
         Findings {
             machine,
+            kinematics: Kinematics::new(machine),
             max_correction_mm,
             reported: HashSet::new(),
             new: Vec::new(),
@@ -85,7 +87,7 @@ impl<'a> Findings<'a> {
             }
             let correction = end - nominal[data.axis];
             let at_tip_mm = if data.axis.is_rotary() && correction != 0.0 {
-                correction * self.lever_mm(data, nominal, tool_mm)
+                self.arc_mm(data.axis, (nominal, end), tool_mm)
             } else {
                 correction
             };
@@ -102,11 +104,13 @@ impl<'a> Findings<'a> {
         }
     }
 
-    /// Distance of the tool point from the line of a rotary axis, mm: linear axes move the tool relative to the line, whichever
-    /// side of the machine carries them.
-    fn lever_mm(&self, data: &AxisData, command: &AxisVector, tool_mm: &Vector) -> f64 {
-        let reach = self.machine.spindle.origin_mm + command.xyz() + tool_mm - data.point_mm;
-        reach.cross(&data.direction).norm()
+    /// How far a rotary axis that goes to `end`, and nothing else, moves the tip in the workpiece, mm: by the arc about its line as the other
+    /// axes have put that.
+    fn arc_mm(&self, axis: Axis, (command, end): (&AxisVector, f64), tool_mm: &Vector) -> f64 {
+        let mut turned = *command;
+        turned[axis] = end;
+        let [from, to] = [command, &turned].map(|command| self.kinematics.tip_mm(command, tool_mm));
+        (to - from).norm()
     }
 
     /// What output in machine coordinates cannot say: the place of an axis, a thread whose lead belongs to an axis of the frame.
