@@ -11,7 +11,16 @@ fn source(name: &str, text: &str) -> Source {
 
 /// Three axes of which each moves the tool along a direction of F.
 pub(crate) fn machine() -> Machine {
-    let mut text = "[machine]\nname = \"bench\"\ntopology = \"wFXYZSt\"\n".to_owned();
+    built("wFXYZSt", "")
+}
+
+/// The same with a rotary table.
+pub(crate) fn turning() -> Machine {
+    built("wCFXYZSt", "[axis.C]\ndirection = [0, 0, -1]\ntravel_deg = [-360, 360]\n")
+}
+
+fn built(topology: &str, more: &str) -> Machine {
+    let mut text = format!("[machine]\nname = \"bench\"\ntopology = \"{topology}\"\n{more}");
     for (letter, direction) in [("X", "[1, 0, 0]"), ("Y", "[0, 1, 0]"), ("Z", "[0, 0, 1]")] {
         text += &format!("[axis.{letter}]\ndirection = {direction}\ntravel_mm = [-1000, 1000]\n");
     }

@@ -4,7 +4,7 @@ use super::cause::{CAUSES, Candidate, Effect, Weight};
 use super::row::Row;
 use super::scene::{Scene, Through};
 use super::search::Weights;
-pub(super) use crate::calibrate::bench::{machine, table};
+pub(super) use crate::calibrate::bench::{machine, table, turning};
 use crate::machine::Machine;
 use crate::measure::data::DataSet;
 use crate::model::ErrorModel;

@@ -107,6 +107,8 @@ fn scatter([whole, formal]: [f64; 2], without: &[[f64; 2]]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::scene::Through;
 
     /// Sums of twelve even numbers (xorshift): normal enough, variance 1.
     struct Noise(u64);
@@ -175,5 +177,19 @@ mod tests {
         let found = scatter([10.0, 1.0], &without).unwrap();
         // Student's factor of four degrees of freedom is 2.776445; √(1 · 4/5) of it.
         assert!((found - 2.776_445 * 0.8_f64.sqrt()).abs() < 1e-4, "{found}");
+    }
+
+    #[test]
+    fn fewer_than_four_parts_say_nothing() {
+        let machine = bench::machine();
+        let found = |rows: usize| {
+            let sets = [bench::reads_along_x(&machine, &vec![1.0; rows])];
+            let scene = bench::scene(&machine, &sets);
+            let field = Field::new(&scene, vec![bench::candidate(Effect::Unknown, Through::Tip(0), |_| 1.0)]);
+            let columns = field.columns_of(0);
+            without_parts(&field, &bench::even(&scene), &columns, 0.0).len()
+        };
+        // A run is dealt out to five stretches, of which a short one has as many as readings.
+        assert_eq!([3, 4, 50].map(found), [0, 4, 5]);
     }
 }

@@ -182,3 +182,41 @@ pub(in crate::diagnose) fn lobes(places: &Places, still: &[usize], count: u32, a
     found.constant = Some((f64::from(count), "lobes"));
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn a_cup_has_three_lobes_of_its_own_in_each_of_sixty_runs() {
+        let machine = bench::machine();
+        let found = |runs: usize| {
+            let mut rows = "X,Y,Z,dr_um,run,setup\n".to_owned();
+            for run in 0..runs {
+                rows += &format!("100,0,0,0,{run},A\n0,100,0,0,{run},A\n-100,0,0,0,{run},A\n");
+            }
+            let description =
+                "[measurement]\nkind = \"ballbar\"\nsigma_um = 1\n[setup.A]\ncentre_mm = [0, 0, 0]\nlength_mm = 100\n";
+            let sets = [bench::table(&machine, &rows, description)];
+            let scene = bench::scene(&machine, &sets);
+            let mut out = Vec::new();
+            cup(&scene, &mut out);
+            out.first().map(|one| {
+                one.columns
+                    .iter()
+                    .map(|column| [0, 1, 2].map(|row| column[0].1.of(&scene.rows[row])))
+                    .collect::<Vec<_>>()
+            })
+        };
+        let columns = found(60).unwrap();
+        assert_eq!(columns.len(), 120);
+        // The sine of three times the angle at 0, 90 and 180°, and the cosine.
+        let expected = [[0.0, -1.0, 0.0], [1.0, 0.0, -1.0]];
+        let is = |(own, expected): (&[f64; 3], &[f64; 3])| own.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(columns.iter().zip(&expected).all(is), "{:?}", &columns[..2]);
+        // These rows are of the first run.
+        assert_eq!(columns[2], [0.0; 3]);
+        assert_eq!(found(61), None);
+    }
+}

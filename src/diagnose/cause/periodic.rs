@@ -52,3 +52,27 @@ fn with(name: ErrorName, axis: Axis, period: f64, [sine, cosine]: &[Weight; 2]) 
     one.constant = Some(if axis.is_rotary() { (period.to_degrees(), "deg") } else { (period, "mm") });
     one
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn a_table_repeats_with_its_turn_and_parts_of_it() {
+        let machine = bench::turning();
+        let rows = "X,Y,Z,C,dx_um,dy_um,dz_um\n0,0,0,0,0,0,0\n0,0,0,90,0,0,0\n0,0,0,15,0,0,0\n";
+        let sets = [bench::table(&machine, rows, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")];
+        let scene = bench::scene(&machine, &sets);
+        let mut found = Vec::new();
+        propose(&scene, &mut found);
+        let own: Vec<&Candidate> = found.iter().filter(|one| one.parameter == "EZC").collect();
+        let degrees: Vec<f64> = own.iter().map(|one| (one.constant.unwrap().0 * 1e9).round() / 1e9).collect();
+        assert_eq!(degrees, [360.0, 180.0, 120.0, 90.0, 72.0, 60.0]);
+        // A quarter of a turn, and of a sixth of it: sines of 1, cosines of 0.
+        for (one, row) in [(own[0], 1), (own[5], 2)] {
+            let of = |column: usize| one.columns[column][0].1.of(&scene.rows[row]).abs();
+            assert!((of(0) - 1.0).abs() < 1e-12 && of(1) < 1e-12, "{one:?}");
+        }
+    }
+}

@@ -243,6 +243,9 @@ fn grid(law: &Law<'_>, name: ErrorName, own: Axis, (other, has_own): (Axis, bool
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::cause::Effect;
+    use crate::diagnose::size::Amounts;
 
     #[test]
     fn what_all_places_have_in_common_is_an_offset() {
@@ -260,5 +263,25 @@ mod tests {
         // 3 per mm throughout; and half of it from 20 on.
         assert_eq!(needed(&places, &[vec![0.0, 30.0, 90.0, 120.0]]), [0, 3]);
         assert_eq!(needed(&places, &[vec![0.0, 30.0, 60.0, 75.0]]), [0, 1, 3]);
+    }
+
+    #[test]
+    fn what_turns_over_with_the_sense_is_play_and_nothing_else_is() {
+        let component: ErrorName = "EXX".parse().unwrap();
+        let of = |shift: f64| {
+            let mut one = super::super::tests::finding(5.0, 1e-3);
+            let weight = move |row: &Row| row.sense_of(Axis::X) + shift;
+            one.candidate = bench::candidate(Effect::Backlash, Through::Component(component), weight);
+            one.amounts = Amounts { values: vec![2.0], covariance: vec![vec![0.01]] };
+            let machine = bench::machine();
+            let row = bench::scene(&machine, &[bench::reads_along_x(&machine, &[0.0; 3])]).rows[0].clone();
+            let (mut low, mut high) = (row.position, row.position);
+            (low[Axis::X], high[Axis::X]) = (0.0, 100.0);
+            line(&Law { one: &one, row, low, high, factor: 1.0, zero: vec![0.0] }, component, Axis::X, Some(Axis::X))
+        };
+        // From one side to the other it is 2 less −2.
+        let Ok(Change::Shape { kind: "backlash", values, .. }) = of(0.0) else { panic!("{:?}", of(0.0)) };
+        assert!(values[0].iter().all(|value| *value == 4.0), "{values:?}");
+        assert!(of(0.5).unwrap_err().contains("does not turn over"));
     }
 }

@@ -340,7 +340,7 @@ mod tests {
     use crate::diagnose::share::Share;
     use crate::diagnose::size::{Amounts, Size};
 
-    fn finding(um: f64, rms: f64) -> Finding {
+    pub(super) fn finding(um: f64, rms: f64) -> Finding {
         Finding {
             candidate: bench::candidate(Effect::Motion, Through::Component("EXX".parse().unwrap()), |_| 1.0),
             amounts: Amounts::default(),
@@ -373,5 +373,25 @@ mod tests {
         let why = |rms: f64| is_sound(&finding(100.0, rms), 0.1).err().unwrap_or_default();
         assert_eq!(why(0.14), "");
         assert!(why(0.2).contains("2.0 times what the model leaves"));
+    }
+
+    #[test]
+    fn cleaned_data_are_those_that_were_used_without_readings_that_did_not_count() {
+        let machine = bench::machine();
+        let sets = [bench::reads_along_x(&machine, &[1.0; 12]), bench::reads_along_x(&machine, &[2.0; 12])];
+        let scene = bench::scene(&machine, &sets);
+        let mut found = crate::diagnose::diagnose(&scene, &scene, 1, &mut |_, _| {});
+        (found.findings, found.outliers) = (vec![finding(5.0, 5e-3)], vec![(0, 3)]);
+        found.findings[0].candidate = bench::candidate(Effect::Unknown, Through::Tip(0), |_| 1.0);
+        found.findings[0].amounts = Amounts { values: vec![0.25e-3], covariance: vec![vec![0.0]] };
+        let reads = |holds: bool| -> Vec<Vec<Option<f64>>> {
+            let sets = cleaned(&found, &scene, 1, &[holds]).unwrap();
+            let round = |value: f64| (value * 1e9).round() / 1e6;
+            sets.iter().map(|set| set.observations.iter().map(|one| one.values[0].map(round)).collect()).collect()
+        };
+        let all = |um: f64| (0..12).map(|row| (row != 3).then_some(um)).collect::<Vec<_>>();
+        // What the file holds stays in the readings, what it does not is taken away.
+        assert_eq!(reads(true), [all(1.0)]);
+        assert_eq!(reads(false), [all(0.75)]);
     }
 }

@@ -101,3 +101,26 @@ fn left(machine: &Machine, errors: &ErrorModel, data: DataSet) -> Option<[f64; 4
         own.map_or(f64::INFINITY, |own| own.left_with(None, 1.0))
     }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn what_is_left_is_in_squares_of_the_uncertainty_by_degrees_of_freedom() {
+        let machine = bench::machine();
+        // Twice the uncertainty of 1 µm, up and down.
+        let um: Vec<f64> = (0..40).map(|k| if k % 2 == 0 { 2.0 } else { -2.0 }).collect();
+        let found = left(&machine, &ErrorModel::default(), bench::reads_along_x(&machine, &um)).unwrap();
+        assert!((found[0] - 4.0).abs() < 1e-9, "{found:?}");
+        // Sense, slope and bend of X say nothing of that, and each takes one of 40 degrees of freedom.
+        for (left, taken) in found.iter().zip([0.0, 1.0, 2.0, 3.0]) {
+            assert!((left / (4.0 * 40.0 / (40.0 - taken)) - 1.0).abs() < 0.01, "{found:?}");
+        }
+        // What grows with X is nothing beside all that grows with an axis.
+        let um: Vec<f64> = (0..40).map(|k| f64::from(k) * 0.1 - 1.95).collect();
+        let found = left(&machine, &ErrorModel::default(), bench::reads_along_x(&machine, &um)).unwrap();
+        assert!(found[0] > 1.0 && found[2] < 1e-9 && found[3] < 1e-9, "{found:?}");
+    }
+}
