@@ -305,3 +305,29 @@ fn lost_axes(element: &Element, machine: &Machine) -> AxisSet {
     };
     if is_lost { AxisSet::ALL } else { AxisSet::EMPTY }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_knows_where_axes_are_behind_a_change_of_the_tool() {
+        let source = crate::source::Source::new(
+            crate::source::FileId(0),
+            "m.toml",
+            crate::machine::file::DEMO.as_bytes().to_vec(),
+        )
+        .unwrap();
+        let mut machine = crate::model::file::load(&source).0.unwrap().0;
+        let element = |kind| Element { origin: Origin::default(), starts_block: true, number: None, kind };
+        let tool = element(Kind::Tool(WordValue::Number(3.0)));
+        let word = |number: f64| Word { letter: b'M', extension: None, value: WordValue::Number(number) };
+        let [change, other] = [6.0, 8.0].map(|number| element(Kind::After(vec![word(number)])));
+        // Where M6 changes, T only selects.
+        machine.control.tool_change = ToolChange::M6;
+        let lost = |machine: &Machine| [&tool, &change, &other].map(|element| lost_axes(element, machine));
+        assert_eq!(lost(&machine), [AxisSet::EMPTY, AxisSet::ALL, AxisSet::EMPTY]);
+        machine.control.tool_change = ToolChange::T;
+        assert_eq!(lost(&machine)[0], AxisSet::ALL);
+    }
+}

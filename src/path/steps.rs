@@ -279,4 +279,20 @@ mod tests {
         assert_eq!(series(0.2), [0.2]);
         assert!(series(0.0).is_empty() && series(f64::NAN).is_empty());
     }
+
+    #[test]
+    fn each_line_is_told_when_it_is_done() {
+        let source = crate::source::Source::new(
+            crate::source::FileId(0),
+            "m.toml",
+            crate::machine::file::DEMO.as_bytes().to_vec(),
+        )
+        .unwrap();
+        let machine = crate::model::file::load(&source).0.unwrap().0;
+        let lines: Vec<Line> = crate::path::volume(&machine, &Vector::zeros()).into_iter().take(4).collect();
+        let model = Model::new(&machine, &crate::model::ErrorModel::default());
+        let mut shares = Vec::new();
+        StepTrial::new(&model, Rotary::Correct).residual(&lines, 100.0, |share| shares.push(share));
+        assert_eq!(shares, [0.25, 0.5, 0.75, 1.0]);
+    }
 }

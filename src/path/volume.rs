@@ -158,3 +158,32 @@ impl Random {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_four_diagonals_of_the_linear_axes_leave_a_table_in_the_middle() {
+        let mut text = "[machine]\nname = \"test\"\ntopology = \"wCFXYZSt\"\n".to_owned();
+        for (axis, direction) in [("X", "[1, 0, 0]"), ("Y", "[0, 1, 0]"), ("Z", "[0, 0, 1]")] {
+            text += &format!("[axis.{axis}]\ndirection = {direction}\ntravel_mm = [-100, 100]\n");
+        }
+        text += "[axis.C]\ndirection = [0, 0, -1]\ntravel_deg = [-90, 90]\n";
+        let source = crate::source::Source::new(crate::source::FileId(0), "m.toml", text.as_bytes().to_vec()).unwrap();
+        let machine = crate::model::file::load(&source).0.unwrap().0;
+        let ends = |line: &Line| {
+            let mut both = [line.start(), line.end()]
+                .map(|at| [Axis::X, Axis::Y, Axis::Z, Axis::C].map(|axis| at[axis].round() as i64));
+            both.sort_unstable();
+            both
+        };
+        let is_it = |both: &[[i64; 4]; 2]| {
+            (0..3).all(|k| both[0][k].abs() == 100 && both[0][k] == -both[1][k]) && both[0][3] == 0 && both[1][3] == 0
+        };
+        let mut found: Vec<_> = volume(&machine, &Vector::zeros()).iter().map(ends).filter(is_it).collect();
+        found.sort_unstable();
+        let of = |y: i64, z: i64| [[-100, y, z, 0], [100, -y, -z, 0]];
+        assert_eq!(found, [of(-100, -100), of(-100, 100), of(100, -100), of(100, 100)]);
+    }
+}
