@@ -334,7 +334,7 @@ mod tests {
     fn means_of_parts_are_less_by_what_their_noise_makes_of_them() {
         // Ten parts of ten that are 1 and −1 in turn, in each of them 1/2 more and less.
         let values: Vec<f64> = (0..100).map(f64::from).collect();
-        let sign = |k: usize| if k % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let left: Vec<f64> = (0..100).map(|k| sign(k / 10) + 0.5 * sign(k)).collect();
         // 100 between parts with nine degrees of freedom, 25 within them with 90: 100 − 9 · 25/90 of 100.
         assert!((along(&values, &left) - 0.975_f64.sqrt()).abs() < 1e-12);
