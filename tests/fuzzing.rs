@@ -39,6 +39,12 @@ const BROKE: &[(&str, &[u8])] = &[
     ("correct_fanuc", b"%100\nG90 G54 G0 X1. Y1. Z1.\nG1 X2. F100.\nM30\n%\n"),
     // Names of tools have blanks and semicolons.
     ("execute_sinumerik", b"T=\"MILL 6; HSS\"\nM6\nG0 X1\n"),
+    // A rounding that a contour has held back comes behind the feed of the next block, and has another one.
+    (
+        "correct_sinumerik",
+        b"N10 G17 G90 G710 G40 G64\nN20 T5\nN30 M6\nN40 G54 D1 S3200 M3\nN60 G0 X-20 Y-20 Z5\nN80 G41 G450 G1 X0 Y-5 F600\nN90 Y60 RND=8\n\
+        N103 F400\nN200 X70 RND=7\nN230 Y10\nN260 G40 X90\nN280 M30\n",
+    ),
 ];
 
 /// Larger samples take long to execute in a build without optimization.

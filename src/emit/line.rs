@@ -17,6 +17,8 @@ pub(super) struct Line {
     is_open: bool,
     /// Where in the line its motion begins.
     motion_at: Option<usize>,
+    /// Whether the line has a feed.
+    pub(super) has_feed: bool,
     /// Where in the line a word stands that may have to change.
     marked_at: Option<usize>,
     ending: &'static [u8],
@@ -40,6 +42,7 @@ impl Line {
             has_words: false,
             is_open: false,
             motion_at: None,
+            has_feed: false,
             marked_at: None,
             ending: if crlf { b"\r\n" } else { b"\n" },
             longest: usize::MAX,
@@ -184,6 +187,7 @@ impl Line {
         self.motion_at = None;
         self.has_words = false;
         self.has_motion = false;
+        self.has_feed = false;
     }
 
     /// Writes a line of words before the one that is being put together.

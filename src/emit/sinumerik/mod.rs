@@ -7,7 +7,7 @@ mod words;
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{AXIS_COUNT, Axis};
-use crate::path::{Centers, Feeds, Output, OutputFrame, Turns};
+use crate::path::{Centers, Feeds, Output, OutputFrame, Piece, Turns};
 use crate::snc::BlockNumber;
 
 use super::line::Line;
@@ -75,7 +75,9 @@ impl Writer for Sinumerik {
     fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
         match output {
             Output::Piece(piece) => {
-                self.is_again = !piece.starts_block && (!piece.first || self.line.has_motion);
+                // What a contour has held back may come behind the feed of the next block.
+                let has_other_feed = self.line.has_feed && self.needs_feed(piece);
+                self.is_again = !piece.starts_block && (!piece.first || self.line.has_motion || has_other_feed);
                 if piece.starts_block || self.is_again {
                     self.begin(piece.starts_block, piece.number, out);
                 }
@@ -157,7 +159,15 @@ impl Sinumerik {
         name.is_some()
     }
 
+    /// Whether a piece has a feed that is to be written.
+    fn needs_feed(&self, piece: &Piece) -> bool {
+        // The time of a block is its own: a control takes none from the block above.
+        let is_new = piece.feed > 0.0 && (piece.inverse_time || piece.feed != self.feed);
+        piece.feed_named || !piece.rapid && is_new
+    }
+
     fn feed_word(&mut self, feed: f64) {
+        self.line.has_feed = true;
         self.word(b"F");
         push_value(&mut self.line.text, to_digits(feed, FEED_DIGITS));
         self.feed = feed;

@@ -77,9 +77,7 @@ impl Sinumerik {
                 self.feed = f64::NAN;
             }
         }
-        // The time of a block is its own: a control takes none from the block above.
-        let is_needed = piece.feed > 0.0 && (piece.inverse_time || piece.feed != self.feed);
-        if piece.feed_named || !piece.rapid && is_needed {
+        if self.needs_feed(piece) {
             self.feed_word(piece.feed);
         }
         self.line.release();

@@ -15,7 +15,7 @@ mod thread_tests;
 
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::AXIS_COUNT;
-use crate::path::{Centers, Feeds, Output, Turns};
+use crate::path::{Centers, Feeds, Output, Piece, Turns};
 use crate::snc::{BlockNumber, Origin};
 
 use super::line::Line;
@@ -137,7 +137,8 @@ impl Writer for Words {
             Output::Piece(piece) => {
                 if piece.starts_block {
                     self.begin_block(piece.number, out);
-                } else if !piece.first || self.line.has_motion {
+                // What a contour has held back may come behind the feed of the next block.
+                } else if !piece.first || self.line.has_motion || self.line.has_feed && self.needs_feed(piece) {
                     self.stops.run_through(&mut self.line);
                     self.line.end(out);
                     self.line.open();
@@ -214,7 +215,14 @@ impl Words {
         }
     }
 
+    /// Whether a piece has a feed that is to be written.
+    fn needs_feed(&self, piece: &Piece) -> bool {
+        let is_new = !piece.rapid && piece.feed > 0.0 && (self.is_inverse_time || piece.feed != self.feed);
+        piece.feed_named || is_new
+    }
+
     fn feed_word(&mut self, feed: f64) {
+        self.line.has_feed = true;
         self.line.word(b"F");
         self.value(to_digits(feed, self.flavour.feed_digits));
         self.feed = feed;

@@ -177,8 +177,7 @@ impl Words {
     }
 
     fn feed_of(&mut self, piece: &Piece) {
-        let is_needed = !piece.rapid && piece.feed > 0.0 && (self.is_inverse_time || piece.feed != self.feed);
-        if piece.feed_named || is_needed {
+        if self.needs_feed(piece) {
             self.feed_word(piece.feed);
         }
     }
