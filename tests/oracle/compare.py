@@ -26,8 +26,8 @@ POSITION_TOLERANCE = 1e-4
 """mm and degrees."""
 CURVE_TOLERANCE = 0.02
 """mm: both sides cut splines into pieces of their own choice."""
-PIECE_SHARE = 0.3
-"""How far the interpreter's pieces may be off a spline: share of their length (they may turn by a right angle and more)."""
+BULGE = 1.5
+"""How much more than estimated (`bulges`) a spline may be off the interpreter's pieces: those of generate.py are up to 1.1 times as far."""
 NO_END = "ended with no percent sign"
 PATIENCE = 20.0
 """Seconds without a sign of life."""
@@ -195,25 +195,34 @@ def stretch_of(steps, index, start):
     return points, index
 
 
-def off_line(points, line, allowance):
-    """The first of the points that is further off a line of pieces than `allowance(piece)`, or None. Goes along the line, so that loops
+def bulges(line):
+    """About how far a curve is off each of the pieces of `line`, which cut it in equal steps of its parameter: an eighth of the second
+    difference of their corners, the larger one of both ends. A share of their length would not do: where the curve turns sharply, the
+    pieces are the shortest and the furthest off it."""
+    corners = zip(line, line[1:], line[2:])
+    turns = [math.dist([a + c for a, c in zip(one[:3], other[:3])], [2 * b for b in middle[:3]]) for one, middle, other in corners]
+    return [max(ends) / 8 for ends in zip([0.0, *turns], [*turns, 0.0])]
+
+
+def off_line(points, line, allowances):
+    """The first of the points that is further off a line of pieces than it may be off its piece, or None. Goes along the line, so that loops
     do not hide a detour."""
     segment = 0
     window = 3 + 4 * len(line) // len(points)
     for point in points:
         ahead = range(segment, min(segment + window, len(line) - 1))
         best = min(((distance(point, line[k], line[k + 1]), k) for k in ahead), default=None)
-        if best is None or best[0] > allowance(math.dist(line[best[1]][:3], line[best[1] + 1][:3])):
+        if best is None or best[0] > allowances[best[1]]:
             return point
         segment = best[1]
     return None
 
 
 def polylines_agree(theirs, mine, tolerance=POSITION_TOLERANCE):
-    """The corners of the interpreter's pieces lie on the curve, the pieces may be off it by a share of their length."""
+    """The corners of the interpreter's pieces lie on the curve, which is off the pieces between them."""
     return (
-        off_line(theirs, mine, lambda _: CURVE_TOLERANCE) is None
-        and off_line(mine, theirs, lambda length: 10 * CURVE_TOLERANCE + PIECE_SHARE * length) is None
+        off_line(theirs, mine, [CURVE_TOLERANCE] * len(mine)) is None
+        and off_line(mine, theirs, [CURVE_TOLERANCE + BULGE * bulge for bulge in bulges(theirs)]) is None
         and near(theirs[-1], mine[-1], tolerance)
     )
 
