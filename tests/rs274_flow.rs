@@ -154,10 +154,42 @@ fn loops_remember_what_linuxcnc_remembers() {
     // A break of a while loop ends the next do loop.
     let text = "o1 while [1]\no1 break\no1 endwhile\n#2=0\no8 do\n#2=[#2+1]\nG0 Z#2\no8 while [#2 lt 5]\nM2\n";
     assert_eq!(ends(text), ["0 0 1"]);
+    // So does one that is only passed, because the while loop ends
+    let text = "#1=0\no1 while [#1 lt 2]\n#1=[#1+1]\no2 if [#1 eq 9]\no1 break\no2 endif\no1 endwhile\n\
+        #1=0\no3 do\n#1=[#1+1]\nG0 X#1\no3 while [#1 lt 3]\no4 do\n#1=[#1+1]\nG0 Y#1\no4 while [#1 lt 4]\nM2\n";
+    assert_eq!(ends(text), ["1 0 0", "1 2 0", "1 3 0", "1 4 0"]);
+    // or never begins,
+    let text = "#1=0\no1 do\n#1=[#1+1]\nG0 X#1\no2 while [0]\no2 break\no2 endwhile\no1 while [#1 lt 5]\nM2\n";
+    assert_eq!(ends(text), ["1 0 0"]);
+    // or because a continue stands before it: of the loop itself,
+    let leaving = |first: &str, second: &str| {
+        format!("#1=0\no1 do\n#1=[#1+1]\nG0 X#1\n{first}{second}G0 Y#1\no1 while [#1 lt 9]\nM2\n")
+    };
+    let (goes_on, ends_loop) = ("o2 if [#1 eq 2]\no1 continue\no2 endif\n", "o3 if [#1 eq 4]\no1 break\no3 endif\n");
+    assert_eq!(ends(&leaving(goes_on, ends_loop)), ["1 0 0", "1 1 0", "2 1 0"]);
+    assert_eq!(ends(&leaving(ends_loop, goes_on)), ["1 0 0", "1 1 0", "2 1 0", "3 1 0", "3 3 0", "4 3 0"]);
+    // or of a while loop that a return leaves then.
+    let text = "o9 sub\n#1=0\no1 while [1]\n#1=[#1+1]\no2 if [#1 lt 3]\no1 continue\no2 endif\no9 return\no1 break\no1 endwhile\n\
+        o9 endsub\no9 call\n#1=0\no3 do\n#1=[#1+1]\nG0 X#1\no3 while [#1 lt 3]\nM2\n";
+    assert_eq!(ends(text), ["1 0 0"]);
+    // A break of another loop within is not passed.
+    let text = "o5 while [0]\no6 while [0]\no6 break\no6 endwhile\no5 endwhile\n\
+        #1=0\no3 do\n#1=[#1+1]\nG0 X#1\no3 while [#1 lt 3]\nM2\n";
+    assert_eq!(ends(text), ["1 0 0", "2 0 0", "3 0 0"]);
     // A repeat loop that a return leaves goes on with the passes that were left.
     let text = "o1 sub\no2 repeat [2]\nG91 G0 X1\no1 return\no2 endrepeat\no1 endsub\n\
         o1 call\nG90 G0 X10\no1 call\nG90 G0 X20\no1 call\nG90 G0 X30\no1 call\nM2\n";
     assert_eq!(ends(text), ["1 0 0", "10 0 0", "11 0 0", "20 0 0", "30 0 0", "31 0 0"]);
+}
+
+#[test]
+fn a_break_that_is_left_out_is_not_passed() {
+    let text = "o1 while [0]\n/o1 break\no1 endwhile\n#1=0\no3 do\n#1=[#1+1]\nG0 X#1\no3 while [#1 lt 3]\nM2\n";
+    let passes = |skip_levels: [bool; 10]| {
+        let options = Options { skip_levels, ..Options::default() };
+        moves(&run_with("rs274", text, &iso_machine(), Box::new(NoLibrary), options).0).len()
+    };
+    assert_eq!([passes([false; 10]), passes([true; 10])], [1, 3]);
 }
 
 #[test]

@@ -94,9 +94,14 @@ impl Ledger {
         Err(Some(Diagnostic::at(Code::TOO_MANY_BLOCKS, Place { file, span }, message, help)))
     }
 
-    /// Whether a block with this skip level is left out.
+    /// Whether blocks with this skip level are left out.
+    pub(super) fn leaves_out(&self, level: u8) -> bool {
+        self.skip_levels.get(usize::from(level)).copied().unwrap_or(false)
+    }
+
+    /// Whether a block with this skip level is left out; that this is decided now is a finding.
     pub(super) fn skips(&mut self, level: u8, file: FileId, span: Span) -> bool {
-        let is_skipped = self.skip_levels.get(usize::from(level)).copied().unwrap_or(false);
+        let is_skipped = self.leaves_out(level);
         // One finding a run: every further block would say the same.
         if !self.reported.iter().any(|(code, _)| *code == Code::SKIP_EXECUTED) {
             let done = if is_skipped { "skipped" } else { "executed" };

@@ -14,6 +14,7 @@ use super::request::{Request, request};
 use crate::diagnostic::Code;
 use crate::dialect::Language;
 use crate::exec::fault::{Fault, at, fault};
+use crate::exec::ledger::Ledger;
 use crate::source::Span;
 use crate::syntax::words::{Block, Body, ExprId, Label, Program, Word};
 
@@ -34,8 +35,10 @@ pub(super) enum Action {
 
 /// What LinuxCNC remembers of its loops, all of which share it.
 ///
-/// A `break` out of a `while` loop is not forgotten until the end of a `do` loop, which then ends too; a `continue` in a `do` loop not
-/// until the end of another loop, which then begins anew; and a `repeat` that a `return` leaves goes on with the passes that were left.
+/// A `break` is not forgotten until the end of a `do` loop, which then ends; neither is one that LinuxCNC only passes on its way to the
+/// end of the loop that it belongs to, because a condition or a `continue` leads there: it looks at the labels of what it passes. A
+/// `continue` in a `do` loop is not forgotten until the end of another loop, which then begins anew; and a `repeat` that a `return`
+/// leaves goes on with the passes that were left.
 #[derive(Debug, Default)]
 pub(super) struct Loops {
     breaks: bool,
@@ -77,6 +80,7 @@ pub(super) fn block(
         Body::While(Some(condition)) if scope.truth(condition)? => Action::Next,
         Body::While(Some(_)) => {
             channel.loops.continues = false;
+            channel.loops.breaks |= loaded.has_break_behind(index, index);
             behind_partner()
         }
         Body::EndWhile | Body::EndRepeat => partner.map_or(Action::Next, Action::Jump),
@@ -98,7 +102,7 @@ pub(super) fn block(
         Body::If(_) => next_branch(&scope, block)?,
         // Reached from above: the branch before was taken.
         Body::ElseIf(_) | Body::Else => Action::Jump(end_of_if(loaded, index)),
-        Body::Break | Body::Continue => leave_pass(loaded, &mut channel.loops, block)?,
+        Body::Break | Body::Continue => leave_pass(loaded, &mut channel.loops, block, index)?,
         // A definition does nothing where it stands.
         Body::Sub => behind_partner(),
         Body::EndSub(value) | Body::Return(value) => {
@@ -241,6 +245,14 @@ pub(super) fn loops_of(program: &Program) -> Vec<(usize, usize)> {
     program.blocks.iter().enumerate().filter_map(is_loop).collect()
 }
 
+/// The last `break` of each loop that is not left out, by the block where the loop begins.
+pub(super) fn breaks_of(program: &Program, ledger: &Ledger) -> HashMap<usize, usize> {
+    let is_left_out = |block: &Block| block.skip.is_some_and(|level| ledger.leaves_out(level));
+    let breaks =
+        program.blocks.iter().enumerate().filter(|(_, block)| block.body == Body::Break && !is_left_out(block));
+    breaks.filter_map(|(index, block)| Some((block.partner()?, index))).collect()
+}
+
 impl Loops {
     /// Whether the pass of a `repeat` that begins here is made.
     fn repeat(&mut self, place: (usize, usize), count: u32) -> bool {
@@ -281,7 +293,7 @@ fn end_of_if(loaded: &Loaded, index: usize) -> usize {
 }
 
 /// `break` and `continue`.
-fn leave_pass(loaded: &Loaded, loops: &mut Loops, block: &Block) -> Result<Action, Fault> {
+fn leave_pass(loaded: &Loaded, loops: &mut Loops, block: &Block, index: usize) -> Result<Action, Fault> {
     let at_index = |index: usize| loaded.program.blocks.get(index);
     let Some(partner) = block.partner() else { return Ok(Action::Next) };
     // The partner is one side of the loop; whichever it is, its partner is the other one.
@@ -295,6 +307,7 @@ fn leave_pass(loaded: &Loaded, loops: &mut Loops, block: &Block) -> Result<Actio
     let is_do = body == Some(Body::Do);
     if block.body == Body::Continue {
         loops.continues = is_do;
+        loops.breaks |= loaded.has_break_behind(start, index);
         return Ok(Action::Jump(end));
     }
     loops.breaks = true;

@@ -149,7 +149,7 @@ impl Interpreter<'_> {
             self.ledger.report(finding);
         }
         self.channel.variables.add_program(&program);
-        self.programs.push(Loaded::new(program));
+        self.programs.push(Loaded::new(program, &self.ledger));
         Some(self.programs.len() - 1)
     }
 }

@@ -111,8 +111,8 @@ impl<'a> Interpreter<'a> {
         Interpreter {
             machine,
             library,
+            programs: vec![Loaded::new(program, &ledger)],
             ledger,
-            programs: vec![Loaded::new(program)],
             levels: vec![Level::new(0, main, start, 0)],
             channel,
             files: HashMap::new(),
