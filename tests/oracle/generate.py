@@ -3,7 +3,7 @@
 
 For differential testing with compare.py. The programs are meant to be valid, but need not be: what the interpreter does not accept is not
 compared. Each piece begins where the program knows its position, and leads back to such a place. With `correctable` they keep away from
-G28.1 and G30.1, which a correction refuses.
+what a correction refuses: G28.1 and G30.1, and X without Y behind a tool change, where only the machine knows how far a rotated X leads.
 """
 
 import math
@@ -294,7 +294,7 @@ class Generator:
         self.put(f"M61 Q{tool}" if set_by_number else f"T{tool} M6")
         self.put(f"G43 H{tool}" if set_by_number else r.choice([f"G43 H{tool}", "G43", "G49", f"G43 H{r.randint(1, 40)}", f"G43.1 Z{self.coordinate(0, 50)}", f"G43.2 H{r.randint(1, 9)}"]))
         if r.random() < 0.4:
-            self.put(f"G1 X{self.coordinate()}")
+            self.put(f"G1 X{self.coordinate()}" + (f" Y{self.coordinate()}" if self.correctable else ""))
         self.here()
 
     def compensation_piece(self):
@@ -470,11 +470,7 @@ class Generator:
             self.put(f"{label} while [{counter} LT {r.randint(1, 3)}]")
             self.put(f"{counter} = [{counter} + 1]")
             self.inside(1)
-            if r.random() < 0.4:
-                inner = self.label()
-                self.put(f"{inner} if [{counter} EQ 2]")
-                self.put(f"{label} {r.choice(['break', 'continue'])}")
-                self.put(f"{inner} endif")
+            self.leaves(label, counter)
             self.inside(1)
             self.put(f"{label} endwhile")
         elif form == 2:
@@ -482,6 +478,7 @@ class Generator:
             self.put(f"{label} do")
             self.put(f"{counter} = [{counter} - 1]")
             self.inside(1)
+            self.leaves(label, counter)
             self.put(f"{label} while [{counter} GT 0]")
         elif form == 3:
             self.put(f"{counter} = {r.randint(0, 3)}")
@@ -499,6 +496,16 @@ class Generator:
             values = " ".join(f"[{self.plain(self.coordinate(-20, 20))}]" for _ in range(arguments))
             self.put(f"{name} call {values}".rstrip())
         self.here()
+
+    def leaves(self, label, counter):
+        """Often `break` or `continue` or both, executed or not: what the interpreter passes of them has consequences for later loops too."""
+        r = self.random
+        if r.random() < 0.4:
+            for leave in r.sample(["break", "continue"], r.randint(1, 2)):
+                inner = self.label()
+                self.put(f"{inner} if [{counter} EQ {r.randint(1, 2)}]")
+                self.put(f"{label} {leave}")
+                self.put(f"{inner} endif")
 
     def inside(self, count):
         self.depth += 1
