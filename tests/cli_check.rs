@@ -193,3 +193,21 @@ fn the_travel_of_a_machine_file_counts() {
     // On the demo machine, which nobody has, nothing is said of it.
     shop.run(["check", "in.ngc"]).exits(0);
 }
+
+/// Where nobody has stated where an axis is, its place is assumed, and no reason to say that it is outside: as for a correction, which refuses the start.
+#[test]
+fn assumed_places_are_outside_of_nothing() {
+    let machine = machine("esmaeili_xyz5");
+    for program in
+        ["G90 G71 G54\nG91 G0 X-9000\nX-10\nM30\n", "G90 G71 G54 G0 X10 Y10 Z10\nG74 Z1=0\nG91 G0 Z-9000\nM30\n"]
+    {
+        let shop = Shop::new().file("in.mpf", program);
+        let check = shop.run(["check", "in.mpf", "--machine", &machine]);
+        let fix = shop.run(["in.mpf", "-o", "out.mpf", "--machine", &machine]);
+        assert!(fix.code != 0 && !fix.stderr.contains("E0302"), "{}", fix.stderr);
+        assert!(!check.stderr.contains("E0302"), "{}", check.stderr);
+    }
+    let sample = repository("samples/programs/sinumerik/L100.SPF").display().to_string();
+    let check = Shop::new().run(["check", &sample, "--machine", &machine]);
+    assert!(!check.stderr.contains("E0302"), "{}", check.stderr);
+}

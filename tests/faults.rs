@@ -260,3 +260,48 @@ fn an_input_that_goes_away_or_never_ends_is_no_harm() {
     shop.run([".", "-o", "no.mpf"]).exits(2).says("it is a folder");
     assert!(!shop.path("no.mpf").exists());
 }
+
+/// No output replaces what the run has read, by whatever option or program, and no two outputs are one file.
+#[test]
+fn what_was_read_is_never_replaced() {
+    let machine = fs::read(crate::support::machine("demo")).unwrap();
+    let shop =
+        circles().file("m.toml", &machine).file("setup.toml", "[zero_offset.G54]\nX_mm = 1\nY_mm = 0\nZ_mm = 0\n");
+    let shop = shop.file("in.mpf", "G90 G54 G0 X10 Y10 Z100\nL7\nM30\n").file("L7.SPF", "G1 X20 F500\nM17\n");
+    simulate(&shop, "plan.csv", "circles.csv", "0.3um", "5");
+    shop.run(["in.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+    let calibrate = ["calibrate", "circles.csv", "--machine", "start.toml", "--model", "model.txt"];
+    let names = shop.names();
+    let before: Vec<Vec<u8>> = names.iter().map(|name| shop.bytes(name)).collect();
+    let verify = ["verify", "in.mpf", "out.mpf", "--machine", "m.toml", "--setup", "setup.toml"];
+    let diff = ["diff", "in.mpf", "out.mpf", "--machine", "m.toml", "--setup", "setup.toml"];
+    let fix = ["in.mpf", "-o", "new.mpf", "--machine", "m.toml"];
+    for (command, end) in [
+        (&verify[..], &["--report", "m.toml"][..]),
+        (&verify, &["--report", "setup.toml"]),
+        (&verify, &["--report", "L7.SPF"]),
+        (&diff, &["--html", "m.toml"]),
+        (&diff, &["--html", "setup.toml"]),
+        (&fix, &["--review", "L7.SPF"]),
+        (&calibrate, &["-o", "new.toml", "--report", "model.txt"]),
+        (&calibrate, &["-o", "model.txt"]),
+        (&calibrate, &["-o", "new.toml", "--svg", "new.toml"]),
+        (&["steps", "--machine", "m.toml"], &["--svg", "new.svg", "--report", "new.svg"]),
+    ] {
+        let run = shop.run([command, end].concat());
+        assert!([2, 4].contains(&run.code), "{command:?} {end:?}: {}", run.stderr);
+        assert_eq!(shop.names(), names, "{command:?} {end:?}");
+        for (name, bytes) in names.iter().zip(&before) {
+            assert!(shop.bytes(name) == *bytes, "{command:?} {end:?}: {name}");
+        }
+    }
+    // A device refuses before anything else is there; `/dev/stdout` is a pipe here.
+    shop.run([&fix[..1], &["-o", "/dev/full", "--review", "page.html", "--machine", "m.toml"]].concat()).exits(2);
+    assert_eq!(shop.names(), names);
+    let piped = shop.run(["in.mpf", "-o", "/dev/stdout", "--machine", "m.toml"]).exits(0).stdout;
+    assert!(piped.contains("M30"), "{piped}");
+    // Beside a link the original stays under the name of what the link leads to.
+    std::os::unix::fs::symlink("in.mpf", shop.path("link.mpf")).unwrap();
+    shop.run(["link.mpf", "--in-place", "--review", "page.html", "--machine", "m.toml"]).exits(0);
+    assert!(shop.path("in.mpf.bak").exists() && shop.text("page.html").contains("in.mpf.bak"));
+}

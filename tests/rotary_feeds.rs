@@ -202,3 +202,30 @@ fn a_comparison_sees_how_long_blocks_take() {
     };
     assert!(marked(true) >= 2 && marked(false) >= 2, "{flat}");
 }
+
+/// Feeds of curves that turn an axis are compared as numbers; per minute and per turn are never the same; and what the output writes in machine
+/// coordinates under a transformation has the feed of the tip.
+#[test]
+fn a_comparison_sees_feeds_of_curves_and_units() {
+    let text = table("sinumerik", ERRORS);
+    let program = "N1 G17 G71 G90 G94 G54\nN2 S500 M3\nN3 G0 X50 Y0 Z0 C0\nN10 G3 X50 Y0 I-10 J0 C60 F1500\nN30 M30\n";
+    let shop = Shop::new().file("t.toml", &text).file("in.mpf", program);
+    shop.run(["in.mpf", "-o", "out.mpf", "--machine", "t.toml"]).exits(0);
+    let written = shop.text("out.mpf");
+    std::fs::write(shop.path("fast.mpf"), written.replace("F1500", "F1515")).unwrap();
+    let found = shop.run(["diff", "in.mpf", "fast.mpf", "--machine", "t.toml", "--json"]).exits(1).json();
+    assert!((found["feed_share"][1].as_f64().unwrap() - 1.01).abs() < 1e-9, "{found}");
+    std::fs::write(shop.path("turns.mpf"), written.replace("G94", "G95")).unwrap();
+    shop.run(["diff", "in.mpf", "turns.mpf", "--machine", "t.toml"]).exits(4).says("E0311").says("per turn");
+    let swarf = crate::support::repository("samples/programs/sinumerik/swarf.mpf").display().to_string();
+    let machine = crate::support::machine("esmaeili_huron");
+    shop.run([&swarf, "-o", "swarf.mpf", "--frame", "machine", "--machine", &machine]).exits(0);
+    let found = shop.run(["diff", &swarf, "swarf.mpf", "--machine", &machine, "--json"]).exits(1).json();
+    assert_eq!(found["other_feeds"], 0, "{}", found["feed_share"]);
+    // What FGROUP says of the tip and of rotary axes together cannot be said without the transformation.
+    let program =
+        "G17 G71 G90 G94 G54\nT1 D1\nFGROUP(X,Y,Z,C)\nTRAORI\nG0 X10 Y5 Z20 A0 C0\nG1 A20 X5 C27 F500\nTRAFOOF\nM30\n";
+    let shop = shop.file("group.mpf", program);
+    let run = shop.run(["group.mpf", "-o", "axes.mpf", "--five-axis", "axes", "--machine", &machine]);
+    assert!(run.code == 4 && run.stderr.contains("E0313") && run.stderr.contains("FGROUP"), "{}", run.stderr);
+}

@@ -3,7 +3,7 @@
 use super::arguments::CheckArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
-use super::machine_choice;
+use super::machine_choice::{self, Chosen};
 use super::program::{self, Running};
 use super::stop::Stop;
 use super::support_file;
@@ -12,7 +12,11 @@ use crate::exec::RapidOrder;
 use crate::path::Reach;
 use crate::report::json;
 use crate::report::number::grouped;
+use crate::source::Source;
 use crate::syntax::Program;
+
+/// Behind so many blocks that are not understood nothing is sure.
+const MOST_ERRORS: u32 = 1000;
 
 /// Checks a program.
 pub(super) fn run(arguments: &CheckArguments) -> Result<ExitCode, Stop> {
@@ -69,12 +73,13 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings, check: &mut json
     check.executed = true;
     // Nobody's program is for the demo machine.
     let mut reach = (!chosen.is_demo).then(|| Reach::new(&chosen.machine, arguments.program.start));
+    let mut is_beyond = false;
     while let Some(item) = running.next() {
         match item {
             Ok(element) => {
                 check.elements += u64::from(element.kind.is_in_text());
                 if let Some(reach) = &mut reach {
-                    reach.note(&element).for_each(|found| findings.add(found, running.sources()));
+                    is_beyond |= reach.note(&element).count() > 0;
                 }
             }
             Err(diagnostic) => {
@@ -84,6 +89,30 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings, check: &mut json
                     break;
                 }
             }
+        }
+    }
+    if is_beyond {
+        travel(&source, arguments, &chosen, findings)?;
+    }
+    Ok(())
+}
+
+/// Says where axes would leave their travel, as far as the program tells: what only an assumed place would do is no finding. For that it is executed as
+/// for a correction.
+fn travel(source: &Source, arguments: &CheckArguments, chosen: &Chosen, findings: &mut Findings) -> Result<(), Stop> {
+    let mut again = Findings::default();
+    let Some(opened) = program::open(source, &arguments.program, Some(chosen), &mut again)? else { return Ok(()) };
+    let (program, machine) = (&arguments.program, &chosen.machine);
+    let mut running = Running::start(opened, &arguments.input, program, machine, true, RapidOrder::All);
+    let mut reach = Reach::new(machine, program.start);
+    let mut errors = 0;
+    while let Some(item) = running.next() {
+        match item {
+            Ok(element) => reach.note(&element).for_each(|found| findings.add(found, running.sources())),
+            Err(found) => errors += u32::from(found.is_error()),
+        }
+        if errors > MOST_ERRORS || findings.is_hopeless() {
+            break;
         }
     }
     Ok(())

@@ -134,12 +134,17 @@ impl<'a> Job<'a> {
             *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
             return Ok(());
         }
-        // The page first: a program that is there has its review.
+        // The page first: a program that is there has its review. But a device or a pipe may refuse.
         spool.settle()?;
-        page.publish()?;
-        if let Some(backup) = spool.publish(arguments.in_place)? {
-            report.backup = Some(backup.display().to_string());
-        }
+        let backup = if self.target.is_file() {
+            page.publish()?;
+            spool.publish(arguments.in_place)?
+        } else {
+            let backup = spool.publish(arguments.in_place)?;
+            page.publish()?;
+            backup
+        };
+        report.backup = backup.map(|backup| backup.display().to_string());
         report.output = Some(self.target_name.clone());
         Ok(())
     }
@@ -158,7 +163,12 @@ impl<'a> Job<'a> {
         let mut together = Together::default();
         let Some(page) = &self.page else { return Ok(together) };
         let arguments = self.arguments;
-        let kept = arguments.in_place.then(|| next_backup(&arguments.input)).flatten();
+        let kept = arguments.in_place.then(|| next_backup(&self.target)).flatten();
+        if kept.as_ref().is_some_and(|kept| page.is(kept)) {
+            return Err(Stop::Usage(format!(
+                "--review {page} is where the original would be kept; choose another file"
+            )));
+        }
         let original = kept.unwrap_or_else(|| arguments.input.clone());
         let corrected = arguments.output.clone().unwrap_or_else(|| arguments.input.clone());
         let text = Source::new(self.source.id(), &self.target_name, spool.text()?)

@@ -1,9 +1,12 @@
 //! Reads program and machine files; `-` is standard input.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, Read as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
+use super::output::Target;
 use super::progress;
 use super::stop::Stop;
 use super::voice;
@@ -85,6 +88,9 @@ pub(super) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     }
     let mut file = File::open(path)?;
     let found = file.metadata()?;
+    if found.is_file() {
+        READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_path_buf());
+    }
     if !found.is_file() {
         return bounded(&mut file, most.min(MAX_STREAM_BYTES));
     }
@@ -95,6 +101,15 @@ pub(super) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(length)?;
     read_bounded(&mut file, most, bytes)
+}
+
+/// Files that this run has read, by whatever option or program.
+static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// A file that this run has read and that an output would replace; where several are read, the first by name.
+pub(super) fn read_as(target: &Target) -> Option<PathBuf> {
+    let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    read.iter().find(|path| target.is(path)).cloned()
 }
 
 fn bounded(reader: &mut dyn io::Read, most: usize) -> io::Result<Vec<u8>> {

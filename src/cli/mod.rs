@@ -66,6 +66,7 @@ mod tables_job;
 mod tables_read;
 mod tables_reread;
 mod tables_write;
+mod target;
 mod together;
 mod trace;
 mod value;

@@ -8,9 +8,11 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::input::is_standard_stream;
+use super::input;
 use super::progress;
 use super::stop::Stop;
+use super::target::folder_of;
+pub(super) use super::target::{Target, is_same_file};
 
 /// Bytes gathered before they go to the disk.
 const BUFFER: usize = 1 << 16;
@@ -18,96 +20,6 @@ const BUFFER: usize = 1 << 16;
 /// Permissions of a new file before the umask takes its bits away.
 #[cfg(unix)]
 const NEW_FILE: u32 = 0o666;
-
-/// Symbolic links followed to find a target, as many as Linux follows.
-const MAX_LINKS: usize = 40;
-
-/// Where a text shall go.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Target {
-    /// Standard output.
-    Standard,
-    /// A file that may exist already; links are followed, so this is the file itself.
-    File(PathBuf),
-    /// A device or a pipe.
-    Special(PathBuf),
-}
-
-impl Target {
-    /// The target of a path on the command line.
-    ///
-    /// # Errors
-    /// A sentence where nothing can be written there.
-    pub(super) fn new(path: &Path) -> Result<Target, Stop> {
-        if is_standard_stream(path) {
-            return Ok(Target::Standard);
-        }
-        let path = follow(path)?;
-        match fs::metadata(&path) {
-            Ok(found) if found.is_dir() => Err(Stop::file("write", &path, &io::ErrorKind::IsADirectory.into())),
-            Ok(found) if !found.is_file() => Ok(Target::Special(path)),
-            Ok(found) if found.permissions().readonly() => {
-                Err(Stop::Usage(format!("cannot write {}: it is write-protected", path.display())))
-            }
-            Ok(_) => Ok(Target::File(path)),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                if folder_of(&path).is_dir() {
-                    Ok(Target::File(path))
-                } else {
-                    Err(Stop::file("write", &path, &error))
-                }
-            }
-            Err(error) => Err(Stop::file("write", &path, &error)),
-        }
-    }
-
-    /// Whether the target is the file `other`, by whatever name or link, also where neither is there yet.
-    pub(super) fn is(&self, other: &Path) -> bool {
-        match self {
-            Target::Standard => false,
-            Target::File(path) | Target::Special(path) => is_same_file(path, other) || is_same_name(path, other),
-        }
-    }
-}
-
-/// Follows symbolic links, also one that leads to a file that does not exist yet.
-fn follow(path: &Path) -> Result<PathBuf, Stop> {
-    let mut path = path.to_path_buf();
-    for _ in 0..MAX_LINKS {
-        match fs::read_link(&path) {
-            Ok(link) => path = folder_of(&path).join(link),
-            Err(_) => return Ok(path),
-        }
-    }
-    Err(Stop::Usage(format!("cannot write {}: too many links", path.display())))
-}
-
-/// The folder of a file, `.` for a bare name.
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    }
-}
-
-/// Whether two paths lead to one file: the same path, or two names (hard links) of it.
-pub(super) fn is_same_file(one: &Path, other: &Path) -> bool {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::MetadataExt as _;
-        if let (Ok(one), Ok(other)) = (fs::metadata(one), fs::metadata(other)) {
-            return (one.dev(), one.ino()) == (other.dev(), other.ino());
-        }
-    }
-    matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
-}
-
-/// Whether two paths would be one file: the same name in one folder. Some disks do not tell capitals from small letters.
-fn is_same_name(one: &Path, other: &Path) -> bool {
-    let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().to_lowercase());
-    let is_missing = !one.exists() && !other.exists();
-    is_missing && name(one) == name(other) && is_same_file(folder_of(one), folder_of(other))
-}
 
 /// A text on its way to a target.
 pub(super) struct Spool {
@@ -155,6 +67,22 @@ impl Spool {
         Ok(text)
     }
 
+    /// Refuses to write over what this run has read.
+    ///
+    /// # Errors
+    /// A sentence that names the file.
+    pub(super) fn spare_inputs(&self) -> Result<(), Stop> {
+        match input::read_as(&self.target) {
+            None => Ok(()),
+            Some(path) => {
+                let path = path.display();
+                Err(Stop::Usage(format!(
+                    "the output would overwrite {path}, which is an input of this run; choose another"
+                )))
+            }
+        }
+    }
+
     /// Brings the text to the disk: what is published then has room there.
     ///
     /// # Errors
@@ -169,6 +97,9 @@ impl Spool {
     /// # Errors
     /// A sentence where that fails; the target is then as it was before.
     pub(super) fn publish(self, keep_backup: bool) -> Result<Option<PathBuf>, Stop> {
+        if !keep_backup {
+            self.spare_inputs()?;
+        }
         let Spool { file, target } = self;
         let fault = |error: io::Error| target_fault(&target, &error);
         let mut text = file.into_inner().map_err(|error| fault(error.into_error()))?;
@@ -278,9 +209,10 @@ fn backups(path: &Path) -> impl Iterator<Item = PathBuf> {
     })
 }
 
-/// The name that a copy of a file would get now.
-pub(super) fn next_backup(path: &Path) -> Option<PathBuf> {
-    backups(path).find(|backup| !backup.exists())
+/// The name that the copy of a target would get now.
+pub(super) fn next_backup(target: &Target) -> Option<PathBuf> {
+    let Target::File(path) = target else { return None };
+    backups(path).find(|backup| fs::symlink_metadata(backup).is_err())
 }
 
 /// Gives the file a second name that does not exist yet, so that a rename over the first leaves it.

@@ -34,6 +34,12 @@ impl Pages {
         if pictures.as_deref().is_some_and(is_standard_stream) {
             return Err(Stop::Usage("--svg needs a folder, not standard output: there are several pictures".into()));
         }
+        if let Some(folder) = &pictures {
+            let is_folder = |path: &Path| Target::File(folder.clone()).is(path) || path == folder;
+            if output.into_iter().chain(choice.report.as_deref()).any(is_folder) {
+                return Err(Stop::Usage(format!("--svg {} is a folder, and no name of a file", folder.display())));
+            }
+        }
         Ok((page.is_some() || pictures.is_some()).then_some(Pages { page, pictures }))
     }
 

@@ -56,6 +56,9 @@ fn simulate(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Op
     }
     let paths = [arguments.output.clone(), description_of(&arguments.output)?];
     let targets = [Target::new(&paths[0])?, Target::new(&paths[1])?];
+    if targets.iter().any(|target| !target.is_file()) {
+        return Err(Stop::Usage("a measurement is a pair of files, NAME.csv and NAME.toml; give -o NAME.csv".into()));
+    }
     let Some(mut chosen) = machine_choice::choose(&arguments.machine, &arguments.plan, findings)? else {
         return Ok(None);
     };

@@ -15,6 +15,10 @@ impl Together {
     /// # Errors
     /// A sentence where the disk has no room for it.
     pub(super) fn take(&mut self, mut spool: Spool) -> Result<(), Stop> {
+        spool.spare_inputs()?;
+        if let Some(other) = self.spools.iter().find(|other| other.target().is_also(spool.target())) {
+            return Err(Stop::Usage(format!("two outputs of this run would be {}", other.target())));
+        }
         spool.settle()?;
         self.spools.push(spool);
         Ok(())
@@ -30,11 +34,13 @@ impl Together {
         self.take(spool)
     }
 
-    /// Gives all their names, the first that came, which matters most, last.
+    /// Writes to devices and pipes, which may refuse, and gives the others their names, the first that came, which matters most, last.
     ///
     /// # Errors
     /// A sentence where that fails.
     pub(super) fn publish(self) -> Result<(), Stop> {
-        self.spools.into_iter().rev().try_for_each(|spool| spool.publish(false).map(drop))
+        let (files, others): (Vec<Spool>, Vec<Spool>) =
+            self.spools.into_iter().partition(|spool| spool.target().is_file());
+        others.into_iter().chain(files.into_iter().rev()).try_for_each(|spool| spool.publish(false).map(drop))
     }
 }

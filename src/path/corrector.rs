@@ -141,6 +141,9 @@ where
         standing.sensed = if is_parallel { standing.known } else { frame.known_across(standing.known, false) };
         standing.written = standing.written.intersection(known);
         self.ever_named = self.ever_named.union(named);
+        if self.pace.counts_turns && self.placer.leaves_transform() && !motion.rapid {
+            self.findings.feed_of_turns(&element.origin);
+        }
         let rapids = if motion.manner == Manner::Reference { Rapids::None } else { self.options.rapids };
         let treatment = Treatment::of(motion.rapid, rapids, starts_at_known && is_placed);
         let route = Route::new(standing.nominal, motion.target, motion.arc);

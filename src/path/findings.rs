@@ -177,6 +177,14 @@ impl<'a> Findings<'a> {
         self.report(origin, Code::FEED_OF_ANOTHER_WAY, message, help.into());
     }
 
+    /// Says that a feed of the tip and of rotary axes together cannot be said for axes.
+    pub(super) fn feed_of_turns(&mut self, origin: &Origin) {
+        let message = "the feed is that of rotary axes too (FGROUP), under a transformation that the output leaves out"
+            .to_owned();
+        let help = "leave out --five-axis axes, or take the rotary axes out of FGROUP".into();
+        self.report(origin, Code::FEED_OF_ANOTHER_WAY, message, help);
+    }
+
     fn out_of_travel(&mut self, origin: &Origin, axis: Axis, position: f64, place: &str, (side, limit): (&str, f64)) {
         let unit = if axis.is_rotary() { "deg" } else { "mm" };
         let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };

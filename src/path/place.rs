@@ -133,6 +133,11 @@ impl<'a> Placer<'a> {
         self.keeps_transform && self.setup.transform.is_some()
     }
 
+    /// Whether the program has a transformation here, and the output has none.
+    pub(super) fn leaves_transform(&self) -> bool {
+        !self.keeps_transform && self.setup.transform.is_some()
+    }
+
     /// Feed of the axes for one of the tip, where the output has no transformation any more: the path feed of a control is that of X, Y, Z,
     /// or of the rotary axes, in degrees, where only these move, or where the tip stays.
     pub(super) fn feed(&self, start: &AxisVector, motion: &Move) -> f64 {

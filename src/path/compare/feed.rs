@@ -25,11 +25,26 @@ impl Step {
             Some(_) if self.turns() => return None,
             Some(_) => self.route.size_mm() * (to - from),
             None => {
-                let [start, end] = [from, to].map(|place| self.programmed(&self.route.at(place), kinematics));
-                counted(self.feeds, self.setup.transform.is_some(), [&start, &end])
+                let is_transformed = self.setup.transform.is_some();
+                let [start, end] = [from, to].map(|place| {
+                    let command = self.route.at(place);
+                    // Under a transformation the feed is that of the tip, in whatever coordinates the place is written.
+                    if is_transformed {
+                        kinematics.on_workpiece(&command, &self.tool_mm)
+                    } else {
+                        self.programmed(&command, kinematics)
+                    }
+                });
+                counted(self.feeds, is_transformed, [&start, &end])
             }
         };
         Some(way / self.feed)
+    }
+
+    /// Whether the one feed is per minute and the other per turn of the spindle.
+    pub(super) fn is_of_another_unit(&self, other: &Step) -> bool {
+        let has_feeds = self.feed > 0.0 && other.feed > 0.0;
+        has_feeds && self.unit != other.unit && !self.inverse_time && !other.inverse_time
     }
 
     /// Whether it turns a rotary axis.
@@ -58,8 +73,10 @@ impl Group<'_> {
         if stands || way_mm < ON_THE_SPOT_MM {
             return None;
         }
-        let wanted = step.minutes(part, self.kinematics)?;
-        let share = wanted / piece.minutes([0.0, 1.0], self.kinematics)?;
+        let times = step.minutes(part, self.kinematics).zip(piece.minutes([0.0, 1.0], self.kinematics));
+        // A curve that turns an axis beside it has no time here.
+        let Some((wanted, taken)) = times else { return of_numbers };
+        let share = wanted / taken;
         // The place on the move is known to what the tip is off.
         let same = SAME_TIME + 2.0 * ON_THE_SPOT_MM / way_mm;
         let is_near = |ratio: f64| ratio > 1.0 / (1.0 + same) && ratio < 1.0 + same;

@@ -241,6 +241,11 @@ impl Group<'_> {
             if is_torn || piece.rapid != self.step.rapid || self.length_mm > MOST_SHARE * whole_mm + MEANT_END_MM {
                 return Err(self.step.mismatch("the corrected program does not follow this move of the original"));
             }
+            if self.step.is_of_another_unit(&piece) {
+                return Err(self
+                    .step
+                    .mismatch("the feed of this move is per minute in the one program and per turn in the other"));
+            }
             self.length_mm += piece.route.size_mm();
             let offset = self.offset(&piece, 1.0);
             let is_complete = self.is_complete(&offset, corrected.peek());

@@ -9,7 +9,7 @@ use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT, ON_THE_SPOT_MM};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AxisSet, AxisVector, Vector};
 use crate::machine::{Kinematics, Machine, State};
-use crate::snc::{Element, Kind, Origin, Setup, WordValue};
+use crate::snc::{Element, FeedUnit, Kind, Origin, Setup, WordValue};
 
 /// Half the step over which the sense of motion is looked up, as a parameter.
 pub(super) const SENSE_STEP: f64 = 1e-4;
@@ -23,6 +23,8 @@ pub(super) struct Step {
     pub(super) feed: f64,
     /// Whether that is the reciprocal of a time.
     pub(super) inverse_time: bool,
+    /// Per minute or per turn of the spindle, as the program has said last.
+    pub(super) unit: FeedUnit,
     /// For which way it is.
     pub(super) feeds: Feeds,
     /// What the coordinates of the program mean.
@@ -83,6 +85,7 @@ pub(super) struct Walk<'a, I> {
     machine: &'a Machine,
     feeds: Feeds,
     counts_turns: bool,
+    unit: FeedUnit,
     has_backlash: bool,
     position: AxisVector,
     tool_mm: Vector,
@@ -102,6 +105,7 @@ impl<'a, I> Walk<'a, I> {
             machine,
             feeds,
             counts_turns: false,
+            unit: FeedUnit::default(),
             has_backlash,
             position: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
@@ -147,6 +151,10 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                     self.tool = Some(Arc::new(word));
                     continue;
                 }
+                Kind::Keep(word) => {
+                    self.unit = FeedUnit::of(word).unwrap_or(self.unit);
+                    continue;
+                }
                 Kind::Verbatim(text) => {
                     self.counts_turns = counts_turns(&text, self.machine).unwrap_or(self.counts_turns);
                     continue;
@@ -163,6 +171,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 in_machine_frame: motion.in_machine_frame,
                 feed: if motion.rapid { 0.0 } else { motion.feed },
                 inverse_time: motion.inverse_time,
+                unit: if motion.inverse_time { FeedUnit::InverseTime } else { self.unit },
                 feeds: if self.counts_turns { Feeds::OfAll } else { self.feeds },
                 tool_mm: self.tool_mm,
                 tool: self.tool.clone(),

@@ -44,7 +44,7 @@ const RETURNS: [f64; 2] = [17.0, 99.0];
 pub(super) struct Pace {
     is_per_minute: bool,
     /// The program has put rotary axes among those for whose way the feed is (FGROUP): it stays that with a correction.
-    counts_turns: bool,
+    pub(super) counts_turns: bool,
     /// Since when the output says how long blocks take, where the program says how fast they are.
     by_time: Option<Origin>,
     /// No piece of the block has been written yet.

@@ -1,0 +1,124 @@
+//! Where a text goes: which file a name on the command line is, by whatever name, link or folder.
+
+use std::fmt;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::input::is_standard_stream;
+use super::stop::Stop;
+
+/// Symbolic links followed to find a target, as many as Linux follows.
+const MAX_LINKS: usize = 40;
+
+/// Where a text shall go.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Target {
+    /// Standard output.
+    Standard,
+    /// A file that may exist already; links are followed, so this is the file itself.
+    File(PathBuf),
+    /// A device or a pipe.
+    Special(PathBuf),
+}
+
+impl Target {
+    /// The target of a path on the command line.
+    ///
+    /// # Errors
+    /// A sentence where nothing can be written there.
+    pub(super) fn new(path: &Path) -> Result<Target, Stop> {
+        if is_standard_stream(path) {
+            return Ok(Target::Standard);
+        }
+        let path = follow(path)?;
+        match fs::metadata(&path) {
+            Ok(found) if found.is_dir() => Err(Stop::file("write", &path, &io::ErrorKind::IsADirectory.into())),
+            Ok(found) if !found.is_file() => Ok(Target::Special(path)),
+            Ok(found) if found.permissions().readonly() => {
+                Err(Stop::Usage(format!("cannot write {}: it is write-protected", path.display())))
+            }
+            Ok(_) => Ok(Target::File(path)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                if folder_of(&path).is_dir() {
+                    Ok(Target::File(path))
+                } else {
+                    Err(Stop::file("write", &path, &error))
+                }
+            }
+            Err(error) => Err(Stop::file("write", &path, &error)),
+        }
+    }
+
+    /// Whether the target is the file `other`, by whatever name or link, also where neither is there yet.
+    pub(super) fn is(&self, other: &Path) -> bool {
+        match self {
+            Target::Standard => false,
+            Target::File(path) | Target::Special(path) => is_same_file(path, other) || is_same_name(path, other),
+        }
+    }
+}
+
+impl Target {
+    /// Whether it is a file, so that nothing is there before all is.
+    pub(super) fn is_file(&self) -> bool {
+        matches!(self, Target::File(_))
+    }
+
+    /// Whether both are one file.
+    pub(super) fn is_also(&self, other: &Target) -> bool {
+        matches!(other, Target::File(path) if self.is_file() && self.is(path))
+    }
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Target::Standard => out.write_str("standard output"),
+            Target::File(path) | Target::Special(path) => path.display().fmt(out),
+        }
+    }
+}
+
+/// Follows symbolic links, also one that leads to a file that does not exist yet.
+fn follow(path: &Path) -> Result<PathBuf, Stop> {
+    let mut path = path.to_path_buf();
+    for _ in 0..MAX_LINKS {
+        // What leads to a pipe or a device need not say where it is: `/dev/stdout`.
+        if fs::metadata(&path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            return Ok(path);
+        }
+        match fs::read_link(&path) {
+            Ok(link) => path = folder_of(&path).join(link),
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(Stop::Usage(format!("cannot write {}: too many links", path.display())))
+}
+
+/// The folder of a file, `.` for a bare name.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// Whether two paths lead to one file: the same path, or two names (hard links) of it.
+pub(super) fn is_same_file(one: &Path, other: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt as _;
+        if let (Ok(one), Ok(other)) = (fs::metadata(one), fs::metadata(other)) {
+            return (one.dev(), one.ino()) == (other.dev(), other.ino());
+        }
+    }
+    matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
+}
+
+/// Whether two paths would be one file: the same name in one folder. Some disks do not tell capitals from small letters.
+fn is_same_name(one: &Path, other: &Path) -> bool {
+    let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().to_lowercase());
+    let is_missing = !one.exists() && !other.exists();
+    is_missing && name(one) == name(other) && is_same_file(folder_of(one), folder_of(other))
+}
