@@ -28,6 +28,8 @@ CURVE_TOLERANCE = 0.02
 """mm: both sides cut splines into pieces of their own choice."""
 BULGE = 1.5
 """How much more than estimated (`bulges`) a spline may be off the interpreter's pieces: those of generate.py are up to 1.1 times as far."""
+LEAST_RATES = (0.1, 2.54)
+"""mm/min in G93: a tenth of a millimeter, a tenth of an inch."""
 NO_END = "ended with no percent sign"
 PATIENCE = 20.0
 """Seconds without a sign of life."""
@@ -310,7 +312,10 @@ def one_differs(theirs, mine, start, inverse_time):
         if theirs.kind == "ARC":
             points = [start] + sampled(theirs, start)
             length = sum(math.dist(a[:3], b[:3]) for a, b in zip(points, points[1:]))
-        if not (inverse_time and abs(length * mine.feed - theirs.feed) <= 0.002 * theirs.feed + 1e-3):
+        rate = length * mine.feed
+        # The interpreter's rate of a short move is not below a tenth of the program's unit (inverse_time_rate_straight and …_arc).
+        is_least = any(abs(theirs.feed - least) < 1e-6 and rate < least for least in LEAST_RATES)
+        if not (inverse_time and (is_least or abs(rate - theirs.feed) <= 0.002 * theirs.feed + 1e-3)):
             return "feed"
     return None
 
