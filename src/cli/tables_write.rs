@@ -69,6 +69,9 @@ pub(super) fn publish(
             return Err(Stop::Usage("--json and the tables cannot both go to standard output; give -o a file".into()));
         }
         program::protect(&target, inputs.iter(), findings);
+        if findings.has_errors() {
+            return Ok(());
+        }
         together.add(target, text.as_bytes())?;
     }
     let page = arguments.report.as_deref().map(pages::file).transpose()?;

@@ -221,7 +221,7 @@ Move around the pole, end a block at it, or program ORIAXES: rotary axes then mo
     ALREADY_CORRECTED = "E0301" "this program was corrected before"
 "The first comment says that ncfix made this file. Correcting it again would add the corrections twice. Correct the original.";
     OUT_OF_TRAVEL = "E0302" "position outside the travel of an axis"
-"A corrected position lies beyond axis.….travel_mm (travel_deg). The message gives the axis, the limit and the position: the end of the
+"A position – in a correction the corrected one, in check that of the program – lies beyond axis.….travel_mm (travel_deg). The message gives the axis, the limit and the position: the end of the
 move where that is outside, else the farthest place on the way. Check zero offset and tool length first: a wrong one moves the whole
 program.";
     CORRECTION_TOO_LARGE = "E0303" "correction larger than allowed"
