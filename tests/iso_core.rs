@@ -285,6 +285,12 @@ fn feeds_per_turn_and_by_time_are_written_as_such() {
         "G20 G90 G0 X0 Y0 Z0\nG95\nG1 X1 F0.1\nG93\nG1 X2 F3\nM2",
         &["G0 X0 Y0 Z0", "G1 X25.4 Y0 Z0 F2.54 G95", "G1 X50.8 Y0 Z0 F3 G93"],
     );
+    // The constant speed of the spindle says nothing of the feed.
+    check(
+        "fanuc",
+        "G21 G90 G94 G54\nG97 S500 M3\nG0 X0. Y0. Z0.\nG1 X5. F100.\nM30",
+        &["G0 X0 Y0 Z0", "G1 X5 Y0 Z0 F100"],
+    );
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn minutes(name: &str, text: &str, machine: &Machine) -> Vec<(u32, f64)> {
         let linear_mm = way.xyz().norm();
         let counted = if linear_mm > 1e-9 { linear_mm } else { way.0[8].abs().to_degrees() };
         if !motion.rapid && counted > 0.0 {
-            let minutes = if motion.inverse_time { 1.0 / motion.feed } else { counted / motion.feed };
+            let minutes = if motion.is_inverse_time() { 1.0 / motion.feed } else { counted / motion.feed };
             match taken.last_mut() {
                 Some((last, sum)) if *last == number => *sum += minutes,
                 _ => taken.push((number, minutes)),

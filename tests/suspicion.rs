@@ -500,7 +500,7 @@ fn owed_mm(judge: &Judge, way: &Way, sense: &[i8; 9]) -> f64 {
 /// The feed of all pieces is that of the block; with inverse-time feed they take its time together, and so they do where rotary axes turn.
 fn check_feed(judge: &Judge, pair: &Pair, [nominal, ways]: [&[Way]; 2], worst: &mut Worst, context: &str) {
     let (seed, feed) = (pair.seed, nominal[0].motion.feed);
-    if nominal[0].motion.inverse_time {
+    if nominal[0].motion.is_inverse_time() {
         // Steps on the spot take time of their own.
         let Some(_) = ways.iter().find(|way| !way.is_on_the_spot) else {
             // All else is less than an increment.
@@ -521,7 +521,7 @@ fn check_feed(judge: &Judge, pair: &Pair, [nominal, ways]: [&[Way]; 2], worst: &
     if turns && nominal.iter().all(|way| way.motion.arc.is_none()) {
         let minutes = |ways: &[Way], is_tip: bool| -> f64 {
             let of_way = |way: &Way| match way.motion {
-                motion if motion.inverse_time => 1.0 / motion.feed,
+                motion if motion.is_inverse_time() => 1.0 / motion.feed,
                 motion => counted(judge, pair.dialect, way, is_tip) / motion.feed,
             };
             ways.iter().filter(|way| !way.is_on_the_spot).map(of_way).sum()

@@ -15,7 +15,7 @@ use super::output::{Spool, Target, next_backup};
 use super::program::{self, Opened, Running};
 use super::state;
 use super::stop::Stop;
-use super::together::Together;
+use super::together::{Old, Together};
 use super::writing::Writing;
 use super::{feed_limit, pages, print, tell};
 use crate::diagnostic::{Code, Diagnostic, Place};
@@ -134,16 +134,13 @@ impl<'a> Job<'a> {
             *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
             return Ok(());
         }
-        // The page first: a program that is there has its review. But a device or a pipe may refuse.
-        spool.settle()?;
-        let backup = if self.target.is_file() {
-            page.publish()?;
-            spool.publish(arguments.in_place)?
-        } else {
-            let backup = spool.publish(arguments.in_place)?;
-            page.publish()?;
-            backup
-        };
+        let mut together = Together::default();
+        let old = if arguments.in_place { Old::Kept } else { Old::Replaced };
+        if arguments.in_place { together.put(spool) } else { together.take(spool) }?;
+        if let (Some(target), Some(page)) = (&self.page, page) {
+            together.add(target.clone(), page.as_bytes())?;
+        }
+        let backup = together.publish_first(old)?;
         report.backup = backup.map(|backup| backup.display().to_string());
         report.output = Some(self.target_name.clone());
         Ok(())
@@ -159,9 +156,13 @@ impl<'a> Job<'a> {
     }
 
     /// Executes both programs as they were read and will be written, and gives the page about what was changed.
-    fn review(&self, spool: &mut Spool, findings: &mut Findings, report: &mut Correction) -> Result<Together, Stop> {
-        let mut together = Together::default();
-        let Some(page) = &self.page else { return Ok(together) };
+    fn review(
+        &self,
+        spool: &mut Spool,
+        findings: &mut Findings,
+        report: &mut Correction,
+    ) -> Result<Option<String>, Stop> {
+        let Some(page) = &self.page else { return Ok(None) };
         let arguments = self.arguments;
         let kept = arguments.in_place.then(|| next_backup(&self.target)).flatten();
         if kept.as_ref().is_some_and(|kept| page.is(kept)) {
@@ -184,15 +185,13 @@ impl<'a> Job<'a> {
         };
         // What was found in the program is known already, and is found again.
         let mut again = Findings::default();
-        match diff::review(&comparison, sources, limit, &mut again)? {
-            Some((verdict, text)) => {
-                together.add(page.clone(), text.as_bytes())?;
-                report.review = arguments.review.as_ref().map(|path| path.display().to_string());
-                report.verdict = Some(verdict);
-            }
-            None => findings.absorb(again),
-        }
-        Ok(together)
+        let Some((verdict, text)) = diff::review(&comparison, sources, limit, &mut again)? else {
+            findings.absorb(again);
+            return Ok(None);
+        };
+        report.review = arguments.review.as_ref().map(|path| path.display().to_string());
+        report.verdict = Some(verdict);
+        Ok(Some(text))
     }
 
     /// Executes, corrects and writes. Behind the first error nothing more is written, but all findings are gathered.

@@ -6,7 +6,6 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::output::Target;
 use super::progress;
 use super::stop::Stop;
 use super::voice;
@@ -106,10 +105,10 @@ pub(super) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
 /// Files that this run has read, by whatever option or program.
 static READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// A file that this run has read and that an output would replace; where several are read, the first by name.
-pub(super) fn read_as(target: &Target) -> Option<PathBuf> {
+/// The first by name of the files that this run has read for which something holds.
+pub(super) fn first_read(holds: impl Fn(&Path) -> bool) -> Option<PathBuf> {
     let read = READ.lock().unwrap_or_else(PoisonError::into_inner);
-    read.iter().find(|path| target.is(path)).cloned()
+    read.iter().find(|path| holds(path)).cloned()
 }
 
 fn bounded(reader: &mut dyn io::Read, most: usize) -> io::Result<Vec<u8>> {

@@ -72,12 +72,12 @@ impl Spool {
     /// # Errors
     /// A sentence that names the file.
     pub(super) fn spare_inputs(&self) -> Result<(), Stop> {
-        match input::read_as(&self.target) {
+        match input::first_read(|path| self.target.is(path)) {
             None => Ok(()),
             Some(path) => {
                 let path = path.display();
                 Err(Stop::Usage(format!(
-                    "the output would overwrite {path}, which is an input of this run; choose another"
+                    "the output would overwrite {path}, which is an input of this run; choose another output"
                 )))
             }
         }

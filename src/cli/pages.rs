@@ -37,7 +37,10 @@ impl Pages {
         if let Some(folder) = &pictures {
             let is_folder = |path: &Path| Target::File(folder.clone()).is(path) || path == folder;
             if output.into_iter().chain(choice.report.as_deref()).any(is_folder) {
-                return Err(Stop::Usage(format!("--svg {} is a folder, and no name of a file", folder.display())));
+                return Err(Stop::Usage(format!(
+                    "--svg names a folder for pictures, and {} is another output; choose another",
+                    folder.display()
+                )));
             }
         }
         Ok((page.is_some() || pictures.is_some()).then_some(Pages { page, pictures }))

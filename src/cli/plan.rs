@@ -46,6 +46,9 @@ fn plan(arguments: &PlanArguments, findings: &mut Findings) -> Result<Option<Str
         return Err(Stop::Usage("the plan is two files; give -o the name of the table, such as plan.csv".into()));
     }
     let mut targets = vec![Target::new(&arguments.output)?, Target::new(&description)?];
+    if targets.iter().any(|target| !target.is_file()) {
+        return Err(Stop::Usage("the plan is two files; give -o the name of the table, such as plan.csv".into()));
+    }
     targets.extend(arguments.program.as_deref().map(Target::new).transpose()?);
     if arguments.program.as_ref().is_some_and(|program| *program == arguments.output || *program == description) {
         return Err(Stop::Usage("the program and the plan have the same name".into()));

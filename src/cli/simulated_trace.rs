@@ -131,9 +131,9 @@ fn record(arguments: &SimulateArguments, findings: &mut Findings) -> Result<Opti
         return Ok(None);
     }
     let mut together = Together::default();
+    together.take(table)?;
     together.add(description, recorder.description(&source).as_bytes())?;
     let seen = recorder.seen;
-    together.take(table)?;
     together.publish()?;
     Ok(Some(seen))
 }

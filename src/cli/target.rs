@@ -57,9 +57,7 @@ impl Target {
             Target::File(path) | Target::Special(path) => is_same_file(path, other) || is_same_name(path, other),
         }
     }
-}
 
-impl Target {
     /// Whether it is a file, so that nothing is there before all is.
     pub(super) fn is_file(&self) -> bool {
         matches!(self, Target::File(_))

@@ -1,5 +1,8 @@
 //! Several texts of one run, written all or none.
 
+use std::cmp::Reverse;
+use std::path::PathBuf;
+
 use super::output::{Spool, Target};
 use super::stop::Stop;
 
@@ -9,15 +12,33 @@ pub(super) struct Together {
     spools: Vec<Spool>,
 }
 
+/// What becomes of a file that was there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Old {
+    /// It is replaced.
+    Replaced,
+    /// It stays under the name of a backup: it may be what the run has read.
+    Kept,
+}
+
 impl Together {
     /// Takes a text that is complete.
     ///
     /// # Errors
     /// A sentence where the disk has no room for it.
-    pub(super) fn take(&mut self, mut spool: Spool) -> Result<(), Stop> {
+    pub(super) fn take(&mut self, spool: Spool) -> Result<(), Stop> {
         spool.spare_inputs()?;
+        self.put(spool)
+    }
+
+    /// The same of one that replaces the program that was read, which is then to be kept ([`Old::Kept`]).
+    ///
+    /// # Errors
+    /// A sentence where the disk has no room for it.
+    pub(super) fn put(&mut self, mut spool: Spool) -> Result<(), Stop> {
         if let Some(other) = self.spools.iter().find(|other| other.target().is_also(spool.target())) {
-            return Err(Stop::Usage(format!("two outputs of this run would be {}", other.target())));
+            let message = format!("two outputs of this run would be {}; give each a file of its own", other.target());
+            return Err(Stop::Usage(message));
         }
         spool.settle()?;
         self.spools.push(spool);
@@ -39,8 +60,20 @@ impl Together {
     /// # Errors
     /// A sentence where that fails.
     pub(super) fn publish(self) -> Result<(), Stop> {
-        let (files, others): (Vec<Spool>, Vec<Spool>) =
-            self.spools.into_iter().partition(|spool| spool.target().is_file());
-        others.into_iter().chain(files.into_iter().rev()).try_for_each(|spool| spool.publish(false).map(drop))
+        self.publish_first(Old::Replaced).map(drop)
+    }
+
+    /// The same; `old` says what becomes of the file that the first one takes the place of. The path of that file, where it was kept.
+    ///
+    /// # Errors
+    /// A sentence where that fails.
+    pub(super) fn publish_first(self, old: Old) -> Result<Option<PathBuf>, Stop> {
+        let mut order: Vec<(usize, Spool)> = self.spools.into_iter().enumerate().collect();
+        order.sort_by_key(|(number, spool)| (spool.target().is_file(), Reverse(*number)));
+        let mut kept = None;
+        for (number, spool) in order {
+            kept = kept.or(spool.publish(number == 0 && old == Old::Kept)?);
+        }
+        Ok(kept)
     }
 }

@@ -104,28 +104,24 @@ mod tests {
         shares(&field, &bench::even(&scene), &(0..rows + 2).collect::<Vec<_>>())
     }
 
+    /// The first three are alone and fair as said, and of the others each is all of its row.
+    fn check(found: &[Share], first: [f64; 2], other: f64) {
+        for (k, share) in found.iter().enumerate() {
+            let [alone, fair] = if k < 3 { first } else { [other; 2] };
+            assert!((share.alone - alone).abs() < 1e-9 && (share.fair - fair).abs() < 1e-9, "{k} {share:?}");
+        }
+    }
+
     #[test]
     fn those_that_say_the_same_share_it() {
         let found = of(8);
         // Nothing is lost without one of the three, which have a third each of their row.
-        for (k, share) in found.iter().enumerate() {
-            let expected = if k < 3 { [0.0, 1.0 / 24.0] } else { [1.0 / 8.0; 2] };
-            assert!(
-                (share.alone - expected[0]).abs() < 1e-9 && (share.fair - expected[1]).abs() < 1e-9,
-                "{k} {share:?}"
-            );
-        }
+        check(&found, [0.0, 1.0 / 24.0], 1.0 / 8.0);
     }
 
     #[test]
     fn of_many_the_fair_part_is_between_what_is_lost_without_it_and_what_it_says_alone() {
         let found = of(9);
-        for (k, share) in found.iter().enumerate() {
-            let expected = if k < 3 { [0.0, 1.0 / 18.0] } else { [1.0 / 9.0; 2] };
-            assert!(
-                (share.alone - expected[0]).abs() < 1e-9 && (share.fair - expected[1]).abs() < 1e-9,
-                "{k} {share:?}"
-            );
-        }
+        check(&found, [0.0, 1.0 / 18.0], 1.0 / 9.0);
     }
 }

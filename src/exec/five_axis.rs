@@ -53,7 +53,7 @@ pub(super) fn moves(
     let mut out = |target: AxisVector, share: f64| {
         let is_first = std::mem::take(&mut first);
         let named = if is_first { path.motion.named } else { AxisSet::EMPTY };
-        let feed = if path.motion.inverse_time { path.motion.feed / share } else { path.motion.feed };
+        let feed = if path.motion.is_inverse_time() { path.motion.feed / share } else { path.motion.feed };
         out(Move { target, named, feed, feed_named: is_first && path.motion.feed_named, ..path.motion });
     };
     let tolerance_mm = control.chord_tolerance_mm;

@@ -29,7 +29,7 @@ impl Outlet<'_> {
             element.starts_block = false;
             element.number = None;
         });
-        if path.motion.inverse_time && queue.len() > first + 1 {
+        if path.motion.is_inverse_time() && queue.len() > first + 1 {
             share_time(&path.start, queue.range_mut(first..));
         }
     }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector, ROTARY_AXES};
 use crate::machine::{Machine, State};
 use crate::model::{Model, Solve};
-use crate::snc::{Dwell, Kind, Manner};
+use crate::snc::{Dwell, FeedUnit, Kind, Manner};
 
 use super::place::Placer;
 use super::{Options, Output, Piece, lost_axes};
@@ -215,7 +215,7 @@ impl<'a> Live<'a> {
         let at_feed = match piece.feed {
             _ if piece.rapid => 0.0,
             feed if feed <= 0.0 => 0.0,
-            feed if piece.inverse_time => feed.recip(),
+            feed if piece.unit == FeedUnit::InverseTime => feed.recip(),
             feed => way_mm / feed,
         };
         SECONDS_PER_MINUTE * at_feed.max(slowest)

@@ -52,7 +52,7 @@ pub use volume::volume;
 
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector, Plane};
 use crate::machine::{Machine, ToolChange};
-use crate::snc::{BlockNumber, Element, Kind, Manner, Origin, Way, Word, WordValue};
+use crate::snc::{BlockNumber, Element, FeedUnit, Kind, Manner, Origin, Way, Word, WordValue};
 
 /// What is to be done with a program.
 #[derive(Clone, Debug, PartialEq)]
@@ -238,8 +238,8 @@ pub struct Piece {
     pub words: AxisSet,
     /// Feed in force, as in the source, or what [`Feeds`] makes of it.
     pub feed: f64,
-    /// Whether that is the reciprocal of a time, 1/min.
-    pub inverse_time: bool,
+    /// What that counts.
+    pub unit: FeedUnit,
     /// Whether the source names the feed in the block and this is the first piece of it.
     pub feed_named: bool,
     /// How the words of A, B and C are written.
@@ -309,16 +309,17 @@ fn lost_axes(element: &Element, machine: &Machine) -> AxisSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::source::{FileId, Source};
+
+    /// The embedded machine.
+    pub(super) fn demo() -> Machine {
+        let text = crate::machine::file::DEMO.as_bytes().to_vec();
+        crate::model::file::load(&Source::new(FileId(0), "m.toml", text).unwrap()).0.unwrap().0
+    }
 
     #[test]
     fn nobody_knows_where_axes_are_behind_a_change_of_the_tool() {
-        let source = crate::source::Source::new(
-            crate::source::FileId(0),
-            "m.toml",
-            crate::machine::file::DEMO.as_bytes().to_vec(),
-        )
-        .unwrap();
-        let mut machine = crate::model::file::load(&source).0.unwrap().0;
+        let mut machine = demo();
         let element = |kind| Element { origin: Origin::default(), starts_block: true, number: None, kind };
         let tool = element(Kind::Tool(WordValue::Number(3.0)));
         let word = |number: f64| Word { letter: b'M', extension: None, value: WordValue::Number(number) };

@@ -141,7 +141,7 @@ impl<'a> Placer<'a> {
     /// Feed of the axes for one of the tip, where the output has no transformation any more: the path feed of a control is that of X, Y, Z,
     /// or of the rotary axes, in degrees, where only these move, or where the tip stays.
     pub(super) fn feed(&self, start: &AxisVector, motion: &Move) -> f64 {
-        if self.keeps_transform || self.setup.transform.is_none() || motion.inverse_time {
+        if self.keeps_transform || self.setup.transform.is_none() || motion.is_inverse_time() {
             return motion.feed;
         }
         let end = &motion.target;

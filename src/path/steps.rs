@@ -282,13 +282,7 @@ mod tests {
 
     #[test]
     fn each_line_is_told_when_it_is_done() {
-        let source = crate::source::Source::new(
-            crate::source::FileId(0),
-            "m.toml",
-            crate::machine::file::DEMO.as_bytes().to_vec(),
-        )
-        .unwrap();
-        let machine = crate::model::file::load(&source).0.unwrap().0;
+        let machine = crate::path::tests::demo();
         let lines: Vec<Line> = crate::path::volume(&machine, &Vector::zeros()).into_iter().take(4).collect();
         let model = Model::new(&machine, &crate::model::ErrorModel::default());
         let mut shares = Vec::new();

@@ -27,6 +27,7 @@ pub struct Run<'a> {
     is_work_frame: bool,
     keeps_transform: bool,
     setup: Arc<Setup>,
+    /// What the feed of the last move counts.
     unit: FeedUnit,
     /// Turns per minute, where the program has said.
     spindle_rpm: f64,
@@ -46,7 +47,7 @@ struct Order {
     rapid: bool,
     feed: f64,
     manner: Manner,
-    inverse_time: bool,
+    unit: FeedUnit,
     named: AxisSet,
     known: AxisSet,
 }
@@ -96,7 +97,7 @@ impl<'a> Run<'a> {
             rapid: motion.rapid,
             feed: motion.feed,
             manner: motion.manner,
-            inverse_time: motion.inverse_time,
+            unit: motion.unit,
             named: motion.named,
             known: motion.known,
         };
@@ -131,12 +132,6 @@ impl<'a> Run<'a> {
         self.drive.has_left_out()
     }
 
-    /// Whether feeds are times of moves now.
-    #[must_use]
-    pub fn is_inverse_time(&self) -> bool {
-        self.unit == FeedUnit::InverseTime
-    }
-
     /// The feed of a program, in its unit, at a speed of mm/min; `None` where it has no such feed.
     #[must_use]
     pub fn feed_at(&self, feed_mm_min: f64) -> Option<f64> {
@@ -155,7 +150,7 @@ impl<'a> Run<'a> {
             rapid: piece.rapid,
             feed: piece.feed,
             manner: piece.manner,
-            inverse_time: self.is_inverse_time(),
+            unit: piece.unit,
             named: piece.words,
             known: piece.known,
         }
@@ -183,6 +178,7 @@ impl<'a> Run<'a> {
     fn order(&mut self, order: &Order, block: u64, see: &mut dyn FnMut(&Moment)) {
         let starts_at_known = order.named.difference(self.known).is_empty();
         self.known = self.known.union(order.known);
+        self.unit = order.unit;
         if !starts_at_known {
             self.drive.jump(&order.target, see);
             return;
@@ -218,10 +214,10 @@ impl<'a> Run<'a> {
         if let Some(feed_mm_min) = self.feed_mm_min {
             return Pace::Feed(feed_mm_min / 60.0);
         }
-        if order.inverse_time {
+        if order.unit == FeedUnit::InverseTime {
             return Pace::Time(if order.feed > 0.0 { 60.0 / order.feed } else { 0.0 });
         }
-        match self.unit {
+        match order.unit {
             FeedUnit::PerTurn => Pace::Feed(order.feed * self.spindle_rpm / 60.0),
             _ => Pace::Feed(order.feed / 60.0),
         }
@@ -274,8 +270,6 @@ impl<'a> Run<'a> {
             self.stops = false;
         } else if is_of(ONCE) {
             self.stops_once = true;
-        } else if let Some(unit) = FeedUnit::of(word) {
-            self.unit = unit;
         }
     }
 }

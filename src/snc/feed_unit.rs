@@ -1,31 +1,23 @@
 //! What a feed counts.
 
+/// Modal words that say what F counts, or that it must be said anew. Those of the constant cutting speed are among them.
+pub const FEED_MODES: [&str; 13] =
+    ["G93", "G94", "G95", "G96", "G97", "G961", "G962", "G971", "G972", "G973", "G942", "G952", "G931"];
+
 /// The unit of a feed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FeedUnit {
-    /// Of the way a minute: mm/min, degrees/min.
+    /// Of the way a minute: mm/min, degrees/min (G94).
     #[default]
     PerMinute,
-    /// Of the way a turn of the spindle.
+    /// Of the way a turn of the spindle (G95).
     PerTurn,
-    /// Blocks a minute: the reciprocal of the time of a block.
+    /// Blocks a minute: the reciprocal of the time of a block (G93).
     InverseTime,
 }
 
-const WORDS: &[(FeedUnit, &[&str])] = &[
-    (FeedUnit::PerMinute, &["G94", "G942", "G961", "G971"]),
-    (FeedUnit::PerTurn, &["G95", "G952", "G96", "G97", "G962", "G972", "G973"]),
-    (FeedUnit::InverseTime, &["G93", "G931"]),
-];
-
 impl FeedUnit {
-    /// The unit that a modal word selects; `None` where it is about something else.
-    #[must_use]
-    pub fn of(word: &str) -> Option<FeedUnit> {
-        WORDS.iter().find(|(_, words)| words.contains(&word)).map(|(unit, _)| *unit)
-    }
-
-    /// The word for it in the text of the stream.
+    /// The word for it.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {

@@ -9,7 +9,7 @@ mod manner;
 mod text;
 mod text_reader;
 
-pub use feed_unit::FeedUnit;
+pub use feed_unit::{FEED_MODES, FeedUnit};
 pub use manner::{Manner, Thread, ThreadCode};
 pub use text::TextWriter;
 pub use text_reader::{TextError, TextReader};
@@ -110,14 +110,22 @@ pub struct Move {
     pub feed: f64,
     /// Whether the block itself names F.
     pub feed_named: bool,
-    /// Feed mode G93: [`Self::feed`] is the reciprocal of the time of this move, 1/min.
-    pub inverse_time: bool,
+    /// What [`Self::feed`] counts.
+    pub unit: FeedUnit,
     /// How the program names the positions of A, B and C.
     pub ways: [Way; 3],
     /// Whether the positions are written as machine coordinates for this block only (G53, G153, SUPA).
     pub in_machine_frame: bool,
     /// How the control carries it out.
     pub manner: Manner,
+}
+
+impl Move {
+    /// Whether the feed is the reciprocal of the time of this move, 1/min (G93).
+    #[must_use]
+    pub fn is_inverse_time(&self) -> bool {
+        self.unit == FeedUnit::InverseTime
+    }
 }
 
 /// How a rotary axis gets to its position.

@@ -30,7 +30,6 @@ pub struct TextWriter<'a, W: Write> {
     turned_tool_mm: TurnTool<'a>,
     position: AxisVector,
     tool_mm: Vector,
-    unit: FeedUnit,
     line: Vec<u8>,
     count: u64,
 }
@@ -54,7 +53,6 @@ impl<'a, W: Write> TextWriter<'a, W> {
             turned_tool_mm: Box::new(turned_tool_mm),
             position: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
-            unit: FeedUnit::default(),
             line: Vec::with_capacity(160),
             count: 0,
         })
@@ -80,11 +78,6 @@ impl<'a, W: Write> TextWriter<'a, W> {
         match &element.kind {
             Kind::Setup(setup) => self.tool_mm = setup.tool_mm,
             Kind::Move(motion) => self.motion(motion),
-            Kind::Keep(word) => self.unit = FeedUnit::of(word).unwrap_or(self.unit),
-            Kind::Verbatim(words) => {
-                let units = words.split(u8::is_ascii_whitespace).filter_map(|word| std::str::from_utf8(word).ok());
-                self.unit = units.rev().find_map(FeedUnit::of).unwrap_or(self.unit);
-            }
             Kind::Dwell(Dwell::Seconds(seconds)) => {
                 self.line.extend_from_slice(b"G4");
                 push_value(&mut self.line, b" S", *seconds);
@@ -154,11 +147,9 @@ impl<'a, W: Write> TextWriter<'a, W> {
         }
         if !motion.rapid && motion.feed >= LEAST_FEED {
             push_value(&mut self.line, b" F", motion.feed);
-            let unit = if motion.inverse_time { FeedUnit::InverseTime } else { self.unit };
-            // Such a block may have a feed of its own beside the mode.
-            if unit == FeedUnit::PerTurn || motion.inverse_time {
+            if motion.unit != FeedUnit::PerMinute {
                 self.line.push(b' ');
-                self.line.extend_from_slice(unit.word().as_bytes());
+                self.line.extend_from_slice(motion.unit.word().as_bytes());
             }
         }
         self.position = motion.target;

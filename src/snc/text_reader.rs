@@ -19,9 +19,6 @@ pub struct TextReader<'a> {
     position: AxisVector,
     known: AxisSet,
     call_lines: Vec<u32>,
-    unit: FeedUnit,
-    /// A move whose feed is in another unit than those before, which is said first.
-    waiting: Option<Element>,
 }
 
 impl<'a> TextReader<'a> {
@@ -33,8 +30,6 @@ impl<'a> TextReader<'a> {
             position: AxisVector::ZERO,
             known: AxisSet::EMPTY,
             call_lines: Vec::new(),
-            unit: FeedUnit::default(),
-            waiting: None,
         }
     }
 
@@ -72,27 +67,7 @@ impl<'a> TextReader<'a> {
             (b'T', _) => Kind::Tool(value_of(code)?),
             _ => Kind::Before(values.iter().map(|&(letter, rest)| auxiliary(letter, rest)).collect::<Result<_, _>>()?),
         };
-        let mut element = Element { origin, starts_block: true, number: None, kind };
-        if let Some(unit) = self.unit_of(&values).filter(|&unit| unit != self.unit) {
-            self.unit = unit;
-            let said = Element { kind: Kind::Keep(unit.word()), ..element.clone() };
-            element.starts_block = false;
-            self.waiting = Some(element);
-            return Ok(Some(said));
-        }
-        Ok(Some(element))
-    }
-
-    /// The unit of the feed of a motion, which its last word may say.
-    fn unit_of(&self, values: &[(u8, &str)]) -> Option<FeedUnit> {
-        let has_feed = matches!(values, [(b'G', _), ..]) && values.iter().any(|(letter, _)| *letter == b'F');
-        let said = values.iter().skip(1).find(|(letter, _)| *letter == b'G');
-        let unit = match said {
-            Some((_, "93")) => FeedUnit::InverseTime,
-            Some((_, "95")) => FeedUnit::PerTurn,
-            _ => FeedUnit::PerMinute,
-        };
-        has_feed.then_some(unit)
+        Ok(Some(Element { origin, starts_block: true, number: None, kind }))
     }
 
     fn dwell(&self, values: &[(u8, &str)]) -> Result<Kind, String> {
@@ -107,7 +82,7 @@ impl<'a> TextReader<'a> {
         let mut target = self.position;
         let mut named = AxisSet::EMPTY;
         let (mut ijk, mut plane, mut extra_turns, mut feed) = ([0.0; 3], Plane::XY, 0, None);
-        let mut inverse_time = false;
+        let mut unit = FeedUnit::PerMinute;
         for &(letter, text) in values {
             let value: f64 = parse(text)?;
             match (Axis::from_letter(letter), letter) {
@@ -122,7 +97,8 @@ impl<'a> TextReader<'a> {
                 }
                 (None, b'L') => extra_turns = text.parse().map_err(|_| "L is a whole number")?,
                 (None, b'F') => feed = Some(value),
-                (None, b'G') if feed.is_some() && matches!(text, "93" | "95") => inverse_time = text == "93",
+                (None, b'G') if feed.is_some() && text == "93" => unit = FeedUnit::InverseTime,
+                (None, b'G') if feed.is_some() && text == "95" => unit = FeedUnit::PerTurn,
                 _ => return Err(format!("'{}' is no word of a motion", char::from(letter))),
             }
         }
@@ -148,7 +124,7 @@ impl<'a> TextReader<'a> {
             known: self.known,
             feed: feed.unwrap_or(0.0),
             feed_named: feed.is_some(),
-            inverse_time,
+            unit,
             ways: Default::default(),
             in_machine_frame: false,
             manner: Default::default(),
@@ -160,9 +136,6 @@ impl Iterator for TextReader<'_> {
     type Item = Result<Element, TextError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if let Some(element) = self.waiting.take() {
-            return Some(Ok(element));
-        }
         loop {
             let (index, text) = self.lines.next()?;
             match self.element(text, index + 1) {

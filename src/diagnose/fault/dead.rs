@@ -70,13 +70,7 @@ mod tests {
                 sensor("T_nose_C", (0..20).map(own).collect()),
                 sensor("T_other_C", (0..20).map(|row| shop + 0.1 * f64::from(row)).collect()),
             ];
-            let view = View {
-                scene: &scene,
-                sensors: vec![sensors],
-                trails: Vec::new(),
-                refused: std::collections::BTreeSet::new(),
-                tips: std::cell::OnceCell::new(),
-            };
+            let view = View::new(&scene, vec![sensors]);
             let mut out = Vec::new();
             look(&view, &mut out);
             out.into_iter().map(|fault| (fault.name, fault.rows)).collect::<Vec<_>>()

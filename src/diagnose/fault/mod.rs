@@ -127,7 +127,12 @@ struct View<'s, 'a> {
     tips: OnceCell<[Vec<f64>; 3]>,
 }
 
-impl View<'_, '_> {
+impl<'s, 'a> View<'s, 'a> {
+    /// Without trails, and with nothing refused yet.
+    fn new(scene: &'s Scene<'a>, sensors: Vec<Vec<Sensor>>) -> View<'s, 'a> {
+        View { scene, sensors, trails: Vec::new(), refused: BTreeSet::new(), tips: OnceCell::new() }
+    }
+
     /// What a displacement of the tool along each direction of F does to every reading.
     fn tips(&self) -> &[Vec<f64>; 3] {
         self.tips.get_or_init(|| [0, 1, 2].map(|k| self.scene.factors(Through::Tip(k))))
@@ -142,13 +147,8 @@ impl View<'_, '_> {
 /// Finds faults.
 #[must_use]
 pub fn find(scene: &Scene<'_>) -> Vec<Fault> {
-    let mut view = View {
-        scene,
-        sensors: scene.sets.iter().map(cells::sensors).collect(),
-        trails: (0..scene.sets.len()).map(|set| Trail::new(scene, set)).collect(),
-        refused: BTreeSet::new(),
-        tips: OnceCell::new(),
-    };
+    let mut view = View::new(scene, scene.sets.iter().map(cells::sensors).collect());
+    view.trails = (0..scene.sets.len()).map(|set| Trail::new(scene, set)).collect();
     let mut all = Vec::new();
     for check in FAULTS {
         let mut found = Vec::new();

@@ -109,13 +109,7 @@ mod tests {
         let sensor = |name: &str, values: Vec<f64>| Sensor { name: name.into(), values };
         let sensors =
             vec![sensor("T_few_C", (0..46).map(few).collect()), sensor("T_other_C", (0..46).map(other).collect())];
-        let view = View {
-            scene: &scene,
-            sensors: vec![sensors],
-            trails: Vec::new(),
-            refused: std::collections::BTreeSet::new(),
-            tips: std::cell::OnceCell::new(),
-        };
+        let view = View::new(&scene, vec![sensors]);
         let mut out = Vec::new();
         look(&view, &mut out);
         out.into_iter().map(|fault| fault.name).collect()

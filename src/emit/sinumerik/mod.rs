@@ -8,7 +8,7 @@ mod words;
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{AXIS_COUNT, Axis};
 use crate::path::{Centers, Feeds, Output, OutputFrame, Piece, Turns};
-use crate::snc::BlockNumber;
+use crate::snc::{BlockNumber, FeedUnit};
 
 use super::line::Line;
 use super::number::{AxisNumbers, push_value, to_digits};
@@ -162,7 +162,7 @@ impl Sinumerik {
     /// Whether a piece has a feed that is to be written.
     fn needs_feed(&self, piece: &Piece) -> bool {
         // The time of a block is its own: a control takes none from the block above.
-        let is_new = piece.feed > 0.0 && (piece.inverse_time || piece.feed != self.feed);
+        let is_new = piece.feed > 0.0 && (piece.unit == FeedUnit::InverseTime || piece.feed != self.feed);
         piece.feed_named || !piece.rapid && is_new
     }
 

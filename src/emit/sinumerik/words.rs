@@ -1,7 +1,7 @@
 //! Words without motion: modal codes, frames, tools, auxiliary functions, comments.
 
 use super::{ASSUMED, Sinumerik};
-use crate::snc::{Dwell, Element, FrameKind, FrameStatement, FrameWords, Kind, Word, WordValue};
+use crate::snc::{Dwell, Element, FEED_MODES, FrameKind, FrameStatement, FrameWords, Kind, Word, WordValue};
 use crate::units::push_integer;
 
 use super::super::number::push_value;
@@ -11,10 +11,6 @@ const SUPPRESSING: [&str; 3] = ["G53", "G153", "SUPA"];
 /// Shifts, angles and factors are written to this many parts of a mm or degree: far below any increment, without the noise of the
 /// arithmetic.
 const VALUE_PARTS: f64 = 1e9;
-
-/// What F counts changes with these.
-const FEED_MODES: [&str; 13] =
-    ["G93", "G94", "G95", "G96", "G97", "G961", "G962", "G971", "G972", "G973", "G942", "G952", "G931"];
 
 impl Sinumerik {
     pub(super) fn element(&mut self, element: &Element, out: &mut Vec<u8>) {

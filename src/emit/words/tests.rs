@@ -4,7 +4,7 @@ use crate::diagnostic::Code;
 use crate::emit::{Stamp, WriterOptions, emit, writer};
 use crate::geometry::{Axis, AxisSet, AxisVector, Plane};
 use crate::path::{Increments, Output, OutputFrame, Piece, PieceArc, RotaryWord};
-use crate::snc::{BlockNumber, Dwell, Element, FrameWords, Kind, Manner, Origin, Way, Word, WordValue};
+use crate::snc::{BlockNumber, Dwell, Element, FeedUnit, FrameWords, Kind, Manner, Origin, Way, Word, WordValue};
 
 const LANGUAGES: [&str; 3] = ["rs274", "fanuc", "grundig"];
 
@@ -82,7 +82,7 @@ pub(super) fn line(axes: &[(Axis, i64)]) -> Piece {
         words: named,
         feed: 500.0,
         feed_named: false,
-        inverse_time: false,
+        unit: FeedUnit::PerMinute,
         rotary_words: [RotaryWord::Plain; 3],
         in_machine_frame: false,
         manner: Manner::Path,

@@ -6,7 +6,7 @@ use super::{Contour, ContourModal, Item, Moving, Reach, Side, Wish};
 use crate::exec::path::{Path, Shape};
 use crate::geometry::{Axis, AxisSet, AxisVector, Plane, PlaneBasis};
 use crate::machine::Control;
-use crate::snc::{Element, Kind, Manner, Move, Origin, Setup};
+use crate::snc::{Element, FeedUnit, Kind, Manner, Move, Origin, Setup};
 use crate::source::{FileId, Span};
 
 /// Takes lines of `G0 G1 G2 G3 G40 G41 G42 G43 G44 X Y Z I J F` – positions absolute, I J from the start, with G40 a direction – and
@@ -84,7 +84,7 @@ impl Bench {
                 known: AxisSet::EMPTY,
                 feed,
                 feed_named: false,
-                inverse_time: false,
+                unit: FeedUnit::PerMinute,
                 ways: Default::default(),
                 in_machine_frame: false,
                 manner: Manner::default(),

@@ -47,7 +47,7 @@ impl Active {
         } else if !same_plane(&self.basis, &moving.path.basis) {
             let help = "end the compensation with G40 before plane, mirror or tilt change";
             (Code::BAD_COMPENSATION, "the working plane changes while radius compensation is on", help)
-        } else if moving.path.motion.inverse_time {
+        } else if moving.path.motion.is_inverse_time() {
             let help = "program the feed with G94 or G95";
             (Code::NOT_SUPPORTED, "inverse-time feed (G93) under radius compensation", help)
         } else if moving.path.motion.in_machine_frame {

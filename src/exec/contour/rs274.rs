@@ -240,7 +240,7 @@ impl Tracking {
         } else if !same_plane(&self.basis, &moving.path.basis) || self.basis == PlaneBasis::Principal(Plane::YZ) {
             let help = "end it with G40 before the plane changes, and use it in G17 and G18";
             (Code::BAD_COMPENSATION, "radius compensation in G19, or the plane changes while it is on", help)
-        } else if moving.path.motion.inverse_time {
+        } else if moving.path.motion.is_inverse_time() {
             let help = "program the feed with G94 or G95";
             (Code::NOT_SUPPORTED, "inverse-time feed (G93) under radius compensation", help)
         } else if moving.path.motion.in_machine_frame {

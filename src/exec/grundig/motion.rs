@@ -11,7 +11,7 @@ use crate::exec::contour::Wish;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::{Path, Shape};
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
-use crate::snc::{Kind, Manner, Move, Way};
+use crate::snc::{FeedUnit, Kind, Manner, Move, Way};
 use crate::source::Span;
 
 /// Nearer than this, mm or rad, nothing moves.
@@ -179,7 +179,7 @@ impl Channel<'_> {
             known: stated,
             feed,
             feed_named: std::mem::take(&mut self.feed_named),
-            inverse_time: false,
+            unit: if self.modal.per_turn { FeedUnit::PerTurn } else { FeedUnit::PerMinute },
             ways: [Way::Plain; 3],
             in_machine_frame: false,
             manner: Manner::Path,

@@ -8,14 +8,13 @@ use super::cycles::{HoleFault, Turn, rs274};
 use super::drill::{Call, Drill};
 use super::gather::whole;
 use super::gathered::Gathered;
-use super::modal::FeedMode;
 use super::motion::Step;
 use super::polar;
 use super::trip::{Action, Place};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::geometry::{Axis, AxisSet, AxisVector, Plane, Vector};
-use crate::snc::{Dwell, Kind, Manner, Word, WordValue};
+use crate::snc::{Dwell, FeedUnit, Kind, Manner, Word, WordValue};
 use crate::source::Span;
 
 /// What cycles keep from block to block.
@@ -275,7 +274,7 @@ impl Channel<'_> {
             Some(("radius compensation", "end it with G40 first"))
         } else if self.modal.turning.is_some() {
             Some(("tool center point control", "end it with G49 first"))
-        } else if self.modal.feed_mode == FeedMode::InverseTime {
+        } else if self.modal.feed_mode == FeedUnit::InverseTime {
             Some(("inverse-time feed (G93)", "program G94 or G95"))
         } else {
             None

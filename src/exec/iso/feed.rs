@@ -6,10 +6,9 @@ use super::channel::Channel;
 use super::codes::Group;
 use super::gather::whole;
 use super::gathered::Gathered;
-use super::modal::FeedMode;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
-use crate::snc::{Dwell, Kind, Word, WordValue};
+use crate::snc::{Dwell, FeedUnit, Kind, Word, WordValue};
 
 const METERS_PER_FOOT: f64 = 0.3048;
 /// Letters whose values are lengths in codes that are passed on.
@@ -51,9 +50,9 @@ impl Channel<'_> {
         }
         let Some(code) = gathered.code(Group::FeedMode) else { return Ok(()) };
         let (mode, word) = match code {
-            930 => (FeedMode::InverseTime, "G93"),
-            950 => (FeedMode::PerTurn, "G95"),
-            _ => (FeedMode::PerMinute, "G94"),
+            930 => (FeedUnit::InverseTime, "G93"),
+            950 => (FeedUnit::PerTurn, "G95"),
+            _ => (FeedUnit::PerMinute, "G94"),
         };
         if mode != self.modal.feed_mode || self.is_rs274() {
             // F meant something else: it must be programmed again. LinuxCNC forgets it at each of these codes.
@@ -70,7 +69,7 @@ impl Channel<'_> {
             let message = "a feed must not be negative";
             return Err(bad_value(gathered.span_of(b'F'), message, "program F with a positive value"));
         }
-        let scale = if self.modal.feed_mode == FeedMode::InverseTime { 1.0 } else { self.modal.scale() };
+        let scale = if self.modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { self.modal.scale() };
         self.modal.feed = value * scale;
         Ok(())
     }
@@ -120,7 +119,7 @@ impl Channel<'_> {
         if seconds < 0.0 {
             return Err(bad_value(span, "a dwell must not be negative", "check the time"));
         }
-        if self.modal.feed_mode == FeedMode::PerTurn && !self.is_rs274() && self.machine.control.iso.dwell_turns {
+        if self.modal.feed_mode == FeedUnit::PerTurn && !self.is_rs274() && self.machine.control.iso.dwell_turns {
             self.push(Kind::Dwell(Dwell::Turns(seconds)));
         } else {
             self.push(Kind::Dwell(Dwell::Seconds(seconds)));

@@ -7,20 +7,8 @@ use crate::dialect::Language;
 use crate::exec::contour::ContourModal;
 use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
 use crate::machine::Machine;
-use crate::snc::{Setup, Turning};
+use crate::snc::{FeedUnit, Setup, Turning};
 use crate::units::MM_PER_INCH;
-
-/// What F means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum FeedMode {
-    /// G94
-    #[default]
-    PerMinute,
-    /// G95
-    PerTurn,
-    /// G93
-    InverseTime,
-}
 
 /// Modal state of the channel.
 #[derive(Clone, Debug)]
@@ -34,7 +22,7 @@ pub(super) struct Modal {
     pub(super) inch: bool,
     /// mm/min, mm/turn or 1/min; 0 for none yet.
     pub(super) feed: f64,
-    pub(super) feed_mode: FeedMode,
+    pub(super) feed_mode: FeedUnit,
     pub(super) speed: Option<f64>,
     /// The same as the output has it: of G96, m/min.
     pub(super) speed_word: f64,
@@ -99,7 +87,7 @@ impl Modal {
             arc_absolute: false,
             inch: false,
             feed: 0.0,
-            feed_mode: FeedMode::PerMinute,
+            feed_mode: FeedUnit::PerMinute,
             speed: None,
             speed_word: 0.0,
             spindle: 5,

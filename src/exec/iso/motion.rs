@@ -5,12 +5,11 @@ use std::sync::Arc as Shared;
 use super::channel::Channel;
 use super::codes::Group;
 use super::gathered::Gathered;
-use super::modal::FeedMode;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::{Path, Shape};
 use crate::geometry::{Axis, AxisSet, AxisVector, Frame, PlaneBasis};
-use crate::snc::{Kind, Manner, Move, Setup};
+use crate::snc::{FeedUnit, Kind, Manner, Move, Setup};
 use crate::source::Span;
 
 /// Positions beyond this are no positions, mm or rad.
@@ -213,7 +212,7 @@ impl Channel<'_> {
             known,
             feed: if is_driven { 0.0 } else { self.modal.feed },
             feed_named: step.feed_named && !is_driven,
-            inverse_time: self.modal.feed_mode == FeedMode::InverseTime && !is_driven,
+            unit: if is_driven { FeedUnit::PerMinute } else { self.modal.feed_mode },
             ways: Default::default(),
             in_machine_frame,
             manner: step.manner,
@@ -228,14 +227,14 @@ impl Channel<'_> {
     }
 
     fn check_feed(&mut self, step: &Step) {
-        if step.rapid || self.modal.feed > 0.0 && (step.feed_named || self.modal.feed_mode != FeedMode::InverseTime) {
+        if step.rapid || self.modal.feed > 0.0 && (step.feed_named || self.modal.feed_mode != FeedUnit::InverseTime) {
             return;
         }
         if matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven()) {
             return;
         }
         let (message, help) = match self.modal.feed_mode {
-            FeedMode::InverseTime => ("a feed motion in G93 without F", "program F in each block with G93"),
+            FeedUnit::InverseTime => ("a feed motion in G93 without F", "program F in each block with G93"),
             _ => ("a feed motion, and no F was programmed yet", "program F before it or in it"),
         };
         if self.strict {

@@ -2,11 +2,10 @@
 
 use super::channel::Channel;
 use super::expression::Missing;
-use super::modal::FeedMode;
 use super::offsets::System;
 use crate::exec::contour::Side;
 use crate::geometry::{Axis, AxisVector};
-use crate::snc::Kind;
+use crate::snc::{FeedUnit, Kind};
 
 /// The axes in the order of the parameters.
 const ORDER: [Axis; 9] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C, Axis::U, Axis::V, Axis::W];
@@ -146,9 +145,9 @@ impl Channel<'_> {
             "_IMPERIAL" => is(modal.inch),
             "_ABSOLUTE" => is(!modal.incremental),
             "_INCREMENTAL" => is(modal.incremental),
-            "_INVERSE_TIME" => is(modal.feed_mode == FeedMode::InverseTime),
-            "_UNITS_PER_MINUTE" => is(modal.feed_mode == FeedMode::PerMinute),
-            "_UNITS_PER_REV" => is(modal.feed_mode == FeedMode::PerTurn),
+            "_INVERSE_TIME" => is(modal.feed_mode == FeedUnit::InverseTime),
+            "_UNITS_PER_MINUTE" => is(modal.feed_mode == FeedUnit::PerMinute),
+            "_UNITS_PER_REV" => is(modal.feed_mode == FeedUnit::PerTurn),
             "_COORD_SYSTEM" if modal.system.0 < 7 => Ok(530.0 + 10.0 * f64::from(modal.system.0)),
             "_COORD_SYSTEM" => Ok(584.0 + f64::from(modal.system.0)),
             "_TOOL_OFFSET" => is(modal.length_mm.iter().any(|&value| value != 0.0)),
@@ -161,7 +160,7 @@ impl Channel<'_> {
             "_SPINDLE_CW" => is(modal.spindle == 3),
             "_MIST" => is(modal.coolant[0]),
             "_FLOOD" => is(modal.coolant[1]),
-            "_FEED" if modal.feed_mode == FeedMode::InverseTime => Ok(modal.feed),
+            "_FEED" if modal.feed_mode == FeedUnit::InverseTime => Ok(modal.feed),
             "_FEED" => Ok(modal.feed / modal.scale()),
             "_RPM" => Ok(modal.speed.unwrap_or(0.0).abs()),
             "_CURRENT_TOOL" => self.tool_in_spindle(),

@@ -1,10 +1,10 @@
 //! Saved states: M70, M71, M72, M73 of LinuxCNC.
 
 use super::channel::Channel;
-use super::modal::{FeedMode, Modal};
+use super::modal::Modal;
 use crate::exec::contour::Side;
 use crate::exec::fault::{Fault, bad_value};
-use crate::snc::{FrameWords, Kind, Word, WordValue};
+use crate::snc::{FeedUnit, FrameWords, Kind, Word, WordValue};
 use crate::source::Span;
 
 /// What M70 or M73 saved at a program level.
@@ -80,9 +80,9 @@ impl Channel<'_> {
         if modal.feed_mode != saved.feed_mode {
             modal.feed_mode = saved.feed_mode;
             words.push(match saved.feed_mode {
-                FeedMode::PerMinute => "G94",
-                FeedMode::PerTurn => "G95",
-                FeedMode::InverseTime => "G93",
+                FeedUnit::PerMinute => "G94",
+                FeedUnit::PerTurn => "G95",
+                FeedUnit::InverseTime => "G93",
             });
         }
         modal.feed = saved.feed;

@@ -3,13 +3,12 @@
 use super::channel::Channel;
 use super::expression::Missing;
 use super::length::ToolOffset;
-use super::modal::FeedMode;
 use super::offsets::System;
 use crate::diagnostic::Code;
 use crate::exec::contour::Side;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::geometry::{AXES, Axis, AxisVector, Frame};
-use crate::snc::Kind;
+use crate::snc::{FeedUnit, Kind};
 use crate::source::Span;
 
 use super::loaded::Loaded;
@@ -176,9 +175,9 @@ impl Channel<'_> {
             2 => f64::from(modal.plane.number()),
             3 => either(modal.incremental, 91, 90),
             5 => match modal.feed_mode {
-                FeedMode::InverseTime => 93.0,
-                FeedMode::PerMinute => 94.0,
-                FeedMode::PerTurn => 95.0,
+                FeedUnit::InverseTime => 93.0,
+                FeedUnit::PerMinute => 94.0,
+                FeedUnit::PerTurn => 95.0,
             },
             6 => either(modal.inch, 20, 21),
             7 => match modal.contour.side {
@@ -196,7 +195,7 @@ impl Channel<'_> {
             14 => 53.0 + f64::from(modal.system.0),
             15 => f64::from(modal.path_control.0) / 10.0,
             107 => f64::from(modal.d),
-            109 => modal.feed / if modal.feed_mode == FeedMode::InverseTime { 1.0 } else { modal.scale() },
+            109 => modal.feed / if modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { modal.scale() },
             111 => f64::from(modal.h),
             119 => modal.speed?,
             120 => f64::from(modal.selected.or(modal.active)?),

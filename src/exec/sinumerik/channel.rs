@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::angle::OpenAngle;
 use super::frames;
 use super::gathered::Gathered;
-use super::modal::{FeedUnit, Modal, initial_zero_offset};
+use super::modal::{Modal, initial_zero_offset, unit_behind};
 use super::motion::{MotionContext, motion};
 use super::spline::{self, Splines};
 use super::system::System;
@@ -18,7 +18,7 @@ use crate::exec::fault::{Fault, fault};
 use crate::exec::outlet::Outlet;
 use crate::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Plane};
 use crate::machine::Machine;
-use crate::snc::{BlockNumber, Kind, Manner, Origin, Setup, Word, WordValue};
+use crate::snc::{BlockNumber, FeedUnit, Kind, Manner, Origin, Setup, Word, WordValue};
 use crate::source::Span;
 use crate::units::MM_PER_INCH;
 
@@ -202,7 +202,7 @@ impl<'a> Channel<'a> {
         for &(is_end, end) in &gathered.curve.ends {
             self.modal.spline_ends[usize::from(is_end)] = end;
         }
-        let unit = gathered.feed_mode.map_or(self.modal.feed_unit, |word| self.modal.feed_unit.behind(word));
+        let unit = gathered.feed_mode.map_or(self.modal.feed_unit, |word| unit_behind(self.modal.feed_unit, word));
         if unit != self.modal.feed_unit {
             // F meant something else: it must be programmed again.
             self.modal.feed_unit = unit;

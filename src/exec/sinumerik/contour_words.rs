@@ -256,7 +256,7 @@ impl Channel<'_> {
 
     /// What depends on places that the program has not stated must not be corrected.
     fn check_known(&mut self, path: &Path, wish: &Wish) {
-        if path.motion.inverse_time && wish.corner.is_some() {
+        if path.motion.is_inverse_time() && wish.corner.is_some() {
             let message = "a rounding or chamfer with inverse-time feed (G93)";
             self.outlet.warnings.push(fault(
                 Code::NOT_SUPPORTED,

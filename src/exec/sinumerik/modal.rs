@@ -8,7 +8,7 @@ use super::transform::Transform;
 use crate::exec::contour::ContourModal;
 use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
 use crate::machine::Machine;
-use crate::snc::{Setup, ThreadCode, WordValue};
+use crate::snc::{FeedUnit, Setup, ThreadCode, WordValue};
 use crate::source::Span;
 use crate::units::MM_PER_INCH;
 
@@ -58,29 +58,15 @@ impl MotionKind {
     }
 }
 
-/// What F counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum FeedUnit {
-    /// mm/min
-    #[default]
-    PerMinute,
-    /// mm per turn of the spindle
-    PerTurn,
-    /// The reciprocal of the time of a block (G93).
-    InverseTime,
-}
-
-impl FeedUnit {
-    /// What F counts behind a code of the feed mode.
-    pub(super) fn behind(self, word: &str) -> FeedUnit {
-        match word {
-            "G93" => FeedUnit::InverseTime,
-            "G94" | "G942" | "G961" | "G971" => FeedUnit::PerMinute,
-            "G95" | "G952" | "G96" | "G97" | "G973" => FeedUnit::PerTurn,
-            // The others keep it.
-            _ if self == FeedUnit::InverseTime => FeedUnit::PerMinute,
-            _ => self,
-        }
+/// What F counts behind a code of the feed mode.
+pub(super) fn unit_behind(unit: FeedUnit, word: &str) -> FeedUnit {
+    match word {
+        "G93" => FeedUnit::InverseTime,
+        "G94" | "G942" | "G961" | "G971" => FeedUnit::PerMinute,
+        "G95" | "G952" | "G96" | "G97" | "G973" => FeedUnit::PerTurn,
+        // The others keep it.
+        _ if unit == FeedUnit::InverseTime => FeedUnit::PerMinute,
+        _ => unit,
     }
 }
 

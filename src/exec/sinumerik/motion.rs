@@ -3,7 +3,7 @@
 use std::sync::Arc as Shared;
 
 use super::gathered::Gathered;
-use super::modal::{FeedUnit, Modal, MotionKind};
+use super::modal::{Modal, MotionKind};
 use super::{arc, polar, polynomial, positioning, rotary, spatial, thread};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
@@ -98,7 +98,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         known: modal.known,
         feed: modal.feed,
         feed_named: gathered.feed.is_some(),
-        inverse_time: modal.feed_unit == FeedUnit::InverseTime,
+        unit: modal.feed_unit,
         ways: gathered.ways,
         in_machine_frame: gathered.suppress.is_some(),
         manner: match thread {

@@ -10,7 +10,7 @@ use super::modal::{Modal, MotionKind};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::Path;
-use crate::snc::{Manner, Thread, ThreadCode};
+use crate::snc::{FeedUnit, Manner, Thread, ThreadCode};
 use crate::source::Span;
 
 /// No lead is larger, mm (Sinumerik: 2000 mm).
@@ -87,7 +87,7 @@ impl Channel<'_> {
                 if thread.code.is_spindle_driven() {
                     path.motion.feed = 0.0;
                     path.motion.feed_named = false;
-                    path.motion.inverse_time = false;
+                    path.motion.unit = FeedUnit::PerMinute;
                 }
                 (thread.code.word(), "end it before the thread")
             }

@@ -6,7 +6,7 @@ use crate::machine::{Kinematics, Machine, State};
 use crate::measure::data::{DataSet, Observation};
 use crate::measure::reading::Reading;
 use crate::model::ErrorName;
-use crate::snc::{Dwell, Kind, Manner, Move, Way, Word, WordValue};
+use crate::snc::{Dwell, FeedUnit, Kind, Manner, Move, Way, Word, WordValue};
 
 use super::{MOST, Refused, Wishes};
 
@@ -227,7 +227,7 @@ impl Builder {
             known: self.machine.axis_set(),
             feed: feed.unwrap_or(0.0),
             feed_named: feed.is_some(),
-            inverse_time: false,
+            unit: FeedUnit::PerMinute,
             ways: [Way::Plain; 3],
             in_machine_frame: true,
             manner: Manner::Path,

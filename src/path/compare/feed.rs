@@ -6,8 +6,9 @@
 use super::super::way::counted;
 use super::step::Step;
 use super::{Course, Group, ON_THE_SPOT_MM};
-use crate::geometry::{AXES, AxisVector};
+use crate::geometry::ROTARY_AXES;
 use crate::machine::Kinematics;
+use crate::snc::FeedUnit;
 
 /// Times that differ by less than this share are the same: corrections change ways.
 const SAME_TIME: f64 = 0.05;
@@ -18,7 +19,7 @@ impl Step {
         if self.rapid || self.feed <= 0.0 {
             return None;
         }
-        if self.inverse_time {
+        if self.unit == FeedUnit::InverseTime {
             return Some((to - from) / self.feed);
         }
         let way = match self.route.arc() {
@@ -44,15 +45,12 @@ impl Step {
     /// Whether the one feed is per minute and the other per turn of the spindle.
     pub(super) fn is_of_another_unit(&self, other: &Step) -> bool {
         let has_feeds = self.feed > 0.0 && other.feed > 0.0;
-        has_feeds && self.unit != other.unit && !self.inverse_time && !other.inverse_time
+        has_feeds && self.unit != other.unit && ![self.unit, other.unit].contains(&FeedUnit::InverseTime)
     }
 
     /// Whether it turns a rotary axis.
     fn turns(&self) -> bool {
-        let turns = |start: &AxisVector, end: &AxisVector| {
-            AXES.into_iter().any(|axis| axis.is_rotary() && start[axis] != end[axis])
-        };
-        turns(&self.route.start, &self.route.end)
+        ROTARY_AXES.into_iter().any(|axis| self.route.start[axis] != self.route.end[axis])
     }
 }
 
@@ -60,8 +58,7 @@ impl Group<'_> {
     /// The feed of a piece as a share of that of its move. A step on the spot covers nothing of the move, so that only its number can be compared.
     pub(super) fn feed_share(&self, course: &Course<'_>, stands: bool) -> Option<f64> {
         let (step, piece) = (self.step, course.piece);
-        let is_comparable = !step.inverse_time
-            && !piece.inverse_time
+        let is_comparable = ![step.unit, piece.unit].contains(&FeedUnit::InverseTime)
             && step.feeds == piece.feeds
             && step.setup.transform.is_some() == piece.setup.transform.is_some();
         let of_numbers = (is_comparable && step.feed > 0.0).then(|| piece.feed / step.feed);

@@ -21,9 +21,7 @@ pub(super) struct Step {
     pub(super) route: Route,
     pub(super) rapid: bool,
     pub(super) feed: f64,
-    /// Whether that is the reciprocal of a time.
-    pub(super) inverse_time: bool,
-    /// Per minute or per turn of the spindle, as the program has said last.
+    /// What it counts.
     pub(super) unit: FeedUnit,
     /// For which way it is.
     pub(super) feeds: Feeds,
@@ -85,7 +83,6 @@ pub(super) struct Walk<'a, I> {
     machine: &'a Machine,
     feeds: Feeds,
     counts_turns: bool,
-    unit: FeedUnit,
     has_backlash: bool,
     position: AxisVector,
     tool_mm: Vector,
@@ -105,7 +102,6 @@ impl<'a, I> Walk<'a, I> {
             machine,
             feeds,
             counts_turns: false,
-            unit: FeedUnit::default(),
             has_backlash,
             position: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
@@ -151,10 +147,6 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                     self.tool = Some(Arc::new(word));
                     continue;
                 }
-                Kind::Keep(word) => {
-                    self.unit = FeedUnit::of(word).unwrap_or(self.unit);
-                    continue;
-                }
                 Kind::Verbatim(text) => {
                     self.counts_turns = counts_turns(&text, self.machine).unwrap_or(self.counts_turns);
                     continue;
@@ -170,8 +162,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 setup: Arc::clone(&self.setup),
                 in_machine_frame: motion.in_machine_frame,
                 feed: if motion.rapid { 0.0 } else { motion.feed },
-                inverse_time: motion.inverse_time,
-                unit: if motion.inverse_time { FeedUnit::InverseTime } else { self.unit },
+                unit: motion.unit,
                 feeds: if self.counts_turns { Feeds::OfAll } else { self.feeds },
                 tool_mm: self.tool_mm,
                 tool: self.tool.clone(),

@@ -10,7 +10,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{AxisVector, ROTARY_AXES};
-use crate::snc::{Element, Kind, Manner, Move, Origin, Word, WordValue};
+use crate::snc::{Element, FEED_MODES, FeedUnit, Kind, Manner, Move, Origin, Word, WordValue};
 
 use super::{Active, Corrector};
 use crate::path::cut::{MOST_FEED, of_share};
@@ -22,10 +22,6 @@ use crate::path::{Feeds, Output, way};
 const SAME_SHARE: f64 = 0.05;
 /// Ways that differ by less than so many increments are the same: rounding changes them by two.
 const SAME_INCREMENTS: f64 = 3.0;
-/// Codes that say what F counts. Those of the constant cutting speed among them: what they mean besides is left alone.
-const FEED_MODES: [&str; 13] =
-    ["G93", "G94", "G95", "G96", "G97", "G961", "G962", "G971", "G972", "G973", "G942", "G952", "G931"];
-
 /// The time of a move whose feed the correction may change.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pacing {
@@ -71,7 +67,7 @@ impl Placer<'_> {
 
     /// The time of a whole move at a feed, where the correction may change for which way its feed is.
     pub(super) fn pacing(&self, feeds: Feeds, route: &Route, motion: &Move, feed: f64) -> Option<Pacing> {
-        let has_feed = !motion.rapid && feed > 0.0 && !motion.inverse_time && motion.manner == Manner::Path;
+        let has_feed = !motion.rapid && feed > 0.0 && !motion.is_inverse_time() && motion.manner == Manner::Path;
         if !self.has_rotary || !has_feed || route.arc().is_some() {
             return None;
         }
@@ -86,7 +82,7 @@ impl<I> Corrector<'_, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
-    /// The feed of a piece between two commands that takes this share of the time of its move, and whether it is the reciprocal of a time. What
+    /// The feed of a piece between two commands that takes this share of the time of its move, and what it counts. What
     /// changes between the two waits in the queue then. A step on the spot has no share of the way, and keeps the feed where that is one.
     pub(super) fn feed_of(
         &mut self,
@@ -94,16 +90,16 @@ where
         [start, end]: [&AxisVector; 2],
         share: f64,
         is_on_the_spot: bool,
-    ) -> (f64, bool) {
+    ) -> (f64, FeedUnit) {
         let is_fresh = std::mem::take(&mut self.pace.is_fresh);
         let motion = &active.motion;
         if motion.rapid || motion.feed <= 0.0 {
-            return (motion.feed, motion.inverse_time);
+            return (motion.feed, motion.unit);
         }
-        if motion.inverse_time {
-            return (of_share(motion.feed, share), true);
+        if motion.is_inverse_time() {
+            return (of_share(motion.feed, share), FeedUnit::InverseTime);
         }
-        let (feed, origin) = (motion.feed, active.origin);
+        let (feed, unit, origin) = (motion.feed, motion.unit, active.origin);
         let is_begun = self.pace.by_time == Some(origin) && !is_fresh;
         let pacing = active.pacing.filter(|_| !self.pace.counts_turns);
         if let Some(Pacing { minutes, is_turn }) = pacing {
@@ -113,7 +109,7 @@ where
             let has_times = self.pace.is_per_minute && self.options.feeds != Feeds::OfLinearOnly;
             if is_off && is_turn && !has_times {
                 self.findings.feed_of_another_way(&origin);
-                return (feed, false);
+                return (feed, unit);
             }
             // What comes behind a first piece that is not off, as a step on the spot, will be.
             let is_taken = is_off || self.placer.takes_feed(self.options.feeds, start, end);
@@ -122,15 +118,15 @@ where
                     self.change_pace(active, true);
                 }
                 self.pace.by_time = Some(origin);
-                return (of_share(minutes.recip(), share), true);
+                return (of_share(minutes.recip(), share), FeedUnit::InverseTime);
             }
             if is_off && !is_on_the_spot && way > 0.0 && wanted > 0.0 && self.leave_pace(active, is_fresh) {
                 // To parts of a millionth, but never to none.
-                return (((feed * way / wanted * 1e6).ceil() / 1e6).min(MOST_FEED), false);
+                return (((feed * way / wanted * 1e6).ceil() / 1e6).min(MOST_FEED), unit);
             }
         }
         self.leave_pace(active, is_fresh);
-        (feed, false)
+        (feed, unit)
     }
 
     /// From this piece on F is a feed. Only a line with which a block begins can say that; false where it is none.

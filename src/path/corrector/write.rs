@@ -53,7 +53,7 @@ where
             }
             return None;
         }
-        let (feed, inverse_time) = self.feed_of(active, [&start, &placed.command], share, trial.is_none());
+        let (feed, unit) = self.feed_of(active, [&start, &placed.command], share, trial.is_none());
         self.prediction.pieces += 1;
         let motion = &active.motion;
         Some(Piece {
@@ -68,7 +68,7 @@ where
             counts: placed.counts,
             words,
             feed,
-            inverse_time,
+            unit,
             feed_named: first && motion.feed_named,
             rotary_words,
             in_machine_frame: motion.in_machine_frame,
