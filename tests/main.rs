@@ -20,6 +20,7 @@ mod calibrate_recover;
 mod calibrate_select;
 mod calibrate_told;
 mod calibration_report;
+mod cases;
 mod cli_at_feed;
 mod cli_calibrate;
 mod cli_check;
