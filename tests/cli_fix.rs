@@ -77,6 +77,8 @@ fn json_has_the_documented_keys() {
         "max_correction",
         "blocks_in",
         "blocks_out",
+        "rapids_as_programmed",
+        "off_at_rapids_um",
         "remaining",
         "seconds",
         "max_at_line",

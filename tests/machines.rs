@@ -11,7 +11,17 @@ pub(crate) fn xyz_machine() -> Machine {
         let mut direction = Vector::zeros();
         direction[axis.dimension()] = 1.0;
         let (point_mm, travel, max_feed) = (Vector::zeros(), Some([-1e6, 1e6]), Some(1e4));
-        Some(AxisData { axis, name: None, direction, point_mm, travel, modulo: false, max_feed, lever: Lever::Carried })
+        Some(AxisData {
+            axis,
+            name: None,
+            direction,
+            point_mm,
+            travel,
+            modulo: false,
+            max_feed,
+            clamps: Vec::new(),
+            lever: Lever::Carried,
+        })
     };
     let mut axes = [const { None }; 9];
     for letter in [Axis::X, Axis::Y, Axis::Z] {

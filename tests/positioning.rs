@@ -34,14 +34,17 @@ fn their_ends_are_corrected_and_the_other_axes_follow() {
         motion: vec![motion("EYX", polynomial(&[0.0, 0.0, 1e-6])), motion("EXX", polynomial(&[0.0, 1e-4]))],
         ..ErrorModel::default()
     };
-    let text = "G90 G1 X0 Y0 Z0 F100\nPOS[X]=100\nM30";
+    let text = "G90 G1 X0 Y0 Z0 F100\nPOS[X]=100";
     for rapids in [Rapids::Ends, Rapids::All] {
         let options = Options { rapids, ..Options::default() };
-        let (lines, codes) = written(text, &xyz_machine(), &errors, options);
-        assert_eq!(lines[1..], ["POS[X]=99.99 POS[Y]=-0.01", "M30"].map(str::to_owned), "{rapids:?}");
+        let (lines, codes) = written(&format!("{text}\nG1 Z1\nM30"), &xyz_machine(), &errors, options.clone());
+        assert_eq!(lines[1], "POS[X]=99.99 POS[Y]=-0.01", "{rapids:?}");
         // The bow of 2.5 um is only looked for where rapid moves are to be corrected along their way.
         let expected: &[&str] = if rapids == Rapids::All { &["W0307"] } else { &[] };
         assert_eq!(codes, expected);
+        // Without a cut behind it only the axis named moves.
+        let (lines, _) = written(&format!("{text}\nM30"), &xyz_machine(), &errors, options);
+        assert_eq!(lines[1..], ["POS[X]=99.99", "M30"].map(str::to_owned), "{rapids:?}");
     }
     let options = Options { rapids: Rapids::None, ..Options::default() };
     assert_eq!(written(text, &xyz_machine(), &errors, options).0[1], "POS[X]=100");

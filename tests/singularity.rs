@@ -28,7 +28,7 @@ fn errors() -> ErrorModel {
 
 fn options() -> Options {
     // Corrections of C count at the tip.
-    Options { max_correction_mm: 2.0, ..Options::default() }
+    Options { max_correction_mm: 2.0, rotary: Rotary::Correct, ..Options::default() }
 }
 
 /// Ends of the moves of a text.

@@ -16,10 +16,10 @@ use ncfix::diagnostic::{Code, Diagnostic};
 use ncfix::dialect;
 use ncfix::emit::{self, Stamp, WriterOptions};
 use ncfix::exec::{Execution, NoLibrary, Options as ExecOptions, RapidOrder};
-use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix::geometry::{AXES, Axis, AxisSet, AxisVector, Vector};
 use ncfix::machine::Machine;
 use ncfix::model::Model;
-use ncfix::path::{Corrector, FiveAxis, Increments, Rapids, Subdivision};
+use ncfix::path::{Corrector, FiveAxis, Increments, OutputFrame, Rapids, Subdivision};
 use ncfix::snc::{Element, Kind, Move};
 use ncfix::source::{FileId, Source};
 use ncfix::syntax;
@@ -324,6 +324,7 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
     let has_rotary = pair.machine.axis_set().iter().any(Axis::is_rotary);
     for (number, ways) in &emitted {
         let nominal = &original[number];
+        let is_approach = emitted.range(number + 1..).next().is_some_and(|(_, next)| !next[0].motion.rapid);
         let ideal = Ideal::new(&judge, nominal);
         let rapid = ways[0].motion.rapid;
         let has_arc = nominal.iter().any(|way| way.motion.arc.is_some());
@@ -370,7 +371,7 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
                         "pair {seed}: travel\n{context}"
                     );
                 }
-                if way.is_on_the_spot || !is_known || missed {
+                if way.is_on_the_spot || !is_known || missed || rapid && !is_approach {
                     continue;
                 }
                 // Chords of a fixed step would leave the circle.
@@ -422,7 +423,14 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
                 worst.note("correction", correction[axis].abs(), limit, seed, &context);
             }
         }
-        if !is_left_alone && is_known && !missed {
+        if rapid && !is_approach && pair.options.frame == OutputFrame::Work && !pair.is_transformed {
+            // Nothing is cut behind it: no axis moves that the program does not move.
+            let named = |ways: &[Way]| ways.iter().fold(AxisSet::EMPTY, |all, way| all.union(way.motion.named));
+            let moves = |axis: &Axis| nominal.iter().any(|way| way.start[*axis] != way.motion.target[*axis]);
+            let further = named(ways).difference(named(nominal));
+            assert!(further.iter().all(|axis| moves(&axis)), "pair {seed}: N{number} moves {further:?}\n{context}");
+        }
+        if !is_left_alone && is_known && !missed && (!rapid || is_approach) {
             let place = judge.ideal(&from.motion.target);
             let possible = senses.possible(&to.turning(&to.motion.target, increment_mm));
             let away_mm = possible.iter().map(|sense| (judge.actual(&to.motion.target, sense) - place).norm());

@@ -225,8 +225,7 @@ impl<'a> Job<'a> {
             findings.add(corrected_before(stamped), sources);
         }
         note(&passed.prediction, &running, report);
-        let rotary = writing.options.rotary;
-        let left = path::remaining(machine, &chosen.errors, &chosen.condition, &passed.poses, rotary);
+        let left = path::remaining(machine, &chosen.errors, &chosen.condition, &passed.poses);
         report.remaining = left.iter().map(remaining).collect();
         Ok(())
     }
@@ -268,6 +267,8 @@ pub(super) fn spread(spread: &path::Spread) -> json::Spread {
 fn note(prediction: &Prediction, running: &Running, report: &mut Correction) {
     report.before = Some(spread(prediction.before()));
     report.after = Some(spread(prediction.after()));
+    report.rapids_as_programmed = prediction.as_programmed;
+    report.off_at_rapids_um = um_from_mm(prediction.off_cut_mm);
     report.blocks_in = running.blocks();
     if let Some(origin) = prediction.max_at() {
         report.max_at_line = Some(origin.line);

@@ -83,7 +83,7 @@ impl Job<'_> {
         let mut model = self.chosen.model();
         let mut clock = Clock::new(self.table, self.chosen);
         let solve = match self.arguments.rotary {
-            RotaryChoice::Correct => Solve::Full,
+            RotaryChoice::Auto | RotaryChoice::Correct => Solve::Full,
             RotaryChoice::Hold => Solve::PositionOnly,
         };
         let mut report = Measured {

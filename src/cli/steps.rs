@@ -79,6 +79,7 @@ fn find(arguments: &StepsArguments, findings: &mut Findings) -> Result<StepRepor
     }
     let model = chosen.model();
     let rotary = match arguments.rotary {
+        RotaryChoice::Auto => Rotary::Auto,
         RotaryChoice::Correct => Rotary::Correct,
         RotaryChoice::Hold => Rotary::Hold,
     };

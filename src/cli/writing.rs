@@ -99,6 +99,7 @@ fn options(choice: &CorrectionChoice) -> path::Options {
         },
         max_correction_mm: choice.max_correction,
         rotary: match choice.rotary {
+            RotaryChoice::Auto => path::Rotary::Auto,
             RotaryChoice::Correct => path::Rotary::Correct,
             RotaryChoice::Hold => path::Rotary::Hold,
         },

@@ -46,7 +46,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let mut root = file.root();
     let named = root.required("machine", "a section [machine] with name and topology", Section::section);
     let head = named.map(|section| read_head(section, &mut findings)).unwrap_or_default();
-    let (axes, headers) = read_axes(root.section("axis"), &mut findings);
+    let (axes, headers) = read_axes(root.section("axis"), &head.controller, &mut findings);
     if let Some((topology, place)) = &head.topology {
         check_chain(topology, *place, &headers, &mut findings);
     }
@@ -181,7 +181,7 @@ fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
 /// The axes that could be read, and the header of every axis section.
 type Axes = ([Option<AxisData>; AXIS_COUNT], [Option<Place>; AXIS_COUNT]);
 
-fn read_axes(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> Axes {
+fn read_axes(section: Option<Section<'_>>, controller: &str, findings: &mut Vec<Diagnostic>) -> Axes {
     let mut axes = [const { None }; AXIS_COUNT];
     let mut headers = [None; AXIS_COUNT];
     let Some(mut section) = section else { return (axes, headers) };
@@ -191,7 +191,7 @@ fn read_axes(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> Ax
             headers[axis.slot()] = Some(section.place_of(&key));
         }
         if let Some(own) = section.section(&key) {
-            axes[axis.slot()] = read_axis(axis, own, findings);
+            axes[axis.slot()] = read_axis(axis, controller, own, findings);
         }
     }
     super::axis_name::check(&axes, &mut section);
@@ -199,7 +199,12 @@ fn read_axes(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> Ax
     (axes, headers)
 }
 
-fn read_axis(axis: Axis, mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<AxisData> {
+fn read_axis(
+    axis: Axis,
+    controller: &str,
+    mut section: Section<'_>,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<AxisData> {
     let (travel_key, feed_key, to_internal) = if axis.is_rotary() {
         ("travel_deg", "max_feed_deg_min", f64::to_radians as fn(f64) -> f64)
     } else {
@@ -232,9 +237,10 @@ fn read_axis(axis: Axis, mut section: Section<'_>, findings: &mut Vec<Diagnostic
             Lever::Carried
         }
     };
+    let clamps = super::clamp::read(axis, controller, &mut section);
     let name = super::axis_name::read(axis, &mut section);
     section.finish(findings);
-    Some(AxisData { axis, name, direction: direction?, point_mm, travel, modulo, max_feed, lever })
+    Some(AxisData { axis, name, direction: direction?, point_mm, travel, modulo, max_feed, clamps, lever })
 }
 
 /// The unit vector of a direction; a linear axis must run along its own direction of F, a deviation is an error, not a direction.

@@ -5,6 +5,7 @@
 mod active;
 mod axis_name;
 mod chain;
+mod clamp;
 pub mod condition;
 mod contour_control;
 mod document;
@@ -29,6 +30,7 @@ mod zero_offset;
 
 pub use active::{ActiveTables, Compensation, TableProducts};
 pub use chain::{Branch, Topology, TopologyFault};
+pub use clamp::Clamp;
 pub use condition::{Condition, Load, ZeroPose};
 pub use contour_control::{CompensationCorner, CompensationStart};
 pub use grundig_control::{GrundigControl, ScaledAxes};
@@ -103,6 +105,8 @@ pub struct AxisData {
     pub modulo: bool,
     /// Highest feed, mm/min or deg/min as in the file; `None` where not given.
     pub max_feed: Option<f64>,
+    /// What clamps it; while one is closed, the axis must not move.
+    pub clamps: Vec<Clamp>,
     /// How location and motion errors act.
     pub lever: Lever,
 }

@@ -1,6 +1,7 @@
 //! The adapter: elements in, corrected pieces and the other elements out, in order, one move at a time.
 
 mod between;
+mod clamps;
 mod pace;
 mod write;
 
@@ -12,6 +13,7 @@ use crate::machine::Machine;
 use crate::model::Model;
 use crate::snc::{BlockNumber, Element, Manner, Move, Origin};
 
+use super::ahead::Ahead;
 use super::check::Sampler;
 use super::cut::{fit_arc, fit_line, next_step};
 use super::extend::Reach;
@@ -22,7 +24,8 @@ use super::route::Route;
 use super::standing::Standing;
 use super::treatment::{Treatment, is_pushed_out};
 use super::trial::{Bench, Trial};
-use super::{Arcs, Increments, Options, Output, Piece, PoseSample, Prediction, Rapids, Subdivision};
+use super::{Arcs, Increments, Options, Output, Piece, PoseSample, Prediction, Rotary, Subdivision};
+use clamps::{Clamps, rotary_axes};
 
 /// Pieces shorter than this are not made, mm.
 const SHORTEST_MM: f64 = 0.01;
@@ -30,12 +33,13 @@ const SHORTEST_MM: f64 = 0.01;
 /// Corrects a stream of elements. Findings are items of the stream too: after an error the correction goes on, so that one run shows
 /// them all.
 pub struct Corrector<'a, I> {
-    elements: I,
+    elements: Ahead<'a, I>,
     machine: &'a Machine,
     options: Options,
     placer: Placer<'a>,
     sampler: Sampler,
     placing: AxisSet,
+    clamps: Clamps,
     standing: Standing,
     ever_named: AxisSet,
     active: Option<Box<Active>>,
@@ -56,6 +60,8 @@ struct Active {
     starts_block: bool,
     number: Option<BlockNumber>,
     motion: Move,
+    /// Axes of the output that the program moves.
+    moving: AxisSet,
     treatment: Treatment,
     route: Route,
     /// Samples that the whole route needs.
@@ -91,8 +97,11 @@ where
             standing.written = standing.known;
             standing.is_doubtful = true;
         }
+        let is_looked_for = options.rotary == Rotary::Auto && !model.is_empty();
+        let rotary = if is_looked_for { rotary_axes(machine) } else { AxisSet::EMPTY };
         Corrector {
-            elements,
+            elements: Ahead::new(elements, machine, rotary),
+            clamps: Clamps::new(machine),
             machine,
             placer: Placer::new(machine, model, &options),
             sampler: Sampler::new(model).with_rounding(&Increments::new(&machine.control), options.tolerance_mm),
@@ -126,7 +135,7 @@ where
     /// The stream of elements, for what it knows beside them.
     #[must_use]
     pub fn elements(&self) -> &I {
-        &self.elements
+        self.elements.elements()
     }
 
     fn begin(&mut self, element: &Element, motion: &Move) {
@@ -144,10 +153,17 @@ where
         if self.pace.counts_turns && self.placer.leaves_transform() && !motion.rapid {
             self.findings.feed_of_turns(&element.origin);
         }
-        let rapids = if motion.manner == Manner::Reference { Rapids::None } else { self.options.rapids };
-        let treatment = Treatment::of(motion.rapid, rapids, starts_at_known && is_placed);
-        let route = Route::new(standing.nominal, motion.target, motion.arc);
-        let feed = self.placer.feed(&standing.nominal, motion);
+        let treatment = Treatment::of(motion.rapid, self.options.rapids, starts_at_known && is_placed);
+        let (treatment, moving) = if motion.rapid || motion.manner == Manner::Reference {
+            let ends = [&standing.nominal, &motion.target];
+            let moving = self.placer.moving(named, standing.known.intersection(known), ends);
+            (self.treatment_of_rapid(motion, treatment, moving), moving)
+        } else {
+            (treatment, named)
+        };
+        self.fix(motion, moving);
+        let route = Route::new(self.standing.nominal, motion.target, motion.arc);
+        let feed = self.placer.feed(&self.standing.nominal, motion);
         self.prediction.moves += 1;
         let samples = self.sampler.whole(&route);
         let make = || Active {
@@ -155,6 +171,7 @@ where
             starts_block: element.starts_block,
             number: element.number,
             motion: Move { feed, named, known, ..*motion },
+            moving,
             treatment,
             samples,
             pacing: self.placer.pacing(self.options.feeds, &route, motion, feed),
@@ -183,7 +200,7 @@ where
             self.active = Some(active);
         } else {
             self.standing.known = active.motion.known;
-            self.standing.is_doubtful |= active.treatment == Treatment::Round;
+            self.standing.is_doubtful |= active.treatment.leaves_others();
             self.idle = Some(active);
         }
         piece
@@ -204,11 +221,10 @@ where
         };
         let (standing, scratch) = (&self.standing, &mut self.scratch);
         let from = active.parameter;
-        if active.motion.manner == Manner::Reference {
-            return bench.referenced(standing, active.motion.named);
-        }
-        if active.treatment == Treatment::Round {
-            return bench.rounded(standing);
+        match active.treatment {
+            Treatment::Programmed => return bench.as_programmed(standing, active.moving),
+            Treatment::Named => return bench.of_named(standing, active.moving),
+            Treatment::End | Treatment::Way => {}
         }
         if active.motion.manner != Manner::Path && active.treatment == Treatment::Way {
             return bench.straight(standing, [from, 1.0], scratch);
@@ -217,8 +233,8 @@ where
             if route.arc().is_none() {
                 let trial = bench.unmeasured(standing, [from, 1.0]);
                 if active.motion.rapid && is_pushed_out(self.machine, &route.end, &trial.end.command) {
-                    active.treatment = Treatment::Round;
-                    return bench.rounded(standing);
+                    active.treatment = Treatment::Programmed;
+                    return bench.as_programmed(standing, active.moving);
                 }
                 return trial;
             }
@@ -301,10 +317,13 @@ where
             self.predict(active, trial);
         }
         self.prediction.note_correction(&nominal, &trial.end.command);
-        if active.is_counted && active.treatment != Treatment::Round {
+        if active.treatment.leaves_others() {
+            let error_mm = self.placer.tip_error_mm(&nominal, &trial.end.command, &trial.state());
+            self.prediction.note_as_programmed(error_mm, active.treatment == Treatment::Programmed);
+        } else if active.is_counted {
             let tool_mm = self.placer.setup.tool_mm;
-            let command = trial.end.command;
-            self.poses.offer(|| PoseSample { nominal, command, state: trial.state(), tool_mm });
+            let (command, turning) = (trial.end.command, self.placer.turning());
+            self.poses.offer(|| PoseSample { nominal, command, state: trial.state(), tool_mm, turning });
         }
         let standing = &mut self.standing;
         standing.nominal = nominal;
@@ -361,7 +380,7 @@ where
                 self.pending.extend(self.findings.take().map(Err));
                 continue;
             }
-            let Some(item) = self.elements.next() else {
+            let Some(item) = self.elements.take() else {
                 if self.end_pace() {
                     continue;
                 }

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector, ROTARY_AXES};
+use crate::geometry::{AXES, AXIS_COUNT, AxisSet, AxisVector, ROTARY_AXES};
 use crate::machine::{Machine, State};
 use crate::model::{Model, Solve};
 use crate::snc::{Dwell, FeedUnit, Kind, Manner};
@@ -142,9 +142,14 @@ impl<'a> Live<'a> {
 
     /// The piece with a shift, and with the words that it needs.
     fn place(&mut self, piece: Piece, shift: &AxisVector) -> Piece {
-        let placed = self.placer.round(&(piece.command + *shift), piece.known);
+        let mut placed = self.placer.round(&(piece.command + *shift), piece.known);
         let mut words = piece.words;
-        if piece.manner != Manner::Reference {
+        if piece.others_stay {
+            for axis in AXES.into_iter().filter(|&axis| !words.contains(axis) && self.written.contains(axis)) {
+                placed.counts[axis.slot()] = self.counts[axis.slot()];
+                placed.command[axis] = self.sent[axis];
+            }
+        } else {
             for axis in piece.known.iter() {
                 let slot = axis.slot();
                 if !self.written.contains(axis) || placed.counts[slot] != self.counts[slot] {
@@ -159,7 +164,7 @@ impl<'a> Live<'a> {
             arc
         });
         (self.counts, self.sent) = (placed.counts, placed.command);
-        self.written = self.written.union(piece.known);
+        self.written = self.written.union(if piece.others_stay { words } else { piece.known });
         Piece { counts: placed.counts, command: placed.command, words, arc, ..piece }
     }
 

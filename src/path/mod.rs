@@ -7,6 +7,7 @@
 //! One forward function judges all: the deviation of a piece is the distance of the tool tip at the emitted command, with all errors,
 //! from the nominal tip at the same parameter of the programmed move.
 
+mod ahead;
 mod arc_fit;
 mod check;
 mod compare;
@@ -98,7 +99,7 @@ impl Default for Options {
             frame: OutputFrame::Work,
             five_axis: FiveAxis::Tcp,
             max_correction_mm: 0.2,
-            rotary: Rotary::Correct,
+            rotary: Rotary::Auto,
             sample_mm: 1.0,
             start: None,
         }
@@ -160,7 +161,8 @@ pub enum Feeds {
     OfAll,
 }
 
-/// What becomes of rapid moves.
+/// What becomes of rapid moves. Only the approach to a cut may move axes that the source does not name; moves in machine coordinates, to
+/// reference points, to the change of a tool and along the tool stay as programmed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rapids {
     /// The end point is corrected, the way is one piece.
@@ -168,7 +170,7 @@ pub enum Rapids {
     Ends,
     /// They stay as programmed, rounded to the increment (Spaan).
     None,
-    /// They are treated like moves with feed.
+    /// The approach to a cut is treated like a move with feed.
     All,
 }
 
@@ -192,11 +194,13 @@ pub enum FiveAxis {
     Axes,
 }
 
-/// Whether rotary axes take part in the correction.
+/// Whether rotary axes take part in the correction. One that is clamped never does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rotary {
-    /// They turn so that the tool axis points where it should.
+    /// Those that the operation turns with feed do; the others stay as programmed.
     #[default]
+    Auto,
+    /// They turn so that the tool axis points where it should.
     Correct,
     /// They stay as programmed; only the position of the tip is corrected.
     Hold,
@@ -256,6 +260,8 @@ pub struct Piece {
     pub known: AxisSet,
     /// Whether it is corrected at all.
     pub is_corrected: bool,
+    /// Axes without a word stay where they are, though that is not their corrected place.
+    pub others_stay: bool,
 }
 
 /// How the position of a rotary axis is written.

@@ -3,10 +3,12 @@
 //! Rotary axes are rounded first; the linear axes are then solved for the rounded rotary commands and rounded last. So the tip is
 //! off by the rounding of the linear axes only, whatever the lever of the rotary ones.
 
+mod partly;
+
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use crate::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
+use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
 use crate::machine::{Kinematics, Machine, State};
 use crate::model::{Model, NotConverged, Solve};
 use crate::snc::{Move, Setup};
@@ -48,7 +50,11 @@ pub(super) struct Placer<'a> {
     /// The axes that the machine has.
     axes: AxisSet,
     pub(super) has_rotary: bool,
-    turns_rotary: bool,
+    /// The rotary axes that take part in the correction.
+    turning: AxisSet,
+    /// Axes that stay where they stand while a move is made, and where that is.
+    fixed: AxisSet,
+    fixed_at: AxisVector,
     is_empty: bool,
     /// Better guesses on a machine without rotary axes.
     slope: Option<RefCell<Slope>>,
@@ -69,7 +75,12 @@ impl<'a> Placer<'a> {
             frame: options.frame,
             keeps_transform: options.five_axis == FiveAxis::Tcp,
             has_rotary,
-            turns_rotary: has_rotary && options.rotary == Rotary::Correct,
+            turning: match options.rotary {
+                Rotary::Correct => axes.iter().filter(|axis| axis.is_rotary()).collect(),
+                Rotary::Auto | Rotary::Hold => AxisSet::EMPTY,
+            },
+            fixed: AxisSet::EMPTY,
+            fixed_at: AxisVector::ZERO,
             is_empty: model.is_empty(),
             slope: model.straight_axes().map(|axes| RefCell::new(Slope::new(axes))),
         }
@@ -94,6 +105,30 @@ impl<'a> Placer<'a> {
                 written.remove(axis);
             }
         }
+    }
+
+    /// From here on these rotary axes take part in the correction.
+    pub(super) fn set_turning(&mut self, turning: AxisSet) {
+        self.turning = turning;
+    }
+
+    /// The rotary axes that take part.
+    pub(super) fn turning(&self) -> AxisSet {
+        self.turning
+    }
+
+    /// In the next move these axes stay where `command` has them.
+    pub(super) fn fix(&mut self, fixed: AxisSet, command: &AxisVector) {
+        self.fixed = fixed;
+        self.fixed_at = *command;
+    }
+
+    /// Puts the axes that stay where they are.
+    fn at_rest(&self, mut command: AxisVector) -> AxisVector {
+        if !self.fixed.is_empty() {
+            self.fixed.iter().for_each(|axis| command[axis] = self.fixed_at[axis]);
+        }
+        command
     }
 
     /// Coordinates in the emitted frame.
@@ -176,7 +211,7 @@ impl<'a> Placer<'a> {
     ) -> Placed {
         match self.exact(nominal, known, state, guess, most_turn_rad) {
             Ok(exact) => self.round(&exact, known),
-            Err(failure) => Placed { failure: Some(failure), ..self.round(nominal, known) },
+            Err(failure) => Placed { failure: Some(failure), ..self.round(&self.at_rest(*nominal), known) },
         }
     }
 
@@ -190,7 +225,7 @@ impl<'a> Placer<'a> {
         most_turn_rad: f64,
     ) -> Result<AxisVector, NotConverged> {
         if self.is_empty && !self.has_rotary {
-            return Ok(*nominal);
+            return Ok(self.at_rest(*nominal));
         }
         let tool_mm = &self.setup.tool_mm;
         if let Some(learnt) = &self.slope {
@@ -198,14 +233,18 @@ impl<'a> Placer<'a> {
             let guess = slope.guess(nominal);
             let exact = self.model.solve(nominal, tool_mm, state, &guess, Solve::PositionOnly)?;
             slope.learn(nominal, &exact, &guess);
-            return Ok(self.keep_unknown(exact, nominal, known));
+            return Ok(self.at_rest(self.keep_unknown(exact, nominal, known)));
         }
         let mut start = *nominal + *guess;
-        if self.turns_rotary && !self.is_empty {
+        if !self.turning.is_empty() && !self.is_empty {
             let mut turned = self.model.solve(nominal, tool_mm, state, &start, Solve::Full)?;
             for axis in ROTARY_AXES {
                 let near = nominal[axis] + guess[axis];
-                turned[axis] = turned[axis].max(near - most_turn_rad).min(near + most_turn_rad);
+                turned[axis] = if self.turning.contains(axis) {
+                    turned[axis].max(near - most_turn_rad).min(near + most_turn_rad)
+                } else {
+                    nominal[axis]
+                };
             }
             start = self.round_axes(&self.keep_unknown(turned, nominal, known), &ROTARY_AXES, known);
         } else if self.has_rotary {
@@ -214,8 +253,8 @@ impl<'a> Placer<'a> {
             }
             start = self.round_axes(&start, &ROTARY_AXES, known);
         }
-        let exact = self.model.solve(nominal, tool_mm, state, &start, Solve::PositionOnly)?;
-        Ok(self.keep_unknown(exact, nominal, known))
+        let exact = self.model.solve(nominal, tool_mm, state, &self.at_rest(start), Solve::PositionOnly)?;
+        Ok(self.at_rest(self.keep_unknown(exact, nominal, known)))
     }
 
     /// The linear axes for a command whose rotary axes stay where they are.
@@ -227,14 +266,14 @@ impl<'a> Placer<'a> {
         command: &AxisVector,
     ) -> Result<AxisVector, NotConverged> {
         let exact = self.model.solve(nominal, &self.setup.tool_mm, state, command, Solve::PositionOnly)?;
-        Ok(self.keep_unknown(exact, nominal, known))
+        Ok(self.at_rest(self.keep_unknown(exact, nominal, known)))
     }
 
     /// The nearest position on the grid.
     pub(super) fn round(&self, command: &AxisVector, known: AxisSet) -> Placed {
         let mut programmed = self.programmed(command);
         let mut counts = [0; AXIS_COUNT];
-        let axes: &[Axis] = if self.has_rotary { &crate::geometry::AXES } else { &LINEAR_AXES };
+        let axes: &[Axis] = if self.has_rotary { &AXES } else { &LINEAR_AXES };
         for &axis in axes {
             if known.contains(axis) {
                 let count = self.increments.count(axis, programmed[axis]);
@@ -316,5 +355,5 @@ impl<'a> Placer<'a> {
 
 /// Axes beside X Y Z that are not known.
 fn unknown_others(known: AxisSet) -> impl Iterator<Item = Axis> {
-    crate::geometry::AXES.into_iter().skip(3).filter(move |&axis| !known.contains(axis))
+    AXES.into_iter().skip(3).filter(move |&axis| !known.contains(axis))
 }

@@ -1,6 +1,6 @@
 //! Some poses of a program, spread over all of it: for what is too slow to be looked at everywhere.
 
-use crate::geometry::{AxisVector, Vector};
+use crate::geometry::{AxisSet, AxisVector, Vector};
 use crate::machine::State;
 
 /// Poses kept at most.
@@ -17,6 +17,8 @@ pub struct PoseSample {
     pub state: State,
     /// From the spindle gauge point to the tip, in F at the zero pose, mm.
     pub tool_mm: Vector,
+    /// The rotary axes that took part in the correction.
+    pub turning: AxisSet,
 }
 
 /// Every n-th pose of a stream, n as small as memory allows.
@@ -67,6 +69,7 @@ mod tests {
                 command: AxisVector::ZERO,
                 state: State::default(),
                 tool_mm: Vector::zeros(),
+                turning: AxisSet::EMPTY,
             });
         }
         let kept = poses.kept();

@@ -55,6 +55,10 @@ pub struct Prediction {
     pub moves: u64,
     /// Pieces that they became.
     pub pieces: u64,
+    /// Rapid moves that stay as programmed.
+    pub as_programmed: u64,
+    /// How far the tool is off at the ends of rapid moves that are no approach to a cut, mm: nothing is cut there.
+    pub off_cut_mm: f64,
     /// Way behind the last sample, mm.
     unsampled_mm: f64,
 }
@@ -127,6 +131,12 @@ impl Prediction {
             pair.after.max_mm = after_mm;
             pair.max_at = Some(*origin);
         }
+    }
+
+    /// A rapid move that is no approach to a cut.
+    pub(super) fn note_as_programmed(&mut self, error_mm: f64, is_programmed: bool) {
+        self.as_programmed += u64::from(is_programmed);
+        self.off_cut_mm = self.off_cut_mm.max(error_mm);
     }
 
     pub(super) fn note_correction(&mut self, nominal: &AxisVector, command: &AxisVector) {

@@ -4,11 +4,11 @@
 //! Each source is looked at alone: it is corrected as the program was, and what is left of it is its own. Rounding, which belongs to no source,
 //! stays out; it is in the predicted error along the path.
 
-use crate::geometry::{AXES, AxisVector, Vector};
+use crate::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
 use crate::machine::{Condition, Machine};
 use crate::model::{Accumulator, ErrorModel, Model, SOURCES, Solve};
 
-use super::{Increments, PoseSample, Rotary};
+use super::{Increments, PoseSample};
 
 /// What is left of one source, the largest over the poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,9 +30,7 @@ pub fn remaining(
     errors: &ErrorModel,
     condition: &Condition,
     poses: &[PoseSample],
-    rotary: Rotary,
 ) -> Vec<Remaining> {
-    let mode = if rotary == Rotary::Hold { Solve::PositionOnly } else { Solve::Full };
     let increments = Increments::new(&machine.control);
     let mut all = Vec::new();
     for &source in SOURCES {
@@ -44,7 +42,14 @@ pub fn remaining(
         let mut left = Remaining { source: source.name, position_mm: 0.0, tilt_rad: 0.0, roll_rad: 0.0 };
         for pose in poses {
             let (nominal, tool_mm, state) = (&pose.nominal, &pose.tool_mm, &pose.state);
-            let Ok(command) = model.solve(nominal, tool_mm, state, nominal, mode) else { continue };
+            let mode = if pose.turning.is_empty() { Solve::PositionOnly } else { Solve::Full };
+            let Ok(mut command) = model.solve(nominal, tool_mm, state, nominal, mode) else { continue };
+            let mut stays = ROTARY_AXES.into_iter().filter(|&axis| !pose.turning.contains(axis)).peekable();
+            if mode == Solve::Full && stays.peek().is_some() {
+                stays.for_each(|axis| command[axis] = nominal[axis]);
+                let Ok(around) = model.solve(nominal, tool_mm, state, &command, Solve::PositionOnly) else { continue };
+                command = around;
+            }
             let moves = |axis| increments.count(axis, command[axis]) != increments.count(axis, nominal[axis]);
             let command = if AXES.into_iter().any(moves) { command } else { *nominal };
             let position = model.tip_error_mm(nominal, &command, tool_mm, state);

@@ -115,7 +115,7 @@ impl<'a> StepTrial<'a> {
     /// A trial on a model.
     #[must_use]
     pub fn new(model: &'a Model, rotary: Rotary) -> StepTrial<'a> {
-        let solve = if rotary == Rotary::Correct { Solve::Full } else { Solve::PositionOnly };
+        let solve = if rotary == Rotary::Hold { Solve::PositionOnly } else { Solve::Full };
         StepTrial { model, sampler: Sampler::new(model), solve, scratch: Vec::new() }
     }
 

@@ -9,8 +9,10 @@ use super::findings::ON_LIMIT;
 /// What is done with a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Treatment {
-    /// Rounded only.
-    Round,
+    /// The axes named go where the program says, the others stay.
+    Programmed,
+    /// The axes named are corrected at its end, the others stay.
+    Named,
     /// Corrected at its end, in one piece.
     End,
     /// Corrected along the way.
@@ -18,14 +20,19 @@ pub(super) enum Treatment {
 }
 
 impl Treatment {
-    /// That of a move; `is_placed` where its start and all axes that place the tool are known.
+    /// That of a cut, or of the approach to one; `is_placed` where its start and all axes that place the tool are known.
     pub(super) fn of(rapid: bool, rapids: Rapids, is_placed: bool) -> Treatment {
         match (rapid, rapids) {
-            (true, Rapids::None) => Treatment::Round,
+            (true, Rapids::None) => Treatment::Programmed,
             (true, Rapids::Ends) => Treatment::End,
             _ if is_placed => Treatment::Way,
             _ => Treatment::End,
         }
+    }
+
+    /// Whether axes that the program does not move stay where they are.
+    pub(super) fn leaves_others(self) -> bool {
+        matches!(self, Treatment::Programmed | Treatment::Named)
     }
 }
 

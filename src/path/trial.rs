@@ -1,11 +1,11 @@
 //! One piece tried: its ends corrected and rounded, its deviation from the nominal path measured by the forward function.
 
-use crate::geometry::{AXES, AXIS_COUNT, AxisSet, AxisVector};
+use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
 use crate::machine::{Control, State};
 
 use super::PieceArc;
 use super::check::Sampler;
-use super::place::{Placed, Placer};
+use super::place::{Placed, Placer, SHORT_MM};
 use super::route::{Route, distance_mm};
 use super::standing::Standing;
 
@@ -93,22 +93,23 @@ pub(super) fn state_of(sense: [i8; AXIS_COUNT]) -> State {
 }
 
 impl Bench<'_, '_> {
-    /// The whole move, uncorrected.
-    pub(super) fn rounded(&self, standing: &Standing) -> Trial {
-        self.unplaced(standing, self.placer.round(&self.route.end, self.known))
+    /// The whole move of these axes of the output as programmed; the others stay where they are.
+    pub(super) fn as_programmed(&self, standing: &Standing, moving: AxisSet) -> Trial {
+        self.unplaced(standing, self.placer.partly(&self.route.end, standing, moving, self.known))
     }
 
-    /// The whole move to the reference point of the axes named, exactly; the others stay where they are.
-    pub(super) fn referenced(&self, standing: &Standing, named: AxisSet) -> Trial {
-        let mut end = self.placer.round(&self.route.end, self.known);
-        for axis in AXES.into_iter().filter(|&axis| !named.contains(axis)) {
-            end.command[axis] = standing.command[axis];
-            end.counts[axis.slot()] = standing.counts[axis.slot()];
-        }
-        self.unplaced(standing, end)
+    /// The whole move of these axes of the output to their corrected places; the others stay where they are. An axis that the program leaves
+    /// where it is stays too.
+    pub(super) fn of_named(&self, standing: &Standing, moving: AxisSet) -> Trial {
+        let [start, end] = [&self.route.start, &self.route.end].map(|command| self.placer.programmed(command));
+        let stands = standing.known.intersection(standing.written);
+        let rests = |axis: &Axis| stands.contains(*axis) && (end[*axis] - start[*axis]).abs() < SHORT_MM;
+        let moving = moving.iter().filter(|axis| !rests(axis)).collect();
+        let ends = self.ends(standing, [0.0, 1.0]);
+        self.unplaced(standing, self.placer.partly(&ends.end.command, standing, moving, self.known))
     }
 
-    /// The whole move straight to an end that is not corrected.
+    /// The whole move straight to an end that was not made for the whole pose.
     fn unplaced(&self, standing: &Standing, end: Placed) -> Trial {
         let mut state = standing.state;
         state.note_stated(standing.sensed, &standing.command, &end.command);

@@ -23,6 +23,10 @@ pub struct Correction {
     pub feed_limit: Option<FeedLimit>,
     /// What no axis can correct, by source.
     pub remaining: Vec<Remaining>,
+    /// Rapid moves that stay as programmed: in machine coordinates, to reference points and tool changes, along the tool.
+    pub rapids_as_programmed: u64,
+    /// How far the tool is off where rapid moves end that are no approach to a cut, µm.
+    pub off_at_rapids_um: f64,
     /// Executed blocks.
     pub blocks_in: u64,
     /// Written blocks.
@@ -74,6 +78,13 @@ impl Correction {
         }
         if let Some(text) = left_over(&self.remaining, |left| left.position_um, 0.005, "µm") {
             row("uncorrected", &format!("{text}, less than an increment"));
+        }
+        if self.rapids_as_programmed > 0 {
+            let off = match self.off_at_rapids_um {
+                off_um if off_um > 0.0 => format!(", the tool up to {} off", micrometers(off_um)),
+                _ => String::new(),
+            };
+            row("rapids", &format!("{} as programmed{off}", grouped(self.rapids_as_programmed)));
         }
         if let Some(limit) = &self.feed_limit {
             let [before, after] = [limit.contouring_before.max_um, limit.contouring_after.max_um].map(micrometers);
@@ -196,6 +207,8 @@ mod tests {
             max_correction: [("X_um".to_owned(), 41.26), ("C_urad".to_owned(), 3.0)].into(),
             feed_limit: None,
             remaining: Vec::new(),
+            rapids_as_programmed: 12,
+            off_at_rapids_um: 35.2,
             blocks_in: 1234,
             blocks_out: 2345,
             seconds: 0.123,
@@ -218,6 +231,7 @@ mod tests {
         error after      0.250 µm    0.310 µm    0.980 µm   largest at part.mpf:17
         improvement  99.0 % of the mean
         correction   up to X 41.3 µm, C 3.00 µrad
+        rapids       12 as programmed, the tool up to 35.2 µm off
         blocks       1,234 in, 2,345 out
         time         0.12 s
         machine      demo

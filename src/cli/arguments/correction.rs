@@ -17,12 +17,12 @@ pub(in crate::cli) enum ArcChoice {
 /// Rapid moves in the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum RapidChoice {
-    /// The end point is corrected, the way is not
+    /// The end point is corrected where a cut begins there; else only the axes named move
     #[default]
     Ends,
     /// Left as they are
     None,
-    /// Subdivided and corrected like feed moves
+    /// The approach to a cut is subdivided and corrected like feed moves
     All,
 }
 
@@ -49,8 +49,10 @@ pub(in crate::cli) enum FiveAxisChoice {
 /// Rotary axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum RotaryChoice {
-    /// Corrected like the linear axes
+    /// Those that the operation turns with feed are corrected, the others stay as programmed
     #[default]
+    Auto,
+    /// Corrected like the linear axes wherever they are not clamped
     Correct,
     /// Left as programmed; only the position of the tip is corrected
     Hold,

@@ -53,7 +53,7 @@ pub(super) fn prepare(arguments: &RealtimeArguments, findings: &mut Findings) ->
             Some(ToolVector::Tip(tip_mm)) => tip_mm,
         },
         mode: match arguments.rotary {
-            RotaryChoice::Correct => Solve::Full,
+            RotaryChoice::Auto | RotaryChoice::Correct => Solve::Full,
             RotaryChoice::Hold => Solve::PositionOnly,
         },
         max_correction_mm: arguments.max_correction,

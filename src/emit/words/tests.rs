@@ -90,6 +90,7 @@ pub(super) fn line(axes: &[(Axis, i64)]) -> Piece {
         nominal: AxisVector::ZERO,
         known: named,
         is_corrected: true,
+        others_stay: false,
     }
 }
 

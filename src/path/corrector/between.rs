@@ -26,6 +26,10 @@ where
                 self.pending.push_back(Ok(Output::Element(Element { kind: Kind::Empty, ..element })));
                 return;
             }
+            Kind::Before(words) | Kind::After(words) => {
+                self.clamps.note(words);
+                self.forget(lost_axes(&element, self.machine));
+            }
             _ => self.forget(lost_axes(&element, self.machine)),
         }
         self.pending.push_back(Ok(Output::Element(element)));

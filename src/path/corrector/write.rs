@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::AxisSet;
-use crate::snc::{Element, Manner};
+use crate::snc::Element;
 
 use super::{Active, Corrector};
 use crate::path::Piece;
@@ -31,8 +31,11 @@ where
         let first = std::mem::take(&mut active.is_first);
         let mut words = if first { motion.named } else { AxisSet::EMPTY };
         // The others stay, and what is not written yet is written by a later move.
-        let is_reference = motion.manner == Manner::Reference;
-        let stated = if is_reference { AxisSet::EMPTY } else { motion.known };
+        let others_stay = active.treatment.leaves_others();
+        if others_stay {
+            words = active.moving;
+        }
+        let stated = if others_stay { AxisSet::EMPTY } else { motion.known };
         for axis in stated.iter() {
             let slot = axis.slot();
             if !standing.written.contains(axis) || placed.counts[slot] != standing.counts[slot] {
@@ -44,7 +47,7 @@ where
         let start = standing.command;
         standing.counts = placed.counts;
         standing.command = placed.command;
-        standing.written = if is_reference { standing.written.union(motion.named) } else { motion.known };
+        standing.written = if others_stay { standing.written.union(active.moving) } else { motion.known };
         // A step on the spot takes time of its own.
         let share = if trial.is_some() { share + std::mem::take(&mut active.unwritten) } else { share };
         if words.is_empty() && arc.is_none() && !first && !is_last {
@@ -76,7 +79,8 @@ where
             command: placed.command,
             nominal: active.route.at(trial.map_or(active.parameter, |trial| trial.between[1])),
             known: motion.known,
-            is_corrected: active.treatment != Treatment::Round,
+            is_corrected: active.treatment != Treatment::Programmed,
+            others_stay,
         })
     }
 
