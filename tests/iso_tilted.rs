@@ -61,11 +61,14 @@ fn a_correction_refuses_what_the_control_would_do_otherwise() {
         ("G1 X10. F500.", 5),
         ("G53.1\nG49\nG1 X10. Y0 Z0 F500.", 7),
         ("G53.1\nG1 X10. C5. F500.", 6),
-        ("G53.1\nG52 X5.\nG1 X10. F500.", 7),
     ] {
         let program = format!("{begin}{rest}");
         let (_, codes) = elements("fanuc", &program, &machine, Box::new(NoLibrary), strict());
         assert_eq!(codes, [format!("E0201:{line}")], "{rest}");
+    }
+    for code in ["G52 X5.", "G55", "G92 X5.", "G10 L2 P1 X5."] {
+        let (_, codes) = elements("fanuc", &format!("{begin}G53.1\n{code}"), &machine, Box::new(NoLibrary), strict());
+        assert_eq!(codes, ["E0227:6"], "{code}");
     }
     // From a place that is not stated the rotary axes do not turn.
     let program = "G17 G90 G21 G54\nG43 H1\nG0 X0 Y0 Z100.\nG68.2 X0 Y0 Z0 I30. J25. K0\nG53.1";

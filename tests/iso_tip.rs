@@ -112,6 +112,15 @@ fn a_length_along_a_tilted_tool_concerns_all_its_axes() {
     codes("wFXYZCBSt", &format!("{begin}G43.4 H1 X0 Y0 Z100.\nG49\nG91 G1 X1. F500.\nM30"), &["E0304:5"]);
 }
 
+#[test]
+fn places_of_the_machine_are_none_of_the_tip() {
+    let begin = "G17 G90 G21 G54\nG0 X0 Y0 Z300. B0 C0\nG43.4 H1 Z100.\n";
+    for code in ["G28 Z0", "G91 G28 Z0", "G30 Z0", "G27 Z0", "G29 Z0", "G53 G0 Z0"] {
+        codes("wFXYZCBSt", &format!("{begin}{code}\nM30"), &["E0227:4"]);
+    }
+    codes("wFXYZCBSt", &format!("{begin}G49\nG91 G28 Z0\nM30"), &[]);
+}
+
 /// The direction of the tool that a program asks for, on the head and on the table.
 fn direction_of_head(command: &AxisVector) -> Vector {
     turned(2, command[Axis::C].to_degrees()) * turned(1, command[Axis::B].to_degrees()) * Vector::z()

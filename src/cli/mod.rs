@@ -48,6 +48,7 @@ mod presets;
 mod program;
 mod progress;
 mod realtime;
+mod recognition;
 mod relay;
 mod repeated;
 mod resume;

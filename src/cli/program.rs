@@ -12,6 +12,7 @@ use super::library::FolderLibrary;
 use super::machine_choice::{Chosen, dialect_names};
 use super::output::Target;
 use super::progress::Progress;
+use super::recognition;
 use super::stop::Stop;
 use super::voice;
 use crate::diagnostic::{Code, Diagnostic};
@@ -58,6 +59,10 @@ pub(super) fn open(
             ),
             &[],
         );
+        return Ok(None);
+    }
+    if let Some(found) = recognition::refusal(source, dialect, chosen) {
+        findings.add(found, std::slice::from_ref(source));
         return Ok(None);
     }
     if let Some(other) = dialect::guess(source.name(), source.bytes()).filter(|other| other.name != dialect.name) {

@@ -108,6 +108,10 @@ raise an alarm or use the last one, depending on its version; this program does 
     DOUBLE_NUMBER = "E0112" "block number given twice"
 "Two blocks of a program or macro of a Grundig or MillPlus have the same N number. G14 repeats blocks and G29 jumps to blocks by their
 number, so that it must be clear which one is meant; the control refuses such a program. Number the blocks anew.";
+    OTHER_CONTROL = "E0118" "program of another control"
+"The text is that of a control whose language this program does not read, or of another control than the machine file and --dialect say:
+Heidenhain Klartext, Okuma OSP, a 3D printer, a Sinumerik program for a Fanuc. Where the words look alike they move the tool otherwise. The
+message names what was found and where. Choose the right --machine or --dialect, or convert the program.";
 
     NOT_SUPPORTED = "E0201" "not supported yet"
 "The program uses a code, statement, cycle or system variable that ncfix does not execute yet. It is refused because skipping it
@@ -194,6 +198,27 @@ message shows:
 "The program writes compensation tables or backlash of the control ($AN_CEC, $AA_ENC_COMP, $AA_QEC, $MA_BACKLASH …). The error model in the
 machine file holds for the machine as it was measured, with the values that were active then. Load such tables before, measure, and take
 the assignments out of the program.";
+    LATHE_PROGRAM = "E0225" "lathe program"
+"The program is one for a lathe, and the machine file describes none. On a lathe the same words move the tool otherwise: G92 X Z F is
+a thread cycle (on a mill it shifts the zero), G90 X Z F a turning cycle, X a diameter, U and W are increments of X and Z. The message
+names the marks that were found with their lines. Turning is not supported; choose another program, or, where the program is one for a
+mill after all, say so with control.program_kind = \"mill\" in the machine file.";
+    AXIS_IN_DOUBT = "E0226" "axis in doubt behind a rotation"
+"Directly behind G68, G51, G51.1 or their end a block names one axis of the plane only. Whether the other one moves is a parameter of the
+control (Fanuc 11600, bit 5, AX1): the value that was programmed for it before may count in the new coordinates, or it may stay where the
+tool is. Both ways are named. Name both axes, or set control.one_axis_in_rotation to \"value\" or \"place\".
+
+  G0 X10. Y0.
+  G68 X0. Y0. R90.
+  X20.                    Y is 0 or -10 in the turned coordinates";
+    FORBIDDEN_STATE = "E0227" "code not allowed in this state"
+"The control does not take this code while another one is in force: a plane, a zero offset or a reference point within G68, G51 or G51.1 of
+a Fanuc, G74 and G75 of a Sinumerik under TRAORI. The operator's manuals forbid it, and where the tool would go is not defined. End the
+state first. Some makers allow the codes within a rotation: control.codes_within_rotation = \"allowed\".";
+    TWO_MEANINGS = "E0228" "word that controls read in two ways"
+"Controls that look alike read this word in different ways, and both readings make sense here: P10. of G4 is ten seconds on a Haas and no
+dwell that a Fanuc takes, M98 P30200 calls program 30200 once or program 200 three times, K of G73 is a depth or a number of holes. The
+program does not guess: the message says which setting decides, or how to write it clearly.";
     CORNER_DOES_NOT_FIT = "E0231" "rounding or chamfer does not fit"
 "RND, RNDM, CHF or CHR ask for a transition that is larger than the contour elements beside it. A control would make it smaller by a
 rule of its own. Program a value that fits, or longer elements.

@@ -1,12 +1,17 @@
 //! Dialects as values: a code table, file extensions and switches. No parser functions, no execution.
 
+mod blocks;
 mod code;
 mod fanuc;
+mod foreign;
 mod grundig;
 mod rs274;
 mod sinumerik;
+mod turning;
 
 pub use code::{CodeEntry, CodeTable, Effect};
+pub use foreign::{Foreign, foreign};
+pub use turning::{Mark, turning};
 
 /// The language of a dialect: what its parser and its execution ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -28,6 +28,15 @@ pub enum LengthAxis {
     Programmed,
 }
 
+/// Where an axis of the plane goes that a block behind G68, G51, G51.1 or their end does not name (Fanuc parameter 11600, bit 5, AX1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OneAxis {
+    /// To the value that was programmed for it before, taken in the new coordinates (AX1 = 0).
+    Value,
+    /// Nowhere: in the new coordinates it keeps the place where the tool is (AX1 = 1).
+    Place,
+}
+
 /// Settings of Fanuc and RS274/NGC controls.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IsoControl {
@@ -49,6 +58,14 @@ pub struct IsoControl {
     pub orient_shift: Option<(Axis, f64)>,
     /// Whether G74 and G84 tap rigidly without M29 (Fanuc parameter 5200, bit 0); `None` where the file does not say it.
     pub rigid_tapping: Option<bool>,
+    /// Whether planes, zero offsets and reference points may be programmed within G68, G51 and G51.1, which a Fanuc forbids.
+    pub codes_within_rotation: bool,
+    /// Where an axis of the plane goes that the first block within a rotation does not name; `None` where the file does not say it.
+    pub one_axis_in_rotation: Option<OneAxis>,
+    /// Programs are for mills, whatever marks of a lathe they have.
+    pub is_mill: bool,
+    /// Words that a Haas reads in another way mean what they mean to a Fanuc.
+    pub reads_as_fanuc: bool,
 }
 
 impl Default for IsoControl {
@@ -63,6 +80,10 @@ impl Default for IsoControl {
             peck_clearance_mm: 1.0,
             orient_shift: None,
             rigid_tapping: None,
+            codes_within_rotation: false,
+            one_axis_in_rotation: None,
+            is_mill: false,
+            reads_as_fanuc: false,
         }
     }
 }
@@ -130,5 +151,43 @@ pub(super) fn read(section: &mut Section<'_>, iso: &mut IsoControl) {
     }
     if let Some(value) = section.boolean("rigid_tapping") {
         iso.rigid_tapping = Some(value);
+    }
+    read_rotation(section, iso);
+}
+
+/// What a control does within G68, G51 and G51.1.
+fn read_rotation(section: &mut Section<'_>, iso: &mut IsoControl) {
+    match section.text("codes_within_rotation") {
+        None | Some("refused") => {}
+        Some("allowed") => iso.codes_within_rotation = true,
+        Some(other) => {
+            let message = format!("codes_within_rotation must be \"refused\" or \"allowed\", found \"{other}\"");
+            let help =
+                "refused: as a Fanuc; allowed: G17 to G19, G27 to G30, G52 to G59 and G92 act within G68, G51, G51.1";
+            section.report(Code::BAD_VALUE, section.place_of("codes_within_rotation"), message, help);
+        }
+    }
+    for (key, only, place) in
+        [("program_kind", "mill", &mut iso.is_mill), ("word_meaning", "fanuc", &mut iso.reads_as_fanuc)]
+    {
+        match section.text(key) {
+            None => {}
+            Some(value) if value == only => *place = true,
+            Some(other) => {
+                let message = format!("{key} must be \"{only}\", found \"{other}\"");
+                section.report(Code::BAD_VALUE, section.place_of(key), message, "correct it, or leave it out");
+            }
+        }
+    }
+    match section.text("one_axis_in_rotation") {
+        None => {}
+        Some("value") => iso.one_axis_in_rotation = Some(OneAxis::Value),
+        Some("place") => iso.one_axis_in_rotation = Some(OneAxis::Place),
+        Some(other) => {
+            let message = format!("one_axis_in_rotation must be \"value\" or \"place\", found \"{other}\"");
+            let help = "value: the axis that is not named goes to its last value in the new coordinates; place: it stays where \
+                        the tool is (Fanuc parameter 11600, bit 5)";
+            section.report(Code::BAD_VALUE, section.place_of("one_axis_in_rotation"), message, help);
+        }
     }
 }

@@ -34,7 +34,7 @@ pub use clamp::Clamp;
 pub use condition::{Condition, Load, ZeroPose};
 pub use contour_control::{CompensationCorner, CompensationStart};
 pub use grundig_control::{GrundigControl, ScaledAxes};
-pub use iso_control::{DecimalPoint, IsoControl, LengthAxis};
+pub use iso_control::{DecimalPoint, IsoControl, LengthAxis, OneAxis};
 pub use kinematics::Kinematics;
 pub use macro_control::MacroControl;
 pub use opaque::Opaque;

@@ -6,6 +6,7 @@ use super::moving::{Item, Moving, same_plane};
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
 use crate::exec::path::Shape;
+use crate::snc::Manner;
 
 impl Active {
     pub(super) fn too_many(&self) -> Fault {
@@ -50,9 +51,16 @@ impl Active {
         } else if moving.path.motion.is_inverse_time() {
             let help = "program the feed with G94 or G95";
             (Code::NOT_SUPPORTED, "inverse-time feed (G93) under radius compensation", help)
+        } else if moving.path.motion.in_machine_frame && !moving.wish.compensates() {
+            let help = "program a motion in the plane in the block of G40 or behind it";
+            let message = "machine coordinates directly behind G40: nothing has led the tool off the contour yet";
+            (Code::BAD_COMPENSATION, message, help)
         } else if moving.path.motion.in_machine_frame {
-            let help = "end it with G40 before G53, G153 or SUPA";
+            let help = "end it with G40 and a motion in the plane before G53, G153 or SUPA";
             (Code::BAD_COMPENSATION, "machine coordinates while radius compensation is on", help)
+        } else if moving.path.motion.manner == Manner::Positioning {
+            let help = "end it with G40 and a motion in the plane before POS";
+            (Code::BAD_COMPENSATION, "an axis of the plane is positioned (POS) while radius compensation is on", help)
         } else if self.awaits_end() && !matches!(moving.path.shape, Shape::Line) {
             let help = "program a straight motion to the start of the contour";
             (Code::BAD_COMPENSATION, "the end of a soft approach that is not straight", help)

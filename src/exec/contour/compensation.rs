@@ -8,7 +8,7 @@ use super::check::{no_contour, polynomial, soft_alone, too_narrow, transformed};
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, left, scaled, unit};
 use super::guard::Guard;
 use super::link::{Link, Role, release_items};
-use super::moving::{Item, Moving, blocks_between, own_of};
+use super::moving::{Item, Moving, blocks_between, own_of, plane_axes};
 use super::rules::Rules;
 use super::tracking::Tracking;
 use super::wish::Approach;
@@ -17,6 +17,7 @@ use crate::exec::fault::Fault;
 use crate::exec::path::Shape;
 use crate::geometry::{AxisVector, PlaneBasis};
 use crate::machine::Control;
+use crate::snc::Kind;
 
 /// Directions that differ by less are one: no corner, rad.
 pub(super) const NO_CORNER: f64 = 1e-7;
@@ -98,7 +99,11 @@ impl Compensation {
         let Some(item) = self.track(item, out, findings) else { return };
         let Some(item) = self.reach(item, out, findings) else { return };
         let moving = match item {
-            Item::Path(moving) if moving.is_plane_motion() || moving.wish.soft.is_some() => moving,
+            Item::Path(moving)
+                if moving.is_plane_motion() || moving.goes_off_contour() || moving.wish.soft.is_some() =>
+            {
+                moving
+            }
             other => {
                 match &mut self.active {
                     Some(active) => active.hold(other, findings),
@@ -206,6 +211,16 @@ impl Compensation {
 
 impl Active {
     fn hold(&mut self, item: Item, findings: &mut Vec<Fault>) {
+        if let Item::Element(element) = &item
+            && let Kind::Lost(axes) = &element.kind
+            && !axes.intersection(plane_axes(&self.basis)).is_empty()
+        {
+            findings.push(self.last.fault(
+                Code::BAD_COMPENSATION,
+                "the machine goes to a place that only the control knows, and no motion has led the tool off this contour",
+                "program G40 with a motion in the plane before it",
+            ));
+        }
         self.chain.tail().push(item);
         if self.chain.tail().len() == MOST_WAITING {
             findings.push(self.too_many());

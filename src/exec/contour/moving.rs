@@ -7,7 +7,7 @@ use crate::exec::fault::{Fault, fault};
 use crate::exec::path::{Path, Shape};
 use crate::exec::resolve::chord_count;
 use crate::geometry::{Axis, AxisSet, AxisVector, LINEAR_AXES, PlaneBasis};
-use crate::snc::{Element, Kind};
+use crate::snc::{Element, Kind, Manner};
 
 /// A motion, the element that it becomes, and what it asks for. The kind of the element is a placeholder.
 #[derive(Clone, Debug)]
@@ -42,6 +42,12 @@ impl Moving {
             }
             Shape::Arc { .. } | Shape::Chords(_) => true,
         }
+    }
+
+    /// Whether it goes to a place of the machine in the plane, however near the program is to it: the tool is beside the contour.
+    pub(super) fn goes_off_contour(&self) -> bool {
+        let motion = &self.path.motion;
+        (motion.in_machine_frame || motion.manner == Manner::Positioning) && self.names_plane()
     }
 
     /// Whether its block names an axis of the plane.
@@ -182,7 +188,7 @@ fn chords(curve: &Curve, basis: &PlaneBasis, from: &AxisVector, to: &AxisVector)
 }
 
 /// The axes that move when plane coordinates change.
-fn plane_axes(basis: &PlaneBasis) -> AxisSet {
+pub(super) fn plane_axes(basis: &PlaneBasis) -> AxisSet {
     match basis {
         PlaneBasis::Principal(plane) => {
             let [abscissa, ordinate, _] = plane.axes();

@@ -91,6 +91,12 @@ impl Channel<'_> {
                 let message = format!("G{number}, and no cycle is defined");
                 return Err(fault(Code::CYCLE_ALARM, span, message, "define one with G81 to G89 before"));
             };
+            if self.modal.contour.compensates() {
+                let message =
+                    format!("the cycle of G{number} while radius compensation is on would work beside its place");
+                let help = "program G40 with a motion in the plane before it";
+                return Err(fault(Code::BAD_COMPENSATION, span, message, help));
+            }
             let modal_feed = self.modal.feed;
             let done = if number == 77 {
                 self.bolt_circle(gathered, &defined, span)

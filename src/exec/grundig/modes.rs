@@ -100,6 +100,15 @@ impl Channel<'_> {
     /// G74: axes go at rapid to a place of the machine that only the control knows, or that is none of the program's coordinates. The
     /// block is passed on; where the axes are is unknown behind it.
     pub(super) fn reference(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+        if self.modal.contour.compensates() {
+            let message = "G74 while radius compensation is on";
+            return Err(fault(
+                Code::BAD_COMPENSATION,
+                span,
+                message,
+                "program G40 with a motion in the plane before it",
+            ));
+        }
         let mut text = "G74".to_owned();
         let mut lost = AxisSet::EMPTY;
         let words = self.codes.g(74).map(|entry| gathered.take_used_by(entry)).unwrap_or_default();

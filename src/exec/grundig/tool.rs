@@ -25,6 +25,11 @@ impl Channel<'_> {
         for &(number, moves) in CHANGES {
             let Some(code) = gathered.functions.iter().find(|code| code.number == number).copied() else { continue };
             if moves {
+                if self.modal.contour.compensates() {
+                    let message = format!("a tool change (M{number}) while radius compensation is on");
+                    let help = "program G40 with a motion in the plane before it";
+                    return Err(fault(Code::BAD_COMPENSATION, code.span, message, help));
+                }
                 self.modal.known = AxisSet::EMPTY;
             }
             self.activate(code.span)?;

@@ -79,7 +79,7 @@ impl Channel<'_> {
         if !self.is_rs274() {
             for &(number, span) in &gathered.m_codes {
                 refused(number, span)?;
-                self.fanuc_m(number, span);
+                self.fanuc_m(number, span)?;
             }
             return Ok(());
         }
@@ -104,7 +104,7 @@ impl Channel<'_> {
         Ok(())
     }
 
-    fn fanuc_m(&mut self, number: u32, _span: Span) {
+    fn fanuc_m(&mut self, number: u32, span: Span) -> Result<(), Fault> {
         match number {
             // Calls and returns are the business of the flow.
             98 | 99 => {}
@@ -117,6 +117,11 @@ impl Channel<'_> {
                 self.after.push(word(number));
             }
             6 => {
+                if self.modal.contour.compensates() {
+                    let message = "a tool change (M6) while radius compensation is on";
+                    let help = "program G40 with a motion in the plane before it";
+                    return Err(fault(Code::BAD_COMPENSATION, span, message, help));
+                }
                 self.before.push(word(number));
                 self.change_tool();
             }
@@ -125,6 +130,7 @@ impl Channel<'_> {
                 self.before.push(word(number));
             }
         }
+        Ok(())
     }
 
     /// The tool that was selected comes into the spindle; a tool change may have moved the axes.

@@ -191,6 +191,9 @@ impl<'a> Channel<'a> {
         self.coordinates(gathered)?;
         self.path_control(gathered)?;
         self.distance(gathered);
+        if gathered.code(Group::Retract).is_some() {
+            self.no_compensation(gathered.code_span(Group::Retract), "another retract mode")?;
+        }
         self.retract(gathered);
         takes_axes |= self.action(gathered)?;
         self.shift_codes(gathered)?;
@@ -199,6 +202,7 @@ impl<'a> Channel<'a> {
 
     /// The order of a Fanuc: the modal codes of a block hold for all its words.
     fn execute_fanuc(&mut self, gathered: &mut Gathered) -> Result<(), Fault> {
+        self.check_state(gathered)?;
         self.units(gathered);
         self.plane(gathered)?;
         self.distance(gathered);

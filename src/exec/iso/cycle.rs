@@ -85,6 +85,14 @@ impl Channel<'_> {
             // The second word is an angle.
             words[1] = self.angle(gathered, ordinate.letter())?;
         }
+        let named: AxisSet = gathered.axes.intersection([abscissa, ordinate].into_iter().collect());
+        if let Some((others, values)) = self.other_axes(gathered, named)? {
+            for (axis, word) in
+                [abscissa, ordinate].into_iter().zip(&mut words).filter(|(axis, _)| others.contains(*axis))
+            {
+                *word = Some(values[axis]);
+            }
+        }
         let polar_words = [self.length(gathered, b'@')?, self.angle(gathered, b'^')?];
         let is_polar = polar_words.iter().any(Option::is_some);
         let incremental = self.modal.incremental;
@@ -213,6 +221,9 @@ impl Channel<'_> {
             let message = format!("a dwell of {seconds} s");
             return Err(bad_value(gathered.span_of(b'P'), message, "write P without a sign"));
         }
+        if !is_rs274 && gathered.has(b'K') {
+            self.check_count(gathered, code)?;
+        }
         let mut repeats = None;
         for letter in if is_rs274 { &b"L"[..] } else { &b"KL"[..] } {
             if let Some(value) = gathered.raw(*letter) {
@@ -295,6 +306,19 @@ impl Channel<'_> {
             self.check_rigid(code, &name, span)?;
         }
         Ok(())
+    }
+
+    /// K of a peck cycle is a depth on a Haas: a fraction, or many times the same hole, is no count.
+    fn check_count(&self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
+        let is_depth =
+            gathered.is_pointed(b'K') || !self.modal.incremental && gathered.raw(b'K').is_some_and(|k| k > 1.0);
+        if !matches!(code, 730 | 830) || !is_depth || self.machine.control.iso.reads_as_fanuc {
+            return Ok(());
+        }
+        let name = name_of(code);
+        let message = format!("K of {name}: on a Fanuc the number of holes, here all at one place, on a Haas a depth");
+        let help = "write the number of holes with L and G91, or leave K out; where the control is a Fanuc set control.word_meaning = \"fanuc\"";
+        Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'K'), message, help))
     }
 
     /// Refuses tapping that keeps spindle and axis in step, or may do so.

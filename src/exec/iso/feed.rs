@@ -106,6 +106,11 @@ impl Channel<'_> {
         let letter = if self.is_rs274() { None } else { [b'X', b'U'].into_iter().find(|&letter| gathered.has(letter)) };
         let seconds = match (gathered.raw(b'P'), letter) {
             (Some(value), None) if self.is_rs274() => value,
+            (Some(_), None) if gathered.is_pointed(b'P') => {
+                let message = "P of G4 with a decimal point: seconds on a Haas, and a Fanuc stops with an alarm";
+                let help = "write milliseconds without a point, P1000, or seconds with X, X1.";
+                return Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'P'), message, help));
+            }
             (Some(value), None) => value / 1000.0,
             (None, Some(letter)) => {
                 let value = gathered.raw(letter).unwrap_or_default();

@@ -57,6 +57,26 @@ impl Transforms {
         Some(turned.map_or_else(|| self.inner(), |turned| turned.compose(&self.inner())))
     }
 
+    /// Whether a rotation is in force.
+    pub(super) fn is_turned(&self) -> bool {
+        self.rotation.is_some()
+    }
+
+    /// Whether a rotation about a line in space is in force.
+    pub(super) fn is_in_space(&self) -> bool {
+        self.in_space > 0
+    }
+
+    /// Whether a scaling is in force.
+    pub(super) fn is_scaled(&self) -> bool {
+        self.scale.is_some()
+    }
+
+    /// Whether a mirror is in force.
+    pub(super) fn is_mirrored(&self) -> bool {
+        self.mirror != [None; 3]
+    }
+
     /// The tilted plane in force.
     pub(super) fn tilt(&self) -> Option<&Frame> {
         self.tilt.as_ref()

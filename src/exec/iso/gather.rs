@@ -50,6 +50,9 @@ pub(super) fn gather(
                 if out.set_value(letter, value, has_point, word.span) {
                     double(language, word.span, warnings)?;
                 }
+                if matches!(word.value, Value::Number { has_point: true, .. }) {
+                    out.note_point(letter);
+                }
             }
         }
     }

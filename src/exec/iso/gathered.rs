@@ -25,6 +25,8 @@ pub(super) struct Gathered {
     present: u32,
     /// Plain numbers without a decimal point.
     unpointed: u32,
+    /// Plain numbers with one.
+    pointed: u32,
     used: Cell<u32>,
     /// `G53`
     pub(super) machine_frame: Option<Span>,
@@ -49,6 +51,7 @@ impl Default for Gathered {
             spans: [Span::default(); SLOTS],
             present: 0,
             unpointed: 0,
+            pointed: 0,
             used: Cell::new(0),
             machine_frame: None,
             keep: Vec::new(),
@@ -88,6 +91,7 @@ impl Gathered {
         self.codes = [NONE; GROUPS];
         self.present = 0;
         self.unpointed = 0;
+        self.pointed = 0;
         self.used = Cell::new(0);
         self.machine_frame = None;
         self.keep.clear();
@@ -161,6 +165,16 @@ impl Gathered {
     /// Whether the value of a letter is a plain number without a decimal point.
     pub(super) fn is_unpointed(&self, letter: u8) -> bool {
         slot_of(letter).is_some_and(|slot| self.unpointed & (1 << slot) != 0)
+    }
+
+    /// Notes that the value of a letter is a plain number with a decimal point.
+    pub(super) fn note_point(&mut self, letter: u8) {
+        self.pointed |= slot_of(letter).map_or(0, |slot| 1 << slot);
+    }
+
+    /// Whether it is.
+    pub(super) fn is_pointed(&self, letter: u8) -> bool {
+        slot_of(letter).is_some_and(|slot| self.pointed & (1 << slot) != 0)
     }
 
     /// Where a letter stands.

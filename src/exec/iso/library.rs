@@ -29,10 +29,21 @@ impl Interpreter<'_> {
             &Callee::Counted(number) => {
                 let (count, short) = (number / SPLIT, number % SPLIT);
                 let mut found = self.find_number(short);
+                let other = self.find_number(number);
+                if !self.machine.control.iso.reads_as_fanuc && found.is_some() && other.is_some() {
+                    let message = format!(
+                        "M98 P{number}: program {short} {count} times on a Fanuc, program {number} once on a Haas, and both are there"
+                    );
+                    let help = format!(
+                        "write M98 P{short} L{count}, or give program {number} a number of four digits; where the control is a Fanuc \
+                         set control.word_meaning = \"fanuc\""
+                    );
+                    return Err(fault(Code::TWO_MEANINGS, call.span, message, help));
+                }
                 if found.is_some() {
                     (call.repeats, call.callee) = (count, Callee::Number(short));
                 } else {
-                    found = self.find_number(number);
+                    found = other;
                     call.callee = Callee::Number(number);
                 }
                 (format!("O{short:04} ({count} times)"), found)

@@ -78,6 +78,10 @@ impl Channel<'_> {
                 end[axis] = value;
             }
         }
+        if let Some((others, values)) = self.other_axes(gathered, named)? {
+            others.iter().for_each(|axis| end[axis] = values[axis]);
+            named = named.union(others);
+        }
         self.polar_end(gathered, &here, &mut end, &mut named)?;
         Ok((end, named))
     }
@@ -94,10 +98,6 @@ impl Channel<'_> {
         if !matches!(code, 0 | 10) {
             let message = "G53 stands with G0 or G1";
             return Err(fault(Code::NOT_SUPPORTED, span, message, "program G0 or G1 in the block of G53"));
-        }
-        if self.modal.turning.is_some() {
-            let message = "G53 while the tool center point is controlled (G43.4)";
-            return Err(fault(Code::NOT_SUPPORTED, span, message, "end it with G49 first"));
         }
         if self.modal.incremental {
             if !self.is_rs274() {
@@ -132,6 +132,7 @@ impl Channel<'_> {
         shift.set_xyz(tool_mm);
         let frame = Frame::translation(shift);
         let bare = Shared::new(Setup { frame, tool_mm, plane: self.modal.plane, transform: None, assumed: false });
+        self.settle_axes(step.named);
         self.push(Kind::Keep("G53"));
         self.push(Kind::Setup(Shared::clone(&bare)));
         self.setup_changed = true;

@@ -31,6 +31,11 @@ impl Interpreter<'_> {
         }
         let text = self.text_of(call)?;
         self.channel.push(Kind::Verbatim(text.into_bytes()));
+        if moves && self.channel.modal.contour.compensates() {
+            let message = "a program of the control that moves the machine, while radius compensation is on";
+            let help = "program G40 with a motion in the plane before it";
+            return Err(at(call.span, Code::BAD_COMPENSATION, message, help));
+        }
         if moves {
             let lost = self.channel.modal.forget(AxisSet::ALL);
             self.channel.push(Kind::Lost(lost));

@@ -3,6 +3,7 @@
 use super::channel::Channel;
 use super::codes::{Group, name_of};
 use super::gathered::Gathered;
+use super::one_axis::Doubt;
 use super::polar::{self, Polar};
 use super::spline::Curve;
 use super::tilted::Collected;
@@ -20,6 +21,8 @@ pub(super) struct Special {
     pub(super) curve: Curve,
     /// Blocks of G68.2 that have come so far.
     pub(super) tilt_parts: Collected,
+    /// Where a rotation, scaling or mirror has begun or ended, and the program has not stated all axes of the plane since.
+    pub(super) doubt: Option<Doubt>,
 }
 
 impl Channel<'_> {

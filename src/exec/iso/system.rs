@@ -251,6 +251,9 @@ impl Channel<'_> {
             return Err(bad_value(span, format!("#{number} is of an axis that the machine lacks"), "check the number"));
         };
         self.no_compensation(span, "a change of zero offsets")?;
+        if system == self.modal.system || system == System::EXTERNAL {
+            self.check_offset_write(number, span)?;
+        }
         let known = self.offset_of(system);
         if known.is_none() && self.strict {
             let message = format!("{} is changed in part, and has no value in the machine file", system.words());

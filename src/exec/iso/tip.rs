@@ -31,6 +31,11 @@ impl Channel<'_> {
         if turning == self.modal.turning {
             return Ok(());
         }
+        if self.modal.contour.compensates() {
+            let message = "tool center point control begins or ends while radius compensation is on";
+            let help = "program G40 with a motion in the plane before it";
+            return Err(fault(Code::BAD_COMPENSATION, span, message, help));
+        }
         if turning.is_some() {
             let kinematics = self.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(self.machine)));
             let rotary = kinematics.rotary_axes().count();

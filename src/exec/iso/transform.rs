@@ -92,7 +92,9 @@ impl Channel<'_> {
                 let message = "a change of mirror, scaling, rotation or tilted plane within radius compensation";
                 return Err(fault(Code::NOT_SUPPORTED, gathered.span, message, "end it with G40 first"));
             }
+            let (here, known) = (self.here(), self.modal.known);
             self.refresh_setup();
+            self.note_turn(&before, &here, known);
         }
         Ok(took)
     }

@@ -106,6 +106,7 @@ impl<'a> Channel<'a> {
         span: Span,
     ) -> Result<(), Fault> {
         self.contour_words(gathered)?;
+        self.check_state(gathered, span)?;
         self.modal_codes(gathered)?;
         for &word in &gathered.keep {
             self.keep(word);

@@ -17,6 +17,7 @@ mod cycles;
 mod dwell;
 mod expression;
 mod flow;
+mod forbidden;
 mod frame_store;
 mod frame_value;
 mod frames;

@@ -31,6 +31,7 @@ impl Gatherer<'_> {
     /// Reads a block with G74 or G75 from its beginning.
     pub(super) fn reference(&self, block: &Block) -> Result<Gathered, Fault> {
         let mut out = Gathered::new();
+        out.is_reference = true;
         let mut text = Vec::new();
         let (mut lost, mut names_axis) = (AxisSet::EMPTY, false);
         for word in self.scope.program.words_of(block) {

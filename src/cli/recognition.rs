@@ -1,0 +1,37 @@
+//! Refuses programs that are not what the machine file says: those of lathes, and of controls whose language is not read.
+
+use super::machine_choice::Chosen;
+use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::dialect::{self, Dialect, Mark};
+use crate::source::{Source, Span};
+
+/// Why a program must not be read in a dialect.
+pub(super) fn refusal(source: &Source, dialect: &Dialect, chosen: Option<&Chosen>) -> Option<Diagnostic> {
+    let bytes = source.bytes();
+    if let Some(found) = dialect::foreign(bytes) {
+        let message = format!("this is {}: '{}'", found.name, found.found);
+        let help = "its language is not read here, and its words move the tool otherwise; post-process the program for the control of the \
+                    machine file";
+        return Some(Diagnostic::at(Code::OTHER_CONTROL, line_at(source, found.at), message, help));
+    }
+    let machine = chosen.map(|chosen| &chosen.machine);
+    if machine.is_some_and(|machine| machine.control.iso.is_mill) {
+        return None;
+    }
+    let axes: Vec<u8> =
+        machine.map_or_else(Vec::new, |machine| machine.axis_set().iter().map(|axis| axis.letter()).collect());
+    let marks = dialect::turning(dialect.language, &axes, bytes)?;
+    let first = marks.first()?;
+    let named: Vec<String> = marks.iter().map(|Mark { what, line, .. }| format!("{what} (line {line})")).collect();
+    let message = format!("this is a program for a lathe, and the machine file describes none: {}", named.join(", "));
+    let help = "on a mill its words would move the tool elsewhere; turning is not supported. Where it is a program for this mill all the \
+                same, set control.program_kind = \"mill\" in the machine file";
+    Some(Diagnostic::at(Code::LATHE_PROGRAM, line_at(source, first.at), message, help))
+}
+
+/// The line that begins at a place, without its end.
+fn line_at(source: &Source, at: usize) -> Place {
+    let rest = source.bytes().get(at..).unwrap_or_default();
+    let length = rest.iter().take_while(|byte| !matches!(byte, b'\n' | b'\r')).count();
+    Place { file: source.id(), span: Span::new(at, at + length) }
+}

@@ -1,0 +1,131 @@
+//! Blocks of word languages read for recognition alone: letters and numbers of a line, whatever its language turns out to be.
+
+/// Characters of a number that are looked at.
+const LONGEST: usize = 32;
+
+/// A letter and its number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Word {
+    /// Upper case.
+    pub(super) letter: u8,
+    /// `None` where it is a variable or an expression.
+    pub(super) value: Option<f64>,
+    /// Digits before the decimal point as written.
+    pub(super) digits: usize,
+    pub(super) has_point: bool,
+}
+
+/// One block.
+#[derive(Debug, Default)]
+pub(super) struct Block {
+    pub(super) words: Vec<Word>,
+}
+
+impl Block {
+    /// Reads a line over again. Lines that assign, decide or call by name have no words.
+    pub(super) fn read(&mut self, line: &[u8]) {
+        self.words.clear();
+        let mut at = 0;
+        while let Some(&byte) = line.get(at) {
+            match byte {
+                b'(' => match line.get(at..).unwrap_or_default().iter().position(|&byte| byte == b')') {
+                    Some(length) => at += length + 1,
+                    None => return,
+                },
+                b';' => return,
+                b'=' | b'"' => return self.words.clear(),
+                _ if byte.is_ascii_alphabetic() => {
+                    let behind = skip_blanks(line, at + 1);
+                    if line.get(behind).is_some_and(u8::is_ascii_alphabetic) {
+                        return self.words.clear();
+                    }
+                    at = self.word(byte.to_ascii_uppercase(), line, behind);
+                }
+                _ => at += 1,
+            }
+        }
+    }
+
+    /// Takes the number that begins at a place; gives the place behind it.
+    fn word(&mut self, letter: u8, line: &[u8], start: usize) -> usize {
+        let is_part = |byte: &u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'+' | b'-' | b' ' | b'\t');
+        let length = line.get(start..).unwrap_or_default().iter().take_while(|byte| is_part(byte)).count();
+        let mut text = [0; LONGEST];
+        let mut used = 0;
+        for &byte in
+            line.get(start..start + length).unwrap_or_default().iter().filter(|byte| !byte.is_ascii_whitespace())
+        {
+            let Some(place) = text.get_mut(used) else { break };
+            *place = byte;
+            used += 1;
+        }
+        let text = text.get(..used).unwrap_or_default();
+        let digits =
+            text.iter().skip_while(|byte| !byte.is_ascii_digit()).take_while(|byte| byte.is_ascii_digit()).count();
+        let has_point = text.contains(&b'.');
+        let value = std::str::from_utf8(text).ok().and_then(|text| text.parse().ok());
+        self.words.push(Word { letter, value, digits, has_point });
+        start + length
+    }
+
+    /// The word of a letter.
+    pub(super) fn word_of(&self, letter: u8) -> Option<Word> {
+        self.words.iter().find(|word| word.letter == letter).copied()
+    }
+
+    pub(super) fn has(&self, letter: u8) -> bool {
+        self.word_of(letter).is_some()
+    }
+
+    pub(super) fn has_any(&self, letters: &[u8]) -> bool {
+        letters.iter().any(|&letter| self.has(letter))
+    }
+
+    /// G codes in tenths.
+    pub(super) fn codes(&self) -> impl Iterator<Item = u32> {
+        let codes = self.words.iter().filter(|word| word.letter == b'G').filter_map(|word| word.value);
+        codes.filter(|value| (0.0..1000.0).contains(value)).map(|value| (value * 10.0).round() as u32)
+    }
+
+    pub(super) fn has_code(&self, tenths: u32) -> bool {
+        self.codes().any(|code| code == tenths)
+    }
+
+    pub(super) fn has_m(&self, number: f64) -> bool {
+        self.words.iter().any(|word| word.letter == b'M' && word.value == Some(number))
+    }
+}
+
+fn skip_blanks(line: &[u8], from: usize) -> usize {
+    let blanks = line.get(from..).unwrap_or_default().iter().take_while(|byte| byte.is_ascii_whitespace()).count();
+    from + blanks
+}
+
+/// Lines of a text with the place of their first byte.
+pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    let mut start = 0;
+    bytes.split(|&byte| byte == b'\n' || byte == b'\r').map(move |line| {
+        let at = start;
+        start += line.len() + 1;
+        (at, line)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_read_with_and_without_blanks_and_comments() {
+        let mut block = Block::default();
+        block.read(b"n10 G 0 1X-1.5 (Z99.) T0101 W#1 ; Y5");
+        let found: Vec<(u8, Option<f64>)> = block.words.iter().map(|word| (word.letter, word.value)).collect();
+        let expected = [(b'N', Some(10.0)), (b'G', Some(1.0)), (b'X', Some(-1.5)), (b'T', Some(101.0)), (b'W', None)];
+        assert_eq!(found, expected);
+        assert_eq!(block.word_of(b'T').map(|word| word.digits), Some(4));
+        for line in ["IF[#1EQ2]GOTO10", "#1=5 X2", "CALL O100", "R1=5"] {
+            block.read(line.as_bytes());
+            assert!(block.words.is_empty(), "{line}");
+        }
+    }
+}

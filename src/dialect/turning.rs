@@ -1,0 +1,271 @@
+//! Tells programs for lathes by their marks. On a lathe the words of a mill move the tool otherwise, so that such a program must not run
+//! as one for a mill.
+//!
+//! Each kind of mark counts once, by how seldom a mill's program has it: 6 alone is enough, 1 is a hint.
+
+use super::Language;
+use super::blocks::{Block, lines};
+
+/// From this sum on a program is one for a lathe.
+const ENOUGH: u32 = 6;
+/// Bytes that are looked through: a program for a lathe is shorter, or has its marks there.
+const HEAD: usize = 1 << 20;
+/// Marks that a message names.
+const MOST_NAMED: usize = 6;
+/// A feed below it is one per turn, mm and inch.
+const FEED_PER_TURN: [f64; 2] = [1.0, 0.05];
+
+/// What a program has that a mill's has not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mark {
+    /// Where its line begins, bytes from the start of the text.
+    pub at: usize,
+    /// Its line, from 1.
+    pub line: u32,
+    /// What was found.
+    pub what: &'static str,
+    weight: u32,
+}
+
+/// The marks of a lathe program, the weightiest first; `None` where they are too few. `axes` are the letters of the machine's axes.
+#[must_use]
+pub fn turning(language: Language, axes: &[u8], bytes: &[u8]) -> Option<Vec<Mark>> {
+    let bytes = bytes.get(..bytes.len().min(HEAD)).unwrap_or_default();
+    let mut found = match language {
+        Language::Fanuc | Language::Rs274 => Search::new(language, axes).run(bytes),
+        Language::Sinumerik => names(bytes),
+        Language::Grundig => return None,
+    };
+    if found.iter().map(|mark| mark.weight).sum::<u32>() < ENOUGH {
+        return None;
+    }
+    found.sort_by_key(|mark| (std::cmp::Reverse(mark.weight), mark.line));
+    found.truncate(MOST_NAMED);
+    Some(found)
+}
+
+/// Names of a Sinumerik that only lathes have, with their weights.
+const NAMES: &[(&str, u32)] = &[
+    ("DIAMON", 3),
+    ("DIAM90", 3),
+    ("CYCLE93(", 4),
+    ("CYCLE94(", 4),
+    ("CYCLE95(", 4),
+    ("CYCLE96(", 4),
+    ("CYCLE97(", 4),
+    ("CYCLE98(", 4),
+    ("CYCLE930(", 4),
+    ("CYCLE940(", 4),
+    ("CYCLE951(", 4),
+    ("CYCLE952(", 4),
+    ("LIMS=", 1),
+    ("G96 ", 2),
+];
+
+fn names(bytes: &[u8]) -> Vec<Mark> {
+    let mut out: Vec<Mark> = Vec::new();
+    for (line, (at, text)) in (1..).zip(lines(bytes)) {
+        let code = text.split(|&byte| byte == b';').next().unwrap_or_default();
+        for &(what, weight) in NAMES {
+            let has = code.windows(what.len()).any(|part| part.eq_ignore_ascii_case(what.as_bytes()));
+            if has && !out.iter().any(|mark| mark.what == what.trim_end_matches(['(', '=', ' '])) {
+                out.push(Mark { at, line, what: what.trim_end_matches(['(', '=', ' ']), weight });
+            }
+        }
+    }
+    out
+}
+
+/// Marks of Fanuc's words.
+struct Search<'a> {
+    is_fanuc: bool,
+    axes: &'a [u8],
+    marks: Vec<Mark>,
+    motion: u32,
+    is_inch: bool,
+    /// Tools without M6, the first one and whether there was another.
+    tools: Option<(f64, bool)>,
+    has_y: bool,
+    has_depth: bool,
+    has_cycle: bool,
+    has_length: bool,
+    has_m6: bool,
+    has_plane: bool,
+    has_own_feed: bool,
+}
+
+impl<'a> Search<'a> {
+    fn new(language: Language, axes: &'a [u8]) -> Search<'a> {
+        Search {
+            is_fanuc: language == Language::Fanuc,
+            axes,
+            marks: Vec::new(),
+            motion: 0,
+            is_inch: false,
+            tools: None,
+            has_y: false,
+            has_depth: false,
+            has_cycle: false,
+            has_length: false,
+            has_m6: false,
+            has_plane: false,
+            has_own_feed: false,
+        }
+    }
+
+    fn run(mut self, bytes: &[u8]) -> Vec<Mark> {
+        let mut block = Block::default();
+        for (line, (at, text)) in (1..).zip(lines(bytes)) {
+            block.read(text);
+            if !block.words.is_empty() {
+                self.block(&block, at, line);
+            }
+        }
+        self.whole()
+    }
+
+    fn note(&mut self, place: (usize, u32), what: &'static str, weight: u32) {
+        if !self.marks.iter().any(|mark| mark.what == what) {
+            self.marks.push(Mark { at: place.0, line: place.1, what, weight });
+        }
+    }
+
+    fn block(&mut self, block: &Block, at: usize, line: u32) {
+        let place = (at, line);
+        let code = |tenths: u32| block.has_code(tenths);
+        if let Some(motion) = block.codes().filter(|code| *code <= 30).last() {
+            self.motion = motion;
+        }
+        self.is_inch = (self.is_inch || code(200)) && !code(210);
+        self.has_y |= block.word_of(b'Y').is_some_and(|word| word.value != Some(0.0));
+        self.has_depth |= block.has(b'Z');
+        self.has_length |= code(430) && block.has(b'H');
+        self.has_m6 |= block.has_m(6.0);
+        self.has_plane |= code(180) || code(190);
+        self.has_own_feed |= code(930) || code(950) || code(840) || code(740) && block.has(b'R');
+        let is_drilling = block.codes().any(|code| (810..=890).contains(&code) || matches!(code, 730 | 740 | 760));
+        self.has_cycle |= is_drilling && block.has_any(b"ZR");
+        self.words(block, place);
+        self.cycles(block, place);
+    }
+
+    /// Marks of single words.
+    fn words(&mut self, block: &Block, place: (usize, u32)) {
+        let code = |tenths: u32| block.has_code(tenths);
+        let is_step = |letter: u8| block.has(letter) && !self.axes.contains(&letter);
+        let steps = is_step(b'U') || is_step(b'W');
+        let is_mill_header = [170, 200, 490, 690, 800].into_iter().any(code);
+        if code(500) && block.has(b'S') && !is_mill_header {
+            self.note(place, "G50 S", 4);
+        }
+        if (code(280) || code(300)) && steps {
+            self.note(place, "G28 U W", 4);
+        } else if steps && !code(40) && !block.has_m(98.0) && !code(650) && !code(660) {
+            self.note(place, "U and W beside X and Z", 3);
+        }
+        if code(960) && self.is_fanuc {
+            self.note(place, "G96", 2);
+        }
+        if code(970) && self.is_fanuc {
+            self.note(place, "G97", 1);
+        }
+        if let Some(tool) = block.word_of(b'T').filter(|word| word.digits >= 3 && !word.has_point)
+            && let Some(number) = tool.value.filter(|&number| tool.digits > 3 || number >= 100.0)
+        {
+            self.note(place, "T with station and offset", 2);
+            let (first, others) = self.tools.unwrap_or((number, false));
+            self.tools = Some((first, others || first != number));
+        }
+        if let Some(feed) = block.word_of(b'F').and_then(|word| word.value).filter(|&feed| feed > 0.0)
+            && feed < FEED_PER_TURN[usize::from(self.is_inch)]
+            && self.is_fanuc
+        {
+            self.note(place, "a feed of one turn", 4);
+        }
+        if code(990) {
+            self.note(place, "G99 without a canned cycle", 2);
+        }
+        let is_arc = matches!(self.motion, 20 | 30) && block.has(b'K') && block.has_any(b"XZ");
+        if is_arc && self.is_fanuc && !self.has_plane && !block.has(b'Y') && !block.has_any(b"J") {
+            self.note(place, "an arc of X and Z without G18", 2);
+        }
+    }
+
+    /// Marks of the cycles of a lathe.
+    fn cycles(&mut self, block: &Block, place: (usize, u32)) {
+        let code = |tenths: u32| block.has_code(tenths);
+        let has = |letter: u8| block.has(letter);
+        let (across, along) = (block.has_any(b"XU"), block.has_any(b"ZW"));
+        let has_motion = block.codes().any(|code| code <= 30);
+        if [700, 710, 720, 730].into_iter().any(code) && has(b'P') && has(b'Q') && !block.has_any(b"ZRIJK") {
+            self.note(place, "G70 to G73 with P and Q", 6);
+        }
+        if [710, 720, 730].into_iter().any(code) && block.has_any(b"UWR") && !block.has_any(b"XYZ") && !has(b'Q') {
+            self.note(place, "G71 to G73 with U and R", 4);
+        }
+        let is_packed = block.word_of(b'P').is_some_and(|word| word.digits >= 5 && !word.has_point);
+        if code(760) && is_packed && has(b'Q') {
+            self.note(place, "G76 with P of six digits", 6);
+        } else if code(760) && across && along && has(b'P') && has(b'Q') && !block.has_any(b"RY") && self.is_fanuc {
+            self.note(place, "G76 with a height P", 3);
+        }
+        let is_plain = !has_motion && !has(b'Y') && across && along;
+        if code(920) && has(b'F') && (across || along) && !has(b'Y') {
+            self.note(place, "G92 with F, a thread", if self.is_fanuc { 6 } else { 4 });
+        }
+        if (code(900) || code(940)) && is_plain && has(b'F') && self.motion == 0 {
+            self.note(place, "G90 or G94 with X, Z and F, a turning cycle", 3);
+        }
+        if [770, 780, 790, 2900, 2920, 2940].into_iter().any(code) && is_plain {
+            self.note(place, "G77 to G79 with X and Z", 4);
+        }
+        if (2700..=2760).any(|tenths| tenths % 10 == 0 && code(tenths)) {
+            self.note(place, "G270 to G276", 4);
+        }
+        if (code(200) || code(210)) && is_plain && has(b'F') && self.motion == 0 {
+            self.note(place, "G20 or G21 with X, Z and F", 3);
+        }
+        if code(320) && has(b'F') && (across || along) {
+            self.note(place, "G32, a thread", 4);
+        }
+        if code(740) && has(b'R') && !block.has_any(b"XYZ")
+            || code(750) && (has(b'R') || has(b'P') || has(b'Q')) && !has(b'Y')
+        {
+            self.note(place, "G74 or G75 for grooves", 4);
+        }
+        if code(100) && !has(b'L') && has(b'P') && has(b'Q') && block.has_any(b"XZ") {
+            self.note(place, "G10 with the tip of a tool", 3);
+        }
+    }
+
+    /// What only the whole program tells.
+    fn whole(mut self) -> Vec<Mark> {
+        let is_flat = !self.has_y && self.has_depth;
+        let (has_m6, has_cycle, has_own_feed, is_fanuc) =
+            (self.has_m6, self.has_cycle, self.has_own_feed, self.is_fanuc);
+        let several = self.tools.is_some_and(|(_, others)| others);
+        self.marks.retain_mut(|mark| match mark.what {
+            "T with station and offset" => {
+                mark.weight = if several { 4 } else { 2 };
+                !has_m6
+            }
+            "G99 without a canned cycle" => !has_cycle,
+            "a feed of one turn" => is_flat && !has_own_feed,
+            _ => true,
+        });
+        if is_flat
+            && is_fanuc
+            && let Some(first) = self.marks.first().cloned()
+        {
+            self.marks.push(Mark { what: "no Y", weight: 2, ..first });
+        }
+        if self.has_length {
+            // G43 is a matter of mills: as much again must speak for a lathe.
+            let least = self.marks.iter().map(|mark| mark.weight).sum::<u32>();
+            if least < ENOUGH + 4 {
+                self.marks.clear();
+            }
+        }
+        self.marks
+    }
+}
