@@ -57,3 +57,19 @@ fn an_axis_that_is_unknown_is_written_again_when_it_is_known() {
     assert_eq!(codes, [""; 0]);
     assert_eq!(lines, ["G90 G1 X0.99 Y2 Z3 F100", "G74 X1=0", "G1 Y5", "G1 X0.99", "M30"]);
 }
+
+#[test]
+fn under_a_transformation_no_axis_goes_to_a_place_of_the_machine_and_none_begins_beside_a_contour() {
+    let machine = crate::five_axis::with_tool(crate::swivel::machine("wCAYXFZSt"));
+    let found = |text: &str| {
+        let (_, found) = crate::five_axis::execute(text, &machine);
+        found.iter().filter(|d| d.is_error()).map(|d| d.code.as_str()).collect::<Vec<_>>()
+    };
+    let begin = "G17 G90 G54 T1 M6\nG0 X-20 Y10 Z60 A0 C0\n";
+    for block in ["G74 Z1=0", "G75 FP=1 X1=0 Y1=0", "G75 FP=2 Z=0"] {
+        assert_eq!(found(&format!("{begin}TRAORI\n{block}\nM30\n")), ["E0227"], "{block}");
+        assert_eq!(found(&format!("{begin}TRAORI\nTRAFOOF\n{block}\nM30\n")), [""; 0], "{block}");
+    }
+    let contour = "G1 G41 X0 Y10 F500\nY20\n";
+    assert_eq!(found(&format!("{begin}{contour}TRAORI\nTRAFOOF\nG40 X-20\nM30\n")), ["E0232"; 2]);
+}

@@ -30,7 +30,9 @@ impl Channel<'_> {
             stays &= self.axis_value(gathered, axis)? == 0.0;
         }
         let (through, named) = if stays { (self.here(), gathered.axes) } else { self.end(gathered)? };
-        if !named.is_empty() && through != self.here() {
+        // Directly after G40 the tool of LinuxCNC is beside the place where the program is, and goes there first.
+        let is_beside = self.is_rs274() && self.outlet.is_holding();
+        if !named.is_empty() && (through != self.here() || is_beside) {
             self.step(Step::straight(gathered, true, through, named))?;
             self.outlet.begin_line();
         }
