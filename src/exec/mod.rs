@@ -17,6 +17,7 @@ mod library;
 mod outlet;
 mod path;
 mod resolve;
+mod sagitta;
 mod sinumerik;
 mod tilted_plane;
 
