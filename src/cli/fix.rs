@@ -219,6 +219,9 @@ impl<'a> Job<'a> {
             report.feed_limit = Some(feed_limit::report(limit, &limited));
         }
         findings.extend(passed.found, running.sources());
+        if !running.moves() && !findings.has_errors() {
+            findings.add(without_motion(&self.source), running.sources());
+        }
         program::protect_program(&self.target, &running.files(), findings);
         let sources = running.sources();
         for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
@@ -242,6 +245,13 @@ pub(super) fn corrected_before(source: &Source) -> Diagnostic {
         "this program was corrected before",
         "correct the original program",
     )
+}
+
+/// The finding for a program that moves nothing.
+fn without_motion(source: &Source) -> Diagnostic {
+    let place = Place { file: source.id(), span: Span::new(0, 1) };
+    let help = "look where its motions are: behind M30, in a program that nothing calls, in skip blocks";
+    Diagnostic::at(Code::NO_MOTION, place, "this program moves no axis: there is nothing to correct", help)
 }
 
 /// What is left of a source, in the units of reports.

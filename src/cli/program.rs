@@ -20,7 +20,7 @@ use crate::dialect::{self, Dialect};
 use crate::exec::{Execution, Library, NoLibrary, Options, RapidOrder};
 use crate::machine::Machine;
 use crate::machine::file::nearest;
-use crate::snc::Element;
+use crate::snc::{Element, Kind};
 use crate::source::{FileId, Source};
 use crate::syntax::sinumerik::Macros;
 use crate::syntax::{self, Program};
@@ -179,6 +179,7 @@ pub(super) struct Running<'a> {
     progress: Progress,
     loaded: Rc<RefCell<Vec<PathBuf>>>,
     length: usize,
+    moves: bool,
 }
 
 impl<'a> Running<'a> {
@@ -202,7 +203,7 @@ impl<'a> Running<'a> {
         };
         let length = opened.source.bytes().len();
         let execution = Execution::new(opened.program, machine, library, options);
-        Running { execution, progress: Progress::new(), loaded, length }
+        Running { execution, progress: Progress::new(), loaded, length, moves: false }
     }
 
     /// The same without a progress line.
@@ -225,6 +226,11 @@ impl<'a> Running<'a> {
         self.execution.executed_blocks()
     }
 
+    /// Whether a motion has come by so far.
+    pub(super) fn moves(&self) -> bool {
+        self.moves
+    }
+
     /// The files of the subprograms that were read.
     pub(super) fn files(&self) -> Vec<PathBuf> {
         self.loaded.borrow().clone()
@@ -236,6 +242,7 @@ impl Iterator for Running<'_> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let item = self.execution.next();
+        self.moves |= matches!(&item, Some(Ok(Element { kind: Kind::Move(_), .. })));
         match &item {
             Some(Ok(element)) if element.starts_block => {
                 // In a subprogram the main program stands still.

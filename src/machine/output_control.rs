@@ -23,6 +23,10 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     if let Some(value) = section.number_where("increment_deg", DECIMAL, decimal) {
         control.increment_rad = value.to_radians();
     }
+    let whole = |value: f64| (1.0..=1e9).contains(&value) && value.fract() == 0.0;
+    if let Some(value) = section.number_where("increments_per_mm", "a whole number from 1 to 1000000000", whole) {
+        control.increments_per_mm = Some(value);
+    }
     let block_number = |value: f64| (100.0..=99_999_999.0).contains(&value) && value.fract() == 0.0;
     if let Some(value) = section.number_where("last_block_number", "a whole number from 100 to 99999999", block_number)
     {

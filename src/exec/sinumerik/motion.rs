@@ -60,11 +60,14 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic => Shape::Line,
         MotionKind::Polynomial => polynomial::shape(gathered, modal, context, &start, &target)?,
         MotionKind::Clockwise | MotionKind::CounterClockwise => {
-            if let Some(end) = arc::end_by_angle(gathered, modal, context)? {
+            let by_angle = arc::end_by_angle(gathered, modal, context)?;
+            if let Some(end) = by_angle {
                 let plane = modal.plane.axes().into_iter().take(2).collect();
                 named = named.union(plane);
                 target = reach(modal, context, named, &end);
             }
+            let closed = arc::closed_on_grid(modal.plane, context, &start, &target, by_angle.is_some());
+            target = closed.inspect_err(|_| modal.command = target)?;
             // What follows begins where the block leads, so that one fault is not found again in every arc behind it.
             arc::arc(gathered, modal, context, &start, &target).inspect_err(|_| {
                 modal.command = target;
