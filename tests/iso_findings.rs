@@ -85,8 +85,7 @@ fn each_feed_mode_clears_the_feed_of_rs274() {
 /// LinuxCNC shows `val 2.500000 7 1.25  x` and `a 2.500000`.
 #[test]
 fn texts_show_the_values_that_are_executed_away() {
-    let text =
-        "#1=2.5\n#<_deep>=7\n#<own>=1.25\n(debug, val #1 %d#<_deep> %.2f#<OWN> x)\n(print,a #1)\n(MSG, v #1)\nG21 G90 G0 X0 Y0 Z0\nM2";
+    let text = "#1=2.5\n#<_deep>=7\n#<own>=1.25\n(debug, val #1 %d#<_deep> %.2f#<OWN> x)\n(print,a #1)\n(MSG, v #1)\nG21 G90 G0 X0 Y0 Z0\nM2";
     let lines = fixed("knee_mill", "a.ngc", text).join("\n");
     assert!(lines.contains("(DEBUG, val 2.500000 7 1.25 x)"), "{lines}");
     assert!(lines.contains("(PRINT,a 2.500000)"), "{lines}");
@@ -113,7 +112,9 @@ fn texts_with_values_are_bounded_and_searched_once() {
     let openings = "#<".repeat(2000);
     let long = "%.9f#1 ".repeat(500);
     let started = std::time::Instant::now();
-    let text = format!("#1=[10**300]\no1 repeat [20000]\n(debug,{openings})\n(debug,{long})\no1 endrepeat\nG21 G90 G0 X0 Y0 Z0\nM2");
+    let text = format!(
+        "#1=[10**300]\no1 repeat [20000]\n(debug,{openings})\n(debug,{long})\no1 endrepeat\nG21 G90 G0 X0 Y0 Z0\nM2"
+    );
     let lines = fixed("knee_mill", "a.ngc", &text);
     assert!(lines.iter().all(|line| line.len() <= 250), "{}", lines.len());
     assert!(lines.iter().filter(|line| line.contains("(DEBUG,100000000")).count() == 20_000, "{}", lines.len());

@@ -122,6 +122,7 @@ impl<'a> Job<'a> {
         });
         let opened = opened?;
         let Some(opened) = opened.filter(|_| !findings.has_errors()) else { return Ok(()) };
+        program::keep_unit(&self.source, opened.dialect, false, &mut chosen.machine);
         let mut spool = Spool::new(self.target.clone())?;
         self.write((opened, hash), &chosen, (&mut spool, threads), findings, report)?;
         if findings.has_errors() {

@@ -16,7 +16,7 @@ use super::recognition;
 use super::stop::Stop;
 use super::voice;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::dialect::{self, Dialect};
+use crate::dialect::{self, Dialect, Language};
 use crate::exec::{Execution, Library, NoLibrary, Options, RapidOrder};
 use crate::machine::Machine;
 use crate::machine::file::nearest;
@@ -126,6 +126,43 @@ fn resolve(name: Option<&str>, chosen: Option<&Chosen>, source: &Source) -> Resu
     let of_file =
         || Some((dialect::guess(source.name(), source.bytes())?, "by the name or the first lines".to_owned()));
     Ok(of_machine.or_else(of_file).unwrap_or_else(|| (dialect::sinumerik(), "as nothing says otherwise".to_owned())))
+}
+
+/// The output keeps the unit of the program: G20 or G21 outlives it on these controls, and a Fanuc reads its offsets by it. With `is_sent`
+/// line by line only a Fanuc's does.
+pub(super) fn keep_unit(source: &Source, dialect: &Dialect, is_sent: bool, machine: &mut Machine) {
+    if !matches!(dialect.language, Language::Fanuc | Language::Rs274) || is_sent && dialect.language == Language::Rs274
+    {
+        return;
+    }
+    let control = &mut machine.control;
+    control.output_inch = last_unit(source.bytes()).or_else(|| last_unit(control.iso.startup_code.as_bytes()));
+}
+
+/// Whether the last G20 or G21 outside of comments is G20.
+fn last_unit(bytes: &[u8]) -> Option<bool> {
+    let (mut found, mut at) = (None, 0);
+    while let Some(&byte) = bytes.get(at) {
+        at += 1;
+        let end = match byte {
+            b'(' => bytes[at..].iter().position(|byte| matches!(byte, b')' | b'\n' | b'\r')),
+            b';' => bytes[at..].iter().position(|byte| matches!(byte, b'\n' | b'\r')),
+            b'G' | b'g' => {
+                let rest = bytes[at..].trim_ascii_start();
+                let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+                let is_whole = rest.get(digits) != Some(&b'.');
+                match &rest[rest[..digits].iter().take_while(|byte| **byte == b'0').count()..digits] {
+                    b"20" if is_whole => found = Some(true),
+                    b"21" if is_whole => found = Some(false),
+                    _ => {}
+                }
+                continue;
+            }
+            _ => continue,
+        };
+        at = end.map_or(bytes.len(), |end| at + end);
+    }
+    found
 }
 
 /// Reads the bytes of a program.

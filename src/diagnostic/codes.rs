@@ -194,6 +194,9 @@ increments_per_mm = 1000.";
     NO_MOTION = "E0223" "program without a motion"
 "The program was understood and moves no axis, so there is nothing to correct, and an output would only look like a success. Perhaps its blocks
 stand behind the end of the program (M30), in a subprogram that nothing calls, behind skip blocks, or the file is cut off. Nothing was written.";
+    MIXED_UNITS = "E0224" "inches and millimeters in one program"
+"A Fanuc takes its tool and zero offsets for inches or millimeters by the unit in force, so a corrected program keeps the unit of the program. This one has both
+G20 and G21: no single unit is that of all of it. Correct the parts as programs of their own, each with one unit.";
     BAD_SWIVEL = "E0235" "plane that cannot be swivelled"
 "CYCLE800 (Sinumerik) or G53.1 (Fanuc) tilts the plane in a way that is not followed here, the rotary axes cannot put the tool on it, or it is not known where the
 axes retract to. The message says which. The rotary axes and the frame that a swivel results in can always be programmed directly.";

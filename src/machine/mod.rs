@@ -137,6 +137,10 @@ pub struct Control {
     pub increment_mm: f64,
     /// Smallest increment of rotary axes in a program, rad.
     pub increment_rad: f64,
+    /// The increment of the words that the control reads, mm and rad: that of the output unless an option has changed the latter.
+    pub grid: [f64; 2],
+    /// Whether the output is in inches; `None` for the metric one of programs that do not state their unit.
+    pub output_inch: Option<bool>,
     /// Increments into which a Sinumerik divides a millimeter (MD10200); `None` where the file does not say it.
     pub increments_per_mm: Option<f64>,
     /// The largest number of a block of the output, where blocks must have numbers; `None` without a limit.
@@ -275,6 +279,8 @@ impl Default for Control {
         Control {
             increment_mm: 1e-4,
             increment_rad: 1e-4_f64.to_radians(),
+            grid: [1e-4, 1e-4_f64.to_radians()],
+            output_inch: None,
             increments_per_mm: None,
             last_block_number: None,
             arc_tolerance_mm: 0.01,

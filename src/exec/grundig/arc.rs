@@ -136,7 +136,7 @@ impl Channel<'_> {
 
     /// The end of an arc; where the increment of the control makes it one with the start, it is the start.
     fn closed_on_grid(&self, start: [f64; 2], end: [f64; 2], span: Span) -> Result<[f64; 2], Fault> {
-        match meeting(start, end, 1.0 / self.machine.control.increment_mm) {
+        match meeting(start, end, 1.0 / self.machine.control.grid[0]) {
             Meeting::Apart => Ok(end),
             Meeting::Same => Ok(start),
             Meeting::Unsure => Err(unsure(span, start, end, "the grid is control.increment_mm")),

@@ -89,8 +89,8 @@ impl Gathered {
     pub(super) fn put_on_grid(&mut self, modal: &Modal, machine: &Machine) {
         let has = |number: u16| self.codes.iter().any(|code| code.number == number);
         let inch = if has(70) || has(71) { has(70) } else { modal.inch };
-        let per_length = per_unit(machine.control.increment_mm) * if inch { 10.0 } else { 1.0 };
-        let per_degree = per_unit(machine.control.increment_rad.to_degrees());
+        let per_length = per_unit(machine.control.grid[0]) * if inch { 10.0 } else { 1.0 };
+        let per_degree = per_unit(machine.control.grid[1].to_degrees());
         // J of tapping is a lead, A4= a factor.
         let is_tapping = has(84);
         for item in &mut self.items {

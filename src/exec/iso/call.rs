@@ -183,7 +183,8 @@ impl Interpreter<'_> {
     /// The end of the blocks of a program.
     pub(super) fn end_of_part(&mut self) {
         let is_main = self.levels.last().is_none_or(|level| level.call.is_none());
-        if let Some(level) = self.levels.last_mut().filter(|level| is_main && level.program == 0 && level.part < self.main)
+        if let Some(level) =
+            self.levels.last_mut().filter(|level| is_main && level.program == 0 && level.part < self.main)
         {
             // Behind what stands before the first program number comes that program.
             level.part = self.main;

@@ -178,7 +178,7 @@ impl<'a> Channel<'a> {
         self.dwell(gathered)?;
         self.plane(gathered)?;
         self.lathe(gathered)?;
-        self.units(gathered);
+        self.units(gathered)?;
         self.compensation_codes(gathered)?;
         let mut takes_axes = self.length_codes(gathered)?;
         self.coordinates(gathered)?;
@@ -196,7 +196,7 @@ impl<'a> Channel<'a> {
     /// The order of a Fanuc: the modal codes of a block hold for all its words.
     fn execute_fanuc(&mut self, gathered: &mut Gathered) -> Result<(), Fault> {
         self.check_state(gathered)?;
-        self.units(gathered);
+        self.units(gathered)?;
         self.plane(gathered)?;
         self.distance(gathered);
         self.feed_mode(gathered)?;
@@ -301,9 +301,16 @@ impl<'a> Channel<'a> {
         Ok(())
     }
 
-    fn units(&mut self, gathered: &Gathered) {
-        if let Some(code) = gathered.code(Group::Units) {
-            self.modal.inch = code == 200;
+    fn units(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        let Some(code) = gathered.code(Group::Units) else { return Ok(()) };
+        self.modal.inch = code == 200;
+        match self.machine.control.output_inch {
+            Some(inch) if inch != self.modal.inch && !self.is_rs274() => {
+                let message = "the program is in inches in one part and in millimeters in another";
+                let help = "correct them as two programs: what the control keeps in tool and zero offsets follows the unit in force";
+                Err(fault(Code::MIXED_UNITS, gathered.code_span(Group::Units), message, help))
+            }
+            _ => Ok(()),
         }
     }
 

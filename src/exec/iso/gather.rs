@@ -15,11 +15,7 @@ const NEAR: f64 = 1e-3;
 const MAX_VALUE: f64 = 1e9;
 
 /// Reads words of a block; assignments and names among them are not its business.
-pub(super) fn gather(
-    scope: &Scope<'_, '_>,
-    words: &[Word],
-    out: &mut Gathered,
-) -> Result<(), Fault> {
+pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) -> Result<(), Fault> {
     // The unit of the block holds for all its words.
     let mut inch = scope.channel.modal.inch;
     for word in words.iter().filter(|word| word.address == Address::Letter(b'G')) {
@@ -92,12 +88,7 @@ pub(super) fn whole(value: f64, span: Span, what: &str) -> Result<u32, Fault> {
     Ok(rounded as u32)
 }
 
-fn g_code(
-    scope: &Scope<'_, '_>,
-    value: f64,
-    span: Span,
-    out: &mut Gathered,
-) -> Result<(), Fault> {
+fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> Result<(), Fault> {
     let rounded = (value * 10.0).round();
     if (value * 10.0 - rounded).abs() > NEAR || !(0.0..=9999.0).contains(&rounded) {
         return Err(bad_value(span, format!("G{value} is no G code"), "write a G code of this control"));

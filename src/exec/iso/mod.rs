@@ -115,7 +115,9 @@ impl<'a> Interpreter<'a> {
         found.into_iter().for_each(|found| ledger.report(found));
         channel.variables.add_program(&program);
         let mut entered = vec![false; program.parts.len()];
-        [first, main].into_iter().for_each(|part| entered.iter_mut().skip(part).take(1).for_each(|place| *place = true));
+        [first, main]
+            .into_iter()
+            .for_each(|part| entered.iter_mut().skip(part).take(1).for_each(|place| *place = true));
         Interpreter {
             machine,
             library,
@@ -207,7 +209,8 @@ impl<'a> Interpreter<'a> {
         let Some((part, _)) = program.parts.iter().zip(&self.entered).find(is_left) else { return };
         let span = part.headers.first().copied().unwrap_or_default();
         let shown = String::from_utf8_lossy(program.source.slice(span)).into_owned();
-        let message = format!("the program {shown} is left out: the first one of a file is executed, and does not call it");
+        let message =
+            format!("the program {shown} is left out: the first one of a file is executed, and does not call it");
         let place = Place { file: program.source.id(), span };
         let help = "put each main program into a file of its own";
         self.ledger.report(Diagnostic::at(Code::MORE_PROGRAMS, place, message, help));

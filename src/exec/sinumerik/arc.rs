@@ -13,6 +13,7 @@ use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::grid::{Meeting, meeting, unsure};
 use crate::exec::path::Shape;
 use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault, Plane};
+use crate::machine::Control;
 use crate::source::Span;
 
 /// Largest number of extra turns of a helix.
@@ -83,6 +84,18 @@ fn opening_rad(value: f64, span: Span) -> Result<f64, Fault> {
 /// Increments of a Sinumerik in a millimeter as delivered (MD10200).
 const DELIVERED_PER_MM: f64 = 1000.0;
 
+/// Whether two points of the plane are one at the resolution of the control.
+pub(super) fn on_control(a: [f64; 2], b: [f64; 2], control: &Control) -> Meeting {
+    match control.increments_per_mm {
+        Some(count) => meeting(a, b, count),
+        // The file does not say it: both the resolution of the output and the one of a control as delivered must agree.
+        None => match (meeting(a, b, 1.0 / control.grid[0]), meeting(a, b, DELIVERED_PER_MM)) {
+            (one, other) if one == other => one,
+            _ => Meeting::Unsure,
+        },
+    }
+}
+
 /// The end of an arc in base coordinates; where the resolution of the control makes it one with the start, it is the start. An arc that is
 /// given `by_angle` turns by that.
 pub(super) fn closed_on_grid(
@@ -95,15 +108,7 @@ pub(super) fn closed_on_grid(
     let [abscissa, ordinate, _] = plane.axes();
     let (from, to) = (context.setup.programmed(start), context.setup.programmed(target));
     let (s, e) = ([from[abscissa], from[ordinate]], [to[abscissa], to[ordinate]]);
-    let found = match context.control.increments_per_mm {
-        Some(count) => meeting(s, e, count),
-        // The file does not say it: both the resolution of the output and the one of a control as delivered must agree.
-        None => match (meeting(s, e, 1.0 / context.control.increment_mm), meeting(s, e, DELIVERED_PER_MM)) {
-            (one, other) if one == other => one,
-            _ => Meeting::Unsure,
-        },
-    };
-    match found {
+    match on_control(s, e, context.control) {
         Meeting::Apart => Ok(*target),
         Meeting::Same if !by_angle => {
             if context.setup.frame.is_translation() {

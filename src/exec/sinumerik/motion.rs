@@ -7,6 +7,7 @@ use super::modal::{Modal, MotionKind};
 use super::{arc, polar, polynomial, positioning, rotary, spatial, thread};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::grid::Meeting;
 use crate::exec::path::{Path, Shape};
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
 use crate::machine::{Control, Machine};
@@ -142,6 +143,11 @@ fn target(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) ->
         } else {
             modal.programmed[axis] + value
         };
+        let is_still = || arc::on_control([programmed[axis], 0.0], [here[axis], 0.0], context.control) == Meeting::Same;
+        if modal.contour.compensates() && !axis.is_rotary() && is_still() {
+            // No motion for the control: an element next to nothing would bend the compensated contour.
+            programmed[axis] = here[axis];
+        }
         if !programmed[axis].is_finite() || programmed[axis].abs() > 1e9 {
             return Err(bad_value(span, format!("{axis} would move to {}", programmed[axis]), "check the value"));
         }
