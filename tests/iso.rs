@@ -167,7 +167,7 @@ fn rs274_lengths_of_tools_move_the_axis_and_not_the_tip() {
 #[test]
 fn words_and_codes_that_do_not_go_together_are_findings() {
     check_codes("rs274", "G0 X0 Y0 Z0\nG0 G1 X1 F1\nM2", &["E0111:2"]);
-    check_codes("fanuc", "G90 G0 X0 Y0 Z0\nG0 G1 X1. F1.\nM30", &["W0204:2"]);
+    check_codes("fanuc", "G90 G0 X0 Y0 Z0\nG0 G1 X1. F1.\nM30", &["E0111:2"]);
     check_codes("rs274", "G0 X0 Y0 Z0\nG1 X1 Q5 F1\nM2", &["E0210:2"]);
     check_codes("fanuc", "G90 G0 X0 Y0 Z0\nG1 X1. Q5. F1.\nM30", &["E0210:2"]);
     check_codes("rs274", "X1\nM2", &["E0210:1"]);

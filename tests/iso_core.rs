@@ -337,9 +337,12 @@ fn m_codes_of_one_group_come_back_on_lines_of_their_own() {
     let m_codes = |text: &str| -> Vec<String> {
         written("rs274", "", text).into_iter().filter(|line| line.starts_with('M') || line.starts_with('S')).collect()
     };
-    assert_eq!(m_codes("G21 G90 F100\nM7\nM8\nM70\nM9\nM72\nM2\n"), ["M7", "M8", "M9", "M9", "M7", "M8", "M2"]);
     assert_eq!(
-        m_codes("G21 G90 F100\nS100 M3\nM70\nM49\nM5 M8\nM72\nM2\n"),
+        m_codes("G21 G90 F100\nG0 X0 Y0 Z0\nM7\nM8\nM70\nM9\nM72\nM2\n"),
+        ["M7", "M8", "M9", "M9", "M7", "M8", "M2"]
+    );
+    assert_eq!(
+        m_codes("G21 G90 F100\nG0 X0 Y0 Z0\nS100 M3\nM70\nM49\nM5 M8\nM72\nM2\n"),
         ["S100 M3", "M49", "M5 M8", "M9", "M50 P1", "M51 P1", "M3", "M2"]
     );
 }

@@ -40,8 +40,8 @@ fn words_that_bear_on_motion_are_not_left_out() {
         let text = format!("G21 G90 G17 G0 X10. Y0. Z0.\nG1 F100.\n{block}\nM30");
         check_codes("fanuc", &text, &["E0210:3"]);
     }
-    check_codes("fanuc", "G21 G90 G0 X0. H3\nM30", &["W0204:1"]);
-    check_codes("fanuc", "G21 G90 G80\nM3 S100 P1\nM30", &["W0204:2"]);
+    check_codes("fanuc", "G21 G90 G0 X0. H3\nM30", &["E0210:1"]);
+    check_codes("fanuc", "G21 G90 G80\nM3 S100 P1\nM30", &["E0210:2"]);
 }
 
 /// X, Y and Z would be limits and a position.
@@ -85,8 +85,7 @@ fn each_feed_mode_clears_the_feed_of_rs274() {
 /// LinuxCNC shows `val 2.500000 7 1.25  x` and `a 2.500000`.
 #[test]
 fn texts_show_the_values_that_are_executed_away() {
-    let text =
-        "#1=2.5\n#<_deep>=7\n#<own>=1.25\n(debug, val #1 %d#<_deep> %.2f#<OWN> x)\n(print,a #1)\n(MSG, v #1)\nM2";
+    let text = "#1=2.5\n#<_deep>=7\n#<own>=1.25\n(debug, val #1 %d#<_deep> %.2f#<OWN> x)\n(print,a #1)\n(MSG, v #1)\nG21 G90 G0 X0 Y0 Z0\nM2";
     let lines = fixed("knee_mill", "a.ngc", text).join("\n");
     assert!(lines.contains("(DEBUG, val 2.500000 7 1.25 x)"), "{lines}");
     assert!(lines.contains("(PRINT,a 2.500000)"), "{lines}");
@@ -96,7 +95,7 @@ fn texts_show_the_values_that_are_executed_away() {
 /// LinuxCNC shows `pass 1.000000`, `pass 2.000000`, `pass 3.000000`, and three times `turn`.
 #[test]
 fn texts_in_a_loop_show_the_values_of_each_pass() {
-    let text = "#1=0\no1 repeat [3]\n#1=[#1+1] (plain)\n(debug,pass #1)\n(MSG,turn)\n(LOG,a #1)\no1 endrepeat\nM2";
+    let text = "#1=0\no1 repeat [3]\n#1=[#1+1] (plain)\n(debug,pass #1)\n(MSG,turn)\n(LOG,a #1)\no1 endrepeat\nG21 G90 G0 X0 Y0 Z0\nM2";
     let lines = fixed("knee_mill", "a.ngc", text);
     let shown = |part: &str| lines.iter().filter_map(|line| line.find(part).map(|at| line[at..].to_owned())).collect();
     let debug: Vec<String> = shown("(DEBUG");
@@ -113,7 +112,9 @@ fn texts_with_values_are_bounded_and_searched_once() {
     let openings = "#<".repeat(2000);
     let long = "%.9f#1 ".repeat(500);
     let started = std::time::Instant::now();
-    let text = format!("#1=[10**300]\no1 repeat [20000]\n(debug,{openings})\n(debug,{long})\no1 endrepeat\nM2");
+    let text = format!(
+        "#1=[10**300]\no1 repeat [20000]\n(debug,{openings})\n(debug,{long})\no1 endrepeat\nG21 G90 G0 X0 Y0 Z0\nM2"
+    );
     let lines = fixed("knee_mill", "a.ngc", &text);
     assert!(lines.iter().all(|line| line.len() <= 250), "{}", lines.len());
     assert!(lines.iter().filter(|line| line.contains("(DEBUG,100000000")).count() == 20_000, "{}", lines.len());

@@ -85,7 +85,7 @@ fn i14_tilted_planes_by_all_their_forms() {
         "G68.2 X10. Y20. Z5. I90. J30. K0",
         // About X by J, then about Z of the workpiece by I.
         "G68.2 P1 Q123 X10. Y20. Z5. I30. J0 K90.",
-        "G68.2 P2 Q1 X10. Y20. Z5.\nG68.2 P2 Q2 X10. Y30. Z5.\nG68.2 P2 Q3 X-7.320508 Y25. Z15.",
+        "G68.2 P2 Q1 X10. Y20. Z5.\nG68.2 P2 Q2 X10. Y30. Z5.\nG68.2 P2 Q3 X-17310.508 Y25. Z10005.",
         "G68.2 P3 Q1 X10. Y20. Z5. I0 J1. K0\nG68.2 P3 Q2 I0.5 J0 K0.8660254038",
         "G68.2 X10. Y20. Z5. I90. J0 K0\nG68.4 X0 Y0 Z0 I0 J30. K0",
     ];

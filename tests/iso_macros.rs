@@ -33,10 +33,10 @@ fn i6_nested_loops_a_macro_and_a_counted_subprogram() {
             "G1 X0 Y5 Z0 F200",
             "G1 X10 Y1 Z0 F200",
             "G1 X10 Y6 Z0 F200",
-            "G1 X14.330127 Y8.5 Z0 F200",
-            "G1 X15.330127 Y8.5 Z0 F200",
-            "G1 X16.330127 Y8.5 Z0 F200",
-            "G1 X17.330127 Y8.5 Z0 F200",
+            "G1 X14.33 Y8.5 Z0 F200",
+            "G1 X15.33 Y8.5 Z0 F200",
+            "G1 X16.33 Y8.5 Z0 F200",
+            "G1 X17.33 Y8.5 Z0 F200",
         ],
     );
 }
@@ -105,7 +105,7 @@ fn arithmetic_follows_the_rules_of_the_control() {
     is("", "5 XOR 1", 4.0);
     is("", "FIX[2.7]+FIX[-2.7]*10", -18.0);
     is("", "FUP[2.1]+FUP[-2.1]*10", -27.0);
-    is("", "ROUND[2.5]+ROUND[-2.5]*10", -27.0);
+    is("#1=ROUND[2.5]+ROUND[-2.5]*10", "#1", -27.0);
     is("", "SQRT[16]+ABS[-3]", 7.0);
     is("", "POW[2,10]", 1024.0);
     is("", "BIN[18]", 12.0);
@@ -115,7 +115,7 @@ fn arithmetic_follows_the_rules_of_the_control() {
     is("", "TAN[45]", 1.0);
     is("", "ACOS[0]", 90.0);
     is("", "LN[EXP[2]]", 2.0);
-    is("", "RO[3.2]", 3.0);
+    is("#1=RO[3.2]", "#1", 3.0);
 }
 
 #[test]

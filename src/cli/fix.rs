@@ -122,6 +122,7 @@ impl<'a> Job<'a> {
         });
         let opened = opened?;
         let Some(opened) = opened.filter(|_| !findings.has_errors()) else { return Ok(()) };
+        program::keep_unit(&self.source, opened.dialect, false, &mut chosen.machine);
         let mut spool = Spool::new(self.target.clone())?;
         self.write((opened, hash), &chosen, (&mut spool, threads), findings, report)?;
         if findings.has_errors() {
@@ -220,6 +221,9 @@ impl<'a> Job<'a> {
             report.feed_limit = Some(feed_limit::report(limit, &limited));
         }
         findings.extend(passed.found, running.sources());
+        if !running.moves() && !findings.has_errors() {
+            findings.add(without_motion(&self.source), running.sources());
+        }
         program::protect_program(&self.target, &running.files(), findings);
         let sources = running.sources();
         for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
@@ -243,6 +247,13 @@ pub(super) fn corrected_before(source: &Source) -> Diagnostic {
         "this program was corrected before",
         "correct the original program",
     )
+}
+
+/// The finding for a program that moves nothing.
+fn without_motion(source: &Source) -> Diagnostic {
+    let place = Place { file: source.id(), span: Span::new(0, 1) };
+    let help = "look where its motions are: behind M30, in a program that nothing calls, in skip blocks";
+    Diagnostic::at(Code::NO_MOTION, place, "this program moves no axis: there is nothing to correct", help)
 }
 
 /// What is left of a source, in the units of reports.

@@ -16,11 +16,11 @@ use super::recognition;
 use super::stop::Stop;
 use super::voice;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::dialect::{self, Dialect};
+use crate::dialect::{self, Dialect, Language};
 use crate::exec::{Execution, Library, NoLibrary, Options, RapidOrder};
 use crate::machine::Machine;
 use crate::machine::file::nearest;
-use crate::snc::Element;
+use crate::snc::{Element, Kind};
 use crate::source::{FileId, Source};
 use crate::syntax::sinumerik::Macros;
 use crate::syntax::{self, Program};
@@ -128,6 +128,43 @@ fn resolve(name: Option<&str>, chosen: Option<&Chosen>, source: &Source) -> Resu
     Ok(of_machine.or_else(of_file).unwrap_or_else(|| (dialect::sinumerik(), "as nothing says otherwise".to_owned())))
 }
 
+/// The output keeps the unit of the program: G20 or G21 outlives it on these controls, and a Fanuc reads its offsets by it. With `is_sent`
+/// line by line only a Fanuc's does.
+pub(super) fn keep_unit(source: &Source, dialect: &Dialect, is_sent: bool, machine: &mut Machine) {
+    if !matches!(dialect.language, Language::Fanuc | Language::Rs274) || is_sent && dialect.language == Language::Rs274
+    {
+        return;
+    }
+    let control = &mut machine.control;
+    control.output_inch = last_unit(source.bytes()).or_else(|| last_unit(control.iso.startup_code.as_bytes()));
+}
+
+/// Whether the last G20 or G21 outside of comments is G20.
+fn last_unit(bytes: &[u8]) -> Option<bool> {
+    let (mut found, mut at) = (None, 0);
+    while let Some(&byte) = bytes.get(at) {
+        at += 1;
+        let end = match byte {
+            b'(' => bytes[at..].iter().position(|byte| matches!(byte, b')' | b'\n' | b'\r')),
+            b';' => bytes[at..].iter().position(|byte| matches!(byte, b'\n' | b'\r')),
+            b'G' | b'g' => {
+                let rest = bytes[at..].trim_ascii_start();
+                let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+                let is_whole = rest.get(digits) != Some(&b'.');
+                match &rest[rest[..digits].iter().take_while(|byte| **byte == b'0').count()..digits] {
+                    b"20" if is_whole => found = Some(true),
+                    b"21" if is_whole => found = Some(false),
+                    _ => {}
+                }
+                continue;
+            }
+            _ => continue,
+        };
+        at = end.map_or(bytes.len(), |end| at + end);
+    }
+    found
+}
+
 /// Reads the bytes of a program.
 ///
 /// # Errors
@@ -179,6 +216,7 @@ pub(super) struct Running<'a> {
     progress: Progress,
     loaded: Rc<RefCell<Vec<PathBuf>>>,
     length: usize,
+    moves: bool,
 }
 
 impl<'a> Running<'a> {
@@ -204,7 +242,7 @@ impl<'a> Running<'a> {
         };
         let length = opened.source.bytes().len();
         let execution = Execution::new(opened.program, machine, library, options);
-        Running { execution, progress: Progress::new(), loaded, length }
+        Running { execution, progress: Progress::new(), loaded, length, moves: false }
     }
 
     /// The same without a progress line.
@@ -227,6 +265,11 @@ impl<'a> Running<'a> {
         self.execution.executed_blocks()
     }
 
+    /// Whether a motion has come by so far.
+    pub(super) fn moves(&self) -> bool {
+        self.moves
+    }
+
     /// The files of the subprograms that were read.
     pub(super) fn files(&self) -> Vec<PathBuf> {
         self.loaded.borrow().clone()
@@ -238,6 +281,7 @@ impl Iterator for Running<'_> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let item = self.execution.next();
+        self.moves |= matches!(&item, Some(Ok(Element { kind: Kind::Move(_), .. })));
         match &item {
             Some(Ok(element)) if element.starts_block => {
                 // In a subprogram the main program stands still.

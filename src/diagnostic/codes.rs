@@ -108,6 +108,14 @@ raise an alarm or use the last one, depending on its version; this program does 
     DOUBLE_NUMBER = "E0112" "block number given twice"
 "Two blocks of a program or macro of a Grundig or MillPlus have the same N number. G14 repeats blocks and G29 jumps to blocks by their
 number, so that it must be clear which one is meant; the control refuses such a program. Number the blocks anew.";
+    EXPONENT = "E0115" "letter inside a number"
+"Directly behind a number stands E with digits, as spreadsheets and some posts write small numbers. These languages have no exponents: the
+control would read X1.5 and a word E, and go 1.5 mm instead of 15 nm.
+
+  N10 G1 X1.5E-05         write X0.000015, or X0
+  N20 G65 P9010 A1. E5    an argument E has a blank before it
+
+Round the number in the post, or write it out.";
     OTHER_CONTROL = "E0118" "program of another control"
 "The text is that of a control whose language this program does not read, or of another control than the machine file and --dialect say:
 Heidenhain Klartext, Okuma OSP, a 3D printer, a Sinumerik program for a Fanuc. Where the words look alike they move the tool otherwise. The
@@ -173,6 +181,22 @@ number. The message says what is wrong. The cycles and what is known of each are
 the called program changes.
 
   PROC HOLE(REAL DEPTH, VAR INT COUNT)      called as HOLE(-5, N_1) with DEF INT N_1";
+    FULL_CIRCLE_UNSURE = "E0222" "full circle or hardly a move"
+"Start and end of an arc are so near to each other that the resolution of the control decides whether it goes all the way round or hardly
+moves. A control puts positions on a grid (Fanuc: increment system; Sinumerik: MD10200) before it compares them, so a full circle whose
+start was computed may be left out, or a tiny arc may become a full circle.
+
+  N10 G1 X0 Y-0.0004
+  N20 G2 X0 Y0 I10 J0     a full circle on a grid of 0.001 mm, 0.4 µm on one of 0.0001 mm
+
+Program the end of a full circle exactly at its start. For a Sinumerik state the resolution in the machine file: [control]
+increments_per_mm = 1000.";
+    NO_MOTION = "E0223" "program without a motion"
+"The program was understood and moves no axis, so there is nothing to correct, and an output would only look like a success. Perhaps its blocks
+stand behind the end of the program (M30), in a subprogram that nothing calls, behind skip blocks, or the file is cut off. Nothing was written.";
+    MIXED_UNITS = "E0224" "inches and millimeters in one program"
+"A Fanuc takes its tool and zero offsets for inches or millimeters by the unit in force, so a corrected program keeps the unit of the program. This one has both
+G20 and G21: no single unit is that of all of it. Correct the parts as programs of their own, each with one unit.";
     BAD_SWIVEL = "E0235" "plane that cannot be swivelled"
 "CYCLE800 (Sinumerik) or G53.1 (Fanuc) tilts the plane in a way that is not followed here, the rotary axes cannot put the tool on it, or it is not known where the
 axes retract to. The message says which. The rotary axes and the frame that a swivel results in can always be programmed directly.";
@@ -429,7 +453,7 @@ another --scheme (auto looks for the fewest tables), a larger --tolerance, fewer
 "G1, G2 and G3 need F; the control stops at this block. For check and snc the motion is shown without a feed; a correction is refused
 (E0215).";
     MORE_PROGRAMS = "W0203" "further main programs in the file"
-"The file is an archive with more than one main program (%_N_…_MPF). The first one is executed; the others are only executed where it
+"The file has more than one main program (%_N_…_MPF, %PM, O1234). The first one is executed; the others are only executed where it
 calls them. Put each main program into a file of its own.";
     LEFT_OUT = "W0204" "statement left out of the output"
 "WRITE and DELETE access files of the control. They are not carried out here and not written to the output; their result variable counts

@@ -140,7 +140,7 @@ impl AxisNumbers {
     /// `None` where an increment is no decimal.
     pub(super) fn new(increments: &Increments) -> Option<AxisNumbers> {
         Some(AxisNumbers {
-            linear: Decimals::of_increment(increments.linear_mm)?,
+            linear: Decimals::of_increment(increments.linear_mm / increments.unit_mm)?,
             rotary: Decimals::of_increment(increments.rotary_deg)?,
             // The increment is above 0 where it has decimals.
             turn_counts: ((360.0 / increments.rotary_deg).round() as i64).max(1),

@@ -10,6 +10,7 @@ mod contour;
 mod fault;
 mod five_axis;
 mod flags;
+mod grid;
 mod grundig;
 mod iso;
 mod ledger;

@@ -12,8 +12,32 @@ use super::section::Section;
 pub enum DecimalPoint {
     /// Whole millimetres, inches or degrees.
     Calculator,
-    /// Least input increments of IS-B: 0.001 mm, 0.0001 inch, 0.001 degrees.
+    /// Least input increments.
     Increment,
+}
+
+/// The increment system: the least input increment of positions (Fanuc parameter 1013).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum IncrementSystem {
+    /// IS-A: 0.01 mm, 0.001 inch, 0.01 degrees.
+    A,
+    /// IS-B: 0.001 mm, 0.0001 inch, 0.001 degrees.
+    #[default]
+    B,
+    /// IS-C: 0.0001 mm, 0.00001 inch, 0.0001 degrees.
+    C,
+}
+
+impl IncrementSystem {
+    /// Increments in a millimeter or a degree; an inch has ten times as many.
+    #[must_use]
+    pub fn per_unit(self) -> f64 {
+        match self {
+            IncrementSystem::A => 1e2,
+            IncrementSystem::B => 1e3,
+            IncrementSystem::C => 1e4,
+        }
+    }
 }
 
 /// The axis along which G43 compensates (Fanuc parameter 5001).
@@ -42,6 +66,8 @@ pub enum OneAxis {
 pub struct IsoControl {
     /// What a number without a decimal point means; `None` where the file does not say it.
     pub decimal_point: Option<DecimalPoint>,
+    /// On which grid a Fanuc puts the words of lengths and angles.
+    pub increment_system: IncrementSystem,
     /// Along which axis G43 compensates.
     pub length_axis: LengthAxis,
     /// Words that hold before the first block (RS274NGC_STARTUP_CODE of LinuxCNC, parameter 3402 of Fanuc).
@@ -72,6 +98,7 @@ impl Default for IsoControl {
     fn default() -> Self {
         IsoControl {
             decimal_point: None,
+            increment_system: IncrementSystem::B,
             length_axis: LengthAxis::Z,
             startup_code: String::new(),
             dwell_turns: false,
@@ -98,6 +125,17 @@ pub(super) fn read(section: &mut Section<'_>, iso: &mut IsoControl) {
             let message = format!("decimal_point must be \"calculator\" or \"increment\", found \"{other}\"");
             let help = "calculator: X10 is 10 mm; increment: X10 is 0.01 mm (Fanuc parameter 3401, bit 0)";
             section.report(Code::BAD_VALUE, section.place_of("decimal_point"), message, help);
+        }
+    }
+    match section.text("increment_system") {
+        None => {}
+        Some("IS-A") => iso.increment_system = IncrementSystem::A,
+        Some("IS-B") => iso.increment_system = IncrementSystem::B,
+        Some("IS-C") => iso.increment_system = IncrementSystem::C,
+        Some(other) => {
+            let message = format!("increment_system must be \"IS-A\", \"IS-B\" or \"IS-C\", found \"{other}\"");
+            let help = "IS-A: 0.01 mm; IS-B: 0.001 mm; IS-C: 0.0001 mm (Fanuc parameter 1013)";
+            section.report(Code::BAD_VALUE, section.place_of("increment_system"), message, help);
         }
     }
     match section.text("length_compensation") {

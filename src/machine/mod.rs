@@ -35,7 +35,7 @@ pub use condition::{Condition, Load, ZeroPose};
 pub use contour_control::{CompensationCorner, CompensationStart};
 pub use frame_control::Rollover;
 pub use grundig_control::{GrundigControl, ScaledAxes};
-pub use iso_control::{DecimalPoint, IsoControl, LengthAxis, OneAxis};
+pub use iso_control::{DecimalPoint, IncrementSystem, IsoControl, LengthAxis, OneAxis};
 pub use kinematics::Kinematics;
 pub use macro_control::MacroControl;
 pub use opaque::Opaque;
@@ -138,6 +138,12 @@ pub struct Control {
     pub increment_mm: f64,
     /// Smallest increment of rotary axes in a program, rad.
     pub increment_rad: f64,
+    /// The increment of the words that the control reads, mm and rad: that of the output unless an option has changed the latter.
+    pub grid: [f64; 2],
+    /// Whether the output is in inches; `None` for the metric one of programs that do not state their unit.
+    pub output_inch: Option<bool>,
+    /// Increments into which a Sinumerik divides a millimeter (MD10200); `None` where the file does not say it.
+    pub increments_per_mm: Option<f64>,
     /// The largest number of a block of the output, where blocks must have numbers; `None` without a limit.
     pub last_block_number: Option<u32>,
     /// Sinumerik MD21000: allowed radius difference of an arc, mm.
@@ -280,6 +286,9 @@ impl Default for Control {
         Control {
             increment_mm: 1e-4,
             increment_rad: 1e-4_f64.to_radians(),
+            grid: [1e-4, 1e-4_f64.to_radians()],
+            output_inch: None,
+            increments_per_mm: None,
             last_block_number: None,
             arc_tolerance_mm: 0.01,
             arc_tolerance_ratio: 0.001,

@@ -43,6 +43,7 @@ const OF_CONTROL: &[(&str, &str)] = &[
     ("grundig_shift_is_turned", "true"),
     ("grundig_slot_from_arc_center", "false"),
     ("grundig_turns_first", "false"),
+    ("increment_system", "\"IS-B\""),
     ("incremental_traverses_frame_change", "true"),
     ("initial_codes", "[]"),
     ("initial_plane", "17"),

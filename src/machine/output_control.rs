@@ -8,7 +8,8 @@ pub(super) fn of_controller(controller: &str) -> Control {
     let control = Control::default();
     // Fanuc's IS-B and the word formats of Grundig end at a thousandth.
     if ["fanuc", "grundig"].iter().any(|name| controller.eq_ignore_ascii_case(name)) {
-        return Control { increment_mm: 1e-3, increment_rad: 1e-3_f64.to_radians(), ..control };
+        let increment = [1e-3, 1e-3_f64.to_radians()];
+        return Control { increment_mm: increment[0], increment_rad: increment[1], grid: increment, ..control };
     }
     control
 }
@@ -22,6 +23,11 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     }
     if let Some(value) = section.number_where("increment_deg", DECIMAL, decimal) {
         control.increment_rad = value.to_radians();
+    }
+    control.grid = [control.increment_mm, control.increment_rad];
+    let whole = |value: f64| (1.0..=1e9).contains(&value) && value.fract() == 0.0;
+    if let Some(value) = section.number_where("increments_per_mm", "a whole number from 1 to 1000000000", whole) {
+        control.increments_per_mm = Some(value);
     }
     let block_number = |value: f64| (100.0..=99_999_999.0).contains(&value) && value.fract() == 0.0;
     if let Some(value) = section.number_where("last_block_number", "a whole number from 100 to 99999999", block_number)

@@ -2,6 +2,7 @@
 
 use crate::geometry::Axis;
 use crate::machine::Control;
+use crate::units::MM_PER_INCH;
 
 /// The increments of a control: mm for linear axes, degrees for rotary ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,6 +11,8 @@ pub struct Increments {
     pub linear_mm: f64,
     /// Smallest step of a rotary axis in a program, degrees.
     pub rotary_deg: f64,
+    /// The length unit of the program, mm.
+    pub unit_mm: f64,
 }
 
 impl Increments {
@@ -18,7 +21,10 @@ impl Increments {
     pub fn new(control: &Control) -> Increments {
         // The increment is a short decimal in degrees; its way through radians must not leave a rest in the last digits.
         let rotary_deg = (control.increment_rad.to_degrees() * 1e12).round() / 1e12;
-        Increments { linear_mm: control.increment_mm, rotary_deg }
+        // An inch has ten times as many increments as a millimeter.
+        let is_inch = control.output_inch == Some(true);
+        let (unit_mm, share) = if is_inch { (MM_PER_INCH, MM_PER_INCH / 10.0) } else { (1.0, 1.0) };
+        Increments { linear_mm: control.increment_mm * share, rotary_deg, unit_mm }
     }
 
     /// What rounding the linear axes moves the tip by at most, mm: half an increment in each of three directions.

@@ -13,7 +13,7 @@ use crate::model::{Model, Solve};
 use crate::snc::{Dwell, FeedUnit, Kind, Manner};
 
 use super::place::Placer;
-use super::{Options, Output, Piece, lost_axes};
+use super::{Increments, Options, Output, Piece, lost_axes};
 
 /// What a piece is asked about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,7 +189,7 @@ impl<'a> Live<'a> {
     fn way(&self, piece: &Piece) -> (f64, f64) {
         let from = self.command;
         let chord = (piece.command.xyz() - from.xyz()).norm();
-        let increment = self.machine.control.increment_mm;
+        let increment = Increments::new(&self.machine.control).linear_mm;
         let way_mm = piece.arc.map_or(chord, |arc| {
             let [abscissa, ordinate, _] = arc.plane.axes();
             let center = [abscissa, ordinate].map(|axis| arc.center_counts[axis.dimension()] as f64 * increment);

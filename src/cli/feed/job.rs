@@ -67,6 +67,7 @@ impl Job {
         let Some(opened) = program::open(&source, &arguments.program, Some(&chosen), findings)? else {
             return Ok(None);
         };
+        program::keep_unit(&source, opened.dialect, true, &mut chosen.machine);
         let start = arguments.program.start;
         let bytes = (source.bytes(), short_hash([source.bytes()]));
         let writing = Writing::new(&arguments.correction, start, opened.dialect.name, &chosen, bytes, false)?;

@@ -1,7 +1,7 @@
 //! Programs in the languages of letters with values: Fanuc and its kin, RS274/NGC, Grundig.
 //!
 //! One writer, three flavours: what they write differently is data of a [`Flavour`] or an arm over its [`Language`]. All coordinates
-//! are absolute and metric, which the line before the first words says; what the program says about that itself is left out.
+//! are absolute, and metric or in inches as the program states it, which the line before the first words says; what the program says about that itself is left out.
 
 mod element;
 mod fanuc;
@@ -92,6 +92,7 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         is_stamped: false,
         has_assumed: false,
         is_tape: false,
+        unit_mm: options.increments.unit_mm,
         line: if flavour.is_numbered { line.numbered(options.last_block_number.unwrap_or(u32::MAX)) } else { line },
         stops: Stops::new(flavour.stops),
         last_number: None,
@@ -111,6 +112,8 @@ struct Words {
     stamp: String,
     is_stamped: bool,
     has_assumed: bool,
+    /// The length unit of the output, mm.
+    unit_mm: f64,
     /// Whether the file began with `%`, and so ends.
     is_tape: bool,
     line: Line,
@@ -211,7 +214,10 @@ impl Words {
         if !self.has_assumed {
             self.stamp(out);
             self.has_assumed = true;
-            self.line.words_before(self.flavour.assumed.as_bytes(), out);
+            let assumed = self.flavour.assumed;
+            let inch = if self.unit_mm == 1.0 { None } else { assumed.strip_prefix("G21") };
+            let text = inch.map_or_else(|| assumed.to_owned(), |rest| format!("G20{rest}"));
+            self.line.words_before(text.as_bytes(), out);
         }
     }
 
@@ -224,7 +230,8 @@ impl Words {
     fn feed_word(&mut self, feed: f64) {
         self.line.has_feed = true;
         self.line.word(b"F");
-        self.value(to_digits(feed, self.flavour.feed_digits));
+        let unit = if self.is_inverse_time { 1.0 } else { self.unit_mm };
+        self.value(to_digits(feed / unit, self.flavour.feed_digits));
         self.feed = feed;
     }
 

@@ -47,7 +47,7 @@ impl Words {
                 let letter = if self.flavour.language == Language::Rs274 { b"K" } else { b"F" };
                 self.line.word(letter);
                 // As fine as controls read it.
-                self.value((lead * 1e6).round() / 1e6);
+                self.value((lead / self.unit_mm * 1e6).round() / 1e6);
                 // The feed of the path is another value.
                 self.feed = f64::NAN;
             }

@@ -12,7 +12,7 @@ const LANGUAGES: [&str; 3] = ["rs274", "fanuc", "grundig"];
 pub(super) fn written(dialect: &str, last_block_number: Option<u32>, stream: &[Output]) -> Result<String, String> {
     let stamp = Stamp { machine: "m".into(), model: "0a".into(), source: "0b".into(), ..Stamp::default() };
     let (long, capital) = (stamp.text(), stamp.capital_text());
-    let increments = Increments { linear_mm: 0.001, rotary_deg: 0.001 };
+    let increments = Increments { linear_mm: 0.001, rotary_deg: 0.001, unit_mm: 1.0 };
     let frame = OutputFrame::Work;
     let names = Default::default();
     let options = WriterOptions { increments, frame, crlf: false, names, stamp, last_block_number };

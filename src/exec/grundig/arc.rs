@@ -9,6 +9,7 @@ use super::target::Target;
 use crate::diagnostic::Code;
 use crate::exec::arc::{behind_frame, center_of_radius};
 use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::grid::{Meeting, meeting, unsure};
 use crate::exec::path::Shape;
 use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault};
 use crate::snc::Kind;
@@ -56,6 +57,11 @@ impl Channel<'_> {
         // Without end words this is the start.
         let mut end = [target.to[abscissa], target.to[ordinate]];
         let has_end = !target.named.intersection(plane).is_empty();
+        let mut target = target;
+        if has_end {
+            end = self.closed_on_grid(start, end, gathered.span)?;
+            (target.to[abscissa], target.to[ordinate]) = (end[0], end[1]);
+        }
         if let Some((radius, span)) = radius {
             if let Some((_, span)) =
                 sweep.or(pitch).filter(|_| true).or(if has_center { Some((0.0, span)) } else { None })
@@ -126,6 +132,15 @@ impl Channel<'_> {
             to[ordinate] = end[1];
         }
         self.circular(Circle { clockwise, center, sweep_rad }, to, target.named.union(plane))
+    }
+
+    /// The end of an arc; where the increment of the control makes it one with the start, it is the start.
+    fn closed_on_grid(&self, start: [f64; 2], end: [f64; 2], span: Span) -> Result<[f64; 2], Fault> {
+        match meeting(start, end, 1.0 / self.machine.control.grid[0]) {
+            Meeting::Apart => Ok(end),
+            Meeting::Same => Ok(start),
+            Meeting::Unsure => Err(unsure(span, start, end, "the grid is control.increment_mm")),
+        }
     }
 
     /// The center of an arc of a radius: at most half a turn, for a negative one more.

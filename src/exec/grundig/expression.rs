@@ -5,6 +5,7 @@ use crate::exec::fault::{Fault, bad_value, fault};
 use crate::machine::Machine;
 use crate::source::Span;
 use crate::syntax::words::{ExprId, Function, Node, Operator, Program, UnaryOperator};
+use crate::units::sin_deg;
 
 /// E parameters: E0 to E1999.
 const PARAMETERS: usize = 2000;
@@ -115,9 +116,10 @@ fn binary(operator: Operator, left: f64, right: f64, span: Span) -> Result<f64, 
 
 fn call(function: Function, value: f64, second: Option<f64>, span: Span) -> Result<f64, Fault> {
     Ok(match function {
-        Function::Sin => value.to_radians().sin(),
-        Function::Cos => value.to_radians().cos(),
-        Function::Tan => value.to_radians().tan(),
+        Function::Sin => sin_deg(value),
+        Function::Cos => sin_deg(value + 90.0),
+        Function::Tan if sin_deg(value + 90.0) == 0.0 => return Err(no_value(span)),
+        Function::Tan => sin_deg(value) / sin_deg(value + 90.0),
         Function::Asin => value.asin().to_degrees(),
         Function::Acos => value.acos().to_degrees(),
         Function::Atan => match second {

@@ -1,9 +1,12 @@
 //! The words of one block with their values, each taken once by what uses it: what is left over nobody understood.
 
 use super::expression::Scope;
+use super::modal::Modal;
 use crate::diagnostic::Code;
 use crate::dialect::CodeEntry;
 use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::grid::on_grid;
+use crate::machine::Machine;
 use crate::source::Span;
 use crate::syntax::words::{Address, Block, Program, Value};
 
@@ -80,6 +83,25 @@ impl Gathered {
             }
         }
         Ok(())
+    }
+
+    /// Puts lengths and angles on the increment of the control, a tenth of as many inches; factors, counts, feeds and times stay.
+    pub(super) fn put_on_grid(&mut self, modal: &Modal, machine: &Machine) {
+        let has = |number: u16| self.codes.iter().any(|code| code.number == number);
+        let inch = if has(70) || has(71) { has(70) } else { modal.inch };
+        let per_length = per_unit(machine.control.grid[0]) * if inch { 10.0 } else { 1.0 };
+        let per_degree = per_unit(machine.control.grid[1].to_degrees());
+        // J of tapping is a lead, A4= a factor.
+        let is_tapping = has(84);
+        for item in &mut self.items {
+            match (item.letter, item.index) {
+                (b'J', None) if is_tapping => {}
+                (b'A', Some(4)) => {}
+                (b'A'..=b'C', _) => item.value = on_grid(item.value, per_degree),
+                (b'X'..=b'Z' | b'U'..=b'W' | b'I'..=b'L' | b'R', _) => item.value = on_grid(item.value, per_length),
+                _ => {}
+            }
+        }
     }
 
     /// Whether the block has nothing but its number, comments and assignments.
@@ -183,6 +205,12 @@ pub(super) fn name(letter: u8, index: Option<u16>) -> String {
         None => char::from(letter).to_string(),
         Some(index) => format!("{}{index}=", char::from(letter)),
     }
+}
+
+/// Increments in a unit, whole where they nearly are.
+fn per_unit(increment: f64) -> f64 {
+    let count = 1.0 / increment;
+    if (count - count.round()).abs() < 1e-6 * count { count.round() } else { count }
 }
 
 fn code_word(value: f64, span: Span, letter: &str) -> Result<CodeWord, Fault> {

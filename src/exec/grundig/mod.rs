@@ -64,10 +64,12 @@ impl<'a> Interpreter<'a> {
         options: Options,
     ) -> Self {
         let with_blocks = |kind: PartKind| move |part: &words::Part| part.kind == kind && !part.blocks.is_empty();
+        let acts = |part: &words::Part| with_blocks(PartKind::Program)(part) && !program.is_idle(part);
         let main = program
             .parts
             .iter()
-            .position(with_blocks(PartKind::Program))
+            .position(acts)
+            .or_else(|| program.parts.iter().position(with_blocks(PartKind::Program)))
             .or_else(|| program.parts.iter().position(with_blocks(PartKind::Macro)))
             .unwrap_or(0);
         let mut channel = Channel::new(machine, &options, program.dialect.codes());
@@ -173,6 +175,7 @@ impl<'a> Interpreter<'a> {
         assignments(program, block, &mut self.channel)?;
         let scope = Scope { program, parameters: &self.channel.parameters };
         self.gathered.gather(program, block, scope)?;
+        self.gathered.put_on_grid(&self.channel.modal, self.channel.machine);
         let gathered = &mut self.gathered;
         if gathered.is_empty() {
             // Nothing but assignments.

@@ -8,7 +8,9 @@ use super::motion::{Step, unknown_start};
 use crate::diagnostic::Code;
 use crate::exec::arc::{behind_frame, center_of_radius};
 use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::grid::{Meeting, closes_in_linuxcnc, meeting, unsure};
 use crate::geometry::{Arc, AxisSet, AxisVector, CenterFault};
+use crate::source::Span;
 use crate::units::MM_PER_INCH;
 
 /// Largest number of turns of a helix.
@@ -33,8 +35,9 @@ impl Channel<'_> {
                 return Err(unknown_start(gathered.span, axis));
             }
         }
-        let target = self.reach(&setup, named, &end, gathered.span)?;
         let (clockwise, span) = (code == 20, gathered.span);
+        let end = if self.is_rs274() { end } else { self.closed_on_grid(end, span)? };
+        let target = self.reach(&setup, named, &end, gathered.span)?;
         let turns = self.turns(gathered)?;
         // Where the frame only shifts, arcs are worked out in base coordinates, to the last bit; else as programmed.
         let is_shifted = setup.frame.is_translation();
@@ -58,7 +61,7 @@ impl Channel<'_> {
         let center = if let Some(radius) = radius {
             // On a Fanuc R goes before the center words.
             gathered.use_up(&center_letters);
-            if !self.is_rs274() && s == e {
+            if !self.is_rs274() && meeting(s, e, f64::INFINITY) == Meeting::Same {
                 let message = "an arc with R whose end is its start moves nothing";
                 self.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, "a full circle needs I, J, K"));
                 let step = Step::straight(gathered, false, end, named);
@@ -75,6 +78,16 @@ impl Channel<'_> {
         } else {
             Err(fault(Code::NO_CENTER, span, "an arc without center and radius", "add I, J, K or R"))
         };
+        let (mut target, mut to) = (target, to);
+        if let Ok(center) = &center
+            && self.is_rs274()
+            && closes_in_linuxcnc(s, e, *center)
+        {
+            let (here, mut end) = (self.here(), end);
+            (end[abscissa], end[ordinate]) = (here[abscissa], here[ordinate]);
+            target = self.reach(&setup, named, &end, span)?;
+            to = if is_shifted { target } else { end };
+        }
         let arc = center.and_then(|center| {
             let plane = self.modal.plane;
             let (arc, help) = if self.is_rs274() {
@@ -113,6 +126,19 @@ impl Channel<'_> {
         let shape = behind_frame(&arc, [&from, &to], &target, &setup, self.machine.control.chord_tolerance_mm);
         let step = Step::straight(gathered, false, end, named);
         self.send(step, target, shape, setup)
+    }
+
+    /// The end of an arc of a Fanuc; where its increment makes it one with the start, it is the start.
+    fn closed_on_grid(&self, mut end: AxisVector, span: Span) -> Result<AxisVector, Fault> {
+        let here = self.here();
+        let [abscissa, ordinate, _] = self.modal.plane.axes();
+        let (start, to) = ([here[abscissa], here[ordinate]], [end[abscissa], end[ordinate]]);
+        match meeting(start, to, self.increments_per_length() / self.modal.scale()) {
+            Meeting::Apart => {}
+            Meeting::Same => (end[abscissa], end[ordinate]) = (start[0], start[1]),
+            Meeting::Unsure => return Err(unsure(span, start, to, "the grid is that of control.increment_system")),
+        }
+        Ok(end)
     }
 
     /// Center by I, J, K, in base coordinates where the frame only shifts.

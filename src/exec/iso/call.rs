@@ -113,6 +113,9 @@ impl Interpreter<'_> {
         let Some(caller) = self.levels.last() else { return Ok(()) };
         let calls = self.ledger.chain(caller.calls, line);
         let inherited = caller.modal;
+        if found.0 == 0 {
+            self.entered.iter_mut().skip(found.1).take(1).for_each(|place| *place = true);
+        }
         let mut level = Level::new(found.0, found.1, found.2, calls);
         level.repeats = call.repeats;
         level.start = found.2;
@@ -180,7 +183,13 @@ impl Interpreter<'_> {
     /// The end of the blocks of a program.
     pub(super) fn end_of_part(&mut self) {
         let is_main = self.levels.last().is_none_or(|level| level.call.is_none());
-        if is_main {
+        if let Some(level) =
+            self.levels.last_mut().filter(|level| is_main && level.program == 0 && level.part < self.main)
+        {
+            // Behind what stands before the first program number comes that program.
+            level.part = self.main;
+            level.next = self.programs[0].program.parts.get(self.main).map_or(0, |part| part.blocks.start);
+        } else if is_main {
             self.ledger.end();
         } else {
             // Where M99 or endsub is missing the program ends nevertheless.

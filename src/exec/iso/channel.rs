@@ -22,12 +22,9 @@ use crate::exec::contour::Corner;
 use crate::exec::fault::{Fault, fault};
 use crate::exec::outlet::Outlet;
 use crate::geometry::{AxisSet, AxisVector, FrameParts, LINEAR_AXES, Plane, Vector};
-use crate::machine::{DecimalPoint, Machine};
+use crate::machine::Machine;
 use crate::snc::{BlockNumber, Kind, Origin, Setup, Word};
 use crate::source::Span;
-
-/// Least input increment of a Fanuc with increment system IS-B, in mm and degrees; in inch programs a tenth of it.
-pub(super) const INCREMENT: f64 = 1e-3;
 
 /// State and output of the channel.
 pub(super) struct Channel<'a> {
@@ -70,7 +67,7 @@ pub(super) struct Channel<'a> {
     /// The zero offset whose missing value was reported.
     pub(super) offset_warned: Option<System>,
     /// Whether it was reported that numbers lack a decimal point and what they mean is not stated.
-    point_warned: bool,
+    pub(super) point_warned: bool,
     pub(super) cycles: Cycles,
     pub(super) special: Special,
     gathered: Option<Box<Gathered>>,
@@ -157,19 +154,15 @@ impl<'a> Channel<'a> {
         let done = if self.is_rs274() { self.execute_rs274(gathered) } else { self.execute_fanuc(gathered) };
         // Even where the block has a fault, the program ends where it says so.
         done?;
-        let moves = self.has_moved || gathered.has_motion();
-        let found = gathered.unused_of_motion().filter(|_| moves && !self.is_rs274());
-        let is_motion = found.is_some();
-        match found.or_else(|| gathered.unused()) {
+        if !self.is_rs274() && self.modal.length_code == 490 && gathered.raw_quietly(b'H') == Some(0.0) {
+            // No offset, where none is in force.
+            gathered.use_up(b"H");
+        }
+        match gathered.unused() {
             None => Ok(()),
-            Some((letter, span)) if self.is_rs274() || is_motion => {
+            Some((letter, span)) => {
                 let message = format!("no code of the block uses {letter}");
                 Err(fault(Code::BAD_WORD_VALUE, span, message, "take the word out, or add the code that it belongs to"))
-            }
-            Some((letter, span)) => {
-                let message = format!("no code of the block uses {letter}; it is left out");
-                self.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, "take the word out"));
-                Ok(())
             }
         }
     }
@@ -185,7 +178,7 @@ impl<'a> Channel<'a> {
         self.dwell(gathered)?;
         self.plane(gathered)?;
         self.lathe(gathered)?;
-        self.units(gathered);
+        self.units(gathered)?;
         self.compensation_codes(gathered)?;
         let mut takes_axes = self.length_codes(gathered)?;
         self.coordinates(gathered)?;
@@ -203,7 +196,7 @@ impl<'a> Channel<'a> {
     /// The order of a Fanuc: the modal codes of a block hold for all its words.
     fn execute_fanuc(&mut self, gathered: &mut Gathered) -> Result<(), Fault> {
         self.check_state(gathered)?;
-        self.units(gathered);
+        self.units(gathered)?;
         self.plane(gathered)?;
         self.distance(gathered);
         self.feed_mode(gathered)?;
@@ -309,9 +302,16 @@ impl<'a> Channel<'a> {
         Ok(())
     }
 
-    fn units(&mut self, gathered: &Gathered) {
-        if let Some(code) = gathered.code(Group::Units) {
-            self.modal.inch = code == 200;
+    fn units(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        let Some(code) = gathered.code(Group::Units) else { return Ok(()) };
+        self.modal.inch = code == 200;
+        match self.machine.control.output_inch {
+            Some(inch) if inch != self.modal.inch && !self.is_rs274() => {
+                let message = "the program is in inches in one part and in millimeters in another";
+                let help = "correct them as two programs: what the control keeps in tool and zero offsets follows the unit in force";
+                Err(fault(Code::MIXED_UNITS, gathered.code_span(Group::Units), message, help))
+            }
+            _ => Ok(()),
         }
     }
 
@@ -328,43 +328,6 @@ impl<'a> Channel<'a> {
         if let Some(code) = gathered.code(Group::Retract) {
             self.modal.to_r_plane = code == 990;
         }
-    }
-
-    /// A length word, mm.
-    pub(super) fn length(&mut self, gathered: &Gathered, letter: u8) -> Result<Option<f64>, Fault> {
-        let Some(value) = gathered.raw(letter) else { return Ok(None) };
-        let scale = self.modal.scale();
-        if self.is_rs274() || !gathered.is_unpointed(letter) || value == 0.0 {
-            return Ok(Some(value * scale));
-        }
-        let increment = if self.modal.inch { INCREMENT / 10.0 } else { INCREMENT };
-        let factor = if self.has_increments(gathered, letter)? { increment } else { 1.0 };
-        Ok(Some(value * factor * scale))
-    }
-
-    /// An angle word, rad.
-    pub(super) fn angle(&mut self, gathered: &Gathered, letter: u8) -> Result<Option<f64>, Fault> {
-        let Some(value) = gathered.raw(letter) else { return Ok(None) };
-        if self.is_rs274() || !gathered.is_unpointed(letter) || value == 0.0 {
-            return Ok(Some(value.to_radians()));
-        }
-        let factor = if self.has_increments(gathered, letter)? { INCREMENT } else { 1.0 };
-        Ok(Some((value * factor).to_radians()))
-    }
-
-    /// Whether a number without a decimal point counts increments. Where the machine file does not say it, this is a finding: a
-    /// factor of a thousand is not guessed.
-    fn has_increments(&mut self, gathered: &Gathered, letter: u8) -> Result<bool, Fault> {
-        if let Some(point) = self.machine.control.iso.decimal_point {
-            return Ok(point == DecimalPoint::Increment);
-        }
-        if std::mem::replace(&mut self.point_warned, true) {
-            return Ok(false);
-        }
-        let message =
-            "a number without a decimal point, which is whole units or least increments by a parameter of the control";
-        let help = "set control.decimal_point to \"calculator\" or \"increment\" in the machine file";
-        Err(fault(Code::UNITS_DOUBT, gathered.span_of(letter), message, help))
     }
 
     /// Puts the S, M and H words of the block into the stream.

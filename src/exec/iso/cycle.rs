@@ -360,7 +360,7 @@ impl Channel<'_> {
                 let mut text = "G64".to_owned();
                 for (letter, value) in [(b'P', p), (b'Q', q)] {
                     if let Some(value) = value {
-                        self.append(&mut text, letter, value);
+                        self.append_length(&mut text, letter, value);
                     }
                 }
                 self.push(Kind::Verbatim(text.into_bytes()));

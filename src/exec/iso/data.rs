@@ -12,6 +12,7 @@ use crate::exec::fault::{Fault, bad_value, fault};
 use crate::geometry::{Axis, AxisSet, AxisVector, FrameParts};
 use crate::snc::Kind;
 use crate::source::Span;
+use crate::units::MM_PER_INCH;
 
 impl Channel<'_> {
     /// `G10`
@@ -133,7 +134,7 @@ impl Channel<'_> {
         };
         for axis in named.iter() {
             let value = parts.shift()[axis];
-            let shown = if axis.is_rotary() { value.to_degrees() } else { value };
+            let shown = if axis.is_rotary() { value.to_degrees() } else { value / self.output_unit_mm() };
             self.append(&mut text, axis.letter(), shown);
         }
         if with_angle {
@@ -166,11 +167,11 @@ impl Channel<'_> {
                 bare[axis] - value
             };
             offset.length_mm[axis.slot()] = length;
-            self.append(&mut text, axis.letter(), length);
+            self.append_length(&mut text, axis.letter(), length);
         }
         if let Some(radius) = self.length(gathered, b'R')? {
             offset.radius_mm = radius;
-            self.append(&mut text, b'R', radius);
+            self.append_length(&mut text, b'R', radius);
         }
         for letter in *b"IJQ" {
             if let Some(value) = gathered.raw(letter) {
@@ -209,12 +210,22 @@ impl Channel<'_> {
         let value = *place;
         self.tools.insert(number, ToolOffset { is_stated: true, ..offset });
         let mut text = format!("G10 L{l} P{number}");
-        self.append(&mut text, b'R', value);
+        self.append_length(&mut text, b'R', value);
         self.push(Kind::Verbatim(text.into_bytes()));
         Ok(())
     }
 
-    /// Appends a word of a length or an angle, mm or degrees.
+    /// mm in a length unit of the output.
+    pub(super) fn output_unit_mm(&self) -> f64 {
+        if self.machine.control.output_inch == Some(true) { MM_PER_INCH } else { 1.0 }
+    }
+
+    /// Appends a word of a length, mm, in the unit of the output.
+    pub(super) fn append_length(&self, text: &mut String, letter: u8, value_mm: f64) {
+        self.append(text, letter, value_mm / self.output_unit_mm());
+    }
+
+    /// Appends a word of a value in the unit in which it is written.
     pub(super) fn append(&self, text: &mut String, letter: u8, value: f64) {
         let mut number = format!("{value:.5}");
         let kept = number.trim_end_matches('0').len();

@@ -1,11 +1,12 @@
 //! Evaluation of the expressions of the macro languages.
 
-use super::channel::{Channel, INCREMENT};
+use super::channel::Channel;
 use super::functions::{Arithmetic, NoValue};
 use super::variables::{Place, number_of};
 use crate::diagnostic::Code;
 use crate::dialect::Language;
 use crate::exec::fault::{Fault, at, fault};
+use crate::exec::grid::on_grid;
 use crate::machine::DecimalPoint;
 use crate::source::Span;
 use crate::syntax::words::{Address, ExprId, Function, NameId, Node, Operator, Program, UnaryOperator, Value, Word};
@@ -35,6 +36,8 @@ pub(super) struct Scope<'s, 'a> {
     /// The number of the program, in the order of loading.
     pub(super) index: usize,
     pub(super) channel: &'s Channel<'a>,
+    /// Increments in a unit of the address whose value is computed, to which its ROUND goes; `None` for whole numbers.
+    pub(super) grid: Option<f64>,
 }
 
 impl Scope<'_, '_> {
@@ -45,7 +48,7 @@ impl Scope<'_, '_> {
     /// What a length without a decimal point counts, in units of the program, where such numbers count increments.
     pub(super) fn increment(&self) -> Option<f64> {
         let counts = self.channel.machine.control.iso.decimal_point == Some(DecimalPoint::Increment);
-        counts.then_some(if self.channel.modal.inch { INCREMENT / 10.0 } else { INCREMENT })
+        counts.then(|| 1.0 / self.channel.increments_per_length())
     }
 
     /// The value of an expression; `None` is null.
@@ -112,6 +115,10 @@ impl Scope<'_, '_> {
             Node::Call(Function::Exists, inner, _) => return self.exists(inner).map(Some),
             Node::Call(Function::Prm, ..) => return self.of_machine_file(expr.span).map(Some),
             Node::Call(Function::Adp, inner, _) => return self.with_point(inner, expr.span, depth),
+            Node::Call(Function::Round, inner, _) if self.grid.is_some() => {
+                let value = self.value_at(inner, depth)?.unwrap_or(0.0);
+                return Ok(Some(on_grid(value, self.grid.unwrap_or(1.0))));
+            }
             Node::Call(function, first, second) => {
                 let first = self.value_at(first, depth)?.unwrap_or(0.0);
                 let second = second.map(|id| self.value_at(id, depth)).transpose()?;

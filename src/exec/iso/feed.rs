@@ -80,10 +80,12 @@ impl Channel<'_> {
             let message = "a speed must not be negative";
             return Err(bad_value(gathered.span_of(b'S'), message, "program S with a positive value"));
         }
-        // A cutting speed is in feet per minute where lengths are in inches, and the output is metric.
-        let is_in_feet = self.modal.spindle_mode == 960 && self.modal.inch;
+        // A cutting speed is in feet per minute where lengths are in inches.
+        let in_meters = |inch: bool| if inch { METERS_PER_FOOT } else { 1.0 };
+        let (own, output) = (self.modal.inch, self.machine.control.output_inch == Some(true));
+        let is_other = self.modal.spindle_mode == 960 && own != output;
         self.modal.speed = Some(value);
-        self.modal.speed_word = if is_in_feet { to_places(value * METERS_PER_FOOT) } else { value };
+        self.modal.speed_word = if is_other { to_places(value * in_meters(own) / in_meters(output)) } else { value };
         let value = WordValue::Number(self.modal.speed_word);
         self.before.push(Word { letter: b'S', extension: None, value });
         Ok(())
@@ -144,6 +146,8 @@ impl Channel<'_> {
             let mut text = "G64".to_owned();
             let (p, q) = (self.length(gathered, b'P')?, self.length(gathered, b'Q')?);
             self.modal.path_control = (code, p, q);
+            let unit_mm = self.output_unit_mm();
+            let (p, q) = (p.map(|length| length / unit_mm), q.map(|length| length / unit_mm));
             for (letter, value) in [(b'P', p), (b'Q', q), (b'R', gathered.raw(b'R'))] {
                 if let Some(value) = value {
                     self.append(&mut text, letter, value);
@@ -177,7 +181,8 @@ impl Channel<'_> {
         let mut text = entry.name.to_owned();
         for letter in entry.words.split(' ').filter_map(|word| word.bytes().next().filter(|_| word.len() == 1)) {
             let is_length = LENGTHS.contains(&letter);
-            if self.modal.inch && !is_length && gathered.has(letter) && !gathered.is_unpointed(letter) {
+            let is_other = self.modal.inch && self.machine.control.output_inch != Some(true);
+            if is_other && !is_length && gathered.has(letter) && !gathered.is_unpointed(letter) {
                 let message = format!(
                     "{} with {} under G20: it may be in inches, and the output is metric",
                     entry.name,
@@ -188,6 +193,7 @@ impl Channel<'_> {
             }
             let value = if is_length { self.length(gathered, letter)? } else { gathered.raw(letter) };
             if let Some(value) = value {
+                let value = if is_length { value / self.output_unit_mm() } else { value };
                 let is_count = gathered.is_unpointed(letter) && !is_length;
                 self.append_plain(&mut text, letter, value, is_count);
             }

@@ -56,7 +56,7 @@ pub(super) fn block(
     index: usize,
     words: &[Word],
 ) -> Result<Action, Fault> {
-    let scope = Scope { program: &loaded.program, index: level.program, channel };
+    let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
     let behind = |at: usize| Action::Jump(at + 1);
     // Without its other side the structure is faulty, which was said already; going on finds more.
     let partner = block.partner();
@@ -141,7 +141,7 @@ fn execute(
     if has_assignments && channel.language == Language::Fanuc {
         check_beside(words, channel.language)?;
         for word in words.iter().filter(|word| is_assignment(word)) {
-            let scope = Scope { program: &loaded.program, index: level.program, channel };
+            let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
             let assignment = evaluate(&scope, std::slice::from_ref(word))?;
             channel.assign(&assignment, loaded, block)?;
         }
@@ -150,7 +150,7 @@ fn execute(
     let (words, requested): (&[Word], _) = match requested {
         None => (words, None),
         Some(requested) => {
-            let scope = Scope { program: &loaded.program, index: level.program, channel };
+            let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
             let action = requested.read(&scope, words, block.span)?;
             own.extend(words.iter().filter(|word| !requested.takes(&loaded.program, word)).copied());
             (&own, Some((requested, action)))
@@ -195,16 +195,14 @@ fn run(
     has_assignments: bool,
     is_silent: bool,
 ) -> Result<(), Fault> {
-    let mut warnings = Vec::new();
-    let scope = Scope { program: &loaded.program, index: level.program, channel };
-    let found = gather(&scope, words, gathered, &mut warnings);
+    let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
+    let found = gather(&scope, words, gathered);
     let assignments = if has_assignments && channel.language == Language::Rs274 {
-        let scope = Scope { program: &loaded.program, index: level.program, channel };
+        let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
         found.and_then(|()| evaluate(&scope, words))
     } else {
         found.map(|()| Vec::new())
     };
-    channel.outlet.warnings.append(&mut warnings);
     let assignments = assignments.map_err(|found| leaves_unset(&loaded.program, words, found))?;
     channel.assign(&assignments, loaded, block)?;
     if is_silent { Ok(()) } else { channel.execute(gathered) }

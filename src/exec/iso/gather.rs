@@ -15,12 +15,16 @@ const NEAR: f64 = 1e-3;
 const MAX_VALUE: f64 = 1e9;
 
 /// Reads words of a block; assignments and names among them are not its business.
-pub(super) fn gather(
-    scope: &Scope<'_, '_>,
-    words: &[Word],
-    out: &mut Gathered,
-    warnings: &mut Vec<Fault>,
-) -> Result<(), Fault> {
+pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) -> Result<(), Fault> {
+    // The unit of the block holds for all its words.
+    let mut inch = scope.channel.modal.inch;
+    for word in words.iter().filter(|word| word.address == Address::Letter(b'G')) {
+        match word.value {
+            Value::Number { value, .. } if value == 20.0 => inch = true,
+            Value::Number { value, .. } if value == 21.0 => inch = false,
+            _ => {}
+        }
+    }
     for word in words {
         let letter = match word.address {
             Address::Letter(letter) => letter,
@@ -33,7 +37,7 @@ pub(super) fn gather(
         let (value, has_point) = match word.value {
             Value::None => continue,
             Value::Number { value, has_point, .. } => (value, has_point),
-            Value::Expr(id) => match scope.value(id)? {
+            Value::Expr(id) => match grid_scope(scope, letter, inch).value(id)? {
                 Some(value) => (value, true),
                 // An address with an undefined variable is as good as not programmed.
                 None => continue,
@@ -42,13 +46,12 @@ pub(super) fn gather(
         if !value.is_finite() || value.abs() > MAX_VALUE {
             return Err(bad_value(word.span, format!("{value} is too large for a word"), "check the value"));
         }
-        let language = scope.program.dialect.language;
         match letter {
-            b'G' => g_code(scope, value, word.span, out, warnings)?,
+            b'G' => g_code(scope, value, word.span, out)?,
             b'M' => out.m_codes.push((whole(value, word.span, "M")?, word.span)),
             _ => {
                 if out.set_value(letter, value, has_point, word.span) {
-                    double(language, word.span, warnings)?;
+                    double(word.span)?;
                 }
                 if matches!(word.value, Value::Number { has_point: true, .. }) {
                     out.note_point(letter);
@@ -59,14 +62,20 @@ pub(super) fn gather(
     Ok(())
 }
 
-/// A word or a group twice: an error of RS274/NGC, while the last one counts on a Fanuc.
-fn double(language: Language, span: Span, warnings: &mut Vec<Fault>) -> Result<(), Fault> {
-    let message = "a word of this kind stands in the block already";
-    if language == Language::Rs274 {
-        return Err(fault(Code::DOUBLE_WORD, span, message, "take one of them out"));
-    }
-    warnings.push(fault(Code::LEFT_OUT, span, format!("{message}; the last one counts"), "take one of them out"));
-    Ok(())
+/// What the expression of an address sees: ROUND goes to the increment of a Fanuc's lengths and angles.
+fn grid_scope<'s, 'a>(scope: &Scope<'s, 'a>, letter: u8, inch: bool) -> Scope<'s, 'a> {
+    let grid = match letter {
+        _ if scope.channel.is_rs274() => None,
+        b'A' | b'B' | b'C' | b'a' => Some(scope.channel.increments_per_degree()),
+        b'I'..=b'K' | b'Q' | b'R' | b'U'..=b'Z' | b'c' | b'r' => Some(scope.channel.increments_per(inch)),
+        _ => None,
+    };
+    Scope { grid, ..*scope }
+}
+
+/// A word or a group twice: an alarm, or the last one counts.
+fn double(span: Span) -> Result<(), Fault> {
+    Err(fault(Code::DOUBLE_WORD, span, "a word of this kind stands in the block already", "take one of them out"))
 }
 
 /// The whole number that a code must be.
@@ -79,13 +88,7 @@ pub(super) fn whole(value: f64, span: Span, what: &str) -> Result<u32, Fault> {
     Ok(rounded as u32)
 }
 
-fn g_code(
-    scope: &Scope<'_, '_>,
-    value: f64,
-    span: Span,
-    out: &mut Gathered,
-    warnings: &mut Vec<Fault>,
-) -> Result<(), Fault> {
+fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> Result<(), Fault> {
     let rounded = (value * 10.0).round();
     if (value * 10.0 - rounded).abs() > NEAR || !(0.0..=9999.0).contains(&rounded) {
         return Err(bad_value(span, format!("G{value} is no G code"), "write a G code of this control"));
@@ -111,8 +114,10 @@ fn g_code(
                 _ => {}
             }
         }
-        if out.set_code(group, tenths, span).is_some() {
-            double(dialect.language, span, warnings)?;
+        // The same code once more changes nothing on a Fanuc.
+        let old = out.set_code(group, tenths, span);
+        if old.is_some_and(|old| old != tenths || dialect.language == Language::Rs274) {
+            double(span)?;
         }
         return Ok(());
     }
@@ -125,7 +130,7 @@ fn g_code(
         }
         Some(entry) if entry.effect == Effect::Keep => {
             if out.passed.replace(entry).is_some() {
-                double(dialect.language, span, warnings)?;
+                double(span)?;
             }
             Ok(())
         }

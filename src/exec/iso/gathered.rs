@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 
-use super::codes::{G80, GROUPS, Group};
+use super::codes::{GROUPS, Group};
 use crate::dialect::CodeEntry;
 use crate::geometry::{Axis, AxisSet};
 use crate::source::Span;
@@ -115,12 +115,6 @@ impl Gathered {
         (code != NONE).then_some(code)
     }
 
-    /// Whether the block has a code that moves axes or says how fast the tool cuts.
-    pub(super) fn has_motion(&self) -> bool {
-        let has = |group| self.code(group).is_some_and(|code| code != G80);
-        has(Group::Motion) || has(Group::Cycle) || self.code(Group::SpindleMode) == Some(960)
-    }
-
     /// Where the G code of a group stands.
     pub(super) fn code_span(&self, group: Group) -> Span {
         self.code_spans[group as usize]
@@ -162,6 +156,11 @@ impl Gathered {
         Some(self.values[slot])
     }
 
+    /// The value of a letter as written; it does not count as used.
+    pub(super) fn raw_quietly(&self, letter: u8) -> Option<f64> {
+        slot_of(letter).filter(|_| self.has(letter)).map(|slot| self.values[slot])
+    }
+
     /// Whether the value of a letter is a plain number without a decimal point.
     pub(super) fn is_unpointed(&self, letter: u8) -> bool {
         slot_of(letter).is_some_and(|slot| self.unpointed & (1 << slot) != 0)
@@ -191,17 +190,7 @@ impl Gathered {
 
     /// A word that nothing has used: its letter as written, and its place.
     pub(super) fn unused(&self) -> Option<(String, Span)> {
-        self.unused_of(u32::MAX)
-    }
-
-    /// The same among words that say how axes move.
-    pub(super) fn unused_of_motion(&self) -> Option<(String, Span)> {
-        let slots = b"IJKRLPQXYZABCUVWcra".iter().filter_map(|&letter| slot_of(letter));
-        self.unused_of(slots.fold(0, |letters, slot| letters | 1 << slot))
-    }
-
-    fn unused_of(&self, letters: u32) -> Option<(String, Span)> {
-        let left = self.present & !self.used.get() & letters;
+        let left = self.present & !self.used.get();
         if left == 0 {
             return None;
         }

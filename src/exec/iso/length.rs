@@ -94,7 +94,7 @@ impl Channel<'_> {
                     let value = self.axis_value(gathered, axis)?;
                     let place = &mut length[axis.slot()];
                     *place = if code == 431 { value } else { *place + value };
-                    self.append(&mut text, axis.letter(), value);
+                    self.append_length(&mut text, axis.letter(), value);
                 }
             }
             _ => {}

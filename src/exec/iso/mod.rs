@@ -29,6 +29,7 @@ mod length;
 mod level;
 mod library;
 mod loaded;
+mod measure;
 mod message;
 mod modal;
 mod motion;
@@ -63,7 +64,7 @@ use crate::exec::{Executor, Library, Options};
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, Element, Kind, Origin};
 use crate::source::Span;
-use crate::syntax::words::{Comment, CommentKind, PartKind, Program};
+use crate::syntax::words::{Comment, CommentKind, Program};
 
 use channel::Channel;
 use expression::Scope;
@@ -76,6 +77,10 @@ pub(super) struct Interpreter<'a> {
     library: Box<dyn Library + 'a>,
     ledger: Ledger,
     programs: Vec<Loaded>,
+    /// The part of the first file that is the main program.
+    main: usize,
+    /// Which parts of the first file were entered.
+    entered: Vec<bool>,
     levels: Vec<Level>,
     channel: Channel<'a>,
     /// Files that were looked for, by the name of the call: their numbers.
@@ -90,12 +95,11 @@ impl<'a> Interpreter<'a> {
         library: Box<dyn Library + 'a>,
         options: Options,
     ) -> Self {
-        let is_program = |part: &crate::syntax::words::Part| part.kind == PartKind::Program && !part.blocks.is_empty();
-        let main = program.parts.iter().position(is_program).unwrap_or(0);
+        let (first, main) = program.main_parts();
         let mut channel = Channel::new(machine, &options, program.dialect);
         let source = program.source.clone();
         let found = startup::start_up(&mut channel, &program);
-        let start = program.parts.get(main).map_or(0, |part| part.blocks.start);
+        let start = program.parts.get(first).map_or(0, |part| part.blocks.start);
         let headers = program.parts.get(main).map_or(&[][..], |part| &part.headers);
         // `%100` is the mark itself: a second one would end the tape.
         let is_marked = headers.first().is_some_and(|&header| source.slice(header).starts_with(b"%"));
@@ -110,12 +114,18 @@ impl<'a> Interpreter<'a> {
         let mut ledger = Ledger::new(source, program.blocks.len(), &options);
         found.into_iter().for_each(|found| ledger.report(found));
         channel.variables.add_program(&program);
+        let mut entered = vec![false; program.parts.len()];
+        [first, main]
+            .into_iter()
+            .for_each(|part| entered.iter_mut().skip(part).take(1).for_each(|place| *place = true));
         Interpreter {
             machine,
             library,
+            main,
+            entered,
             programs: vec![Loaded::new(program, &ledger)],
             ledger,
-            levels: vec![Level::new(0, main, start, 0)],
+            levels: vec![Level::new(0, first, start, 0)],
             channel,
             files: HashMap::new(),
         }
@@ -166,7 +176,7 @@ impl<'a> Interpreter<'a> {
         // What shows or writes something does so with each pass of a loop, with the values of that pass.
         let acts = |comment: &&Comment| comment.kind != CommentKind::Plain;
         for comment in loaded.program.comments_of(&block).iter().filter(|comment| takes_all || acts(comment)) {
-            let scope = Scope { program: &loaded.program, index: level.program, channel: &self.channel };
+            let scope = Scope { program: &loaded.program, index: level.program, channel: &self.channel, grid: None };
             let kind = scope.comment(comment);
             self.channel.push(kind);
         }
@@ -189,8 +199,26 @@ impl<'a> Interpreter<'a> {
         }
     }
 
+    /// The finding about a program of a Fanuc's file that nothing has called: the output is that of the first one alone.
+    fn report_uncalled(&mut self) {
+        let Some(program) = self.programs.first().map(|loaded| &loaded.program) else { return };
+        if self.channel.language != Language::Fanuc {
+            return;
+        }
+        let is_left = |(part, entered): &(&crate::syntax::words::Part, &bool)| !**entered && !part.blocks.is_empty();
+        let Some((part, _)) = program.parts.iter().zip(&self.entered).find(is_left) else { return };
+        let span = part.headers.first().copied().unwrap_or_default();
+        let shown = String::from_utf8_lossy(program.source.slice(span)).into_owned();
+        let message =
+            format!("the program {shown} is left out: the first one of a file is executed, and does not call it");
+        let place = Place { file: program.source.id(), span };
+        let help = "put each main program into a file of its own";
+        self.ledger.report(Diagnostic::at(Code::MORE_PROGRAMS, place, message, help));
+    }
+
     /// What was found at the very end.
     fn report_rest(&mut self) {
+        self.report_uncalled();
         let file = self.channel.outlet.file();
         for warning in std::mem::take(&mut self.channel.outlet.warnings) {
             self.ledger.report(warning.in_file(file));

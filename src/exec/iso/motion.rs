@@ -101,19 +101,7 @@ impl Channel<'_> {
             return Err(fault(Code::NOT_SUPPORTED, span, message, "program G0 or G1 in the block of G53"));
         }
         if self.modal.incremental {
-            if !self.is_rs274() {
-                // A Fanuc ignores G53 under G91.
-                self.outlet.warnings.push(fault(
-                    Code::LEFT_OUT,
-                    span,
-                    "G53 under G91 does nothing, nor do its axis words",
-                    "program G90 in the block",
-                ));
-                for axis in gathered.axes.iter() {
-                    self.axis_value(gathered, axis)?;
-                }
-                return Ok(());
-            }
+            // A Fanuc ignores it; a motion that somebody has programmed does not vanish.
             return Err(fault(Code::BAD_WORD_VALUE, span, "G53 under G91", "program G90 in the block"));
         }
         self.no_compensation(span, "G53")?;

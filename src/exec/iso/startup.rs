@@ -26,9 +26,8 @@ pub(super) fn start_up(channel: &mut Channel<'_>, program: &Program) -> Option<D
     }
     for block in &parsed.blocks {
         let mut gathered = channel.take_gathered(block.span);
-        let mut warnings = Vec::new();
-        let scope = Scope { program: &parsed, channel, index: usize::MAX };
-        let found = gather(&scope, parsed.words_of(block), &mut gathered, &mut warnings);
+        let scope = Scope { program: &parsed, channel, index: usize::MAX, grid: None };
+        let found = gather(&scope, parsed.words_of(block), &mut gathered);
         let done = found.and_then(|()| channel.execute(&mut gathered));
         let moves = channel.has_moved;
         channel.put_back(gathered);

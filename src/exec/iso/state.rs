@@ -100,7 +100,7 @@ impl Channel<'_> {
                     let mut text = "G64".to_owned();
                     for (letter, value) in [(b'P', p), (b'Q', q)] {
                         if let Some(value) = value {
-                            self.append(&mut text, letter, value);
+                            self.append_length(&mut text, letter, value);
                         }
                     }
                     texts.push(text);
@@ -117,7 +117,7 @@ impl Channel<'_> {
             let mut text = if saved.length_code == 490 { "G49".to_owned() } else { "G43.1".to_owned() };
             if saved.length_code != 490 {
                 for (letter, value) in b"XYZ".iter().zip(saved.length_mm.iter()) {
-                    self.append(&mut text, *letter, *value);
+                    self.append_length(&mut text, *letter, *value);
                 }
             }
             texts.push(text);

@@ -269,8 +269,7 @@ impl Channel<'_> {
         parts.translation[axis] = inside;
         parts.fine[axis] = 0.0;
         self.offsets.insert(system, parts);
-        // The output is metric.
-        self.tell(number, if axis.is_rotary() { value } else { inside }, "");
+        self.tell(number, if axis.is_rotary() { value } else { inside / self.output_unit_mm() }, "");
         if system == self.modal.system || system == System::EXTERNAL {
             self.load_offset(span)?;
         }
@@ -287,7 +286,7 @@ impl Channel<'_> {
         let inside = value * self.modal.scale();
         *part_of(&mut offset, part) = inside;
         self.tools.insert(tool, ToolOffset { is_stated: true, ..offset });
-        self.tell(number, inside, "");
+        self.tell(number, inside / self.output_unit_mm(), "");
         Ok(())
     }
 }

@@ -10,8 +10,10 @@ use super::polar;
 use crate::diagnostic::Code;
 use crate::exec::arc::{RadiusFault, behind_frame, center_of_radius};
 use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::grid::{Meeting, meeting, unsure};
 use crate::exec::path::Shape;
-use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault};
+use crate::geometry::{Arc, Axis, AxisSet, AxisVector, CenterFault, Plane};
+use crate::machine::Control;
 use crate::source::Span;
 
 /// Largest number of extra turns of a helix.
@@ -77,6 +79,49 @@ fn opening_rad(value: f64, span: Span) -> Result<f64, Fault> {
         return Ok(value.to_radians());
     }
     Err(bad_value(span, format!("AR={value} is no angle between 0 and 360"), "a full circle needs I, J, K"))
+}
+
+/// Increments of a Sinumerik in a millimeter as delivered (MD10200).
+const DELIVERED_PER_MM: f64 = 1000.0;
+
+/// Whether two points of the plane are one at the resolution of the control.
+pub(super) fn on_control(a: [f64; 2], b: [f64; 2], control: &Control) -> Meeting {
+    match control.increments_per_mm {
+        Some(count) => meeting(a, b, count),
+        // The file does not say it: both the resolution of the output and the one of a control as delivered must agree.
+        None => match (meeting(a, b, 1.0 / control.grid[0]), meeting(a, b, DELIVERED_PER_MM)) {
+            (one, other) if one == other => one,
+            _ => Meeting::Unsure,
+        },
+    }
+}
+
+/// The end of an arc in base coordinates; where the resolution of the control makes it one with the start, it is the start. An arc that is
+/// given `by_angle` turns by that.
+pub(super) fn closed_on_grid(
+    plane: Plane,
+    context: MotionContext<'_>,
+    start: &AxisVector,
+    target: &AxisVector,
+    by_angle: bool,
+) -> Result<AxisVector, Fault> {
+    let [abscissa, ordinate, _] = plane.axes();
+    let (from, to) = (context.setup.programmed(start), context.setup.programmed(target));
+    let (s, e) = ([from[abscissa], from[ordinate]], [to[abscissa], to[ordinate]]);
+    match on_control(s, e, context.control) {
+        Meeting::Apart => Ok(*target),
+        Meeting::Same if !by_angle => {
+            if context.setup.frame.is_translation() {
+                let mut closed = *target;
+                (closed[abscissa], closed[ordinate]) = (start[abscissa], start[ordinate]);
+                return Ok(closed);
+            }
+            let mut closed = to;
+            (closed[abscissa], closed[ordinate]) = (s[0], s[1]);
+            Ok(context.setup.command(&closed))
+        }
+        _ => Err(unsure(context.span, s, e, "state MD10200 as control.increments_per_mm in the machine file")),
+    }
 }
 
 fn two_centers(span: Span) -> Fault {

@@ -7,6 +7,7 @@ use super::modal::{Modal, MotionKind};
 use super::{arc, polar, polynomial, positioning, rotary, spatial, thread};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::grid::Meeting;
 use crate::exec::path::{Path, Shape};
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
 use crate::machine::{Control, Machine};
@@ -62,11 +63,14 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         MotionKind::Akima | MotionKind::BSpline | MotionKind::Cubic => Shape::Line,
         MotionKind::Polynomial => polynomial::shape(gathered, modal, context, &start, &target)?,
         MotionKind::Clockwise | MotionKind::CounterClockwise => {
-            if let Some(end) = arc::end_by_angle(gathered, modal, context)? {
+            let by_angle = arc::end_by_angle(gathered, modal, context)?;
+            if let Some(end) = by_angle {
                 let plane = modal.plane.axes().into_iter().take(2).collect();
                 named = named.union(plane);
                 target = reach(modal, context, named, &end);
             }
+            let closed = arc::closed_on_grid(modal.plane, context, &start, &target, by_angle.is_some());
+            target = closed.inspect_err(|_| modal.command = target)?;
             // What follows begins where the block leads, so that one fault is not found again in every arc behind it.
             arc::arc(gathered, modal, context, &start, &target).inspect_err(|_| {
                 modal.command = target;
@@ -147,6 +151,11 @@ fn target(
         } else {
             modal.programmed[axis] + value
         };
+        let is_still = || arc::on_control([programmed[axis], 0.0], [here[axis], 0.0], context.control) == Meeting::Same;
+        if modal.contour.compensates() && !axis.is_rotary() && is_still() {
+            // No motion for the control: an element next to nothing would bend the compensated contour.
+            programmed[axis] = here[axis];
+        }
         if !programmed[axis].is_finite() || programmed[axis].abs() > 1e9 {
             return Err(bad_value(span, format!("{axis} would move to {}", programmed[axis]), "check the value"));
         }

@@ -39,7 +39,7 @@ pub(super) fn circle(
     }
     let (from, to) = (context.setup.programmed(start), context.setup.programmed(target));
     let chord = to.xyz() - from.xyz();
-    if chord.norm() == 0.0 {
+    if chord.amax() < context.control.grid[0] {
         let message = "start and end of this arc coincide";
         return Err(fault(Code::BAD_ARC, context.span, message, "a full circle needs G2 or G3 with I, J, K"));
     }

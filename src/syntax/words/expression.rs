@@ -171,6 +171,7 @@ impl Parser {
             None => fault(Code::BAD_EXPRESSION, input, 1, "an operand is missing at the end of the expression"),
             Some(b'0'..=b'9' | b'.') => {
                 let (rest, number) = number(input, self.is_spaced())?;
+                self.no_exponent(input, rest)?;
                 Ok((rest, self.push_between(input, rest, Node::Number(number.value))))
             }
             Some(b'+') => self.unary(input, 1, UnaryOperator::Plus),

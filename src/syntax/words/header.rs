@@ -74,6 +74,7 @@ impl Parser {
             (Some(b'%'), _) => self.tape_mark(text),
             (Some(b'O' | b'o' | b':'), _) => self.program_header(text),
             (Some(b'<'), Language::Fanuc) => self.program_header(text),
+            (Some(b'N' | b'n'), Language::Fanuc) => self.numbered_header(text),
             _ => text,
         }
     }
@@ -175,6 +176,17 @@ impl Parser {
             part.number = Some(number);
         }
         rest
+    }
+
+    /// `N10 O1234 (NAME)`: a program number behind a block number, alone but for comments.
+    fn numbered_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
+        let Ok((rest, _)) = small_number(blanks(&text[1..]), true) else { return text };
+        let header = blanks(rest);
+        let Some(b'O' | b'o') = header.first() else { return text };
+        match small_number(blanks(&header[1..]), true) {
+            Ok((rest, _)) if matches!(blanks(rest).first(), None | Some(b'(' | b';')) => self.program_header(header),
+            _ => text,
+        }
     }
 
     /// The comment behind a header, if nothing but it follows, is the title of the part.

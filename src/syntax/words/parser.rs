@@ -283,6 +283,7 @@ impl Parser {
 fn help_for(code: Code) -> &'static str {
     match code {
         Code::BAD_NUMBER => "write digits with one decimal point at most",
+        Code::EXPONENT => "write the number out, without an exponent; if E is a word, put a blank before it",
         Code::MISSING_VALUE => "give the address a value, for example X10",
         Code::BAD_EXPRESSION => "complete or correct the expression",
         Code::UNCLOSED => "close it before the end of the block",

@@ -1,12 +1,52 @@
 //! Connects the two sides of control structures, lists jump targets and subroutines, and reports what has only one side.
 
-use super::tree::{Address, Block, Body, Label, PartKind, Program, Value};
+use super::tree::{Address, Block, Body, Label, Part, PartKind, Program, Value, Word};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Language;
 use crate::source::Span;
 
 /// The loop that BREAK and CONTINUE belong to is looked for among so many open structures.
 const MAX_SEARCH: usize = 256;
+
+/// M codes that end a program or call one.
+const LEADING_AWAY: [f64; 5] = [2.0, 30.0, 98.0, 99.0, 198.0];
+
+impl Program {
+    /// The part with which the execution begins, and the main program: the first program with blocks. Where a Fanuc's file has comments
+    /// or codes before its first program number they come before it, and are no program of their own.
+    #[must_use]
+    pub fn main_parts(&self) -> (usize, usize) {
+        let is_program = |part: &Part| part.kind == PartKind::Program && !part.blocks.is_empty();
+        let Some(first) = self.parts.iter().position(is_program) else { return (0, 0) };
+        let next = self.parts.iter().skip(first + 1).position(is_program).map(|place| first + 1 + place);
+        match next {
+            Some(main) if self.dialect.language == Language::Fanuc && self.is_preamble(first) => (first, main),
+            _ => (first, first),
+        }
+    }
+
+    /// Whether a part of a program that is there as a whole has nothing but comments.
+    #[must_use]
+    pub fn is_idle(&self, part: &Part) -> bool {
+        self.blocks.range(part.blocks.clone()).iter().all(|block| block.body == Body::Empty)
+    }
+
+    /// Whether a part has no number and nothing in it that moves, calls or ends.
+    fn is_preamble(&self, part: usize) -> bool {
+        let Some(part) = self.parts.get(part).filter(|part| part.headers.is_empty()) else { return false };
+        let is_still = |word: &Word| match (word.address, word.value) {
+            (Address::Variable(_), _) => true,
+            (Address::Letter(b'M'), Value::Number { value, .. }) => !LEADING_AWAY.contains(&value),
+            (Address::Letter(b'G' | b'S' | b'T' | b'F' | b'D' | b'H' | b'O'), Value::Number { .. }) => true,
+            _ => false,
+        };
+        self.blocks.range(part.blocks.clone()).iter().all(|block| match block.body {
+            Body::Empty => true,
+            Body::Words => self.words_of(block).iter().all(is_still),
+            _ => false,
+        })
+    }
+}
 
 /// Sorts the block numbers of each part, so that a jump finds its target.
 pub(super) fn list_targets(program: &mut Program, findings: &mut Vec<Diagnostic>) {

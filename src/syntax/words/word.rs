@@ -19,6 +19,9 @@ impl Parser {
         match behind.first() {
             Some(b'0'..=b'9' | b'.') => {
                 let (rest, number) = number(behind, self.is_spaced())?;
+                if !matches!(letter, b'G' | b'M' | b'N' | b'O' | b'T') {
+                    self.no_exponent(behind, rest)?;
+                }
                 if self.language == Language::Grundig
                     && !number.has_point
                     && let [b'=', value @ ..] = blanks(rest)
@@ -71,6 +74,22 @@ impl Parser {
         Ok((rest, Value::Expr(id)))
     }
 
+    /// Refuses what looks like an exponent directly behind a number, which begins at `from`: E, perhaps a sign, digits and no decimal point.
+    /// No word language has exponents, so the control would read E as a word of its own; a Grundig has parameters of that name.
+    pub(super) fn no_exponent<'a>(&self, from: Input<'a>, rest: Input<'a>) -> Parsed<'a, ()> {
+        if self.language != Language::Grundig
+            && let [b'E' | b'e', behind @ ..] = rest
+        {
+            let sign = usize::from(matches!(behind.first(), Some(b'+' | b'-')));
+            let digits = behind[sign..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+            if digits > 0 && behind.get(sign + digits) != Some(&b'.') {
+                let length = from.len() - rest.len() + 1 + sign + digits;
+                return fault(Code::EXPONENT, from, length, "this number has a letter in it");
+            }
+        }
+        Ok((rest, ()))
+    }
+
     /// A number with a sign or without.
     fn signed_number<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Value> {
         let (behind, sign) = match *input {
@@ -79,6 +98,7 @@ impl Parser {
             _ => (input, 1.0),
         };
         let (rest, number) = number(behind, self.is_spaced())?;
+        self.no_exponent(behind, rest)?;
         let value = sign * number.value;
         Ok((rest, Value::Number { value, has_point: number.has_point, digits: number.digits }))
     }
