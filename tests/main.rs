@@ -1,6 +1,8 @@
 //! The integration tests, one binary.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails here, which is what it is for")]
 
+mod adversary;
+mod answers;
 mod architecture;
 mod archives;
 mod arcs;
@@ -33,6 +35,7 @@ mod cli_fix;
 mod cli_machine;
 mod cli_man;
 mod cli_origin;
+mod cli_resume;
 mod cli_select;
 mod cli_snc;
 mod cli_state;

@@ -10,6 +10,7 @@ use crate::machine::file::{MachineFile, Section, nearest};
 use crate::source::Source;
 
 use super::dialogue::PROTOCOLS;
+use super::watch::Patience;
 
 /// Names and texts of the profiles that are shipped.
 pub const PROFILES: &[(&str, &str)] = &[
@@ -76,8 +77,17 @@ pub struct Window {
     pub bytes: usize,
     /// Bytes in the queue of the system, at most: what is there can no longer be held back.
     pub system_bytes: usize,
-    /// Lines that the control holds beyond those: it has answered them and has not carried them out.
+    /// Lines that a control of this kind holds beyond those, as a rule: for the forecast only. What a control holds in truth it states itself.
     pub planned: usize,
+}
+
+/// How many blocks a control has taken and not carried out, at most, where it does not say so itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bound {
+    /// So many, and never more.
+    pub at_most: u64,
+    /// Where the figure comes from.
+    pub source: String,
 }
 
 /// What frames lines and programs.
@@ -121,6 +131,8 @@ pub struct Profile {
     pub frame: Frame,
     /// How much may be under way.
     pub window: Window,
+    /// How many blocks lie in its planner, at most; `None` where nobody knows.
+    pub depth: Option<Bound>,
     /// A line may not be longer, bytes without its end.
     pub longest_line: usize,
     /// Whether letters are sent as capitals.
@@ -131,6 +143,8 @@ pub struct Profile {
     pub answer_s: f64,
     /// Without an answer for so long beyond what a block takes, the control is asked, or the line is sent again.
     pub answer_within: Duration,
+    /// How long a job may stand still before it ends.
+    pub patience: Patience,
     /// How often a line is sent again, at most.
     pub most_repeats: u32,
     /// Whether check characters are made printed ones.
@@ -203,6 +217,9 @@ impl Profile {
             window.planned = section.integer("planned").map_or(window.planned, |value| value as usize);
             window.system_bytes = at_least_one(section.integer("system_bytes")).unwrap_or(window.system_bytes);
         });
+        let has_planner = PROTOCOLS.iter().any(|known| known.name == protocol && known.has_planner);
+        let mut depth = None;
+        own("depth", &mut |section| depth = bound(section, has_planner));
         let (mut longest_line, mut is_upper_case, mut refused) = (256, false, Vec::new());
         own("text", &mut |section| {
             longest_line = section.integer("longest_line").map_or(longest_line, |value| value.max(1) as usize);
@@ -211,11 +228,20 @@ impl Profile {
         });
         let mut answer_s = 0.0;
         let (mut answer_within, mut most_repeats, mut avoids_controls) = (Duration::from_secs(10), 3, false);
+        let mut patience = Patience::default();
         own("answer", &mut |section| {
             let positive = |value: f64| value > 0.0 && value <= 3600.0;
             if let Some(seconds) = section.number_where("within_s", "a time above 0 and up to 3600", positive) {
                 answer_within = Duration::from_secs_f64(seconds);
             }
+            let is_long = |value: f64| (1.0..=86_400.0).contains(&value);
+            let mut limit = |key: &str, of: &mut Duration| {
+                if let Some(seconds) = section.number_where(key, "a time from 1 to 86400", is_long) {
+                    *of = Duration::from_secs_f64(seconds);
+                }
+            };
+            limit("stall_s", &mut patience.stall);
+            limit("hold_s", &mut patience.hold);
             let is_time = |value: f64| (0.0..=60.0).contains(&value);
             answer_s = section.number_where("typical_s", "a time from 0 to 60", is_time).unwrap_or(answer_s);
             most_repeats = section.integer("repeats").unwrap_or(most_repeats);
@@ -233,15 +259,34 @@ impl Profile {
             flow,
             frame,
             window,
+            depth,
             longest_line,
             is_upper_case,
             refused,
             answer_s,
             answer_within,
+            patience,
             most_repeats,
             avoids_controls,
         })
     }
+}
+
+/// An upper bound of the depth of a planner: without its source it is a guess, and that skips blocks which nobody has carried out.
+fn bound(section: &mut Section<'_>, has_planner: bool) -> Option<Bound> {
+    let at_most = section.required("at_most", "64", Section::integer);
+    let source =
+        section.required("source", "\"Configuration_adv.h of this firmware: BLOCK_BUFFER_SIZE 64\"", Section::text);
+    let source = source.map(str::to_owned);
+    if !has_planner {
+        let message = "an answer over this link does not mean that the line lies in a planner, or there is none";
+        section.report(Code::BAD_VALUE, section.place_of("at_most"), message, "leave out [depth]");
+    } else if source.as_ref().is_some_and(|source| source.trim().is_empty()) {
+        let help = "write where the figure comes from: a setting of the control, its configuration, its manual";
+        section.report(Code::BAD_VALUE, section.place_of("source"), "a bound without a source", help);
+    }
+    let (at_most, source) = at_most.zip(source)?;
+    Some(Bound { at_most: at_most.into(), source })
 }
 
 fn read_serial(section: &mut Section<'_>, serial: &mut Serial) {

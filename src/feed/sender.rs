@@ -4,6 +4,7 @@ use std::io;
 use std::time::Duration;
 
 use super::dialogue::{Dialogue, Event, Halt};
+use super::watch::{Patience, Watch};
 use super::{Line, Wire};
 
 /// Bytes that are read at a time.
@@ -120,6 +121,8 @@ pub struct Progress {
     pub left: u64,
     /// Lines that it has carried out, where it says so.
     pub executed: Option<u64>,
+    /// Blocks that it may have taken and not carried out, at most, where it says so.
+    pub holds: Option<u64>,
     /// Lines and bytes under way now.
     pub in_flight: (usize, usize),
     /// The fewest lines that were under way since the window was full for the first time; `None` before.
@@ -139,6 +142,7 @@ pub struct Sender<'a> {
     dialogue: Box<dyn Dialogue>,
     record: &'a mut dyn Record,
     wire: Wire,
+    watch: Watch,
     /// Frozen, but the window had no room for it.
     pending: Option<Line>,
     /// Bytes in the queue of the system, at most.
@@ -162,6 +166,7 @@ impl<'a> Sender<'a> {
             dialogue,
             record,
             wire: Wire::default(),
+            watch: Watch::new(Patience::default()),
             pending: None,
             system_bytes: system_bytes.max(1),
             is_opened: false,
@@ -173,6 +178,13 @@ impl<'a> Sender<'a> {
             progress: Progress::default(),
             events: Vec::new(),
         }
+    }
+
+    /// How long it may stand still.
+    #[must_use]
+    pub fn patient(mut self, patience: Patience) -> Sender<'a> {
+        self.watch = Watch::new(patience);
+        self
     }
 
     /// Where it stands.
@@ -205,27 +217,35 @@ impl<'a> Sender<'a> {
         note: &mut dyn FnMut(&Event),
     ) -> io::Result<Option<Ended>> {
         if self.ended.is_some() {
+            // What stops motion still goes out.
+            let _ = self.write(port);
             return Ok(self.ended.clone());
         }
         if !std::mem::replace(&mut self.is_opened, true) {
             self.dialogue.open(now, &mut self.wire);
         }
-        if let Err(error) = self.hear(now, port) {
-            self.events.push(Event::Lost(gone(&error)));
-        }
-        // To ask the system costs as much as to write.
+        // Before anything is heard: an answer to what has not left is none. To ask the system costs as much as to write.
         if self.wire.queued() > 0 {
             self.wire.queue(port.queued().unwrap_or(0));
         }
+        if let Err(error) = self.hear(now, port) {
+            self.events.push(Event::Lost(gone(&error)));
+        }
         self.dialogue.tick(now, &mut self.wire, &mut self.events);
         self.take_events(now, note)?;
+        self.look(now, note)?;
         if self.ended.is_none() {
             self.fill(now, supply)?;
             self.record.settle()?;
-            if let Err(error) = self.write(port) {
-                self.events.push(Event::Lost(gone(&error)));
-                self.take_events(now, note)?;
-            }
+        }
+        if matches!(self.ended, Some(Ended::Lost(_) | Ended::Refused(..))) {
+            self.wire.withdraw();
+        }
+        if let Err(error) = self.write(port)
+            && self.ended.is_none()
+        {
+            self.events.push(Event::Lost(gone(&error)));
+            self.take_events(now, note)?;
         }
         self.record.settle()?;
         supply.look_ahead();
@@ -247,6 +267,19 @@ impl<'a> Sender<'a> {
         self.dialogue.halt(halt, now, &mut self.wire)
     }
 
+    /// Ends it where it stands still for too long.
+    fn look(&mut self, now: Duration, note: &mut dyn FnMut(&Event)) -> io::Result<()> {
+        let (is_open, is_waiting) = (self.dialogue.is_open(), self.dialogue.in_flight().0 > 0);
+        if self.ended.is_none()
+            && (is_waiting || !is_open)
+            && let Some(why) = self.watch.look(now, is_open, self.is_closed)
+        {
+            self.events.push(Event::Lost(why));
+            self.take_events(now, note)?;
+        }
+        Ok(())
+    }
+
     fn hear(&mut self, now: Duration, port: &mut dyn Port) -> io::Result<()> {
         let mut chunk = [0; CHUNK];
         for _ in 0..MOST_READS {
@@ -266,6 +299,7 @@ impl<'a> Sender<'a> {
     fn take_events(&mut self, now: Duration, note: &mut dyn FnMut(&Event)) -> io::Result<()> {
         for event in std::mem::take(&mut self.events) {
             self.record.event(&event, now)?;
+            self.watch.note(&event, now);
             note(&event);
             match event {
                 Event::Acknowledged(number) | Event::Left(number) => {
@@ -280,6 +314,7 @@ impl<'a> Sender<'a> {
                     }
                 }
                 Event::Executed(number) => self.progress.executed = Some(number),
+                Event::Holds(most, _) => self.progress.holds = Some(most),
                 Event::Repeated(_) => self.progress.repeats += 1,
                 Event::Stalled => self.progress.stalls += 1,
                 Event::Refused(number, said) => _ = self.ended.get_or_insert(Ended::Refused(number, said)),
@@ -329,6 +364,7 @@ impl<'a> Sender<'a> {
                 self.stop_for(format!("line {} cannot be sent: {why}", line.number));
                 continue;
             }
+            self.watch.sent(line.busy(), self.dialogue.in_flight().0 <= 1, now);
             self.progress.sent = line.number;
             self.progress.last = line;
         }

@@ -20,16 +20,32 @@ pub(crate) struct Grbl {
     done_s: f64,
     busy_s: f64,
     is_held: bool,
+    /// Whether the first line of the ring is a dwell that waits for the planner.
+    dwells: bool,
     is_alarmed: bool,
     /// Whether it does not know `$I`.
     is_old: bool,
     was_reset: bool,
+    /// Places of its planner and of its ring, and whether it tells them.
+    planner_size: usize,
+    ring_size: usize,
+    tells_sizes: bool,
+    /// What it says it does, whatever it does.
+    state: Option<&'static str>,
     answers: u64,
     lines: u64,
     out: Vec<u8>,
     executed: Vec<Vec<u8>>,
     /// Bytes that were lost.
     pub(crate) overflows: usize,
+    /// Whether a reset locks it, as it does where homing is on.
+    pub(crate) locks: bool,
+    /// It is reset when its ring has so many bytes, not before.
+    pub(crate) resets_from: usize,
+    /// Lines that were carried out before a reset that threw others away.
+    pub(crate) before_reset: Option<usize>,
+    /// The line that it has refused as it was told to.
+    pub(crate) refused: Option<u64>,
 }
 
 impl Grbl {
@@ -42,20 +58,62 @@ impl Grbl {
             done_s: 0.0,
             busy_s,
             is_held: false,
+            dwells: false,
             is_alarmed: false,
             is_old: false,
             was_reset: false,
+            planner_size: PLANNER,
+            ring_size: RING,
+            tells_sizes: true,
+            state: None,
             answers: 0,
             lines: 0,
             out: Vec::new(),
             executed: Vec::new(),
             overflows: 0,
+            locks: true,
+            resets_from: 0,
+            before_reset: None,
+            refused: None,
         }
     }
 
     pub(crate) fn in_alarm(mut self) -> Grbl {
         self.is_alarmed = true;
         self
+    }
+
+    /// grblHAL as it is delivered: a hundred blocks in its planner.
+    pub(crate) fn of_a_hundred_blocks(mut self) -> Grbl {
+        (self.planner_size, self.ring_size) = (100, 1024);
+        self
+    }
+
+    pub(crate) fn that_tells_no_sizes(mut self) -> Grbl {
+        self.tells_sizes = false;
+        self
+    }
+
+    pub(crate) fn that_says(mut self, state: &'static str) -> Grbl {
+        self.state = Some(state);
+        self
+    }
+
+    /// Somebody holds its axes; lines are still taken.
+    pub(crate) fn hold(&mut self) {
+        self.is_held = true;
+    }
+
+    /// Blocks that were taken and not carried out.
+    pub(crate) fn planned(&self) -> usize {
+        self.planner.len()
+    }
+
+    /// The current is gone: what was not carried out never is.
+    pub(crate) fn fail(&mut self) {
+        self.planner.clear();
+        self.ring.clear();
+        self.is_alarmed = true;
     }
 
     pub(crate) fn that_is_old(mut self) -> Grbl {
@@ -79,12 +137,15 @@ impl Grbl {
     }
 
     fn reset(&mut self) {
+        if !(self.ring.is_empty() && self.line.is_empty() && self.planner.is_empty()) {
+            self.before_reset.get_or_insert(self.executed.len());
+        }
         self.ring.clear();
         self.line.clear();
         self.planner.clear();
-        self.is_held = false;
+        (self.is_held, self.dwells) = (false, false);
         // With homing on, a reset locks it until it is homed.
-        self.is_alarmed = true;
+        self.is_alarmed = self.locks;
         self.out.extend(b"\r\nGrbl 1.1h ['$' for help]\r\n");
     }
 
@@ -95,8 +156,12 @@ impl Grbl {
             (_, _, true) => "Idle",
             _ => "Run",
         };
-        let free = [PLANNER - self.planner.len(), RING - self.ring.len()];
-        let report = format!("<{state}|MPos:0.000,0.000,0.000|Bf:{},{}|FS:0,0>\r\n", free[0], free[1]);
+        let state = self.state.unwrap_or(state);
+        // The line that dwells has left the ring.
+        let ring = self.ring.len() - if self.dwells { b"G4 P0.01\n".len() } else { 0 };
+        let free = [self.planner_size - self.planner.len(), self.ring_size - ring];
+        let free = if self.tells_sizes { format!("|Bf:{},{}", free[0], free[1]) } else { String::new() };
+        let report = format!("<{state}|MPos:0.000,0.000,0.000{free}|FS:0,0>\r\n");
         self.out.extend(report.bytes());
     }
 }
@@ -109,13 +174,13 @@ impl Control for Grbl {
             b'!' => self.is_held = true,
             b'~' => self.is_held = false,
             0x18 => self.reset(),
-            _ if self.ring.len() >= RING => self.overflows += 1,
+            _ if self.ring.len() >= self.ring_size => self.overflows += 1,
             _ => self.ring.push_back(byte),
         }
     }
 
     fn tick(&mut self, now_s: f64) {
-        if self.faults.reset_s.is_some_and(|at| now_s >= at) && !self.was_reset {
+        if self.faults.reset_s.is_some_and(|at| now_s >= at) && !self.was_reset && self.ring.len() >= self.resets_from {
             self.was_reset = true;
             self.reset();
         }
@@ -127,8 +192,9 @@ impl Control for Grbl {
             self.executed.push(line);
             self.done_s += self.busy_s;
         }
+        self.dwells = false;
         // A line leaves the ring when the planner has room for it.
-        while self.planner.len() < PLANNER {
+        while self.planner.len() < self.planner_size {
             let Some(byte) = self.ring.pop_front() else { break };
             if byte != b'\n' {
                 self.line.push(byte);
@@ -139,19 +205,38 @@ impl Control for Grbl {
                 self.out.extend(b"error: Unsupported statement\r\n");
                 continue;
             }
+            // A dwell is carried out when all before it is (protocol_buffer_synchronize); what comes behind it waits in the ring.
+            if line == b"G4 P0.01" && !self.is_alarmed {
+                if self.planner.is_empty() && !self.is_held {
+                    self.answer("ok");
+                    continue;
+                }
+                self.ring.push_front(b'\n');
+                line.iter().rev().for_each(|byte| self.ring.push_front(*byte));
+                self.dwells = true;
+                break;
+            }
             if line == b"$I" {
-                self.out.extend(b"[VER:1.1h.20190830:]\r\n[OPT:V,15,128]\r\nok\r\n");
+                let sizes =
+                    if self.tells_sizes { format!(",{},{}", self.planner_size, self.ring_size) } else { String::new() };
+                self.out.extend(format!("[VER:1.1h.20190830:]\r\n[OPT:V{sizes}]\r\nok\r\n").bytes());
                 continue;
             }
-            self.lines += 1;
+            self.lines += u64::from(line != b"G4 P0.01");
             if self.faults.refuses == Some(self.lines) || self.is_alarmed {
+                if !self.is_alarmed {
+                    self.refused = Some(self.lines);
+                }
                 self.answer("error:33");
                 continue;
             }
             if self.planner.is_empty() {
                 self.done_s = now_s + self.busy_s;
             }
-            self.planner.push_back(line);
+            // The dwell that a sender waits for.
+            if line != b"G4 P0.01" {
+                self.planner.push_back(line);
+            }
             self.answer("ok");
         }
     }

@@ -2,7 +2,9 @@
 //!
 //! To add one, write its file and register it in [`PROTOCOLS`]; profiles name it.
 
+mod answers;
 mod block;
+mod depth;
 mod grbl;
 mod greeting;
 mod linuxcncrsh;
@@ -21,6 +23,8 @@ pub enum Event {
     Acknowledged(u64),
     /// The control has carried out this line, and all before it, as far as it says so.
     Executed(u64),
+    /// The control states that so many blocks, at most, are taken and not carried out: how many, and its words.
+    Holds(u64, String),
     /// The last byte of this line, and of all before it, has gone over a link without answers: nobody knows whether the control has carried it out.
     Left(u64),
     /// The control asks to pause, or to go on.
@@ -91,6 +95,10 @@ pub struct Protocol {
     pub name: &'static str,
     /// What it is.
     pub title: &'static str,
+    /// Whether the control is asked, before the first line, if it stands still: it gets no line unless it says so.
+    pub asks_idle: bool,
+    /// Whether its answer to a line means that the line lies in a planner, so that a depth says how many may not be carried out.
+    pub has_planner: bool,
     /// Whether a line can go over it; a sentence where not.
     pub check: fn(&Profile, &[u8]) -> Result<(), String>,
     /// Begins one; a sentence where the profile does not fit it.
@@ -100,29 +108,6 @@ pub struct Protocol {
 /// All kinds.
 pub const PROTOCOLS: &[Protocol] =
     &[block::PROTOCOL, grbl::PROTOCOL, linuxcncrsh::PROTOCOL, marlin::PROTOCOL, tape::PROTOCOL];
-
-/// Answers are no longer than this, bytes; what has no end is none.
-const LONGEST_ANSWER: usize = 1024;
-
-/// Answers of one line each, out of bytes as they come.
-#[derive(Debug, Default)]
-struct Answers(Vec<u8>);
-
-impl Answers {
-    /// The next answer that ends within some bytes; what is left of these is for the next.
-    fn next(&mut self, bytes: &mut &[u8]) -> Option<String> {
-        while let Some((&byte, rest)) = bytes.split_first() {
-            *bytes = rest;
-            if byte == b'\n' || byte == b'\r' {
-                return Some(String::from_utf8_lossy(&std::mem::take(&mut self.0)).trim().to_owned());
-            }
-            if self.0.len() < LONGEST_ANSWER {
-                self.0.push(byte);
-            }
-        }
-        None
-    }
-}
 
 /// Whether a text can go over a link: not too long, printed characters only, and none that means something else there.
 fn check_text(text: &[u8], longest: usize, refused: &[u8]) -> Result<(), String> {
