@@ -25,6 +25,7 @@ mod feed;
 mod feed_limit;
 mod figures;
 mod findings;
+mod fingerprint;
 mod fix;
 mod identifiable;
 mod input;
@@ -50,6 +51,7 @@ mod progress;
 mod realtime;
 mod relay;
 mod repeated;
+mod replace;
 mod resume;
 mod select;
 mod sensors;
@@ -110,6 +112,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(Stop::Ended(code, sentence)) => {
             complain(&sentence);
             code
+        }
+        Err(Stop::Found(diagnostic)) => {
+            let mut findings = findings::Findings::default();
+            findings.add(*diagnostic, &[]);
+            findings.draw();
+            findings.exit_code()
         }
     }
 }
