@@ -11,23 +11,26 @@ use super::findings::Findings;
 use super::input::is_standard_stream;
 use super::lanes::{self, Lanes};
 use super::machine_choice::{self, Chosen, short_hash};
-use super::output::{Spool, Target, next_backup};
+use super::output::{Old, Spool, Target, next_backup};
 use super::program::{self, Opened, Running};
 use super::state;
 use super::stop::Stop;
-use super::together::{Old, Together};
+use super::together::Together;
 use super::writing::Writing;
 use super::{feed_limit, pages, print, tell};
 use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::emit;
+use crate::dialect::Language;
+use crate::emit::{self, NumberSet};
 use crate::exec::RapidOrder;
 use crate::geometry::{AXES, Axis};
 use crate::path::{self, Prediction};
 use crate::report::correction::Correction;
 use crate::report::json;
+use crate::report::number::micrometers;
 use crate::report::review::Limit;
 use crate::review::Trace;
 use crate::source::{Source, Span};
+use crate::syntax::Program;
 use crate::units::{um_from_mm, urad_from_rad};
 
 /// Corrects a program.
@@ -80,8 +83,15 @@ impl<'a> Job<'a> {
         if page.is_some() && [output, &arguments.input].into_iter().any(|path| is_standard_stream(path)) {
             return Err(Stop::Usage("--review needs a program in a file and -o a file: the page shows both".into()));
         }
-        let source = program::read(&arguments.input)?;
+        if arguments.in_place && program::is_in_archive(&arguments.input) {
+            let archive = arguments.input.display();
+            return Err(Stop::Usage(format!(
+                "{archive} is an archive of the control, which --in-place would replace by one program; give -o a file"
+            )));
+        }
+        // First: what comes into being there while the program is read is newer.
         let target = Target::new(output)?;
+        let source = program::read(&arguments.input)?;
         Ok(Job { arguments, source, target, target_name: output.display().to_string(), page })
     }
 
@@ -136,12 +146,19 @@ impl<'a> Job<'a> {
             return Ok(());
         }
         let mut together = Together::default();
-        let old = if arguments.in_place { Old::Kept } else { Old::Replaced };
+        let old = if arguments.in_place { Old::Kept(self.source.bytes()) } else { Old::Replaced };
         if arguments.in_place { together.put(spool) } else { together.take(spool) }?;
         if let (Some(target), Some(page)) = (&self.page, page) {
             together.add(target.clone(), page.as_bytes())?;
         }
-        let backup = together.publish_first(old)?;
+        let backup = match together.publish_first(old) {
+            Err(Stop::Found(diagnostic)) => {
+                findings.add(*diagnostic, &[]);
+                *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
+                return Ok(());
+            }
+            published => published?,
+        };
         report.backup = backup.map(|backup| backup.display().to_string());
         report.output = Some(self.target_name.clone());
         Ok(())
@@ -212,6 +229,7 @@ impl<'a> Job<'a> {
         let limits_feed = arguments.feed_limit.is_some();
         let writing = Writing::new(correction, start, opened.dialect.name, chosen, bytes, limits_feed)?;
         let mut writer = writing.writer()?;
+        writer.keep_free(numbers_of(&opened.program));
         let mut running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
         let feed_limit = arguments.feed_limit.zip(machine.servo.as_ref());
         let lanes = Lanes { machine, model: &model, options: &writing.options, feed_limit };
@@ -230,10 +248,38 @@ impl<'a> Job<'a> {
             findings.add(corrected_before(stamped), sources);
         }
         note(&passed.prediction, &running, report);
+        if let Some(finding) = worse(&passed.prediction, arguments.correction.tolerance) {
+            findings.add(finding, &[]);
+        }
         let left = path::remaining(machine, &chosen.errors, &chosen.condition, &passed.poses);
         report.remaining = left.iter().map(remaining).collect();
         Ok(())
     }
+}
+
+/// The finding for a correction that leaves more than there was, beyond what was asked for, mm.
+fn worse(prediction: &Prediction, tolerance_mm: f64) -> Option<Diagnostic> {
+    let [before_mm, after_mm] = [prediction.before(), prediction.after()].map(|spread| spread.rms_mm());
+    if after_mm <= before_mm.max(tolerance_mm) {
+        return None;
+    }
+    let [before, after] = [before_mm, after_mm].map(|mm| micrometers(um_from_mm(mm)));
+    let message = format!("the corrected program would leave {after} rms where the program as it is leaves {before}");
+    let help = "nothing was written; a smaller --increment, if the control has one, or a smaller --tolerance; else run the program as it is";
+    Some(Diagnostic::nowhere(Code::CORRECTION_MAKES_WORSE, message, help))
+}
+
+/// The block numbers of a program in a language that needs one on every line.
+fn numbers_of(program: &Program) -> NumberSet {
+    let mut numbers = NumberSet::default();
+    if let Program::Words(program) = program
+        && program.dialect.language == Language::Grundig
+    {
+        program.each_block_number(&mut |number| {
+            numbers.add(number);
+        });
+    }
+    numbers
 }
 
 /// The finding for a program that carries a stamp; it points at the name in the stamp.

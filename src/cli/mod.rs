@@ -26,6 +26,7 @@ mod feed;
 mod feed_limit;
 mod figures;
 mod findings;
+mod fingerprint;
 mod fix;
 mod identifiable;
 mod input;
@@ -52,6 +53,7 @@ mod realtime;
 mod recognition;
 mod relay;
 mod repeated;
+mod replace;
 mod resume;
 mod select;
 mod sensors;
@@ -83,6 +85,7 @@ pub use exit_code::ExitCode;
 use std::ffi::OsString;
 use std::io::Write as _;
 
+use crate::source::shown;
 use arguments::Command;
 use stop::Stop;
 
@@ -113,6 +116,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(Stop::Ended(code, sentence)) => {
             complain(&sentence);
             code
+        }
+        Err(Stop::Found(diagnostic)) => {
+            let mut findings = findings::Findings::default();
+            findings.add(*diagnostic, &[]);
+            findings.draw();
+            findings.exit_code()
         }
     }
 }
@@ -150,14 +159,14 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
 fn print(text: &str) -> Result<(), Stop> {
     progress::end();
     let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Stop::output(&error))
+    out.write_all(shown(text).as_bytes()).and_then(|()| out.flush()).map_err(|error| Stop::output(&error))
 }
 
 /// Prints a sentence or a table for the person on standard error; nothing with `--quiet`.
 fn tell(text: &str) {
     if !voice::is_quiet() {
         progress::end();
-        say(text);
+        say(&shown(text));
     }
 }
 
@@ -197,5 +206,5 @@ fn deliver(
 fn complain(sentence: &str) {
     let style = clap::builder::styling::AnsiColor::BrightRed.on_default().bold();
     progress::end();
-    say(&format!("{style}error{style:#}: {sentence}\n"));
+    say(&format!("{style}error{style:#}: {}\n", shown(sentence)));
 }
