@@ -57,6 +57,7 @@ mod cycles;
 mod decompose;
 mod definitions;
 mod diagnose;
+mod differential;
 mod diagnose_causes;
 mod diagnose_data;
 mod diagnose_days;
