@@ -46,7 +46,12 @@ const LANGUAGES: &[Language] = &[
         rules: Rules { relative_equality: 0.0, increment_mm: Some(1e-3) },
         write: fanuc::write,
     },
-    Language { name: "grundig", rules: Rules { relative_equality: 0.0, increment_mm: None }, write: grundig::write },
+    // Values of words: M700 manual, "floating to fixed conversion", three decimals.
+    Language {
+        name: "grundig",
+        rules: Rules { relative_equality: 0.0, increment_mm: Some(1e-3) },
+        write: grundig::write,
+    },
 ];
 
 fn setting(name: &str, default: u64) -> u64 {
