@@ -212,7 +212,7 @@ fn what_ncfix_writes_raises_no_alarm() {
                 let [told, verified] =
                     [&fixed, &run.json()].map(|json| json["after"]["max_um"].as_f64().unwrap_or(f64::NAN));
                 // Where on the way a piece ends is found by the nearest place, which hides rounding along the way.
-                let rounding_um = if options.contains("1um") || name == "universal_mill" { 0.25 } else { 0.03 };
+                let rounding_um: f64 = if options.contains("1um") || name == "universal_mill" { 0.25 } else { 0.03 };
                 if (told - verified).abs() > rounding_um.max(0.04 * told) {
                     problems.push(format!("{program} {options}: {told} told by fix, {verified} by verify"));
                 }

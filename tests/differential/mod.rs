@@ -41,11 +41,7 @@ const LANGUAGES: &[Language] = &[
         write: sinumerik::write,
     },
     // Values of addresses: B-63944EN, custom macro, "rounded to the least input increment", IS-B.
-    Language {
-        name: "fanuc",
-        rules: Rules { relative_equality: 0.0, increment_mm: Some(1e-3) },
-        write: fanuc::write,
-    },
+    Language { name: "fanuc", rules: Rules { relative_equality: 0.0, increment_mm: Some(1e-3) }, write: fanuc::write },
     // Values of words: M700 manual, "floating to fixed conversion", three decimals.
     Language {
         name: "grundig",

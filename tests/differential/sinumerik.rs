@@ -38,7 +38,8 @@ const STYLE: Style = Style {
 
 /// The whole text: a main program and its subprograms in one file.
 pub(super) fn write(tree: &Tree, random: &mut Random) -> String {
-    let mut writer = Writer { lines: vec!["%_N_TREE_MPF".to_owned(), "G17 G90 G710 G500".to_owned()], label: 0, random };
+    let mut writer =
+        Writer { lines: vec!["%_N_TREE_MPF".to_owned(), "G17 G90 G710 G500".to_owned()], label: 0, random };
     writer.body(&tree.main);
     writer.line("M30");
     for (at, routine) in tree.routines.iter().enumerate() {

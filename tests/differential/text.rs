@@ -59,8 +59,7 @@ impl Style {
                 };
                 let (_, sign) = self.operators.iter().find(|(known, _)| known == operator).unwrap();
                 // From left to right among equals.
-                let text =
-                    format!("{}{sign}{}", self.ranked(left, own, random), self.ranked(right, own + 1, random));
+                let text = format!("{}{sign}{}", self.ranked(left, own, random), self.ranked(right, own + 1, random));
                 let is_bracketed = own < rank || rank > 0 && random.between(0.0, 1.0) < 0.1;
                 if is_bracketed { format!("{open}{text}{close}") } else { text }
             }

@@ -63,14 +63,25 @@ pub(super) enum Condition {
 pub(super) enum Statement {
     Assign(usize, Expression),
     /// X, Y, Z; a word that is `None` is not written.
-    Move { is_incremental: bool, words: [Option<Expression>; 3] },
+    Move {
+        is_incremental: bool,
+        words: [Option<Expression>; 3],
+    },
     If(Condition, Vec<Statement>, Vec<Statement>),
     While(Condition, Vec<Statement>),
     Until(Vec<Statement>, Condition),
     /// A variable from a whole number to another one, by one; it is one more behind the loop.
-    Count { variable: usize, from: i32, to: i32, body: Vec<Statement> },
+    Count {
+        variable: usize,
+        from: i32,
+        to: i32,
+        body: Vec<Statement>,
+    },
     /// Once, and so many times more.
-    Repeat { more: u32, body: Vec<Statement> },
+    Repeat {
+        more: u32,
+        body: Vec<Statement>,
+    },
     /// The whole part of a variable, constants with their statements, and what is done for all others.
     Case(usize, Vec<(i32, Vec<Statement>)>, Vec<Statement>),
     Call(usize, [Expression; ARGUMENTS]),
@@ -185,15 +196,11 @@ impl Draw {
         // Half a step off in every second loop: there the rounding of the sums decides nothing.
         let bound = start + sign * passes * step + if random.chance() { step / 2 } else { 0 };
         let operator = if is_falling { Operator::Subtract } else { Operator::Add };
-        let next = Expression::Binary(
-            operator,
-            Box::new(Expression::Variable(variable)),
-            Box::new(Expression::Number(step)),
-        );
+        let next =
+            Expression::Binary(operator, Box::new(Expression::Variable(variable)), Box::new(Expression::Number(step)));
         body.push(Statement::Assign(variable, next));
-        let compare = |comparison| {
-            Condition::Compare(comparison, Expression::Variable(variable), Expression::Number(bound))
-        };
+        let compare =
+            |comparison| Condition::Compare(comparison, Expression::Variable(variable), Expression::Number(bound));
         let is_strict = random.chance();
         let goes_on = match (is_falling, is_strict) {
             (true, true) => Comparison::Greater,

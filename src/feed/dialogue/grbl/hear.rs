@@ -163,8 +163,10 @@ impl Grbl {
             Word::Check => "the control is in its check mode ($C): it takes lines and moves nothing",
             Word::ByHand => "somebody moves or homes the axes at the control",
             Word::Odd => {
-                return self
-                    .lost(&impossible(&format!("the control reports no state that is known, {}", shown(text))), events);
+                return self.lost(
+                    &impossible(&format!("the control reports no state that is known, {}", shown(text))),
+                    events,
+                );
             }
             Word::Idle | Word::Run | Word::Held => "",
         };
