@@ -396,3 +396,25 @@ fn a_dwell_is_awaited_while_grbl_says_that_it_is_idle() {
     bench.dialogue.hear(report, now, &mut bench.wire, &mut bench.events);
     assert!(is_lost(&bench));
 }
+
+#[test]
+fn a_control_that_starts_is_counted_anew_and_one_that_starts_for_ever_is_left() {
+    let profile = profile("marlin");
+    let protocol = PROTOCOLS.iter().find(|known| known.name == profile.protocol).unwrap();
+    let mut dialogue = (protocol.create)(&profile).unwrap();
+    let (mut wire, mut events) = (Wire::default(), Vec::new());
+    dialogue.open(Duration::ZERO, &mut wire);
+    assert!(take(&mut wire).starts_with(b"N1000 M110 N1000*"));
+    let greeting = b"start\r\nMarlin 2.1.2\r\necho: External Reset\r\n".repeat(1000);
+    let mut sent = 0;
+    for second in 1..=60 {
+        let now = Duration::from_secs(second);
+        dialogue.hear(&greeting, now, &mut wire, &mut events);
+        dialogue.tick(now + Duration::from_millis(600), &mut wire, &mut events);
+        let bytes = take(&mut wire);
+        assert!(bytes.is_empty() || bytes.starts_with(b"N1000 M110 N1000*") && bytes.len() < 30, "{bytes:?}");
+        sent += bytes.len();
+    }
+    // Five times more, as the profile says.
+    assert!(sent > 0 && matches!(events.last(), Some(Event::Lost(_))), "{sent} {:?}", events.last());
+}

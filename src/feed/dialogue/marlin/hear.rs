@@ -24,7 +24,7 @@
 
 use std::time::Duration;
 
-use super::{BEYOND, Event, Marlin, NO_OK, QUIET, State, What, Wire, mark};
+use super::{BEYOND, Event, FIRST_NUMBER, Marlin, NO_OK, QUIET, START, State, What, Wire, mark};
 use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
 
 /// Faults of a line, behind which it is demanded again.
@@ -43,8 +43,9 @@ impl Marlin {
         }
         if is_greeting(text) {
             if self.state == State::Opening {
-                self.count(now, wire);
-                self.again = None;
+                // It still says what it is: the count is set when it has done so.
+                self.prepare();
+                self.again = Some((FIRST_NUMBER, now + START));
             } else {
                 self.lost("the control was reset", events);
             }

@@ -36,6 +36,8 @@ const LAST_NUMBER: u64 = i32::MAX as u64;
 const QUIET: Duration = Duration::from_millis(60);
 /// The same where no `ok` follows the demand.
 const NO_OK: Duration = Duration::from_millis(250);
+/// Silence behind a greeting, before the count is set.
+const START: Duration = Duration::from_millis(500);
 /// Beyond the free places of its planner: the block that moves, and lines of its queue (`BUFSIZE` is 4 to 8).
 const BEYOND: u64 = 9;
 /// Blocks of its planner and lines of its queue, at most (`BLOCK_BUFFER_SIZE` is 64 at most in the configurations that come with it).
@@ -146,10 +148,11 @@ impl Marlin {
         self.push(now, wire);
     }
 
-    fn count(&mut self, now: Duration, wire: &mut Wire) {
-        self.next = FIRST_NUMBER;
-        let text = format!("M110 N{FIRST_NUMBER}");
-        self.begin((What::Count, Duration::ZERO), text.as_bytes(), now, wire);
+    /// Begins with the count, which is not sent yet.
+    fn prepare(&mut self) {
+        let bytes = frame(FIRST_NUMBER, format!("M110 N{FIRST_NUMBER}").as_bytes());
+        (self.next, self.is_marked, self.is_closing) = (FIRST_NUMBER + 1, false, false);
+        self.under_way = Some(Sent { what: What::Count, number: FIRST_NUMBER, bytes, busy: Duration::ZERO, copies: 0 });
     }
 
     fn mark(&mut self, now: Duration, wire: &mut Wire) {
@@ -249,7 +252,8 @@ fn frame(number: u64, text: &[u8]) -> Vec<u8> {
 
 impl Dialogue for Marlin {
     fn open(&mut self, now: Duration, wire: &mut Wire) {
-        self.count(now, wire);
+        self.prepare();
+        self.push(now, wire);
     }
 
     fn is_open(&self) -> bool {
