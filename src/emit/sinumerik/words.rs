@@ -22,6 +22,7 @@ impl Sinumerik {
         match &element.kind {
             Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
             Kind::Comment(bytes) => self.line.note(&[bytes]),
+            Kind::Label(label) => self.label(label),
             kind => self.words(kind),
         }
     }
@@ -78,7 +79,20 @@ impl Sinumerik {
                 self.line.text.extend_from_slice(b"\")");
             }
             Kind::Verbatim(text) => self.word(text),
-            Kind::Header(_) | Kind::Comment(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
+            Kind::Header(_)
+            | Kind::Comment(_)
+            | Kind::Label(_)
+            | Kind::Move(_)
+            | Kind::Setup(_)
+            | Kind::Lost(_)
+            | Kind::Empty => {}
+        }
+    }
+
+    /// Writes a label where its block begins for the first time, so that a block search by it finds the same place.
+    fn label(&mut self, label: &[u8]) {
+        if self.labels.insert(label.to_vec()) {
+            self.line.label(label);
         }
     }
 
