@@ -158,6 +158,80 @@ fn grbl_in_an_alarm_gets_no_line() {
     assert!(notes.frozen.is_empty());
 }
 
+#[test]
+fn grbl_that_is_not_idle_gets_no_line() {
+    let profile = profile("grblhal");
+    for state in
+        ["Run", "Run:2", "Hold:0", "Hold:1", "Door:1", "Alarm:1", "Home", "Check", "Jog", "Sleep", "Tool", "Odd"]
+    {
+        let faults = Faults { most_bytes: 64, ..Faults::default() };
+        let (mut notes, mut planned) = (Notes::default(), Planned::new(5, 0.01));
+        let mut cable = Cable::new(Grbl::new(&faults, 0.01).that_says(state), faults, 1);
+        let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
+        let shown = format!("not idle ({state})");
+        assert!(matches!(&ended, Ended::Lost(why) if why.contains(&shown)), "{state}: {ended:?}");
+        assert!(notes.frozen.is_empty() && cable.control.executed().is_empty(), "{state}");
+    }
+}
+
+#[test]
+fn what_a_control_states_of_its_planner_is_written_down_before_the_first_line() {
+    let faults = Faults { most_bytes: 64, ..Faults::default() };
+    let controls = [
+        // The buffer of segments comes on top: 16.
+        (Grbl::new(&faults, 0.01), Some((31, "[OPT:V,15,128]"))),
+        (Grbl::new(&faults, 0.01).of_a_hundred_blocks(), Some((116, "[OPT:V,100,1024]"))),
+        (Grbl::new(&faults, 0.01).that_tells_no_sizes(), None),
+        // It knows no $I; what is free of an idle one is all that there is.
+        (Grbl::new(&faults, 0.01).that_is_old(), Some((31, "Bf:15,128"))),
+    ];
+    for (control, expected) in controls {
+        let (mut notes, mut planned) = (Notes::default(), Planned::new(5, 0.01));
+        let mut cable = Cable::new(control, faults.clone(), 1);
+        let ended = controls::run(&mut sender(&profile("grblhal"), &mut notes), &mut cable, &mut planned);
+        assert_eq!(ended, Ended::Done);
+        let holds: Vec<(usize, u64, &str)> = (0..)
+            .zip(&notes.events)
+            .filter_map(|(place, event)| match event {
+                Event::Holds(most, said) => Some((place, *most, said.as_str())),
+                _ => None,
+            })
+            .collect();
+        let first = notes.events.iter().position(|event| matches!(event, Event::Acknowledged(_))).unwrap();
+        match (expected, &holds[..]) {
+            (None, []) => {}
+            (Some((most, said)), [(place, found, words)]) => {
+                assert!(*place < first && *found == most && words.contains(said), "{holds:?}");
+            }
+            _ => panic!("{expected:?}: {holds:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_bound_of_a_planner_needs_its_source_and_a_planner() {
+    let read = |text: &str| Profile::read(&Source::new(FileId(0), "own.toml", text.as_bytes().to_vec()).unwrap());
+    let depth =
+        |protocol: &str, rest: &str| read(&format!("name = \"own\"\nprotocol = \"{protocol}\"\n[depth]\n{rest}"));
+    let good = depth("marlin", "at_most = 64\nsource = \"Configuration_adv.h\"").unwrap();
+    assert_eq!(good.depth.map(|bound| bound.at_most), Some(64));
+    for (protocol, rest) in [
+        ("marlin", "at_most = 64"),
+        ("grbl", "source = \"a guess\""),
+        ("grbl", "at_most = 64\nsource = \" \""),
+        ("grbl", "at_most = -1\nsource = \"a manual\""),
+        ("tape", "at_most = 5\nsource = \"a manual\""),
+        ("block", "at_most = 5\nsource = \"a manual\""),
+        ("linuxcncrsh", "at_most = 5\nsource = \"a manual\""),
+    ] {
+        assert!(depth(protocol, rest).is_err(), "{protocol}: {rest}");
+    }
+    // Of those that are shipped none claims one.
+    for (name, _) in PROFILES {
+        assert_eq!(profile(name).depth, None, "{name}");
+    }
+}
+
 /// A job that was killed leaves lines in the control and answers that nobody has read: a report, and `ok` after `ok` while the control goes on.
 #[test]
 fn answers_to_an_earlier_job_are_none_to_this_one() {
@@ -176,7 +250,17 @@ fn answers_to_an_earlier_job_are_none_to_this_one() {
             let mut notes = Notes::default();
             let mut planned = Planned::new(40, 0.01);
             let mut cable = Cable::new(control, faults.clone(), 1);
-            let ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
+            let mut ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
+            // Where it is still busy with that job it gets no line; when it has come to rest it does.
+            if let Ended::Lost(why) = &ended {
+                assert!(why.contains("not idle (Run") && notes.frozen.is_empty(), "{busy_s} {is_old}: {why}");
+                assert_eq!(cable.control.executed(), earlier, "{busy_s} {is_old}");
+                notes = Notes::default();
+                cable = Cable::new(cable.control, faults.clone(), 2);
+                ended = controls::run(&mut sender(&profile, &mut notes), &mut cable, &mut planned);
+            } else {
+                assert!(busy_s < 0.2, "{busy_s} {is_old}");
+            }
             assert_eq!(ended, Ended::Done, "{busy_s} {is_old}");
             assert_eq!(cable.control.executed(), [earlier, planned.lines].concat(), "{busy_s} {is_old}");
             assert_eq!(cable.control.overflows, 0);

@@ -33,6 +33,7 @@ mod cli_fix;
 mod cli_machine;
 mod cli_man;
 mod cli_origin;
+mod cli_resume;
 mod cli_select;
 mod cli_snc;
 mod cli_state;

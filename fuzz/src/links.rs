@@ -92,6 +92,7 @@ impl Job {
                     assert!(!why.is_empty());
                     self.is_lost = true;
                 }
+                Event::Holds(most, said) => assert!(most > 0 && self.sent == 0 && !said.is_empty(), "{most}: {said}"),
                 Event::Paused(_) | Event::Said(_) | Event::Stalled => {}
             }
         }

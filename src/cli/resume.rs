@@ -9,8 +9,10 @@ use super::machine_choice::short_hash;
 use super::stop::Stop;
 use super::{print, tell};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::drip::restart::{Place, Search, cuts_at_mm};
-use crate::feed::{Frozen, Told, read_journal};
+use crate::drip::restart::{Found, Place, Search, Why};
+use crate::drip::{Ends, Heights};
+use crate::feed::{Frozen, PROTOCOLS, Told, read_journal};
+use crate::path::Tips;
 use crate::report::feed::{Before, Plan};
 use crate::report::json;
 use crate::source::FileId;
@@ -45,6 +47,8 @@ pub(super) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop> {
     if arguments.port.is_some() {
         feed.port.clone_from(&arguments.port);
     }
+    // Who looked when the job began has not looked now.
+    feed.i_checked_the_machine_stands_still = arguments.i_checked_the_machine_stands_still;
     feed.journal = Some(arguments.journal.clone());
     let mut findings = Findings::default();
     let Some((job, before)) = feed::prepare(&feed, &mut findings)? else {
@@ -62,7 +66,16 @@ pub(super) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop> {
         tell(&format!("{}; nothing was sent\n", findings.count()));
         return Ok(findings.exit_code());
     }
-    let (plan, begin) = plan(&told, &feed, &job, text.as_bytes())?;
+    let planned = plan(&told, &feed, &job, (text.as_bytes(), arguments.clearance))?;
+    let (plan, begin) = match planned {
+        Ok(planned) => planned,
+        Err(finding) => {
+            findings.add(finding, &[]);
+            findings.draw();
+            tell(&format!("{}; nothing was sent\n", findings.count()));
+            return Ok(findings.exit_code());
+        }
+    };
     match &arguments.confirm {
         None => {
             print(&if arguments.json {
@@ -134,38 +147,108 @@ fn is_move(text: &[u8]) -> bool {
     text.split(|&byte| byte == b' ').any(|word| word.first().is_some_and(|letter| b"XYZABCUVW".contains(letter)))
 }
 
-/// Where the job is taken up again.
-fn plan(told: &Told, feed: &FeedArguments, job: &Job, journal: &[u8]) -> Result<(Plan, Begin), Stop> {
-    // What was acknowledged may still have been in the planner of the control when it was lost.
-    let planned = job.profile.window.planned as u64;
-    let taken = if told.left == 0 {
-        told.acknowledged.saturating_sub(planned)
-    } else if planned > 0 {
-        told.left.saturating_sub(planned)
-    } else {
-        // How much a control holds that answers nothing is not known.
-        0
+/// How many blocks the control may have taken and not carried out, at most, and where that comes from: what it stated when the job began, and no less
+/// where a bound of the profile is smaller.
+fn holds(told: &Told, job: &Job) -> Option<(u64, String)> {
+    if !PROTOCOLS.iter().any(|protocol| protocol.name == job.profile.protocol && protocol.has_planner) {
+        return None;
+    }
+    let bound = job.profile.depth.as_ref();
+    let bound = bound.map(|bound| (bound.at_most, format!("profile {}: {}", job.profile.name, bound.source)));
+    let stated = told.holds.clone().map(|(most, said)| (most, format!("the control: {said}")));
+    [bound, stated].into_iter().flatten().max_by_key(|(most, _)| *most)
+}
+
+/// Why nothing is taken up again.
+fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
+    let by_hand = "lift the tool by hand, remove the journal, and feed the program from its beginning";
+    let (code, message, help) = match *found {
+        Found::Place(_) | Found::Beginning(..) => return None,
+        Found::TooLow(highest_z_mm) => (
+            Code::CLEARANCE_TOO_LOW,
+            format!(
+                "--clearance {:.3} mm is not above all that is machined, which ends at Z {highest_z_mm:.3} mm of the program",
+                clearance_mm.unwrap_or_default()
+            ),
+            "state a height above that, and above the workpiece and its clamps".to_owned(),
+        ),
+        Found::Nothing(why) => {
+            let message = match why {
+                Why::NoneAbove => {
+                    "no rapid move of what was carried out for sure lies above all that is machined, and the program does not begin by lifting the tool: \
+                     the way to where it begins again would cross at the height of a cut"
+                        .to_owned()
+                }
+                Why::Tilted => "the tool was tilted against Z: lifting Z draws it sideways through the workpiece".to_owned(),
+                Why::HeightUnknown(line) => {
+                    format!("line {line} of the source machines at a height that the program does not state: what is above it is not known")
+                }
+                Why::BeginningCrosses => {
+                    "only the beginning is left, and nothing can lift the tool before it: behind its tool or length Z means something else".to_owned()
+                }
+            };
+            let help = match why {
+                Why::NoneAbove => format!(
+                    "state a height that is clear of workpiece and clamps, Z of the program with its unit: --clearance 25mm; or {by_hand}"
+                ),
+                Why::Tilted => {
+                    "retract the tool by hand along itself, remove the journal, and feed the program from its beginning"
+                        .to_owned()
+                }
+                Why::HeightUnknown(_) | Why::BeginningCrosses => by_hand.to_owned(),
+            };
+            (Code::NOT_CLEAR, message, help)
+        }
     };
-    let sure = told.executed.max(taken);
+    Some(Diagnostic::nowhere(code, message, help))
+}
+
+/// Where the job is taken up again; a finding where it is not.
+fn plan(
+    told: &Told,
+    feed: &FeedArguments,
+    job: &Job,
+    (journal, clearance_mm): (&[u8], Option<f64>),
+) -> Result<Result<(Plan, Begin), Diagnostic>, Stop> {
+    let mut ignored = Findings::default();
+    let (mut ends, mut heights) = (Ends::new(told), Heights::default());
+    let from_start = || Tips::new(&job.chosen.machine, &job.writing.options);
+    let mut tips = from_start();
+    walk(feed, job, &mut ignored, &mut |step| {
+        if let Step::Element(output) = step {
+            ends.element(output);
+            heights.look(&tips, output);
+            tips.take(output);
+        }
+    })?;
+    let mut tips = from_start();
+    walk(feed, job, &mut ignored, &mut |step| {
+        if let Step::Element(output) = step {
+            heights.take(&tips, output);
+            tips.take(output);
+        }
+    })?;
+    let holds = holds(told, job);
+    let sure = ends.sure(told, holds.as_ref().map(|(most, _)| *most));
     let at = |number: u64| told.lines.iter().find(|line: &&Frozen| line.number == number);
     // Without a record of it nothing but the beginning is sure.
     let until = at(sure + 1).or(at(sure)).map_or(0, |line| line.element);
-    let mut highest_mm = f64::NEG_INFINITY;
-    let mut ignored = Findings::default();
-    walk(feed, job, &mut ignored, &mut |step| {
-        if let Step::Element(output) = step {
-            highest_mm = highest_mm.max(cuts_at_mm(output).unwrap_or(f64::NEG_INFINITY));
-        }
-    })?;
-    let mut search =
-        Search::new(job.dialect.codes(), highest_mm, until, at(told.frozen).map_or(0, |line| line.element));
+    let sent = at(told.frozen).map_or(0, |line| line.element);
+    let mut search = Search::new(job.dialect.codes(), (from_start(), &heights), [until, sent], clearance_mm);
     walk(feed, job, &mut ignored, &mut |step| match step {
         Step::Element(output) => search.element(output),
         Step::Line(line) => search.line(line),
     })?;
     let unsure = search.unsure();
-    let place = search.finish();
-    let (skip, lines) = place.as_ref().map_or((0, Vec::new()), |place| (place.element - 1, place.lines.clone()));
+    let found = search.finish();
+    if let Some(finding) = refusal(&found, clearance_mm) {
+        return Ok(Err(finding));
+    }
+    let (place, skip, lines, above_mm) = match found {
+        Found::Place(place) => (Some(place.clone()), place.element - 1, place.lines, place.above_mm),
+        Found::Beginning(lines, above_mm) => (None, 0, lines, above_mm),
+        Found::TooLow(_) | Found::Nothing(_) => (None, 0, Vec::new(), f64::NAN),
+    };
     let mut first = Vec::new();
     let mut moves = 0;
     walk(feed, job, &mut ignored, &mut |step| {
@@ -189,16 +272,20 @@ fn plan(told: &Told, feed: &FeedArguments, job: &Job, journal: &[u8]) -> Result<
         acknowledged_line: line_of(told.acknowledged),
         executed: sure,
         executed_line: line_of(sure),
+        holds: holds.as_ref().map(|(most, _)| *most),
+        holds_source: holds.map(|(_, source)| source),
         sent: told.frozen,
         sent_line: line_of(told.frozen),
         source_line: first.first().map_or(0, |(line, _)| *line),
         is_beginning: skip == 0,
+        above_mm: Some(above_mm).filter(|mm| mm.is_finite()),
         unsure_line: unsure.filter(|_| place.is_none()),
         tool: place.and_then(|place: Place| place.tool),
         before: lines.clone(),
         first: first.into_iter().map(|(_, text)| text).collect(),
+        clearance: clearance_mm.map(|mm| format!("{mm}mm")),
         port: feed.port.clone().unwrap_or_default(),
     };
     let words = told.head.iter().filter(|(name, _)| name == "argument").map(|(_, word)| word.clone()).collect();
-    Ok((plan, Begin { skip, lines, words, resumed: Some(number) }))
+    Ok(Ok((plan, Begin { skip, lines, words, resumed: Some(number) })))
 }

@@ -5,7 +5,10 @@
 //! slow link, some controls stumble over them, and profiles bring the frame that a link wants.
 
 mod doser;
+mod heights;
 pub mod restart;
+mod taken;
+mod told;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -18,6 +21,9 @@ use crate::machine::Machine;
 use crate::model::Model;
 use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Live, ON_THE_SPOT, Options, Output};
 use crate::snc::{Dwell, Element, Kind};
+
+pub use heights::Heights;
+pub use taken::Ends;
 
 use doser::Doser;
 

@@ -1,37 +1,22 @@
 //! Where a job that was broken off can be taken up again, and what the control must be told before.
 //!
-//! A place is safe where the tool moves rapidly at or above the highest place at which anything is machined, so that whatever was carried out behind it is
-//! carried out again from a place that nothing is hit on the way to. What the control must know there is read from the lines before: the last code of
-//! every group, spindle and coolant, and where each axis stands. Frames and words of unknown effect cannot be rebuilt; behind them nothing is safe but
-//! the beginning.
+//! A place is safe where the tool moves rapidly above the highest place at which anything is machined, by [`CLEAR_MM`] at least, so that whatever was
+//! carried out behind it is carried out again from a place that nothing is hit on the way to. At the height of the highest cut itself nothing is safe:
+//! there the tool crosses what stands beside the cut. A person may state a height that is clear; then the way leads over that, and a rapid move
+//! at the highest place will do. What the control must know there is read from the lines before: the last code of every group, spindle and coolant, and
+//! where each axis stands. Frames and words of unknown effect cannot be rebuilt; behind them nothing is safe but the beginning, and that only
+//! where the program itself begins by lifting the tool.
 
-use std::collections::BTreeMap;
-
+use super::heights::{Heights, SAME_MM, is_height_known};
+use super::told::Told;
 use crate::dialect::CodeTable;
 use crate::feed::Line;
 use crate::geometry::Axis;
-use crate::path::{Output, Piece};
+use crate::path::{Output, Piece, Tips};
 use crate::snc::{FrameWords, Kind};
 
-/// The group of motions, in all tables of codes.
-const MOTION: u8 = 1;
-/// Codes of one block that make its positions mean something else.
-const ELSEWHERE: &[&str] = &["G53", "G153", "SUPA", "G28", "G30"];
-/// What turns the spindle, and what cools.
-const SPINDLE: &[&str] = &["M3", "M4", "M5", "M03", "M04", "M05"];
-const COOLANT: &[&str] = &["M7", "M8", "M9", "M07", "M08", "M09"];
-
-/// What a control has been told.
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Told {
-    /// The last code of each group.
-    codes: BTreeMap<u8, String>,
-    /// The last value of each address.
-    values: BTreeMap<u8, String>,
-    motion: Option<String>,
-    spindle: Option<String>,
-    coolant: Option<String>,
-}
+/// A place lies so far above all that is machined, mm: corrections are below 0.2 mm, and what is told of the height of a workpiece is no better.
+pub const CLEAR_MM: f64 = 1.0;
 
 /// A place to begin again.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,54 +31,98 @@ pub struct Place {
     pub tool: Option<String>,
     /// The first line of the program that is sent.
     pub first: String,
+    /// How far the tool is above all that is machined when it moves across, mm.
+    pub above_mm: f64,
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Found {
+    /// A safe place.
+    Place(Place),
+    /// The beginning, which lifts the tool by so many mm above all that is machined; what is sent before it.
+    Beginning(Vec<String>, f64),
+    /// The height that a person has stated is not above all that is machined: that ends at this Z of the program, mm.
+    TooLow(f64),
+    /// Nothing brings the tool clear of the workpiece: why.
+    Nothing(Why),
+}
+
+/// Why no place is safe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Why {
+    /// None lies above all that is machined, and the first move does not lead there: with a height stated it may.
+    NoneAbove,
+    /// The tool stood tilted against Z: no move of Z lifts it along itself.
+    Tilted,
+    /// A cut of this line of the source is at a height that the program does not state.
+    HeightUnknown(u32),
+    /// Only the beginning is left, and its first move does not lift the tool.
+    BeginningCrosses,
+}
+
+/// The first move of a program.
+#[derive(Clone, Copy, Debug, Default)]
+struct Start {
+    element: u64,
+    /// How far it lifts the tool above all that is machined, mm, where it does so and moves nothing else.
+    lifts_mm: Option<f64>,
+    /// How far a stated height is above that, mm.
+    stated_mm: Option<f64>,
 }
 
 /// Looks for the last safe place.
-pub struct Search {
+pub struct Search<'a> {
     codes: &'static CodeTable,
+    tips: Tips<'a>,
+    heights: &'a Heights,
+    /// A height that is clear, as a person has stated it, mm of Z of the program.
+    clearance_mm: Option<f64>,
     /// No place behind this element.
     until: u64,
     /// The last element that may have been carried out.
     sent: u64,
-    /// The highest place of the tool at which something is machined, mm of Z.
-    highest_mm: f64,
     told: Told,
     /// What it was told at the best place.
     at_best: Told,
-    stands_mm: Option<f64>,
     element: u64,
-    pending: Option<u64>,
+    /// A place whose first line is to come, and how far it is above all that is machined.
+    pending: Option<(u64, f64)>,
     best: Option<Place>,
+    start: Option<Start>,
+    /// What lifts the tool before the first move, to the stated height, once that is known.
+    beginning: Option<Option<Vec<String>>>,
+    /// Which Z the highest cut has where a place would do with a stated height, mm.
+    highest_z_mm: Option<f64>,
     is_numbered: bool,
     /// Line of the source behind which nothing is safe.
     unsure: Option<u32>,
 }
 
-/// The highest place at which a piece machines, mm of Z.
-#[must_use]
-pub fn cuts_at_mm(output: &Output) -> Option<f64> {
-    match output {
-        Output::Piece(piece) if !piece.rapid => Some(piece.command[Axis::Z]),
-        _ => None,
-    }
-}
-
-impl Search {
-    /// Begins one in a program that machines no higher than that; nothing behind the element `until` is taken, and nothing
-    /// behind the element `sent` has been carried out.
+impl<'a> Search<'a> {
+    /// Begins one; nothing behind the element `until` is taken, and nothing behind the element `sent` has been carried out.
     #[must_use]
-    pub fn new(codes: &'static CodeTable, highest_mm: f64, until: u64, sent: u64) -> Search {
+    pub fn new(
+        codes: &'static CodeTable,
+        (tips, heights): (Tips<'a>, &'a Heights),
+        [until, sent]: [u64; 2],
+        clearance_mm: Option<f64>,
+    ) -> Search<'a> {
         Search {
             codes,
+            tips,
+            heights,
+            clearance_mm,
             until,
             sent,
-            highest_mm,
             told: Told::default(),
             at_best: Told::default(),
-            stands_mm: None,
             element: 0,
             pending: None,
             best: None,
+            start: None,
+            beginning: None,
+            highest_z_mm: None,
             is_numbered: false,
             unsure: None,
         }
@@ -104,10 +133,13 @@ impl Search {
         self.element += 1;
         match output {
             Output::Piece(piece) => {
-                if self.is_safe(piece) {
-                    self.pending = Some(self.element);
+                if self.start.is_none() {
+                    let (lifts_mm, stated_mm) = (self.lifts_mm(piece), self.stated_above_mm(piece));
+                    self.start = Some(Start { element: self.element, lifts_mm, stated_mm });
                 }
-                self.stands_mm = Some(piece.command[Axis::Z]);
+                if let Some(above_mm) = self.above_mm(piece) {
+                    self.pending = Some((self.element, above_mm));
+                }
             }
             Output::Element(element) => {
                 let is_unknown = match &element.kind {
@@ -117,34 +149,77 @@ impl Search {
                 };
                 if is_unknown {
                     self.unsure.get_or_insert(element.origin.line);
-                } else if matches!(element.kind, Kind::Lost(_)) {
-                    self.stands_mm = None;
                 }
             }
         }
+        self.tips.take(output);
     }
 
-    fn is_safe(&self, piece: &Piece) -> bool {
-        let is_above = |mm: f64| mm >= self.highest_mm;
-        piece.rapid
+    /// How far the tool is above all that is machined at both ends of a rapid move, or at the stated height, mm; `None` where that is not safe.
+    fn above_mm(&mut self, piece: &Piece) -> Option<f64> {
+        let is_place = piece.rapid
             && piece.first
             && !piece.take_up
+            && is_height_known(piece)
             && self.unsure.is_none()
             && self.element <= self.until
-            && self.stands_mm.is_some_and(is_above)
-            && is_above(piece.command[Axis::Z])
+            && !self.heights.is_tilted(self.sent);
+        let start = *self.tips.stands().filter(|_| is_place)?;
+        let mut lowest_mm = f64::INFINITY;
+        for end in [&start, &piece.nominal] {
+            if !self.tips.rises_along_itself(end) {
+                return None;
+            }
+            let above_mm = self.heights.above_mm(&self.tips.tip_mm(end), &self.tips.direction(end))?;
+            lowest_mm = lowest_mm.min(above_mm);
+        }
+        let Some(clearance_mm) = self.clearance_mm else {
+            return (lowest_mm >= CLEAR_MM).then_some(lowest_mm);
+        };
+        let above_mm = self.heights.above_mm(&self.tips.tip_mm(&start), &self.tips.direction(&start))?;
+        let highest_z_mm = self.tips.programmed_z_mm(&start)? - above_mm;
+        if lowest_mm < -SAME_MM {
+            return None;
+        }
+        self.highest_z_mm = Some(self.highest_z_mm.map_or(highest_z_mm, |known| known.max(highest_z_mm)));
+        (clearance_mm > highest_z_mm + SAME_MM).then_some(clearance_mm - highest_z_mm)
+    }
+
+    fn lifts_mm(&self, piece: &Piece) -> Option<f64> {
+        let is_lift = piece.rapid && piece.words.iter().all(|axis| axis == Axis::Z) && is_height_known(piece);
+        let above_mm = self.free_mm(piece).filter(|_| is_lift)?;
+        (above_mm >= CLEAR_MM).then_some(above_mm)
+    }
+
+    fn stated_above_mm(&self, piece: &Piece) -> Option<f64> {
+        let highest_z_mm = self.tips.programmed_z_mm(&piece.nominal)? - self.free_mm(piece)?;
+        Some(self.clearance_mm? - highest_z_mm)
+    }
+
+    fn free_mm(&self, piece: &Piece) -> Option<f64> {
+        let is_free = self.tips.rises_along_itself(&piece.nominal) && !self.heights.is_tilted(self.sent);
+        self.heights
+            .above_mm(&self.tips.tip_mm(&piece.nominal), &self.tips.direction(&piece.nominal))
+            .filter(|_| is_free)
     }
 
     /// A line of the program, in order.
     pub fn line(&mut self, line: &Line) {
         let text = String::from_utf8_lossy(&line.text).into_owned();
-        if let Some(element) = self.pending.filter(|element| line.element >= *element) {
+        if let Some((element, above_mm)) = self.pending.filter(|(element, _)| line.element >= *element) {
             self.pending = None;
-            if let Some(lines) = self.told.lines(self.is_numbered) {
+            if let Some(lines) = self.told.lines(self.is_numbered, self.clearance_mm) {
                 let tool = self.told.values.get(&b'T').cloned();
                 self.at_best = self.told.clone();
-                self.best = Some(Place { element, source_line: line.source_line, lines, tool, first: text.clone() });
+                let (source_line, first) = (line.source_line, text.clone());
+                self.best = Some(Place { element, source_line, lines, tool, first, above_mm });
             }
+        }
+        if self.beginning.is_none()
+            && let (Some(start), Some(clearance_mm)) = (self.start, self.clearance_mm)
+            && line.element >= start.element
+        {
+            self.beginning = Some(self.told.beginning(self.is_numbered, clearance_mm));
         }
         self.is_numbered |= text.starts_with('N');
         if line.element <= self.sent {
@@ -152,12 +227,35 @@ impl Search {
         }
     }
 
-    /// The last safe place; `None` where only the beginning is: also where the control was told something behind it of which nothing is known before it, an
+    /// The last safe place. Only the beginning is one also where the control was told something behind a place of which nothing is known before it, an
     /// axis, a zero offset, the coolant: how it stood then nobody has said.
     #[must_use]
-    pub fn finish(self) -> Option<Place> {
+    pub fn finish(self) -> Found {
         let is_known = self.at_best.knows(&self.told);
-        self.best.filter(|_| is_known)
+        if let Some(place) = self.best.filter(|_| is_known) {
+            return Found::Place(place);
+        }
+        let start = self.start.unwrap_or_default();
+        if let Some(clearance_mm) = self.clearance_mm {
+            let of_start = start.stated_mm.map(|above_mm| clearance_mm - above_mm);
+            let highest_z_mm = self.highest_z_mm.or(of_start);
+            if let Some(highest_z_mm) = highest_z_mm.filter(|highest_mm| clearance_mm <= highest_mm + SAME_MM) {
+                return Found::TooLow(highest_z_mm);
+            }
+            // The way leads over the stated height, where something can be sent before the first move.
+            if let (Some(above_mm), Some(lift)) = (start.stated_mm, self.beginning.flatten()) {
+                return Found::Beginning(lift, above_mm);
+            }
+        }
+        match start.lifts_mm {
+            Some(above_mm) => Found::Beginning(Vec::new(), above_mm),
+            None => Found::Nothing(match self.heights.unknown() {
+                Some(line) => Why::HeightUnknown(line),
+                None if self.heights.is_tilted(self.sent) => Why::Tilted,
+                None if self.clearance_mm.is_some() => Why::BeginningCrosses,
+                None => Why::NoneAbove,
+            }),
+        }
     }
 
     /// The line of the source behind which the state of the control cannot be rebuilt.
@@ -178,131 +276,10 @@ fn is_plain(text: &[u8], codes: &CodeTable) -> bool {
     })
 }
 
-impl Told {
-    /// Whether all is known of which another one speaks.
-    fn knows(&self, other: &Told) -> bool {
-        other.codes.keys().all(|group| self.codes.contains_key(group))
-            && other.values.keys().all(|address| self.values.contains_key(address))
-            && (self.spindle.is_some() || other.spindle.is_none())
-            && (self.coolant.is_some() || other.coolant.is_none())
-    }
-
-    fn note(&mut self, text: &str, codes: &CodeTable) {
-        // Behind another zero offset or tool length the old places mean something else.
-        let shifts = |name: &str| codes.word(name).map(|entry| entry.group);
-        let shifting = [shifts("G54"), shifts("G43")];
-        let mut is_elsewhere = false;
-        let mut is_shifted = false;
-        for word in text.split_ascii_whitespace() {
-            let group = codes.word(word).map(|entry| entry.group).filter(|group| *group > 0);
-            let is_new = group.is_some_and(|group| self.codes.get(&group).is_none_or(|old| old != word));
-            is_shifted |= group.is_some() && shifting.contains(&group) && is_new;
-            is_shifted |=
-                word.starts_with(['D', 'H']) && self.values.get(&word.as_bytes()[0]).is_none_or(|old| old != word);
-        }
-        if is_shifted {
-            self.forget_places();
-        }
-        for word in text.split_ascii_whitespace() {
-            is_elsewhere |= ELSEWHERE.contains(&word);
-            if SPINDLE.contains(&word) {
-                self.spindle = Some(word.to_owned());
-            } else if COOLANT.contains(&word) {
-                self.coolant = Some(word.to_owned());
-            } else if word == "M6" || word == "M06" {
-                // The tool changer has moved the axes.
-                self.forget_places();
-            } else if let Some(entry) = codes.word(word).filter(|entry| entry.group > 0 && !word.starts_with('M')) {
-                if entry.group == MOTION {
-                    self.motion = Some(word.to_owned());
-                } else {
-                    self.codes.insert(entry.group, word.to_owned());
-                }
-            } else if let Some((&address, value)) = word.as_bytes().split_first()
-                && b"XYZABCUVWFSTDH".contains(&address)
-            {
-                let is_number = value.iter().all(|byte| byte.is_ascii_digit() || b"+-.=".contains(byte));
-                if is_number && !value.is_empty() {
-                    self.values.insert(address, word.to_owned());
-                } else {
-                    // An expression: where it leads is not known here.
-                    self.values.remove(&address);
-                }
-            }
-        }
-        if is_elsewhere {
-            self.forget_places();
-        }
-    }
-
-    fn forget_places(&mut self) {
-        b"XYZABCUVW".iter().for_each(|address| _ = self.values.remove(address));
-    }
-
-    /// What brings a control there; `None` where an axis stands nobody knows where.
-    fn lines(&self, is_numbered: bool) -> Option<Vec<String>> {
-        let place = |address: &u8| self.values.get(address).map(String::as_str);
-        let [x, y, z] = [place(&b'X')?, place(&b'Y')?, place(&b'Z')?];
-        let mut codes: Vec<&str> = self.codes.values().map(String::as_str).collect();
-        codes.extend([b'D', b'H'].iter().filter_map(place));
-        let others: Vec<&str> = b"ABCUVW".iter().filter_map(place).collect();
-        let spindle: Vec<&str> = [place(&b'S'), self.spindle.as_deref()].into_iter().flatten().collect();
-        let mut out = vec![codes.join(" "), spindle.join(" ")];
-        out.extend(self.coolant.clone());
-        // Up first; nothing turns while something moves across.
-        out.push(format!("G0 {z}"));
-        if !others.is_empty() {
-            out.push(format!("G0 {}", others.join(" ")));
-        }
-        out.push(format!("G0 {x} {y}"));
-        let motion = self.motion.as_deref().filter(|motion| !matches!(*motion, "G0" | "G00"));
-        out.push([motion, place(&b'F')].into_iter().flatten().collect::<Vec<_>>().join(" "));
-        out.retain(|line| !line.is_empty());
-        if is_numbered {
-            out = (1..).zip(out).map(|(number, line)| format!("N{number} {line}")).collect();
-        }
-        Some(out)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::dialect;
-
-    fn told(lines: &[&str]) -> Told {
-        let codes = dialect::find("rs274").unwrap().codes();
-        let mut told = Told::default();
-        lines.iter().for_each(|line| told.note(line, codes));
-        told
-    }
-
-    #[test]
-    fn the_state_is_that_of_the_last_words() {
-        let lines = ["G21 G90 G17", "T3 M6", "G54 S2000 M3", "M8", "G0 X1. Y2. Z50.", "G1 Z-1. F300", "X5.", "G0 Z50."];
-        let found = told(&lines).lines(false).unwrap();
-        let [codes, rest @ ..] = found.as_slice() else { panic!("{found:?}") };
-        assert!(["G17", "G21", "G54", "G90"].iter().all(|code| codes.split(' ').any(|word| word == *code)), "{codes}");
-        assert_eq!(rest, ["S2000 M3", "M8", "G0 Z50.", "G0 X5. Y2.", "F300"]);
-    }
-
-    #[test]
-    fn behind_a_tool_change_or_machine_coordinates_places_must_be_stated_again() {
-        assert_eq!(told(&["G0 X1. Y2. Z3.", "T4 M6", "G0 Z5."]).lines(false), None);
-        assert_eq!(told(&["G0 X1. Y2. Z3.", "G53 G0 Z0."]).lines(false), None);
-        assert!(told(&["T4 M6", "G0 X1. Y2. Z3."]).lines(false).is_some());
-    }
-
-    #[test]
-    fn what_was_told_later_must_have_been_told_before() {
-        let before = told(&["G90 G54 S100 M3", "G0 X1. Y2. Z3."]);
-        assert!(before.knows(&before));
-        for later in ["G0 A90", "M8", "G18", "G43 H1", "T4"] {
-            assert!(!before.knows(&told(&["G90 G54 S100 M3", "G0 X1. Y2. Z3.", later])), "{later}");
-        }
-        // Another of the same group is known.
-        assert!(before.knows(&told(&["G91 G55 S100 M4", "G0 X1. Y2. Z3."])));
-    }
 
     #[test]
     fn plain_words_can_be_told_again() {

@@ -8,6 +8,7 @@
 //! 0 T 24.125 nose                           the temperature of a sensor, °C, that counts from here on
 //! 0 F 12 9c41f00a 37 51 X+0.0123 Z-0.0040/-0.0051   frozen: number, CRC-32 of the text, line of the source, element of the corrected program,
 //!                                           what the second step adds (mm, degrees), and what the model asks for where that is more or less
+//! 20 P 116 [OPT:VL,100,1024]                blocks that the control may have taken and not carried out, at most, and by which words it says so
 //! 31 A 12                                   acknowledged, with all before it
 //! 35 X 10                                   carried out, with all before it
 //! 31 L 12                                   left, with all before it, over a link without answers
@@ -150,6 +151,7 @@ impl<S: Store> Record for Journal<S> {
             Event::Said(text) => self.note(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
             Event::Paused(is_paused) => self.note(now, if *is_paused { "W paused" } else { "W goes on" }),
             Event::Executed(number) => self.note(now, &format!("X {number}")),
+            Event::Holds(most, said) => self.note(now, &format!("P {most} {}", said.replace(['\n', '\r'], " "))),
             Event::Refused(..) | Event::Lost(_) => {}
         }
         Ok(())
@@ -186,8 +188,8 @@ pub struct Frozen {
     pub element: u64,
 }
 
-/// Acknowledged lines that are kept: more than any control holds.
-const KEPT: u64 = 1024;
+/// Acknowledged lines that are kept. Planners have 1000 blocks at most (grblHAL, $398), and lines that move nothing stand between those that do.
+const KEPT: u64 = 8192;
 
 /// What a journal says of a job.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -204,6 +206,8 @@ pub struct Told {
     pub lines: VecDeque<Frozen>,
     /// The last line that left over a link without answers: it and as many before it as the control's buffer holds may not have been carried out.
     pub left: u64,
+    /// Blocks that the control may have taken and not carried out, at most, as it stated, and its words; `None` where it said nothing.
+    pub holds: Option<(u64, String)>,
     /// How it ended; `None` where the program died.
     pub ended: Option<String>,
 }
@@ -262,6 +266,11 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
                 }
                 told.executed = told.executed.max(line_number);
             }
+            ("P", Some(most)) => {
+                let said = rest.split_once(' ').map_or("", |(_, said)| said).to_owned();
+                // The largest that was ever stated.
+                told.holds = told.holds.take().filter(|(known, _)| *known >= most).or(Some((most, said)));
+            }
             ("L", Some(line_number)) => {
                 if line_number > told.frozen {
                     return fault("a line that has left and was not sent");
@@ -310,6 +319,8 @@ mod tests {
             journal.frozen(&line(number), at(number)).unwrap();
         }
         journal.event(&Event::Acknowledged(2), at(9)).unwrap();
+        journal.event(&Event::Holds(31, "[OPT:V,15,128]".into()), at(9)).unwrap();
+        journal.event(&Event::Holds(20, "less".into()), at(9)).unwrap();
         journal.event(&Event::Executed(1), at(10)).unwrap();
         journal.event(&Event::Left(4), at(9)).unwrap();
         journal.event(&Event::Repeated(3), at(10)).unwrap();
@@ -319,7 +330,7 @@ mod tests {
         assert_eq!((told.frozen, told.acknowledged, told.executed), (5, 2, 1));
         assert_eq!(told.lines.iter().map(|line| line.number).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
         assert_eq!(told.lines[2], Frozen { number: 3, crc: crc32(b"G1 X3"), source_line: 43, element: 6 });
-        assert_eq!(told.left, 4);
+        assert_eq!((told.left, told.holds.clone()), (4, Some((31, "[OPT:V,15,128]".to_owned()))));
         assert_eq!((told.head[0].0.as_str(), told.ended.as_deref()), ("program", None));
         // Died in the middle of a record: whatever the place, the records before it stay.
         for end in text.find("1 F").unwrap()..text.len() {
@@ -336,5 +347,8 @@ mod tests {
         assert_eq!(read(&twice).unwrap_err().0, 3);
         assert_eq!(read(&format!("{FIRST}\n0 A 7\n")).unwrap_err().0, 2);
         assert_eq!(read(&format!("{FIRST}\n0 L 7\n")).unwrap_err().0, 2);
+        assert_eq!(read(&format!("{FIRST}\n0 P many\n")).unwrap_err().0, 2);
+        // Of those that know no depth nothing is known.
+        assert_eq!(read(&format!("{FIRST}\n0 F 1 00000000 1 1\n9 A 1\n")).unwrap().holds, None);
     }
 }

@@ -29,7 +29,7 @@ pub use dosing::{Dose, Dosing, Limits};
 pub use forecast::{Forecast, Forecaster, Link, Stretch};
 pub use journal::{Frozen, Journal, Store, Told, read as read_journal};
 pub use line::{Line, crc32};
-pub use profile::{Flow, Frame, PROFILES, Parity, Profile, Serial, Window};
+pub use profile::{Bound, Flow, Frame, PROFILES, Parity, Profile, Serial, Window};
 pub use sender::{Ended, GONE, Port, Progress, Record, Sender, Supplied, Supply};
 pub use shown::{Shown, shown};
 pub use wire::Wire;

@@ -76,8 +76,17 @@ pub struct Window {
     pub bytes: usize,
     /// Bytes in the queue of the system, at most: what is there can no longer be held back.
     pub system_bytes: usize,
-    /// Lines that the control holds beyond those: it has answered them and has not carried them out.
+    /// Lines that a control of this kind holds beyond those, as a rule: for the forecast only. What a control holds in truth it states itself.
     pub planned: usize,
+}
+
+/// How many blocks a control has taken and not carried out, at most, where it does not say so itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bound {
+    /// So many, and never more.
+    pub at_most: u64,
+    /// Where the figure comes from.
+    pub source: String,
 }
 
 /// What frames lines and programs.
@@ -121,6 +130,8 @@ pub struct Profile {
     pub frame: Frame,
     /// How much may be under way.
     pub window: Window,
+    /// How many blocks lie in its planner, at most; `None` where nobody knows.
+    pub depth: Option<Bound>,
     /// A line may not be longer, bytes without its end.
     pub longest_line: usize,
     /// Whether letters are sent as capitals.
@@ -203,6 +214,9 @@ impl Profile {
             window.planned = section.integer("planned").map_or(window.planned, |value| value as usize);
             window.system_bytes = at_least_one(section.integer("system_bytes")).unwrap_or(window.system_bytes);
         });
+        let has_planner = PROTOCOLS.iter().any(|known| known.name == protocol && known.has_planner);
+        let mut depth = None;
+        own("depth", &mut |section| depth = bound(section, has_planner));
         let (mut longest_line, mut is_upper_case, mut refused) = (256, false, Vec::new());
         own("text", &mut |section| {
             longest_line = section.integer("longest_line").map_or(longest_line, |value| value.max(1) as usize);
@@ -233,6 +247,7 @@ impl Profile {
             flow,
             frame,
             window,
+            depth,
             longest_line,
             is_upper_case,
             refused,
@@ -242,6 +257,23 @@ impl Profile {
             avoids_controls,
         })
     }
+}
+
+/// An upper bound of the depth of a planner: without its source it is a guess, and that skips blocks which nobody has carried out.
+fn bound(section: &mut Section<'_>, has_planner: bool) -> Option<Bound> {
+    let at_most = section.required("at_most", "64", Section::integer);
+    let source =
+        section.required("source", "\"Configuration_adv.h of this firmware: BLOCK_BUFFER_SIZE 64\"", Section::text);
+    let source = source.map(str::to_owned);
+    if !has_planner {
+        let message = "an answer over this link does not mean that the line lies in a planner, or there is none";
+        section.report(Code::BAD_VALUE, section.place_of("at_most"), message, "leave out [depth]");
+    } else if source.as_ref().is_some_and(|source| source.trim().is_empty()) {
+        let help = "write where the figure comes from: a setting of the control, its configuration, its manual";
+        section.report(Code::BAD_VALUE, section.place_of("source"), "a bound without a source", help);
+    }
+    let (at_most, source) = at_most.zip(source)?;
+    Some(Bound { at_most: at_most.into(), source })
 }
 
 fn read_serial(section: &mut Section<'_>, serial: &mut Serial) {

@@ -120,6 +120,8 @@ pub struct Progress {
     pub left: u64,
     /// Lines that it has carried out, where it says so.
     pub executed: Option<u64>,
+    /// Blocks that it may have taken and not carried out, at most, where it says so.
+    pub holds: Option<u64>,
     /// Lines and bytes under way now.
     pub in_flight: (usize, usize),
     /// The fewest lines that were under way since the window was full for the first time; `None` before.
@@ -280,6 +282,7 @@ impl<'a> Sender<'a> {
                     }
                 }
                 Event::Executed(number) => self.progress.executed = Some(number),
+                Event::Holds(most, _) => self.progress.holds = Some(most),
                 Event::Repeated(_) => self.progress.repeats += 1,
                 Event::Stalled => self.progress.stalls += 1,
                 Event::Refused(number, said) => _ = self.ended.get_or_insert(Ended::Refused(number, said)),

@@ -31,6 +31,7 @@ mod singularity;
 mod slope;
 mod standing;
 mod steps;
+mod tips;
 mod treatment;
 mod trial;
 mod turn;
@@ -49,6 +50,7 @@ pub use prediction::{Prediction, Spread};
 pub use reach::Reach;
 pub use remaining::{Remaining, remaining};
 pub use steps::{Answer, Line, Residual, Row, StepTrial, Steps};
+pub use tips::Tips;
 pub use volume::volume;
 
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector, Plane};

@@ -220,7 +220,7 @@ impl Status {
 pub struct Said {
     /// Version of this object.
     pub schema: u32,
-    /// `said`, `stalled`, `paused`, `repeated`, `sensors`, `shift`, `port`.
+    /// `said`, `holds`, `stalled`, `paused`, `repeated`, `sensors`, `shift`, `port`.
     pub event: &'static str,
     /// Time since the start.
     pub time_s: f64,
@@ -249,6 +249,10 @@ pub struct Plan {
     pub executed: u64,
     /// The same in the source.
     pub executed_line: Option<u32>,
+    /// Blocks that the control may have taken and not carried out, at most; `null` where nobody knows.
+    pub holds: Option<u64>,
+    /// Where that comes from.
+    pub holds_source: Option<String>,
     /// The last line that may have been sent.
     pub sent: u64,
     /// The same in the source.
@@ -257,6 +261,8 @@ pub struct Plan {
     pub source_line: u32,
     /// Whether that is the beginning of the program.
     pub is_beginning: bool,
+    /// How far the tool is above all that is machined before it moves across; `null` where nothing is machined.
+    pub above_mm: Option<f64>,
     /// Why it is: behind this line of the source the state of the control cannot be rebuilt.
     pub unsure_line: Option<u32>,
     /// The tool that must be in the spindle.
@@ -265,6 +271,8 @@ pub struct Plan {
     pub before: Vec<String>,
     /// The first lines of the program that are sent.
     pub first: Vec<String>,
+    /// The height over which the way leads, as it was given.
+    pub clearance: Option<String>,
     /// The port.
     pub port: String,
 }
@@ -277,8 +285,24 @@ impl Plan {
         let in_source = |line: Option<u32>| line.map_or(String::new(), |line| format!(" (line {line} of the source)"));
         let ended = self.ended.as_deref().unwrap_or("the sending program died");
         let _ = writeln!(out, "job           {}, broken off: {ended}", self.program);
-        let _ = writeln!(out, "carried out   up to {}{} for sure", self.executed, in_source(self.executed_line));
+        if self.executed > 0 {
+            let _ = writeln!(out, "carried out   up to {}{} for sure", self.executed, in_source(self.executed_line));
+        } else {
+            let _ = writeln!(out, "carried out   nothing for sure");
+        }
         let _ = writeln!(out, "acknowledged  up to {}{}", self.acknowledged, in_source(self.acknowledged_line));
+        if self.acknowledged > self.executed {
+            let _ = match (self.holds, &self.holds_source) {
+                (Some(most), source) => {
+                    let source = source.as_deref().unwrap_or_default();
+                    writeln!(out, "              of these {most} blocks may not be carried out ({source})")
+                }
+                _ => writeln!(
+                    out,
+                    "              that says nothing of what was carried out: the control did not state how much it holds"
+                ),
+            };
+        }
         if self.sent > self.executed {
             let [from, to] = [self.executed + 1, self.sent];
             let _ = writeln!(
@@ -287,8 +311,9 @@ impl Plan {
                 in_source(self.sent_line)
             );
         }
-        let place = if self.is_beginning { ", the beginning" } else { ", a rapid move above all that is machined" };
-        let _ = writeln!(out, "begins again  at line {} of the source{place}", self.source_line);
+        let place = if self.is_beginning { ", the beginning" } else { ", a rapid move" };
+        let above = self.above_mm.map_or(String::new(), |mm| format!(", {mm:.1} mm above all that is machined"));
+        let _ = writeln!(out, "begins again  at line {} of the source{place}{above}", self.source_line);
         if let Some(line) = self.unsure_line {
             let _ = writeln!(out, "              (behind line {line} the state of the control cannot be rebuilt)");
         }
@@ -302,9 +327,9 @@ impl Plan {
         }
         let _ = writeln!(
             out,
-            "\nReset the control, so that its codes are those with which the job began; home the machine, look whether the zero point still holds, and see that\nthe first moves are free{}. Then:\n  ncfix resume {journal} --confirm {}",
-            if self.is_beginning { ": nothing lifts the tool before them, do that by hand" } else { "" },
-            self.plan
+            "\nReset the control, so that its codes are those with which the job began; home the machine, look whether the zero point still holds, and see that\nthe first moves are free. No line goes out unless the control says that it is idle. Then:\n  ncfix resume {journal} --confirm {}{}",
+            self.plan,
+            self.clearance.as_ref().map_or(String::new(), |given| format!(" --clearance {given}"))
         );
         out
     }

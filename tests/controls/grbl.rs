@@ -24,6 +24,12 @@ pub(crate) struct Grbl {
     /// Whether it does not know `$I`.
     is_old: bool,
     was_reset: bool,
+    /// Places of its planner and of its ring, and whether it tells them.
+    planner_size: usize,
+    ring_size: usize,
+    tells_sizes: bool,
+    /// What it says it does, whatever it does.
+    state: Option<&'static str>,
     answers: u64,
     lines: u64,
     out: Vec<u8>,
@@ -45,6 +51,10 @@ impl Grbl {
             is_alarmed: false,
             is_old: false,
             was_reset: false,
+            planner_size: PLANNER,
+            ring_size: RING,
+            tells_sizes: true,
+            state: None,
             answers: 0,
             lines: 0,
             out: Vec::new(),
@@ -56,6 +66,39 @@ impl Grbl {
     pub(crate) fn in_alarm(mut self) -> Grbl {
         self.is_alarmed = true;
         self
+    }
+
+    /// grblHAL as it is delivered: a hundred blocks in its planner.
+    pub(crate) fn of_a_hundred_blocks(mut self) -> Grbl {
+        (self.planner_size, self.ring_size) = (100, 1024);
+        self
+    }
+
+    pub(crate) fn that_tells_no_sizes(mut self) -> Grbl {
+        self.tells_sizes = false;
+        self
+    }
+
+    pub(crate) fn that_says(mut self, state: &'static str) -> Grbl {
+        self.state = Some(state);
+        self
+    }
+
+    /// Somebody holds its axes; lines are still taken.
+    pub(crate) fn hold(&mut self) {
+        self.is_held = true;
+    }
+
+    /// Blocks that were taken and not carried out.
+    pub(crate) fn planned(&self) -> usize {
+        self.planner.len()
+    }
+
+    /// The current is gone: what was not carried out never is.
+    pub(crate) fn fail(&mut self) {
+        self.planner.clear();
+        self.ring.clear();
+        self.is_alarmed = true;
     }
 
     pub(crate) fn that_is_old(mut self) -> Grbl {
@@ -95,8 +138,10 @@ impl Grbl {
             (_, _, true) => "Idle",
             _ => "Run",
         };
-        let free = [PLANNER - self.planner.len(), RING - self.ring.len()];
-        let report = format!("<{state}|MPos:0.000,0.000,0.000|Bf:{},{}|FS:0,0>\r\n", free[0], free[1]);
+        let state = self.state.unwrap_or(state);
+        let free = [self.planner_size - self.planner.len(), self.ring_size - self.ring.len()];
+        let free = if self.tells_sizes { format!("|Bf:{},{}", free[0], free[1]) } else { String::new() };
+        let report = format!("<{state}|MPos:0.000,0.000,0.000{free}|FS:0,0>\r\n");
         self.out.extend(report.bytes());
     }
 }
@@ -109,7 +154,7 @@ impl Control for Grbl {
             b'!' => self.is_held = true,
             b'~' => self.is_held = false,
             0x18 => self.reset(),
-            _ if self.ring.len() >= RING => self.overflows += 1,
+            _ if self.ring.len() >= self.ring_size => self.overflows += 1,
             _ => self.ring.push_back(byte),
         }
     }
@@ -128,7 +173,7 @@ impl Control for Grbl {
             self.done_s += self.busy_s;
         }
         // A line leaves the ring when the planner has room for it.
-        while self.planner.len() < PLANNER {
+        while self.planner.len() < self.planner_size {
             let Some(byte) = self.ring.pop_front() else { break };
             if byte != b'\n' {
                 self.line.push(byte);
@@ -140,10 +185,18 @@ impl Control for Grbl {
                 continue;
             }
             if line == b"$I" {
-                self.out.extend(b"[VER:1.1h.20190830:]\r\n[OPT:V,15,128]\r\nok\r\n");
+                let sizes =
+                    if self.tells_sizes { format!(",{},{}", self.planner_size, self.ring_size) } else { String::new() };
+                self.out.extend(format!("[VER:1.1h.20190830:]\r\n[OPT:V{sizes}]\r\nok\r\n").bytes());
                 continue;
             }
-            self.lines += 1;
+            if line == b"G4 P0.01" && !self.planner.is_empty() {
+                // It is answered when all before it is done.
+                self.ring.push_front(b'\n');
+                line.iter().rev().for_each(|byte| self.ring.push_front(*byte));
+                break;
+            }
+            self.lines += u64::from(line != b"G4 P0.01");
             if self.faults.refuses == Some(self.lines) || self.is_alarmed {
                 self.answer("error:33");
                 continue;
@@ -151,7 +204,10 @@ impl Control for Grbl {
             if self.planner.is_empty() {
                 self.done_s = now_s + self.busy_s;
             }
-            self.planner.push_back(line);
+            // The dwell that a sender waits for.
+            if line != b"G4 P0.01" {
+                self.planner.push_back(line);
+            }
             self.answer("ok");
         }
     }

@@ -8,11 +8,14 @@ use clap::Args;
 use super::super::value;
 use super::{CorrectionChoice, MachineChoice, ProgramChoice, StateChoice};
 use crate::feed::Limits;
+use crate::units::parse_length_mm;
 
 /// What `ncfix feed --help` says last.
 pub(super) const AFTER_HELP: &str = "\
 The whole program is executed and corrected once before the first byte goes out: whatever is wrong in it is found then, and whether the link keeps up with \
 the motion. Then each line is corrected for the temperatures of the moment, frozen, written into the journal, and sent.
+
+No line goes out unless the control says that it is idle; where a link has no such question, --i-checked-the-machine-stands-still takes its place.
 
 Ctrl-C once sends no further line and lets the control run out; twice holds the axes where the link has a word for it. `ncfix resume` shows how a job that \
 broke off can be taken up again.
@@ -43,6 +46,10 @@ pub(in crate::cli) struct FeedArguments {
     /// Check the program and the link, and send nothing
     #[arg(long)]
     pub(in crate::cli) dry_run: bool,
+    /// Send over a link that cannot ask whether the machine stands still (tape readers, FE1): you have looked, and if it moves, lines
+    /// run into what it does
+    #[arg(long)]
+    pub(in crate::cli) i_checked_the_machine_stands_still: bool,
     /// Send even where the control will have to wait for lines
     #[arg(long)]
     pub(in crate::cli) allow_starvation: bool,
@@ -107,12 +114,15 @@ impl DosingChoice {
 
 /// What `ncfix resume --help` says last.
 pub(super) const RESUME_HELP: &str = "\
-Nothing is ever taken up again by itself: what the control has carried out after its last answer is not known. The plan begins again at a rapid move above \
-everything that is machined, or at the beginning. It is refused where the program, the machine file, the state or ncfix have changed.
+Nothing is ever taken up again by itself. An answer of the control is no proof that a line was carried out: what its planner may hold, as it stated itself, was \
+not; where it stated nothing, only the beginning is sure. The plan begins again at a rapid move 1 mm or more above everything that is machined, over the height of \
+--clearance, or at the beginning. It is refused where nothing lifts the tool clear, and where the program, the machine file, the state or ncfix have changed. No \
+line goes out unless the control says that it is idle.
 
 Examples:
   ncfix resume part.ngc.journal
   ncfix resume part.ngc.journal --confirm 5a1e00c3f2b7
+  ncfix resume part.ngc.journal --clearance 25mm
   ncfix resume part.ngc.journal --port /dev/ttyUSB1 --confirm 5a1e00c3f2b7";
 
 /// `ncfix resume`.
@@ -124,6 +134,14 @@ pub(in crate::cli) struct ResumeArguments {
     /// Number of the plan that was read and is carried out
     #[arg(long, value_name = "PLAN")]
     pub(in crate::cli) confirm: Option<String>,
+    /// Go up to this Z first, with its unit, in the coordinates of the program: a height that is clear of workpiece and clamps. Needed
+    /// where no rapid move of the program lies above all that is machined
+    #[arg(long, value_name = "Z", value_parser = parse_length_mm, allow_hyphen_values = true)]
+    pub(in crate::cli) clearance: Option<f64>,
+    /// Send over a link that cannot ask whether the machine stands still (tape readers, FE1): you have looked, and if it moves, lines
+    /// run into what it does
+    #[arg(long)]
+    pub(in crate::cli) i_checked_the_machine_stands_still: bool,
     /// Where the control is now, if elsewhere
     #[arg(long, value_name = "PORT")]
     pub(in crate::cli) port: Option<String>,

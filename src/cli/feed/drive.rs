@@ -87,9 +87,9 @@ pub(super) fn run(
     let dialogue = super::dialogue(&job)?;
     let sender = Sender::new(dialogue, job.profile.window.system_bytes, &mut journal);
     let speed = port::characters_per_s(arguments.port.as_deref().unwrap_or_default(), &job.profile);
-    let planned = job.profile.window.planned;
+    let bound = job.profile.depth.as_ref().map(|bound| bound.at_most);
     let meter = Meter::new();
-    let mut drive = Drive { sender, port: opened.port, show, before, speed, planned, started, meter, halted: None };
+    let mut drive = Drive { sender, port: opened.port, show, before, speed, bound, started, meter, halted: None };
     let (ended, code) = drive.go(&mut supply, &thermal, &keys).map_err(|error| unwritten(&error))?;
     let status = drive.status(&supply, &thermal, Some(&ended));
     let mut show = drive.show;
@@ -200,8 +200,8 @@ struct Drive<'a> {
     before: &'a Before,
     /// Characters a second that the link takes.
     speed: f64,
-    /// Lines that the control holds beyond those under way.
-    planned: usize,
+    /// Blocks that the control has taken and not carried out, at most, as the profile says.
+    bound: Option<u64>,
     started: Instant,
     /// From an answer to the bytes of the next line.
     meter: Meter,
@@ -286,11 +286,11 @@ impl Drive<'_> {
             }
             _ => halt,
         };
-        let (open, planned) = (self.sender.progress().in_flight.0, self.planned);
+        let (open, held) = (self.sender.progress().in_flight.0, self.held());
         let what = said.unwrap_or_else(|| {
             format!(
                 "this link has no word to hold the axes: use the control's own; ncfix leaves, and the {open} lines under way may still \
-                 be carried out, and up to {planned} that the control holds"
+                 be carried out, and {held}"
             )
         });
         let message = format!("{why}: {what}");
@@ -318,12 +318,20 @@ impl Drive<'_> {
             return format!("{why}; no line was sent");
         }
         let open = progress.sent.saturating_sub(taken);
-        let held = taken.saturating_sub(progress.executed.unwrap_or(0)).min(self.planned as u64);
+        let held = taken.saturating_sub(progress.executed.unwrap_or(0));
         let mut what = format!("the job is lost: {why}; {open} lines were sent and not acknowledged");
         if held > 0 {
-            what += &format!(", and up to {held} before them may still have waited in the control");
+            what += &format!(", and of the {held} before them {} may still have waited", self.held());
         }
         what + ": each of these may have been carried out or not"
+    }
+
+    /// What the control has taken and may not have carried out.
+    fn held(&self) -> String {
+        match self.sender.progress().holds.max(self.bound) {
+            Some(most) => format!("up to {most} blocks that the control holds"),
+            None => "those that the control holds, which it does not tell,".to_owned(),
+        }
     }
 
     fn status(&self, supply: &Source, thermal: &Thermal, ended: Option<&Ended>) -> Status {

@@ -20,6 +20,7 @@ use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::stop::Stop;
 use super::{input, print, tell};
+use crate::diagnostic::{Code, Diagnostic};
 use crate::feed::{Dialogue, PROTOCOLS, port};
 use crate::report::feed::Before;
 use crate::report::json;
@@ -75,6 +76,13 @@ pub(super) fn run(arguments: &FeedArguments) -> Result<ExitCode, Stop> {
 /// Where the port cannot be opened, or the journal not be written.
 pub(super) fn send(arguments: &FeedArguments, job: Job, before: &Before, begin: &Begin) -> Result<ExitCode, Stop> {
     let name = arguments.port.as_deref().ok_or_else(|| Stop::Usage("--port is missing".into()))?;
+    if !asks_idle(&job) && !arguments.i_checked_the_machine_stands_still {
+        let mut findings = Findings::default();
+        findings.add(unasked(&job), &[]);
+        findings.draw();
+        tell(&format!("{}; nothing was sent\n", findings.count()));
+        return Ok(findings.exit_code());
+    }
     let opened = port::open(name, &job.profile).map_err(|sentence| Stop::Ended(ExitCode::Link, sentence))?;
     drive::run(arguments, job, opened, before, begin)
 }
@@ -102,6 +110,20 @@ fn dialogue(job: &Job) -> Result<Box<dyn Dialogue>, Stop> {
     let protocol = PROTOCOLS.iter().find(|protocol| protocol.name == job.profile.protocol);
     let protocol = protocol.ok_or_else(|| Stop::Usage(format!("there is no protocol '{}'", job.profile.protocol)))?;
     (protocol.create)(&job.profile).map_err(|why| Stop::Usage(format!("the link {}: {why}", job.profile.name)))
+}
+
+/// Whether the control is asked if it stands still before the first line.
+fn asks_idle(job: &Job) -> bool {
+    PROTOCOLS.iter().any(|protocol| protocol.name == job.profile.protocol && protocol.asks_idle)
+}
+
+fn unasked(job: &Job) -> Diagnostic {
+    let message = format!(
+        "the link {} has no question whether the machine stands still; lines that are sent into a machine that moves run into what it does",
+        job.profile.name
+    );
+    let help = "look at the machine: no program runs, nothing moves, no alarm stands. Then add --i-checked-the-machine-stands-still";
+    Diagnostic::nowhere(Code::IDLE_UNKNOWN, message, help)
 }
 
 /// Opens the sensors of a job; `None` where there are none, or findings forbid it.

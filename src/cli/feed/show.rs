@@ -84,9 +84,22 @@ impl Show {
                     self.say("paused", now, None, "the control goes on".into());
                 }
             }
+            Event::Holds(most, said) if self.is_json => {
+                self.say(
+                    "holds",
+                    now,
+                    None,
+                    format!("the control may hold {most} blocks that it has taken and not carried out ({said})"),
+                );
+            }
             Event::Repeated(number) => self.say("repeated", now, Some(*number), format!("line {number} is sent again")),
             // The end says it.
-            Event::Acknowledged(_) | Event::Left(_) | Event::Executed(_) | Event::Refused(..) | Event::Lost(_) => {}
+            Event::Acknowledged(_)
+            | Event::Left(_)
+            | Event::Executed(_)
+            | Event::Holds(..)
+            | Event::Refused(..)
+            | Event::Lost(_) => {}
         }
     }
 

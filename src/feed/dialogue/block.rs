@@ -12,6 +12,8 @@ use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "block",
     title: "blocks with a check character, ACK and NAK (Heidenhain FE1)",
+    asks_idle: false,
+    has_planner: false,
     check: |profile, text| check_text(text, profile.longest_line, &[]),
     create: |profile| Ok(Box::new(Block::new(profile))),
 };

@@ -7,12 +7,15 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
+use super::depth::{Depth, not_idle, read_report};
 use super::{Answers, Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
 /// What profiles call it.
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "grbl",
     title: "ok per line, bytes counted",
+    asks_idle: true,
+    has_planner: true,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create: |profile| Ok(Box::new(Grbl::new(profile))),
 };
@@ -21,6 +24,8 @@ pub(super) const PROTOCOL: Protocol = Protocol {
 const STATUS: &[u8] = b"?";
 const HOLD: &[u8] = b"!";
 const RESET: &[u8] = &[0x18];
+/// Blocks that have left the planner and are still stepped: the buffer of segments has 6 places in Grbl 1.1, 10 in grblHAL (stepper.h).
+const STEPPED: u64 = 16;
 /// While lines are under way the control is asked where it stands this often.
 const ASK_EVERY: Duration = Duration::from_millis(250);
 /// After a refusal, this long without a word means that everything was answered.
@@ -36,6 +41,8 @@ enum State {
     Greeting,
     /// Asked for its buffers. Answers to lines of an earlier job, which it still has, may come first.
     Asking,
+    /// Asked whether it is idle, last of all.
+    Looking,
     /// Lines are sent.
     Open,
     /// The last line was sent.
@@ -49,8 +56,8 @@ enum State {
 struct Grbl {
     state: State,
     window: (usize, usize),
-    /// Blocks that its planner holds beyond those.
-    planned: usize,
+    /// What it says of the blocks that its planner holds beyond those.
+    depth: Depth,
     /// Size of the receive buffer, where the control has told it.
     buffer: Option<usize>,
     /// Whether it has begun to say what it is.
@@ -87,7 +94,7 @@ impl Grbl {
         Grbl {
             state: State::Greeting,
             window: (profile.window.lines, profile.window.bytes),
-            planned: profile.window.planned,
+            depth: Depth::default(),
             buffer: None,
             has_told: false,
             has_answered: false,
@@ -126,6 +133,7 @@ impl Grbl {
         } else if let Some(report) = text.strip_prefix('<').and_then(|text| text.strip_suffix('>')) {
             self.report(report, wire, events);
         } else if let Some(options) = text.strip_prefix("[OPT:").and_then(|text| text.strip_suffix(']')) {
+            self.depth.hear(options.split(',').nth(1), STEPPED, text);
             let numbers: Vec<usize> = options.split(',').skip(1).filter_map(|number| number.parse().ok()).collect();
             if let Some(&bytes) = numbers.get(1) {
                 self.buffer = Some(bytes);
@@ -146,12 +154,8 @@ impl Grbl {
                 }
             } else if self.state != State::Refusing {
                 wire.push_urgent(HOLD);
-                self.lost(
-                    &format!(
-                        "the control has refused a line with error:{code}, and answered more lines than were sent"
-                    ),
-                    events,
-                );
+                let why = "and answered more lines than were sent";
+                self.lost(&format!("the control has refused a line with error:{code}, {why}"), events);
             }
         } else if let Some(code) = text.strip_prefix("ALARM:") {
             self.lost(&format!("the control stands in alarm {code}"), events);
@@ -160,10 +164,8 @@ impl Grbl {
         } else if !text.is_empty() && self.state != State::Greeting {
             // It may have been a refusal.
             let shown: String = text.chars().take(80).collect();
-            self.lost(
-                &format!("an answer cannot be read: '{shown}'; the line that it was for may have been refused"),
-                events,
-            );
+            let why = "the line that it was for may have been refused";
+            self.lost(&format!("an answer cannot be read: '{shown}'; {why}"), events);
         }
     }
 
@@ -176,7 +178,7 @@ impl Grbl {
         if self.state == State::Asking {
             self.has_answered = true;
             if self.has_told {
-                self.state = State::Open;
+                (self.state, self.asked) = (State::Looking, 0);
             }
         } else if let Some((number, length, _)) = self.in_flight.pop_front() {
             self.bytes -= length;
@@ -205,17 +207,18 @@ impl Grbl {
     /// `Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0`.
     fn report(&mut self, report: &str, wire: &mut Wire, events: &mut Vec<Event>) {
         self.asked = 0;
-        let mut fields = report.split('|');
-        let state = fields.next().unwrap_or_default();
-        let free = fields.find_map(|field| field.strip_prefix("Bf:"));
-        let free_bytes = free.and_then(|free| free.split(',').nth(1)).and_then(|bytes| bytes.parse::<usize>().ok());
-        if self.state == State::Greeting {
-            if state.starts_with("Alarm") {
-                self.lost("the control stands in an alarm: home it or clear it there", events);
-            } else {
-                self.ask_for_buffers(wire);
+        let (state, [free_blocks, free_bytes]) = read_report(report);
+        if state == "Idle" && self.in_flight.is_empty() {
+            self.depth.hear(free_blocks, STEPPED, report);
+        }
+        let free_bytes = free_bytes.and_then(|bytes| bytes.parse::<usize>().ok());
+        if matches!(self.state, State::Greeting | State::Asking | State::Looking) {
+            match not_idle(state) {
+                Some(why) => return self.lost(&why, events),
+                None if self.state == State::Greeting => return self.ask_for_buffers(wire),
+                None if self.state == State::Looking => return self.begin(events),
+                None => {}
             }
-            return;
         }
         if state.starts_with("Alarm") {
             self.lost("the control stands in an alarm", events);
@@ -239,15 +242,12 @@ impl Grbl {
             self.lost("the control has more than was not answered: an answer came twice", events);
             return;
         }
-        let is_empty = match (self.buffer, free_bytes) {
-            (Some(buffer), Some(free)) => free >= buffer,
-            _ => true,
-        };
+        let is_empty = self.buffer.zip(free_bytes).is_none_or(|(buffer, free)| free >= buffer);
         self.idle = if state == "Idle" && is_empty && wire.waiting() == 0 { self.idle + 1 } else { 0 };
         if self.state == State::Asking {
             // It has nothing left that it could answer: what it said was its answer.
             if self.idle >= 2 && self.has_answered {
-                self.state = State::Open;
+                self.begin(events);
             }
             return;
         }
@@ -270,6 +270,12 @@ impl Grbl {
                 }
             }
         }
+    }
+
+    /// The control is idle: lines may go out.
+    fn begin(&mut self, events: &mut Vec<Event>) {
+        self.state = State::Open;
+        self.depth.tell(events);
     }
 
     /// Whether every line was answered, and the control has said since that nothing is left to do.
@@ -332,6 +338,9 @@ impl Dialogue for Grbl {
             }
             return;
         }
+        if self.state == State::Looking && self.asked == 0 {
+            self.ask(now, wire);
+        }
         let is_quiet = now.saturating_sub(self.last_heard.max(self.last_asked)) > QUIET;
         if self.state == State::Asking && self.has_answered && is_quiet && self.asked == 0 {
             self.ask(now, wire);
@@ -370,14 +379,14 @@ impl Dialogue for Grbl {
         let lines = self.in_flight.len();
         match halt {
             Halt::Stop => Some(format!(
-                "no further line is sent; the control carries out the {lines} that it has not answered and up to {} in its planner",
-                self.planned
+                "no further line is sent; the control carries out the {lines} that it has not answered and {}",
+                self.depth.words()
             )),
             Halt::Hold => {
                 wire.push_urgent(HOLD);
                 Some(format!(
-                    "the axes stop, the spindle turns; {lines} lines that were not answered and up to {} in the planner stay in the control and go on with cycle start (~)",
-                    self.planned
+                    "the axes stop, the spindle turns; {lines} lines that were not answered and {} stay in the control and go on with cycle start (~)",
+                    self.depth.words()
                 ))
             }
             Halt::Abort => {

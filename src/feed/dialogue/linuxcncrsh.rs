@@ -15,8 +15,14 @@ use super::mdi::{Words, words};
 use super::{Answers, Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
 /// What profiles call it.
-pub(super) const PROTOCOL: Protocol =
-    Protocol { name: "linuxcncrsh", title: "MDI, one line after the other (LinuxCNC)", check, create };
+pub(super) const PROTOCOL: Protocol = Protocol {
+    name: "linuxcncrsh",
+    title: "MDI, one line after the other (LinuxCNC)",
+    asks_idle: true,
+    has_planner: false,
+    check,
+    create,
+};
 
 /// Its buffer for one command has 256 bytes and nothing guards its end: so many are left behind `set mdi `.
 const LONGEST: usize = 247;

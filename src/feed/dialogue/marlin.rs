@@ -14,6 +14,8 @@ use super::{Answers, Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "marlin",
     title: "numbered lines with a checksum, sent again on demand",
+    asks_idle: true,
+    has_planner: true,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create: |profile| Ok(Box::new(Marlin::new(profile))),
 };

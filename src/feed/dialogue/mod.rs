@@ -3,6 +3,7 @@
 //! To add one, write its file and register it in [`PROTOCOLS`]; profiles name it.
 
 mod block;
+mod depth;
 mod grbl;
 mod greeting;
 mod linuxcncrsh;
@@ -21,6 +22,8 @@ pub enum Event {
     Acknowledged(u64),
     /// The control has carried out this line, and all before it, as far as it says so.
     Executed(u64),
+    /// The control states that so many blocks, at most, are taken and not carried out: how many, and its words.
+    Holds(u64, String),
     /// The last byte of this line, and of all before it, has gone over a link without answers: nobody knows whether the control has carried it out.
     Left(u64),
     /// The control asks to pause, or to go on.
@@ -91,6 +94,10 @@ pub struct Protocol {
     pub name: &'static str,
     /// What it is.
     pub title: &'static str,
+    /// Whether the control is asked, before the first line, if it stands still: it gets no line unless it says so.
+    pub asks_idle: bool,
+    /// Whether its answer to a line means that the line lies in a planner, so that a depth says how many may not be carried out.
+    pub has_planner: bool,
     /// Whether a line can go over it; a sentence where not.
     pub check: fn(&Profile, &[u8]) -> Result<(), String>,
     /// Begins one; a sentence where the profile does not fit it.

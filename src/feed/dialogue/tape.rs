@@ -15,6 +15,8 @@ use crate::feed::profile::Flow;
 pub(super) const PROTOCOL: Protocol = Protocol {
     name: "tape",
     title: "bytes held by XON and XOFF, no answers (tape readers)",
+    asks_idle: false,
+    has_planner: false,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create,
 };

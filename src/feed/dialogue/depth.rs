@@ -1,0 +1,114 @@
+//! How many blocks a control may have answered and not carried out, as it says itself, and whether it stands still.
+//!
+//! An answer says that a line was taken into the planner, not that anything has moved. How deep a planner is differs from control to control and is a
+//! setting on many, so that no constant is of use: what the control states when the job begins counts, the largest where it states several.
+
+use super::Event;
+
+/// What a control has said of the depth of its planner.
+#[derive(Debug, Default)]
+pub(super) struct Depth {
+    /// Blocks, at most, and the words of the control; `None` where it says nothing.
+    stated: Option<(u64, String)>,
+    is_told: bool,
+}
+
+impl Depth {
+    /// The control states a number of blocks; `beyond` more have left the planner and still move. A planner without places is none.
+    pub(super) fn hear(&mut self, blocks: Option<&str>, beyond: u64, said: &str) {
+        let Some(blocks) = blocks.and_then(|blocks| blocks.trim().parse::<u64>().ok()) else { return };
+        let most = blocks.saturating_add(beyond);
+        let is_size = said.starts_with('[');
+        if blocks > 0 && self.stated.as_ref().is_none_or(|(known, _)| *known < most || *known == most && is_size) {
+            self.stated = Some((most, said.chars().take(80).collect()));
+        }
+    }
+
+    /// What is written down before the first line.
+    pub(super) fn tell(&mut self, events: &mut Vec<Event>) {
+        if let Some((most, said)) = self.stated.clone().filter(|_| !self.is_told) {
+            self.is_told = true;
+            events.push(Event::Holds(most, said));
+        }
+    }
+
+    /// For people.
+    pub(super) fn words(&self) -> String {
+        match &self.stated {
+            Some((most, _)) => format!("up to {most} blocks of its planner"),
+            None => "what its planner holds, which it does not tell".into(),
+        }
+    }
+}
+
+/// State, free blocks of the planner and free bytes of the receive buffer of a report of Grbl: `Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0`.
+pub(super) fn read_report(report: &str) -> (&str, [Option<&str>; 2]) {
+    let mut fields = report.split('|');
+    let state = fields.next().unwrap_or_default();
+    let mut free = fields.find_map(|field| field.strip_prefix("Bf:")).into_iter().flat_map(|free| free.split(','));
+    (state, [free.next(), free.next()])
+}
+
+/// Why nothing may be sent to a control of the family of Grbl that reports this state; `None` where it is idle.
+///
+/// The states of Grbl 1.1 and grblHAL; what follows a colon says more of them.
+pub(super) fn not_idle(state: &str) -> Option<String> {
+    let what = match state.split(':').next().unwrap_or_default() {
+        "Idle" => return None,
+        "Run" => "it carries something else out: let it end, or stop it there",
+        "Hold" => "its axes are held in the middle of something: let that end with cycle start, or reset it there",
+        "Door" => "its door is open, or was while it moved: close it, and let what it has end or reset it there",
+        "Alarm" => "it stands in an alarm: find out why, then home it or clear it there",
+        "Home" => "it is homing: wait for the end of that",
+        "Check" => "its check mode is on, in which nothing moves: switch that off ($C)",
+        "Jog" => "somebody jogs it: wait until that is done",
+        "Sleep" => "it sleeps: reset it there, and home it",
+        "Tool" => "it waits for a tool: change it and let it go on, or reset it there",
+        _ => "this state is not known here: bring it to rest there",
+    };
+    let shown: String = state.chars().take(40).collect();
+    Some(format!("the control is not idle ({shown}): {what}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_that_is_stated_counts_and_is_told_once() {
+        let (mut depth, mut events) = (Depth::default(), Vec::new());
+        depth.tell(&mut events);
+        assert!(events.is_empty() && depth.words().contains("does not tell"));
+        depth.hear(Some("0"), 16, "Bf:0,128");
+        depth.tell(&mut events);
+        assert!(events.is_empty(), "a planner without places is none: {events:?}");
+        depth.hear(Some("100"), 16, "[OPT:VNM,100,1024,3,0]");
+        depth.hear(Some("x"), 16, "Bf:x,1023");
+        depth.hear(None, 16, "Bf");
+        depth.hear(Some("35"), 16, "Bf:35,1023");
+        depth.tell(&mut events);
+        depth.tell(&mut events);
+        assert_eq!(events, [Event::Holds(116, "[OPT:VNM,100,1024,3,0]".into())]);
+    }
+
+    #[test]
+    fn only_idle_is_idle() {
+        assert_eq!(not_idle("Idle"), None);
+        for (state, word) in [
+            ("Run", "let it end"),
+            ("Run:1", "let it end"),
+            ("Hold:0", "held"),
+            ("Door:3", "door"),
+            ("Alarm:1", "alarm"),
+            ("Home", "homing"),
+            ("Check", "$C"),
+            ("Jog", "jogs"),
+            ("Sleep", "sleeps"),
+            ("Tool", "tool"),
+            ("", "not known"),
+            ("Idler", "not known"),
+        ] {
+            assert!(not_idle(state).is_some_and(|why| why.contains(word)), "{state}");
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! `ncfix resume`: what was carried out for sure, where the tool comes clear of the workpiece, and that nothing goes out to a control that is not idle.
+//!
+//! Journals here are those of real transfers to a simulated control, cut off where the text says.
+
+use super::cli_feed::{Bench, corrected, passes, signal, start};
+use super::controls::{Faults, Grbl};
+use super::support::{Run, Shop, machine};
+
+fn grbl(busy_s: f64) -> Grbl {
+    Grbl::new(&Faults::default(), busy_s)
+}
+
+/// A job whose sender is killed, and whose control loses its current, when so many lines were carried out; the plan for it.
+fn broken(control: Grbl, link: &str, after: usize) -> (Shop, Bench, serde_json::Value) {
+    let bench = Bench::new(control);
+    let shop = Shop::new().file("part.ngc", passes(40));
+    let mill = machine("knee_mill");
+    let mut child = start(&shop, &["feed", "part.ngc", "--machine", &mill, "--link", link, "--port", &bench.name]);
+    bench.wait_for(after);
+    bench.shared.lock().unwrap().hold();
+    // What it has taken meanwhile, as much as it can or as the program has.
+    let (mut planned, mut quiet) = (0, 0);
+    while quiet < 4 {
+        std::thread::sleep(std::time::Duration::from_millis(250));
+        let now = bench.shared.lock().unwrap().planned();
+        quiet = if now == planned { quiet + 1 } else { 0 };
+        planned = now;
+    }
+    bench.shared.lock().unwrap().fail();
+    signal(&child, "KILL");
+    child.wait().unwrap();
+    let run = shop.run(["resume", "part.ngc.journal", "--json"]);
+    assert_eq!(run.code, 0, "{run:?}");
+    let plan = serde_json::from_str(&run.stdout).unwrap();
+    (shop, bench, plan)
+}
+
+/// Lines of the program before the place at which a plan begins again.
+fn left_out(shop: &Shop, plan: &serde_json::Value) -> usize {
+    let mill = machine("knee_mill");
+    let lines = corrected(shop, "part.ngc", &["--machine", &mill]);
+    if plan["is_beginning"].as_bool().unwrap() {
+        return 0;
+    }
+    let first: Vec<&str> = plan["first"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
+    let places: Vec<usize> = (0..lines.len()).filter(|&k| lines[k..].iter().zip(&first).all(|(a, b)| a == b)).collect();
+    *places.last().unwrap()
+}
+
+#[test]
+fn no_block_of_a_deep_planner_is_skipped() {
+    for after in [150, 300] {
+        let (shop, bench, plan) = broken(grbl(0.005).of_a_hundred_blocks(), "grblhal", after);
+        let executed = bench.executed().len();
+        let [sure, acknowledged] = ["executed", "acknowledged"].map(|key| plan[key].as_u64().unwrap() as usize);
+        // It had acknowledged far more than it carried out.
+        assert!(acknowledged >= executed + 90, "{acknowledged} {executed}");
+        assert!(sure <= executed, "{after}: {sure} for sure, {executed} carried out");
+        assert!(left_out(&shop, &plan) <= executed, "{after}: blocks are skipped");
+        assert_eq!(plan["holds"], 116);
+        assert!(plan["holds_source"].as_str().unwrap().contains("[OPT:V,100,1024]"), "{plan}");
+        assert!(after < 300 || !plan["is_beginning"].as_bool().unwrap(), "{plan}");
+    }
+}
+
+#[test]
+fn where_the_control_states_no_depth_nothing_is_sure_but_the_beginning() {
+    let (shop, _bench, plan) = broken(grbl(0.002).that_tells_no_sizes(), "grblhal", 200);
+    assert_eq!([&plan["executed"], &plan["holds"]], [&serde_json::json!(0), &serde_json::Value::Null]);
+    assert!(plan["is_beginning"].as_bool().unwrap() && plan["acknowledged"].as_u64().unwrap() >= 200, "{plan}");
+    let told = shop.run(["resume", "part.ngc.journal"]);
+    assert!(
+        told.stdout.contains("nothing for sure") && told.stdout.contains("did not state how much it holds"),
+        "{told:?}"
+    );
+    // A bound of the profile, with its source, counts; not less than what the control states.
+    let (own, text) = (
+        "own.toml",
+        "name = \"own\"\nprotocol = \"grbl\"\n[window]\nlines = 15\nbytes = 120\n[depth]\nat_most = 20\nsource = \"planner.h\"\n",
+    );
+    for (control, expected) in [(grbl(0.002).that_tells_no_sizes(), 20), (grbl(0.002), 31)] {
+        let bench = Bench::new(control);
+        let shop = Shop::new().file("part.ngc", passes(40)).file(own, text);
+        let mill = machine("knee_mill");
+        let mut child = start(&shop, &["feed", "part.ngc", "--machine", &mill, "--link", own, "--port", &bench.name]);
+        bench.wait_for(200);
+        bench.shared.lock().unwrap().fail();
+        signal(&child, "KILL");
+        child.wait().unwrap();
+        let plan = shop.run(["resume", "part.ngc.journal", "--json"]).exits(0).json();
+        assert_eq!(plan["holds"], expected, "{plan}");
+        let sure = plan["executed"].as_u64().unwrap() as usize;
+        assert!(0 < sure && sure <= bench.executed().len(), "{plan}");
+    }
+}
+
+#[test]
+fn a_control_that_is_not_idle_gets_no_line_of_a_job_that_is_taken_up_again() {
+    let (shop, _bench, plan) = broken(grbl(0.002), "grbl", 200);
+    let number = plan["plan"].as_str().unwrap();
+    let journal = shop.bytes("part.ngc.journal");
+    for (state, word) in
+        [("Run", "let it end"), ("Hold:0", "cycle start"), ("Door:0", "door"), ("Check", "$C"), ("Sleep", "sleeps")]
+    {
+        let busy = Bench::new(grbl(0.002).that_says(state));
+        let run = shop.run(["resume", "part.ngc.journal", "--port", &busy.name, "--confirm", number]);
+        assert!(
+            run.code == 6 && run.stderr.contains(word) && run.stderr.contains("no line was sent"),
+            "{state}: {run:?}"
+        );
+        assert!(busy.executed().is_empty(), "{state}");
+        // The job is still there to be taken up again.
+        shop.run(["resume", "part.ngc.journal.old"]).exits(0);
+        std::fs::remove_file(shop.path("part.ngc.journal.old")).unwrap();
+        std::fs::write(shop.path("part.ngc.journal"), &journal).unwrap();
+    }
+}
+
+#[test]
+fn a_link_without_a_question_needs_a_person_who_looked() {
+    let shop = Shop::new().file("part.ngc", passes(2));
+    let mill = machine("knee_mill");
+    for link in ["haas", "fanuc-rs232", "siemens-v24", "grundig-v24", "heidenhain-fe1"] {
+        let arguments = [
+            "feed",
+            "part.ngc",
+            "--machine",
+            &mill,
+            "--link",
+            link,
+            "--port",
+            "/dev/no-such-port",
+            "--allow-starvation",
+        ];
+        let run = shop.run(arguments);
+        assert!(run.code == 4 && run.stderr.contains("E0705"), "{link}: {run:?}");
+        let run = shop.run([&arguments[..], &["--i-checked-the-machine-stands-still"]].concat());
+        assert!(run.code == 5 && !run.stderr.contains("E0705"), "{link}: {run:?}");
+    }
+    for link in ["grbl", "grblhal", "marlin", "linuxcnc"] {
+        let run = shop.run([
+            "feed",
+            "part.ngc",
+            "--machine",
+            &mill,
+            "--link",
+            link,
+            "--port",
+            "/dev/no-such-port",
+            "--allow-starvation",
+        ]);
+        assert!(run.code == 5, "{link}: {run:?}");
+    }
+}
+
+/// A job that is cut off when so many lines were acknowledged.
+fn cut_off(program: &str, acknowledged: usize) -> Shop {
+    let bench = Bench::new(grbl(0.0002));
+    let shop = Shop::new().file("part.ngc", program);
+    let mill = machine("knee_mill");
+    shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]).exits(0);
+    let journal = shop.text("part.ngc.journal");
+    let is_kept = |line: &&str| {
+        let mut words = line.split(' ');
+        match (words.next(), words.next()) {
+            (Some(_), Some("F")) => words.next().unwrap().parse::<usize>().unwrap() <= acknowledged + 4,
+            (Some(_), Some("A" | "X" | "E" | "W")) => false,
+            _ => true,
+        }
+    };
+    let mut cut: Vec<&str> = journal.lines().filter(is_kept).collect();
+    let last = format!("9999 A {acknowledged}\n");
+    cut.push(&last);
+    std::fs::write(shop.path("part.ngc.journal"), cut.join("\n")).unwrap();
+    shop
+}
+
+/// Words of a plan, before the program.
+fn before(plan: &serde_json::Value) -> Vec<String> {
+    plan["before"].as_array().unwrap().iter().map(|line| line.as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn a_program_of_one_depth_is_not_taken_up_again_without_a_clearance() {
+    // Letters 0.05 mm deep, all retracts to 0.2 mm: the plunges begin there.
+    let mut text = "G21 G90 G17 G54\nS12000 M3\nG0 Z0.2\n".to_owned();
+    for k in 0..30 {
+        text += &format!("G0 X{} Y0\nG1 Z-0.05 F100\nG1 X{} F300\nG1 Y4\nG0 Z0.2\n", 5 * k, 5 * k + 3);
+    }
+    let shop = cut_off(&(text + "M5\nM30\n"), 120);
+    let run = shop.run(["resume", "part.ngc.journal"]);
+    assert!(run.code == 4 && run.stderr.contains("E0706") && run.stderr.contains("--clearance"), "{run:?}");
+    let low = shop.run(["resume", "part.ngc.journal", "--clearance", "0.2mm"]);
+    assert!(low.code == 4 && low.stderr.contains("E0707") && low.stderr.contains("0.200 mm of the program"), "{low:?}");
+    let plan = |run: Run| run.exits(0).json();
+    let found = plan(shop.run(["resume", "part.ngc.journal", "--clearance", "5mm", "--json"]));
+    assert!(!found["is_beginning"].as_bool().unwrap(), "{found}");
+    // 5 − 0.2 mm.
+    assert!((found["above_mm"].as_f64().unwrap() - 4.8).abs() < 0.01, "{found}");
+    let lines = before(&found);
+    let moves: Vec<&String> = lines.iter().filter(|line| line.starts_with("G0 ")).collect();
+    assert!(moves[0] == "G0 Z5." && moves[1].starts_with("G0 X") && moves[2].starts_with("G0 Z0."), "{lines:?}");
+    assert!(shop.run(["resume", "part.ngc.journal", "--clearance", "5"]).code == 2, "without a unit");
+    // Another clearance is another plan.
+    let number = found["plan"].as_str().unwrap();
+    let other = shop.run(["resume", "part.ngc.journal", "--clearance", "6mm", "--confirm", number]);
+    assert!(other.code == 2 && other.stderr.contains("not the number of the plan"), "{other:?}");
+    // It is carried out as it was shown.
+    let bench = Bench::new(grbl(0.0002));
+    shop.run(["resume", "part.ngc.journal", "--clearance", "5mm", "--confirm", number, "--port", &bench.name]).exits(0);
+    assert_eq!(bench.executed()[..lines.len()], lines);
+}
+
+#[test]
+fn a_beginning_that_crosses_is_no_place_either() {
+    // In inches; nothing is sure, as the planner may hold all of it.
+    let text = "G20 G90 G54 G17\nS9000 M3\nG0 Z0.2\nG0 X0.5 Y0.5\nG1 Z-0.05 F40\nG91\nG1 X0.5\nG90\nG0 Z0.2\nG0 X1.5\nG1 Z-0.05\nG1 X2\nG0 Z0.2\nM5\nM2\n";
+    let shop = cut_off(text, 10);
+    let run = shop.run(["resume", "part.ngc.journal"]);
+    assert!(run.code == 4 && run.stderr.contains("E0706") && run.stderr.contains("--clearance"), "{run:?}");
+    let plan = shop.run(["resume", "part.ngc.journal", "--clearance", "1in", "--json"]).exits(0).json();
+    let lines = before(&plan);
+    assert!(plan["is_beginning"].as_bool().unwrap() && lines.len() == 2, "{plan}");
+    assert_eq!(lines[1], if lines[0].contains("G20") { "G0 Z1." } else { "G0 Z25.4" });
+    // Behind a tool length Z means something else: nothing can be sent before it.
+    let shop = cut_off(&text.replace("S9000", "T1 M6\nG43 H1\nS9000"), 10);
+    let run = shop.run(["resume", "part.ngc.journal", "--clearance", "1in"]);
+    assert!(run.code == 4 && run.stderr.contains("E0706") && run.stderr.contains("by hand"), "{run:?}");
+    // One that begins by lifting the tool needs nothing.
+    let shop = cut_off(&text.replace("G0 Z0.2\nG0 X0.5 Y0.5", "G0 Z0.5\nG0 X0.5 Y0.5\nG0 Z0.2"), 10);
+    let plan = shop.run(["resume", "part.ngc.journal", "--json"]).exits(0).json();
+    assert!(plan["is_beginning"].as_bool().unwrap() && before(&plan).is_empty(), "{plan}");
+    // 0.5 − 0.2 inch.
+    assert!((plan["above_mm"].as_f64().unwrap() - 7.62).abs() < 0.01, "{plan}");
+}
+
+#[test]
+fn a_place_is_clear_of_every_point_of_every_cut() {
+    let plunge = |from: &str| format!("G0 Z{from}\nG1 Z-1 F300\nG1 Y3 F900\n");
+    let strokes: [(&str, String, &str, Option<f64>); 10] = [
+        // Retracts at the height from which the tool plunges.
+        ("G17", plunge("2"), "2", None),
+        ("G17", plunge("2"), "2.9", None),
+        ("G17", plunge("2"), "3.5", Some(1.5)),
+        // G3 in ZX from X0 to X20 around (10, 0) goes by way of +Z, 10 mm above its ends; G2 below them.
+        ("G18", "G0 Z0\nG3 X{x+20} Z0 I10 K0 F3000\n".into(), "8", None),
+        ("G18", "G0 Z0\nG3 X{x+20} Z0 I10 K0 F3000\n".into(), "12", Some(2.0)),
+        ("G18", "G0 Z0\nG2 X{x+20} Z0 I10 K0 F3000\n".into(), "8", Some(8.0)),
+        // In YZ the same: G2 from Y0 to Y20 around (10, 0) goes by way of +Z.
+        ("G19", "G0 Z0\nG2 Y20 Z0 J10 K0 F3000\n".into(), "8", None),
+        ("G19", "G0 Z0\nG3 Y20 Z0 J10 K0 F3000\n".into(), "8", Some(8.0)),
+        // A helix that ends 6 mm above its start.
+        ("G17", "G0 Z0\nG3 X{x} Y0 Z6 I5 J0 F3000\n".into(), "6.5", None),
+        ("G17", "G0 Z0\nG3 X{x} Y0 Z6 I5 J0 F3000\n".into(), "8", Some(2.0)),
+    ];
+    for (plane, stroke, height, above_mm) in strokes {
+        let mut text = format!("G21 G90 {plane} G54\nG0 Z60\nG0 X0 Y0\n");
+        for k in 0..40 {
+            let of = |text: &str| text.replace("{x+20}", &(k + 20).to_string()).replace("{x}", &k.to_string());
+            text += &format!("G0 X{k} Y0\n{}G0 Z{height}\n", of(&stroke));
+        }
+        let shop = cut_off(&(text + "M30\n"), 130);
+        let plan = shop.run(["resume", "part.ngc.journal", "--json"]).exits(0).json();
+        let is_first = plan["source_line"].as_u64().unwrap() <= 4;
+        assert!(plan["executed"].as_u64().unwrap() > 60, "{stroke}: {plan}");
+        match above_mm {
+            // Only above the first hole, at Z60, or from the beginning.
+            None => assert!(is_first && plan["above_mm"].as_f64().unwrap() > 40.0, "{stroke} {height}: {plan}"),
+            Some(mm) => {
+                assert!(!is_first, "{stroke} {height}: {plan}");
+                assert!((plan["above_mm"].as_f64().unwrap() - mm).abs() < 0.02, "{stroke} {height}: {plan}");
+            }
+        }
+    }
+}
+
+#[test]
+fn in_a_tilted_plane_heights_are_measured_along_the_tool() {
+    // The table turns about X through Y0, Z120 of the machine; G54 is at Y−40, Z60. At A0 the tool cuts from Y−100 to Y100 of the machine: with A90 an end
+    // of that stands 100 mm above the axis. Z20 of the program is 40 mm below the axis, Z200 140 mm above it.
+    let mut text = "G21 G90 G17 G54\nG0 Z200\nG0 A0\nG0 X0 Y-60\n".to_owned();
+    for k in 0..10 {
+        text += &format!("G0 X{k} Y-60\nG0 Z20\nG1 Z0 F500\nG1 Y140 F6000\nG0 Z20\n");
+    }
+    text += "G0 Z200\nG0 A90\nG0 X0 Y0\n";
+    let turned = text.lines().count();
+    for k in 0..30 {
+        text += &format!("G0 X{} Y0\nG0 Z20\nG1 Z-5 F500\nG1 Y10 F3000\nG0 Z20\n", 3 * k);
+    }
+    let shop = cut_off(&(text + "M30\n"), 170);
+    let plan = shop.run(["resume", "part.ngc.journal", "--json"]).exits(0).json();
+    let line = plan["source_line"].as_u64().unwrap() as usize;
+    assert!((turned..=turned + 1).contains(&line), "{line} {turned}: {plan}");
+    assert!((plan["above_mm"].as_f64().unwrap() - 40.0).abs() < 0.1, "{plan}");
+}
