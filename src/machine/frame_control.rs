@@ -1,4 +1,4 @@
-//! Settings of the control that concern frames.
+//! Settings of the control that concern frames, and the arithmetic of Sinumerik programs.
 
 use crate::diagnostic::Code;
 use crate::geometry::{Axis, RotationOrder};
@@ -22,6 +22,9 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     }
     if let Some(value) = section.boolean("modulo_shortest") {
         control.modulo_shortest = value;
+    }
+    if let Some(value) = section.boolean("relative_comparison") {
+        control.relative_comparison = value;
     }
     if let Some(value) = section.number("swivel_retract_z_mm") {
         control.swivel_retract_z_mm = Some(value);

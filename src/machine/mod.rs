@@ -157,6 +157,9 @@ pub struct Control {
     pub mirror_toggles: bool,
     /// Whether a plain absolute word of a modulo axis goes the shortest way; else it stays within the turn (Sinumerik MD30455 bit 2).
     pub modulo_shortest: bool,
+    /// Whether `>` and `<` take reals that differ by 1e-12 of their size as equal, as the other four comparisons do (Sinumerik MD10280
+    /// bit 0 is 0).
+    pub relative_comparison: bool,
     /// Where Z retracts to before CYCLE800 swivels, machine position of the axis, mm; `None` where it is not known.
     pub swivel_retract_z_mm: Option<f64>,
     /// The rotary axis to which the preferred direction of CYCLE800 relates; `None` for the one that tilts the tool.
@@ -283,6 +286,7 @@ impl Default for Control {
             rotation_order: RotationOrder::Rpy,
             mirror_toggles: true,
             modulo_shortest: false,
+            relative_comparison: true,
             swivel_retract_z_mm: None,
             swivel_direction_axis: None,
             fine_shift: false,

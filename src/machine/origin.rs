@@ -56,6 +56,7 @@ const OF_CONTROL: &[(&str, &str)] = &[
     ("oripath", "\"end\""),
     ("peck_clearance_mm", "1"),
     ("pole_limit_deg", "2"),
+    ("relative_comparison", "true"),
     ("rotation_order", "\"rpy\""),
     ("search_path", "[]"),
     ("signed_angles", "false"),

@@ -11,8 +11,9 @@ use crate::exec::fault::Fault;
 use crate::source::Span;
 use crate::syntax::sinumerik::{Address, Block, Definition, ExprId, NameId, Node, Value, Word};
 
-/// Carries out the assignments of a block, from left to right, before its words take effect.
+/// Carries out the assignments of a block, from left to right. Words whose values they could change do not stand beside them.
 pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Block) -> Result<(), Fault> {
+    super::beside::check(loaded, channel, block)?;
     for word in loaded.program.words_of(block) {
         let span = word.span;
         match word.address {

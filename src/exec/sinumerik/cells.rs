@@ -139,7 +139,11 @@ impl Cells {
     }
 
     fn put(&mut self, place: usize, value: Value, (text, span): (&str, Span)) -> Result<(), Fault> {
-        let converted = value.converted(self.kind).ok_or_else(|| wrong_type(text, span))?;
+        let number = value.number();
+        let converted = value.converted(self.kind).ok_or_else(|| match (self.kind, number) {
+            (DefinitionType::Int, Some(number)) => beyond_int(text, number, span),
+            _ => wrong_type(text, span),
+        })?;
         if let Some(cell) = self.values.get_mut(place) {
             *cell = match converted {
                 // What does not fit is cut off.
@@ -205,6 +209,12 @@ impl Cells {
         };
         fault(Code::BAD_INDEX, span, message, help)
     }
+}
+
+/// A number that no INT holds: the control has an alarm.
+fn beyond_int(text: &str, number: f64, span: Span) -> Fault {
+    let message = format!("{text} is an INT, which ends at 2147483647, and cannot hold {number}");
+    fault(Code::NOT_COMPUTABLE, span, message, "define it as REAL, or check the value")
 }
 
 pub(super) fn wrong_type(text: &str, span: Span) -> Fault {

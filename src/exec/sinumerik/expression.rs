@@ -3,7 +3,7 @@
 use super::functions::{FRAME_FUNCTIONS, NoValue, evaluate};
 use super::modal::Modal;
 use super::system::System;
-use super::value::Value;
+use super::value::{Value, is_int};
 use super::variables::Variables;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, fault};
@@ -28,6 +28,8 @@ impl Scope<'_> {
         let wrong = |message: &str| fault(Code::NOT_COMPUTABLE, expr.span, message, "check the operands");
         let value = match expr.node {
             Node::Real(value) => Value::Real(value),
+            // A literal beyond INT is a REAL.
+            Node::Integer(value) if !is_int(value) => Value::Real(value as f64),
             Node::Integer(value) => Value::Int(value),
             Node::Boolean(value) => Value::Bool(value),
             Node::Text(span) => Value::Text(self.program.source.slice(span).to_vec()),
@@ -54,7 +56,10 @@ impl Scope<'_> {
                     (UnaryOperator::Not, _) => inner.truth().map(|value| Value::Bool(!value)),
                     (UnaryOperator::ToText, Value::Frame(_)) => None,
                     (UnaryOperator::ToText, _) => Some(Value::Text(inner.text())),
-                    (UnaryOperator::BitNot, _) => inner.whole().map(|value| Value::Int(!value)),
+                    (UnaryOperator::BitNot, _) => match inner.whole().map(|value| Value::int(Some(!value))) {
+                        Some(None) => return Err(self.overflow(id)),
+                        found => found.flatten(),
+                    },
                 };
                 value.ok_or_else(|| self.type_fault(id))?
             }
@@ -91,21 +96,33 @@ impl Scope<'_> {
         )
     }
 
+    /// A result that the type INT cannot hold.
+    fn overflow(&self, id: ExprId) -> Fault {
+        fault(
+            Code::NOT_COMPUTABLE,
+            self.program.expr(id).span,
+            "the result is beyond the type INT, which ends at 2147483647: the control has an alarm",
+            "write one of the operands as REAL, such as 1000.0, or use R parameters",
+        )
+    }
+
     fn binary(&self, operator: Operator, left: ExprId, right: ExprId, id: ExprId) -> Result<Value, Fault> {
         let (a, b) = (self.value(left)?, self.value(right)?);
         let span = self.program.expr(id).span;
         let numbers = || Some((a.number()?, b.number()?));
-        let wholes = || Some((a.whole()?, b.whole()?));
+        // Operands of INT; a REAL that no INT can hold is none.
+        let wholes = || Some((a.whole().filter(|a| is_int(*a))?, b.whole().filter(|b| is_int(*b))?));
         let truths = || Some((a.truth()?, b.truth()?));
+        let int = |value: Option<i64>| Value::int(value).ok_or_else(|| self.overflow(id));
         let arithmetic = |on_int: fn(i64, i64) -> Option<i64>, on_real: fn(f64, f64) -> f64| match (&a, &b) {
-            (Value::Int(a), Value::Int(b)) => on_int(*a, *b).map(Value::Int).or(Some(Value::Real(f64::INFINITY))),
-            _ => numbers().map(|(a, b)| Value::Real(on_real(a, b))),
+            (Value::Int(a), Value::Int(b)) => int(on_int(*a, *b)).map(Some),
+            _ => Ok(numbers().map(|(a, b)| Value::Real(on_real(a, b)))),
         };
-        let compare = |holds: fn(f64, f64) -> bool| numbers().map(|(a, b)| Value::Bool(holds(a, b)));
+        let is_relative = self.machine.control.relative_comparison;
         let value = match operator {
-            Operator::Multiply => arithmetic(i64::checked_mul, |a, b| a * b),
-            Operator::Add => arithmetic(i64::checked_add, |a, b| a + b),
-            Operator::Subtract => arithmetic(i64::checked_sub, |a, b| a - b),
+            Operator::Multiply => arithmetic(i64::checked_mul, |a, b| a * b)?,
+            Operator::Add => arithmetic(i64::checked_add, |a, b| a + b)?,
+            Operator::Subtract => arithmetic(i64::checked_sub, |a, b| a - b)?,
             Operator::Divide => match numbers() {
                 Some((_, 0.0)) => {
                     return Err(fault(Code::NOT_COMPUTABLE, span, "division by zero", "check the divisor"));
@@ -117,14 +134,14 @@ impl Scope<'_> {
                 Some((_, 0)) => {
                     return Err(fault(Code::NOT_COMPUTABLE, span, "division by zero", "check the divisor"));
                 }
-                Some((a, b)) if operator == Operator::Div => a.checked_div(b).map(Value::Int),
+                Some((a, b)) if operator == Operator::Div => Some(int(a.checked_div(b))?),
                 // The sign of the remainder follows the dividend.
-                Some((a, b)) => a.checked_rem(b).map(Value::Int),
+                Some((a, b)) => Some(int(a.checked_rem(b))?),
                 None => None,
             },
-            Operator::BitAnd => wholes().map(|(a, b)| Value::Int(a & b)),
-            Operator::BitXor => wholes().map(|(a, b)| Value::Int(a ^ b)),
-            Operator::BitOr => wholes().map(|(a, b)| Value::Int(a | b)),
+            Operator::BitAnd => wholes().map(|(a, b)| int(Some(a & b))).transpose()?,
+            Operator::BitXor => wholes().map(|(a, b)| int(Some(a ^ b))).transpose()?,
+            Operator::BitOr => wholes().map(|(a, b)| int(Some(a | b))).transpose()?,
             Operator::And => truths().map(|(a, b)| Value::Bool(a && b)),
             Operator::Xor => truths().map(|(a, b)| Value::Bool(a != b)),
             Operator::Or => truths().map(|(a, b)| Value::Bool(a || b)),
@@ -132,10 +149,10 @@ impl Scope<'_> {
             Operator::Concatenate => Some(Value::Text([a.text(), b.text()].concat())),
             Operator::Equal => a.equals(&b).map(Value::Bool),
             Operator::NotEqual => a.equals(&b).map(|equal| Value::Bool(!equal)),
-            Operator::Greater => compare(|a, b| a > b),
-            Operator::Less => compare(|a, b| a < b),
-            Operator::GreaterEqual => a.equals(&b).and_then(|same| numbers().map(|(a, b)| Value::Bool(same || a > b))),
-            Operator::LessEqual => a.equals(&b).and_then(|same| numbers().map(|(a, b)| Value::Bool(same || a < b))),
+            Operator::Greater => a.exceeds(&b, is_relative).map(Value::Bool),
+            Operator::Less => b.exceeds(&a, is_relative).map(Value::Bool),
+            Operator::GreaterEqual => b.exceeds(&a, true).map(|less| Value::Bool(!less)),
+            Operator::LessEqual => a.exceeds(&b, true).map(|greater| Value::Bool(!greater)),
             Operator::Chain => match (&a, &b) {
                 (Value::Frame(a), Value::Frame(b)) => return self.chain(a, b, span),
                 _ => None,

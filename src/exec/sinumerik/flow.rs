@@ -8,7 +8,7 @@ use super::gathered::{Call, Gathered};
 use super::jump::jumps;
 use super::level::Level;
 use super::part;
-use super::value::Value as ExecValue;
+use super::value::{Value as ExecValue, is_same};
 use super::{Loaded, at, gatherer, scope_of, sync_action};
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
@@ -87,9 +87,10 @@ pub(super) fn block(
             level.for_ends.insert(index, f64::NAN);
             let (from, to) = (scope.value(from)?, scope.number(to)?);
             level.for_ends.insert(index, to);
-            let start = from.number();
             assign_value(loaded, channel, variable, from, block.span)?;
-            if start.is_some_and(|start| start <= to) { Action::Next } else { Action::Jump(partner + 1) }
+            // What the variable holds: INT has rounded it.
+            let start = scope_of(loaded, channel).number(variable)?;
+            if reaches(start, to) { Action::Next } else { Action::Jump(partner + 1) }
         }
         Body::EndFor => return end_for(loaded, level, channel, block, partner),
         Body::Jumps { start, count } => return jumps(loaded, channel, index, section, start, count),
@@ -149,6 +150,11 @@ fn words(
     })
 }
 
+/// Whether a FOR loop has a pass with this value: up to its end, and where both are the same as `<=` means it.
+fn reaches(value: f64, end: f64) -> bool {
+    value <= end || is_same(value, end)
+}
+
 fn end_for(
     loaded: &Loaded,
     level: &Level,
@@ -166,7 +172,7 @@ fn end_for(
         ExecValue::Int(value) => ExecValue::Int(value.saturating_add(1)),
         other => ExecValue::Real(other.number().unwrap_or(f64::NAN) + 1.0),
     };
-    let goes_on = next.number().is_some_and(|value| value <= end);
+    let goes_on = next.number().is_some_and(|value| reaches(value, end));
     assign_value(loaded, channel, variable, next, block.span)?;
     Ok(if goes_on { Action::Jump(start + 1) } else { Action::Next })
 }

@@ -1,6 +1,6 @@
 //! Functions of the language: arithmetic, texts, axes.
 
-use super::value::{Value, is_axis_name};
+use super::value::{Value, half_up, is_axis_name};
 use crate::units::sin_deg;
 
 /// Why a function has no value.
@@ -25,18 +25,19 @@ const ARITHMETIC: &[Arithmetic] = &[
     ("TAN", 1, |a| sin_deg(a[0]) / sin_deg(90.0 - a[0])),
     ("ASIN", 1, |a| a[0].asin().to_degrees()),
     ("ACOS", 1, |a| a[0].acos().to_degrees()),
-    ("ATAN2", 2, |a| a[0].atan2(a[1]).to_degrees()),
+    // No direction leads from a point to itself.
+    ("ATAN2", 2, |a| if a == [0.0, 0.0] { f64::NAN } else { a[0].atan2(a[1]).to_degrees() }),
     ("SQRT", 1, |a| a[0].sqrt()),
     ("ABS", 1, |a| a[0].abs()),
     ("POT", 1, |a| a[0] * a[0]),
     ("TRUNC", 1, |a| a[0].trunc()),
-    ("ROUND", 1, |a| (a[0] + 0.5).floor()),
+    ("ROUND", 1, |a| half_up(a[0])),
     ("ROUNDUP", 1, |a| a[0].ceil()),
     ("LN", 1, |a| a[0].ln()),
     ("EXP", 1, |a| a[0].exp()),
     ("MINVAL", 2, |a| a[0].min(a[1])),
     ("MAXVAL", 2, |a| a[0].max(a[1])),
-    ("BOUND", 3, |a| a[2].max(a[0]).min(a[1])),
+    ("BOUND", 3, |a| if a[0] > a[1] { f64::NAN } else { a[2].clamp(a[0], a[1]) }),
 ];
 
 /// A function of texts and axes: name, fewest and most arguments, value.
@@ -114,10 +115,17 @@ pub(super) fn evaluate(name: &str, arguments: &[Value]) -> Result<Value, NoValue
         let numbers: Option<Vec<f64>> = arguments.iter().map(Value::number).collect();
         let result = function(&numbers.ok_or(NoValue::Type)?);
         if !result.is_finite() {
-            return Err(NoValue::Undefined("check its argument"));
+            return Err(NoValue::Undefined(match name {
+                "SQRT" => "it takes numbers from 0",
+                "ASIN" | "ACOS" => "it takes numbers from -1 to 1",
+                "LN" => "it takes numbers above 0",
+                "ATAN2" => "one of its two arguments must not be 0",
+                "BOUND" => "its first argument must not be above its second",
+                "TAN" => "it has no value at 90 degrees from the axis",
+                _ => "its result is too large",
+            }));
         }
-        let whole = matches!(name, "TRUNC" | "ROUND" | "ROUNDUP") && result.abs() < 9e15;
-        return Ok(if whole { Value::Int(result as i64) } else { Value::Real(result) });
+        return Ok(Value::Real(result));
     }
     let Some(&(_, fewest, most, function)) = TEXTUAL.iter().find(|(known, ..)| *known == name) else {
         return Err(NoValue::Unknown);
@@ -132,6 +140,9 @@ pub(super) fn evaluate(name: &str, arguments: &[Value]) -> Result<Value, NoValue
     }
     match function(arguments) {
         Some(value) => Ok(value),
+        None if name == "SUBSTR" && text(&arguments[0]).is_some() => {
+            Err(NoValue::Undefined("its places and lengths are whole numbers from 0"))
+        }
         None if name == "NUMBER" => Err(NoValue::Undefined("ask ISNUMBER first")),
         None if name == "AXNAME" => Err(NoValue::Undefined("give it the name of an axis")),
         None => Err(NoValue::Type),
@@ -201,7 +212,7 @@ fn sprint(arguments: &[Value]) -> Option<Value> {
         let shown = match letter.to_ascii_uppercase() {
             b'B' => if value.truth()? { "TRUE" } else { "FALSE" }.into(),
             b'C' => vec![character(value)?],
-            b'D' | b'I' => (value.number()? + 0.5).floor().to_string().into_bytes(),
+            b'D' | b'I' => half_up(value.number()?).to_string().into_bytes(),
             b'F' => format!("{:.*}", decimals.unwrap_or(6), value.number()?).into_bytes(),
             b'E' => exponential(value.number()?, decimals.unwrap_or(6)).into_bytes(),
             b'G' => Value::Real(value.number()?).text(),

@@ -9,6 +9,7 @@ mod arc;
 mod archive;
 mod assign;
 mod axis_name;
+mod beside;
 mod call;
 mod cells;
 mod channel;

@@ -17,8 +17,11 @@ pub(super) enum Value {
     Frame(Box<FrameParts>),
 }
 
-/// Two reals are equal when they differ by less than this share of the larger one: `10*0.1==1` holds on the control.
+/// Two reals are equal when they differ by at most this share of the larger one: `10*0.1==1` holds on the control (programming
+/// manual, precision of comparisons; MD10280).
 const RELATIVE_EQUALITY: f64 = 1e-12;
+/// The largest whole number of the type INT, which has 32 bits with sign; beyond it the control has an alarm.
+const MOST_INT: i64 = 2_147_483_647;
 /// Decimals that `<<` makes of a REAL at most, so that the noise of the arithmetic does not show.
 const TEXT_DECIMALS: usize = 10;
 /// Reals from here on hold no fraction.
@@ -78,8 +81,31 @@ impl Value {
             (Value::Frame(a), Value::Frame(b)) => return Some(a == b),
             _ => {}
         }
-        let (a, b) = (self.number()?, other.number()?);
-        Some(a == b || (a - b).abs() <= RELATIVE_EQUALITY * a.abs().max(b.abs()))
+        if let (Some(a), Some(b)) = (self.counted(), other.counted()) {
+            return Some(a == b);
+        }
+        Some(is_same(self.number()?, other.number()?))
+    }
+
+    /// Whether it is greater as `>` means it; with `is_relative`, what `==` takes as equal is not greater.
+    pub(super) fn exceeds(&self, other: &Value, is_relative: bool) -> Option<bool> {
+        let is_greater = self.number()? > other.number()?;
+        Some(is_greater && !(is_relative && self.equals(other)?))
+    }
+
+    /// The value of the types that are compared exactly; a REAL has none.
+    fn counted(&self) -> Option<i64> {
+        match self {
+            Value::Int(value) => Some(*value),
+            Value::Bool(value) => Some(i64::from(*value)),
+            Value::Char(value) => Some(i64::from(*value)),
+            _ => None,
+        }
+    }
+
+    /// A result of the type INT; `None` beyond its range.
+    pub(super) fn int(value: Option<i64>) -> Option<Value> {
+        value.filter(|value| is_int(*value)).map(Value::Int)
     }
 
     /// The value as a variable of this type holds it; `None` where it cannot. A real becomes an integer rounded half up.
@@ -87,17 +113,17 @@ impl Value {
         match (kind, &self) {
             (DefinitionType::Real, _) => self.number().map(Value::Real),
             (DefinitionType::Int, Value::Real(value)) => {
-                let rounded = (value + 0.5).floor();
-                (rounded.abs() < WHOLE_LIMIT).then_some(Value::Int(rounded as i64))
+                let rounded = half_up(*value);
+                Value::int((rounded.abs() < WHOLE_LIMIT).then_some(rounded as i64))
             }
-            (DefinitionType::Int, _) => self.whole().map(Value::Int),
+            (DefinitionType::Int, _) => Value::int(self.whole()),
             (DefinitionType::Bool, _) => self.truth().map(Value::Bool),
             (DefinitionType::Char, Value::Text(text)) => match text[..] {
                 [byte] => Some(Value::Char(byte)),
                 _ => None,
             },
             (DefinitionType::Char, Value::Real(value)) => {
-                let rounded = (value + 0.5).floor();
+                let rounded = half_up(*value);
                 (0.0..256.0).contains(&rounded).then_some(Value::Char(rounded as u8))
             }
             (DefinitionType::Char, _) => self.whole().and_then(|value| u8::try_from(value).ok()).map(Value::Char),
@@ -120,6 +146,22 @@ impl Value {
             DefinitionType::Frame => Value::Frame(Box::default()),
         }
     }
+}
+
+/// Whether two reals are equal as `==` means it.
+pub(super) fn is_same(a: f64, b: f64) -> bool {
+    a == b || (a - b).abs() <= RELATIVE_EQUALITY * a.abs().max(b.abs())
+}
+
+/// Whether a whole number is one of the type INT.
+pub(super) fn is_int(value: i64) -> bool {
+    (-MOST_INT..=MOST_INT).contains(&value)
+}
+
+/// The nearest whole number, of two the larger one: from a fraction of 0.5 on it is rounded up.
+pub(super) fn half_up(value: f64) -> f64 {
+    let below = value.floor();
+    if value - below >= 0.5 { below + 1.0 } else { below }
 }
 
 /// A real without trailing zeros; very large and very small ones with the language's exponent.
