@@ -28,7 +28,7 @@ fn table() -> Machine {
 fn ways_of_a_modulo_axis_are_counted_on() {
     let machine = table();
     check(
-        "G0 C350\nC=DC(10)\nC=ACN(10)\nC=ACN(20)\nC=ACP(10)\nC=IC(400)\nC0",
+        "G0 C350\nC=DC(10)\nC=ACN(20)\nC=ACP(10)\nC=IC(400)\nC0",
         &machine,
         "G0 C350\nG0 C370\nG0 C20\nG0 C370\nG0 C770\nG0 C720",
     );

@@ -198,6 +198,8 @@ impl<'a> Running<'a> {
             max_blocks: choice.max_blocks,
             start: choice.start,
             strict: is_strict,
+            // In a correction the control loses it.
+            tells_compensation: is_strict,
             rapid_order,
         };
         let length = opened.source.bytes().len();

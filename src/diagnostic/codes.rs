@@ -242,6 +242,18 @@ to the workpiece) that a rotary axis would have to jump or to turn very fast. A 
 way of its own (Sinumerik MD24530, MD24540; control.pole_limit_deg, default 2 degrees), which cannot be followed.
 
 Move around the pole, end a block at it, or program ORIAXES: rotary axes then move in proportion.";
+    CORNER_OVER_UNKNOWN = "E0242" "rounding or chamfer across what is not known"
+"Between the two contour elements of a rounding or chamfer (RND, RNDM, CHF, CHR; ,R and ,C) stands something whose effect on the motion is not known here: the call
+of a program that the control runs by itself, a stop of the look-ahead (STOPRE), a message, words that are passed on. Whether and where a control makes the
+transition then is its own business. Put it before the first element or behind the second one, or take the transition out.
+
+  N70 Y200 RND=10
+  N75 L6                    with control.opaque = [\"L6\"]
+  N80 X300";
+    WAY_OPEN = "E0243" "way of a rotary axis is open"
+"A rotary axis that turns without end can reach the programmed position on two ways, and the program does not say which: DC(…) half a turn away in a motion that
+cuts, ACP(…) or ACN(…) where the axis stands already (no motion, or a full turn), an absolute position where it depends on a parameter of the control how the axis gets
+there. What the tool does on the way is different for both, so nothing is chosen. Program the way: ACP(…), ACN(…), IC(…).";
 
     ALREADY_CORRECTED = "E0301" "this program was corrected before"
 "The first comment says that ncfix made this file. Correcting it again would add the corrections twice. Correct the original.";
@@ -447,6 +459,14 @@ material is left. Check that the right tool is meant.";
 than the tool, a spiral too tight. The control does the same where collision monitoring is off (CDOF); with CDON it leaves out what the
 tool cannot reach, up to control.compensation_look_ahead elements (Sinumerik MD20240). Elements within three times this number before
 and behind are looked at. Check that a smaller tool is not meant.";
+    EITHER_WAY = "W0235" "rotary axis may turn either way"
+"A rapid motion turns a rotary axis by exactly half a turn the shortest way (DC). The control may go either way. The word stays as it is in the output, but its position is
+corrected by a few thousandths of a degree, which may decide for the other way. Both ends are the same; see that the axis may turn both ways there, or program ACP or ACN.";
+    WEAR_WITHOUT_EFFECT = "W0236" "radius compensation is worked out"
+"The program uses G41 or G42 (Grundig: G43 and G44 too), and the corrected one has the way of the tool center instead, for the radius that the machine file gives the tool. The control
+does not look at its own radius any more: another radius, and wear that is entered at the control, have no effect on this program. After a change
+of radius or wear put the new value into the machine file or a set-up file ([[tool]] radius_mm, wear included; --setup takes the tool table of the
+control) and correct the program again. The lengths of tools and their wear are not concerned.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. For check and snc zero is used; a correction is refused.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"

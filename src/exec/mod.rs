@@ -17,6 +17,7 @@ mod library;
 mod outlet;
 mod path;
 mod resolve;
+mod rollover;
 mod sinumerik;
 mod tilted_plane;
 
@@ -54,6 +55,8 @@ pub struct Options {
     pub start: Option<AxisVector>,
     /// Refuse what a correction must not assume: zero offsets and tools without value, motions from unknown positions.
     pub strict: bool,
+    /// Say at the end where radius compensation has become the way of the tool center (`W0236`).
+    pub tells_compensation: bool,
     /// Which rapid moves are taken apart, where the control orders its axes.
     pub rapid_order: RapidOrder,
 }

@@ -6,12 +6,16 @@
 use std::collections::VecDeque;
 
 use super::contour::{Contour, Item, Moving, Wish};
-use super::fault::Fault;
+use super::fault::{Fault, fault};
 use super::path::{Path, Shape};
+use crate::diagnostic::Code;
 use crate::geometry::{AxisSet, AxisVector};
 use crate::machine::{Kinematics, Machine};
 use crate::snc::{BlockNumber, Element, Kind, Origin};
 use crate::source::FileId;
+
+/// Blocks that begin radius compensation and are named at the end of a correction, at most.
+const MOST_NOTED: usize = 20;
 
 /// Where an executor puts what its blocks do.
 pub(super) struct Outlet<'a> {
@@ -28,10 +32,14 @@ pub(super) struct Outlet<'a> {
     released: Vec<Item>,
     number: Option<BlockNumber>,
     starts_block: bool,
+    /// Blocks in which radius compensation began, and whether it is on.
+    compensated: Vec<Origin>,
+    compensates: bool,
+    tells_compensation: bool,
 }
 
 impl<'a> Outlet<'a> {
-    pub(super) fn new(machine: &'a Machine) -> Outlet<'a> {
+    pub(super) fn new(machine: &'a Machine, tells_compensation: bool) -> Outlet<'a> {
         Outlet {
             machine,
             kinematics: None,
@@ -42,6 +50,9 @@ impl<'a> Outlet<'a> {
             released: Vec::new(),
             number: None,
             starts_block: false,
+            compensated: Vec::new(),
+            compensates: false,
+            tells_compensation,
         }
     }
 
@@ -76,6 +87,14 @@ impl<'a> Outlet<'a> {
         self.pass(element);
     }
 
+    /// Before the call of a program of the control: it finds the feed of the program, whatever a corner, an arc or one block had.
+    pub(super) fn feed_for_call(&mut self, feed: f64) {
+        if feed > 0.0 {
+            let kind = Kind::Feed(feed);
+            self.pass(Element { origin: self.origin, starts_block: true, number: None, kind });
+        }
+    }
+
     /// Puts an element without motion into the stream.
     pub(super) fn pass(&mut self, element: Element) {
         if !self.contour.is_holding() {
@@ -104,11 +123,13 @@ impl<'a> Outlet<'a> {
 
     /// Puts a motion into the stream through the contour stage. The kind of the element is a placeholder.
     pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Wish) {
+        self.note_compensation(&element, &wish);
         self.through_contour(Item::Path(Box::new(Moving { path, element, wish })));
     }
 
     /// Holds a motion back until [`Self::close`] says where it ends.
     pub(super) fn open(&mut self, path: Path, element: Element, wish: Wish) {
+        self.note_compensation(&element, &wish);
         self.contour.open(Box::new(Moving { path, element, wish }));
     }
 
@@ -117,6 +138,29 @@ impl<'a> Outlet<'a> {
         let mut released = std::mem::take(&mut self.released);
         self.contour.close(end, axes, &mut released);
         self.release(released);
+    }
+
+    fn note_compensation(&mut self, element: &Element, wish: &Wish) {
+        let compensates = wish.is_beside();
+        if compensates && !self.compensates && self.compensated.len() < MOST_NOTED {
+            let is_new = !self.compensated.iter().any(|origin| origin.span == element.origin.span);
+            self.compensated.extend(Some(element.origin).filter(|_| is_new));
+        }
+        self.compensates = compensates;
+    }
+
+    /// The program has ended: ends what is held back. A correction says where it has worked radius compensation out.
+    pub(super) fn end(&mut self) {
+        self.finish();
+        let Some(first) = self.compensated.first().filter(|_| self.tells_compensation) else { return };
+        let lines: Vec<String> = self.compensated.iter().map(|origin| origin.line.to_string()).collect();
+        let message = format!(
+            "radius compensation becomes the way of the tool center (line{} {}): another radius and wear that are entered at the control have no effect any more",
+            if lines.len() == 1 { "" } else { "s" },
+            lines.join(", ")
+        );
+        let help = "after a change put radius and wear into [[tool]] of the machine file, or give --setup the tool table, and correct the program again";
+        self.warnings.push(fault(Code::WEAR_WITHOUT_EFFECT, first.span, message, help).of_file(first.file));
     }
 
     /// Ends what is held back.

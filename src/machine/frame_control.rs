@@ -6,6 +6,15 @@ use crate::geometry::{Axis, RotationOrder};
 use super::Control;
 use super::section::Section;
 
+/// How a rotary axis that turns without end gets to an absolute position where the language has no word for the way (Fanuc parameter 1008).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rollover {
+    /// Positions count their turns: 370 degrees are a turn from 10 (ROAx 0).
+    None,
+    /// The shortest way to the position within the turn (ROAx 1, RABx 0).
+    Shortest,
+}
+
 /// Reads them.
 pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     match section.text("rotation_order") {
@@ -22,6 +31,16 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     }
     if let Some(value) = section.boolean("modulo_shortest") {
         control.modulo_shortest = value;
+    }
+    match section.text("rollover") {
+        None => {}
+        Some("none") => control.rollover = Some(Rollover::None),
+        Some("shortest") => control.rollover = Some(Rollover::Shortest),
+        Some(other) => {
+            let message = format!("rollover must be \"none\" or \"shortest\", found \"{other}\"");
+            let help = "none: positions count their turns; shortest: the shortest way to a position within the turn (Fanuc parameter 1008)";
+            section.report(Code::BAD_VALUE, section.place_of("rollover"), message, help);
+        }
     }
     if let Some(value) = section.boolean("relative_comparison") {
         control.relative_comparison = value;

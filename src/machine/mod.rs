@@ -33,6 +33,7 @@ pub use chain::{Branch, Topology, TopologyFault};
 pub use clamp::Clamp;
 pub use condition::{Condition, Load, ZeroPose};
 pub use contour_control::{CompensationCorner, CompensationStart};
+pub use frame_control::Rollover;
 pub use grundig_control::{GrundigControl, ScaledAxes};
 pub use iso_control::{DecimalPoint, IsoControl, LengthAxis, OneAxis};
 pub use kinematics::Kinematics;
@@ -157,6 +158,9 @@ pub struct Control {
     pub mirror_toggles: bool,
     /// Whether a plain absolute word of a modulo axis goes the shortest way; else it stays within the turn (Sinumerik MD30455 bit 2).
     pub modulo_shortest: bool,
+    /// How a rotary axis that turns without end gets to an absolute position on a Fanuc, RS274/NGC or Grundig control; `None` where the file
+    /// does not say it.
+    pub rollover: Option<Rollover>,
     /// Whether `>` and `<` take reals that differ by 1e-12 of their size as equal, as the other four comparisons do (Sinumerik MD10280
     /// bit 0 is 0).
     pub relative_comparison: bool,
@@ -286,6 +290,7 @@ impl Default for Control {
             rotation_order: RotationOrder::Rpy,
             mirror_toggles: true,
             modulo_shortest: false,
+            rollover: None,
             relative_comparison: true,
             swivel_retract_z_mm: None,
             swivel_direction_axis: None,

@@ -226,7 +226,9 @@ where
             Treatment::Named => return bench.of_named(standing, active.moving),
             Treatment::End | Treatment::Way => {}
         }
-        if active.motion.manner != Manner::Path && active.treatment == Treatment::Way {
+        // A move that a control may make either way has no way that could be cut.
+        let is_whole = active.motion.manner != Manner::Path || active.motion.turns_either_way();
+        if is_whole && active.treatment == Treatment::Way {
             return bench.straight(standing, [from, 1.0], scratch);
         }
         if active.treatment == Treatment::End || self.placer.model.is_empty() {

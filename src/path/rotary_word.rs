@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::geometry::ROTARY_AXES;
-use crate::machine::Machine;
+use crate::machine::{Machine, Rollover};
 use crate::snc::{Move, Way};
 
 use super::RotaryWord;
@@ -27,7 +27,9 @@ pub(super) fn words(
     }
     let programmed = [&standing.command, &placed.command].map(|command| placer.programmed(command));
     for (axis, word) in ROTARY_AXES.into_iter().zip(&mut out) {
-        if !machine.axis(axis).is_some_and(|data| data.modulo) {
+        // Where positions count their turns they are written with them.
+        let counts_turns = machine.control.rollover == Some(Rollover::None);
+        if counts_turns || !machine.axis(axis).is_some_and(|data| data.modulo) {
             continue;
         }
         if !standing.known.contains(axis) {
@@ -35,13 +37,16 @@ pub(super) fn words(
             *word = RotaryWord::Within(motion.ways.get(axis.dimension()).copied().unwrap_or_default());
             continue;
         }
+        if motion.ways.get(axis.dimension()) == Some(&Way::Either) {
+            // The control decides, as it does in the program.
+            *word = RotaryWord::Within(Way::Either);
+            continue;
+        }
         let [from, to] = [programmed[0][axis], programmed[1][axis]];
         let step = to - from;
-        let is_plain = if machine.control.modulo_shortest {
-            step.abs() < PI - HALF_TURN_ROOM
-        } else {
-            (from / TAU).floor() == (to / TAU).floor()
-        };
+        let is_shortest = machine.control.modulo_shortest || machine.control.rollover == Some(Rollover::Shortest);
+        let is_plain =
+            if is_shortest { step.abs() < PI - HALF_TURN_ROOM } else { (from / TAU).floor() == (to / TAU).floor() };
         *word = if is_plain {
             RotaryWord::Within(Way::Plain)
         } else if step.abs() < PI - HALF_TURN_ROOM {

@@ -126,6 +126,12 @@ impl Move {
     pub fn is_inverse_time(&self) -> bool {
         self.unit == FeedUnit::InverseTime
     }
+
+    /// Whether the control decides which way a rotary axis turns ([`Way::Either`]).
+    #[must_use]
+    pub fn turns_either_way(&self) -> bool {
+        self.ways.contains(&Way::Either)
+    }
 }
 
 /// How a rotary axis gets to its position.
@@ -136,6 +142,8 @@ pub enum Way {
     Plain,
     /// `DC`: the shortest way.
     Shortest,
+    /// The shortest way, and both are half a turn: the control decides.
+    Either,
     /// `ACP`: in the positive sense.
     Positive,
     /// `ACN`: in the negative sense.

@@ -92,7 +92,7 @@ impl Sinumerik {
         let (function, count): (&[u8], i64) = match word {
             RotaryWord::Plain => (b"", count),
             RotaryWord::Within(Way::Plain) => (b"", within),
-            RotaryWord::Within(Way::Shortest) => (b"=DC(", within),
+            RotaryWord::Within(Way::Shortest | Way::Either) => (b"=DC(", within),
             RotaryWord::Within(Way::Positive) => (b"=ACP(", within),
             RotaryWord::Within(Way::Negative) => (b"=ACN(", within),
             RotaryWord::Step(step) => (b"=IC(", step),

@@ -22,6 +22,8 @@ impl Sinumerik {
         match &element.kind {
             Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
             Kind::Comment(bytes) => self.line.note(&[bytes]),
+            // In force already.
+            Kind::Feed(feed) if *feed == self.feed && element.number.is_none() => {}
             kind => self.words(kind),
         }
     }

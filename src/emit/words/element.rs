@@ -33,6 +33,8 @@ impl Words {
         match &element.kind {
             Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
             Kind::Comment(bytes) => self.comment(bytes),
+            // In force already.
+            Kind::Feed(feed) if *feed == self.feed && element.number.is_none() => {}
             Kind::Message(text) => self.message(text, out),
             Kind::Keep(word) if self.flavour.replaced.contains(word) || *word == "G53" => {}
             kind => {

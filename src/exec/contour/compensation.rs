@@ -94,6 +94,11 @@ impl Compensation {
         self.active.is_some() || self.tracking.is_some() || self.reached.is_some()
     }
 
+    /// Whether the tool is beside the contour.
+    pub(super) fn is_on(&self) -> bool {
+        self.active.is_some() || self.tracking.is_some()
+    }
+
     /// Takes an item and gives those that are final.
     pub(super) fn take(&mut self, item: Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         let Some(item) = self.track(item, out, findings) else { return };

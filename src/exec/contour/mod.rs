@@ -27,6 +27,7 @@ mod soft;
 mod stage_tests;
 mod tracking;
 mod transition;
+mod unknown;
 mod wish;
 
 pub(super) use angle::crossing;
@@ -73,6 +74,11 @@ impl Contour {
     /// Takes an item and gives those that are final now.
     pub(super) fn take(&mut self, item: Item, out: &mut Vec<Item>) {
         let Some(item) = self.behind_open(item) else { return };
+        if let Item::Element(element) = &item
+            && self.compensation.is_on()
+        {
+            self.findings.extend(unknown::under_compensation(element));
+        }
         self.transitions.take(item, &mut self.between, &mut self.findings);
         self.compensate(out);
     }

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, distance, left, scaled, unit};
 use super::moving::{Item, Moving, blocks_between, own_of, same_plane};
+use super::unknown;
 use super::wish::Transition;
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
@@ -65,7 +66,10 @@ impl Transitions {
     /// Gives what is held, without a transition.
     pub(super) fn finish(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         if let Some(first) = self.held.take() {
-            self.without(&first, findings);
+            match unknown::across(&first, &self.behind) {
+                Some(found) => findings.push(found),
+                None => self.without(&first, findings),
+            }
             out.push(Item::Path(first));
         }
         out.append(&mut self.behind);
@@ -90,11 +94,16 @@ impl Transitions {
         findings: &mut Vec<Fault>,
     ) -> Box<Moving> {
         let own = own_of(&mut self.behind, &second.element);
+        let across = unknown::across(&first, &self.behind);
+        let is_clear = across.is_none();
+        findings.extend(across);
         let is_near = blocks_between(&first.element, &self.behind) <= BLOCKS_BETWEEN;
         let basis = first.path.basis;
         let curves = first.curve(&basis).zip(second.curve(&basis));
-        let corner =
-            first.wish.corner.filter(|_| is_near && second.is_plane_motion() && same_plane(&basis, &second.path.basis));
+        let corner = first
+            .wish
+            .corner
+            .filter(|_| is_clear && is_near && second.is_plane_motion() && same_plane(&basis, &second.path.basis));
         let fitted = match (corner, curves) {
             (Some(corner), Some((a, b))) => match fit(corner.transition, &a, &b) {
                 Ok(fitted) => fitted.map(|fitted| (fitted, corner, a, b)),
@@ -108,7 +117,9 @@ impl Transitions {
                 }
             },
             _ => {
-                self.without(&first, findings);
+                if is_clear {
+                    self.without(&first, findings);
+                }
                 None
             }
         };
@@ -139,8 +150,9 @@ impl Transitions {
         shortened.wish.corner = None;
         between.wish.corner = None;
         out.push(Item::Path(Box::new(shortened)));
+        // Behind words of their own it has a line of its own: what they do comes before it.
+        between.element.starts_block = self.behind.iter().any(Item::counts);
         out.append(&mut self.behind);
-        between.element.starts_block = false;
         out.push(Item::Path(Box::new(between)));
         out.extend(own);
         second

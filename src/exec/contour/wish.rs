@@ -162,6 +162,11 @@ pub(in crate::exec) struct Wish {
 }
 
 impl Wish {
+    /// Whether the tool stops or moves beside what is programmed, by its radius.
+    pub(in crate::exec) fn is_beside(&self) -> bool {
+        self.compensates() || self.modal.reach != Reach::End
+    }
+
     pub(in crate::exec) fn compensates(&self) -> bool {
         self.modal.side != Side::Off
     }

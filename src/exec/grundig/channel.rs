@@ -65,7 +65,7 @@ impl<'a> Channel<'a> {
     pub(super) fn new(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Self {
         let mut channel = Channel {
             machine,
-            outlet: Outlet::new(machine),
+            outlet: Outlet::new(machine, options.tells_compensation),
             modal: Modal::new(options.start, machine),
             parameters: Parameters::new(machine),
             codes,
@@ -357,6 +357,6 @@ impl<'a> Channel<'a> {
     pub(super) fn finish(&mut self) {
         self.end_open();
         self.end_soft();
-        self.outlet.finish();
+        self.outlet.end();
     }
 }

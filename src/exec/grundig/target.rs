@@ -5,6 +5,7 @@ use super::gathered::{Found, Gathered};
 use super::modal::{Point, plus};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::rollover;
 use crate::geometry::{Axis, AxisSet, AxisVector};
 use crate::source::Span;
 
@@ -57,7 +58,12 @@ impl Channel<'_> {
             if is_relative {
                 self.check_known(axis, span)?;
             }
-            out.to[axis] = if is_relative { here[axis] + own } else { own };
+            out.to[axis] = if is_relative {
+                here[axis] + own
+            } else {
+                let from = Some(here[axis]).filter(|_| self.modal.known.contains(axis));
+                rollover::position(self.machine, axis, own, from, span)?
+            };
             out.named.insert(axis);
         }
         self.polar(gathered, &here, &mut out)?;

@@ -83,7 +83,7 @@ impl<'a> Channel<'a> {
             machine,
             language,
             axes: machine.axis_set(),
-            outlet: Outlet::new(machine),
+            outlet: Outlet::new(machine, options.tells_compensation),
             modal: Modal::new(options.start, machine, language),
             offsets: BTreeMap::new(),
             tools: BTreeMap::new(),

@@ -106,7 +106,10 @@ impl Channel<'_> {
         let mut end = here;
         for axis in others.iter() {
             let value = self.axis_value(gathered, axis)?;
-            end[axis] = value + if incremental { here[axis] } else { 0.0 };
+            end[axis] = match incremental {
+                true => value + here[axis],
+                false => self.absolute(gathered, axis, value, here[axis])?,
+            };
         }
         let call = self.call(
             gathered,

@@ -223,7 +223,7 @@ impl Executor for Interpreter<'_> {
     }
 
     fn finish(&mut self) {
-        self.channel.outlet.finish();
+        self.channel.outlet.end();
         self.report_rest();
     }
 }

@@ -8,6 +8,7 @@ use super::gathered::Gathered;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::{Path, Shape};
+use crate::exec::rollover;
 use crate::geometry::{Axis, AxisSet, AxisVector, Frame, PlaneBasis};
 use crate::snc::{FeedUnit, Kind, Manner, Move, Setup};
 use crate::source::Span;
@@ -75,7 +76,7 @@ impl Channel<'_> {
                 self.check_stated(axis, gathered.span_of(axis.letter()))?;
                 end[axis] += value;
             } else {
-                end[axis] = value;
+                end[axis] = self.absolute(gathered, axis, value, here[axis])?;
             }
         }
         if let Some((others, values)) = self.other_axes(gathered, named)? {
@@ -119,7 +120,8 @@ impl Channel<'_> {
         let here = self.modal.command;
         let mut end = here;
         for axis in gathered.axes.iter() {
-            end[axis] = self.axis_value(gathered, axis)?;
+            let value = self.axis_value(gathered, axis)?;
+            end[axis] = self.absolute(gathered, axis, value, here[axis])?;
         }
         self.machine_step(Step::straight(gathered, code == 0, end, gathered.axes))
     }
@@ -250,6 +252,12 @@ impl Channel<'_> {
         let value =
             if axis.is_rotary() { self.angle(gathered, axis.letter())? } else { self.length(gathered, axis.letter())? };
         Ok(value.unwrap_or_default())
+    }
+
+    /// The position that an absolute word means, with its turns.
+    pub(super) fn absolute(&self, gathered: &Gathered, axis: Axis, value: f64, here: f64) -> Result<f64, Fault> {
+        let here = Some(here).filter(|_| self.modal.known.contains(axis));
+        rollover::position(self.machine, axis, value, here, gathered.span_of(axis.letter()))
     }
 
     /// Refuses axes that the machine lacks.

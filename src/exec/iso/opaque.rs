@@ -8,7 +8,7 @@ use super::call::{Call, CallKind, Callee};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, at};
 use crate::geometry::AxisSet;
-use crate::snc::Kind;
+use crate::snc::{FeedUnit, Kind};
 
 impl Interpreter<'_> {
     /// Passes a call on where the machine file names the program; whether it does.
@@ -30,6 +30,9 @@ impl Interpreter<'_> {
             return Err(at(call.span, Code::NOT_SUPPORTED, message, help));
         }
         let text = self.text_of(call)?;
+        if self.channel.modal.feed_mode != FeedUnit::InverseTime {
+            self.channel.outlet.feed_for_call(self.channel.modal.feed);
+        }
         self.channel.push(Kind::Verbatim(text.into_bytes()));
         if moves && self.channel.modal.contour.compensates() {
             let message = "a program of the control that moves the machine, while radius compensation is on";

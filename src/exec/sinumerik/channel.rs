@@ -7,6 +7,7 @@ use super::frames;
 use super::gathered::Gathered;
 use super::modal::{Modal, initial_zero_offset, unit_behind};
 use super::motion::{MotionContext, motion};
+use super::rotary;
 use super::spline::{self, Splines};
 use super::system::System;
 use super::variables::Variables;
@@ -56,7 +57,7 @@ impl<'a> Channel<'a> {
             modal: Modal::new(options.start, machine),
             variables: Variables::new(machine),
             system: System::new(options.strict, machine),
-            outlet: Outlet::new(machine),
+            outlet: Outlet::new(machine, options.tells_compensation),
             splines: Splines::default(),
             corner: None,
             corner_feed: None,
@@ -110,6 +111,9 @@ impl<'a> Channel<'a> {
         self.modal_codes(gathered)?;
         for &word in &gathered.keep {
             self.keep(word);
+        }
+        if gathered.is_complete {
+            self.feed_for_call();
         }
         for text in std::mem::take(&mut gathered.verbatim) {
             self.push(Kind::Verbatim(text));
@@ -166,6 +170,13 @@ impl<'a> Channel<'a> {
             self.push(Kind::Lost(lost));
         }
         Ok(())
+    }
+
+    /// Before the call of a program of the control, which finds the feed of this one.
+    pub(super) fn feed_for_call(&mut self) {
+        if self.modal.feed_unit != FeedUnit::InverseTime && !self.splines.is_holding() {
+            self.outlet.feed_for_call(self.modal.feed);
+        }
     }
 
     /// Puts a comment into the stream.
@@ -276,6 +287,7 @@ impl<'a> Channel<'a> {
         } else {
             path.motion.feed_named |= gathered.block_feed.is_some();
         }
+        self.outlet.warnings.extend(rotary::either_way(&path.motion.ways, span));
         self.check_manner(&mut path)?;
         let step = &path.motion;
         let is_driven = matches!(step.manner, Manner::Thread(thread) if thread.code.is_spindle_driven());

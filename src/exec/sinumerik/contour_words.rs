@@ -283,6 +283,6 @@ impl Channel<'_> {
         let ended = self.end_spline(None);
         self.outlet.warnings.extend(ended.err());
         self.outlet.warnings.extend(self.open_angle.take().map(|open| without_end(open.span())));
-        self.outlet.finish();
+        self.outlet.end();
     }
 }

@@ -10,7 +10,7 @@ use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::{Path, Shape};
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
 use crate::machine::{Control, Machine};
-use crate::snc::{Manner, Move, Setup};
+use crate::snc::{Manner, Move, Setup, Way};
 use crate::source::Span;
 
 /// What a motion needs beside the modal state.
@@ -31,7 +31,8 @@ pub(super) struct MotionContext<'a> {
 /// The motion of a block that names axes or a center, and the state behind it.
 pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<Path, Fault> {
     let (start, start_known) = (modal.command, modal.known);
-    let (mut target, mut named) = target(gathered, modal, context)?;
+    let mut ways = gathered.ways;
+    let (mut target, mut named) = target(gathered, modal, context, &mut ways)?;
     let is_positioning = positioning::is_positioning(gathered, context.span)?;
     // A positioning axis is no motion of the path, whatever is in force there.
     let thread = if is_positioning { None } else { thread::thread(gathered, modal, context.span)? };
@@ -41,6 +42,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         kind => kind,
     };
     let rapid = kind == MotionKind::Rapid;
+    rotary::check_either(&ways, rapid, context)?;
     let is_driven = thread.is_some_and(|thread| thread.code.is_spindle_driven());
     if !rapid && !is_driven && modal.feed <= 0.0 && context.strict {
         return Err(fault(
@@ -99,7 +101,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
         feed: modal.feed,
         feed_named: gathered.feed.is_some(),
         unit: modal.feed_unit,
-        ways: gathered.ways,
+        ways,
         in_machine_frame: gathered.suppress.is_some(),
         manner: match thread {
             _ if is_positioning => Manner::Positioning,
@@ -111,7 +113,12 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
 }
 
 /// Axis commands at the end of the block and the axes that it names; sets the programmed values.
-fn target(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) -> Result<(AxisVector, AxisSet), Fault> {
+fn target(
+    gathered: &Gathered,
+    modal: &mut Modal,
+    context: MotionContext<'_>,
+    ways: &mut [Way; 3],
+) -> Result<(AxisVector, AxisSet), Fault> {
     let suppressed = context.is_suppressed;
     let here = context.setup.programmed(&modal.command);
     let mut programmed = here;
@@ -133,7 +140,7 @@ fn target(gathered: &Gathered, modal: &mut Modal, context: MotionContext<'_>) ->
             return Err(stale_start(span, axis));
         }
         programmed[axis] = if !incremental {
-            rotary::position(axis, value, here[axis], gathered, context)?
+            rotary::position(axis, value, here[axis], (gathered, modal.known.contains(axis)), context, ways)?
         } else if suppressed || is_stale || !traverses {
             here[axis] + value
         } else {

@@ -336,6 +336,7 @@ pub(super) fn opaque_statement(
         gatherer(loaded, channel, channel.machine).arguments(range, Unit::None, &mut text)?;
         text.push(b')');
     }
+    channel.feed_for_call();
     channel.push(Kind::Verbatim(text));
     if moves {
         channel.modal.forget_position();

@@ -6,8 +6,9 @@ use std::f64::consts::{PI, TAU};
 
 use super::gathered::Gathered;
 use super::motion::MotionContext;
-use crate::exec::fault::{Fault, bad_value};
-use crate::geometry::Axis;
+use crate::diagnostic::Code;
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::geometry::{Axis, ROTARY_AXES};
 use crate::snc::Way;
 use crate::source::Span;
 use crate::syntax::sinumerik::DimensionFunction;
@@ -38,13 +39,14 @@ pub(super) fn set_way(axis: Axis, function: DimensionFunction, span: Span, out: 
     Ok(true)
 }
 
-/// The position of an absolute word.
+/// The position of an absolute word. Where the control may go either way, its way becomes [`Way::Either`].
 pub(super) fn position(
     axis: Axis,
     value: f64,
     here: f64,
-    gathered: &Gathered,
+    (gathered, is_known): (&Gathered, bool),
     context: MotionContext<'_>,
+    ways: &mut [Way; 3],
 ) -> Result<f64, Fault> {
     if !axis.is_rotary() {
         return Ok(value);
@@ -73,6 +75,25 @@ pub(super) fn position(
     let within = here.rem_euclid(TAU);
     let forward = (value - within).rem_euclid(TAU);
     let is_same = !(SAME_RAD..=TAU - SAME_RAD).contains(&forward);
+    let increment = context.control.increment_rad;
+    let is_near = !(increment..=TAU - increment).contains(&forward);
+    if is_known && is_near && matches!(way, Way::Positive | Way::Negative) {
+        let message = format!("{axis} stands there already: with ACP and ACN it turns in full, or not at all");
+        return Err(fault(
+            Code::WAY_OPEN,
+            span,
+            message,
+            "program DC(…) where it shall stay, IC(360) or IC(-360) for a turn",
+        ));
+    }
+    let is_shortest = way == Way::Shortest || way == Way::Plain && context.control.modulo_shortest;
+    if is_known
+        && is_shortest
+        && (forward - PI).abs() <= increment
+        && let Some(place) = ways.get_mut(axis.dimension())
+    {
+        *place = Way::Either;
+    }
     let step = match way {
         Way::Plain if !context.control.modulo_shortest => value - within,
         Way::Positive | Way::Negative if is_same => 0.0,
@@ -82,4 +103,25 @@ pub(super) fn position(
         _ => forward,
     };
     Ok(here + step)
+}
+
+/// Refuses a motion of the path that the control may make either way: with another way of the axis the tool cuts elsewhere.
+pub(super) fn check_either(ways: &[Way; 3], is_positioning: bool, context: MotionContext<'_>) -> Result<(), Fault> {
+    let Some(dimension) = ways.iter().position(|way| *way == Way::Either) else { return Ok(()) };
+    if is_positioning && context.setup.transform.is_none() {
+        return Ok(());
+    }
+    let axis = ROTARY_AXES.get(dimension).copied().unwrap_or(Axis::C);
+    let message = format!("{axis} is to turn by exactly half a turn the shortest way: the control may go either way");
+    Err(fault(Code::WAY_OPEN, context.span, message, "program ACP(…) or ACN(…), or IC(180) or IC(-180)"))
+}
+
+/// The warning about a rapid motion that the control may make either way.
+pub(super) fn either_way(ways: &[Way; 3], span: Span) -> Option<Fault> {
+    let dimension = ways.iter().position(|way| *way == Way::Either)?;
+    let axis = ROTARY_AXES.get(dimension).copied().unwrap_or(Axis::C);
+    let message = format!(
+        "{axis} turns by exactly half a turn the shortest way: the control may go either way, with the corrected position another way than without"
+    );
+    Some(fault(Code::EITHER_WAY, span, message, "see that it may turn both ways here, or program ACP(…) or ACN(…)"))
 }

@@ -214,7 +214,10 @@ impl Channel<'_> {
             words.axes[axis] = if is_modulo { shown.rem_euclid(360.0) } else { shown };
             if let Some(way) = words.ways.get_mut(axis.dimension()).filter(|_| is_modulo) {
                 *way = if to > from { Way::Positive } else { Way::Negative };
-                if (to - from).abs() < SAME_ANGLE {
+                // Which way half a turn leads is up to the control.
+                let increment = self.machine.control.increment_rad.max(SAME_ANGLE);
+                let step = (to - from).abs();
+                if step <= increment || (step - std::f64::consts::PI).abs() <= increment {
                     *way = Way::Shortest;
                 }
             }

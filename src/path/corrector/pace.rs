@@ -45,11 +45,13 @@ pub(super) struct Pace {
     by_time: Option<Origin>,
     /// No piece of the block has been written yet.
     is_fresh: bool,
+    /// The last feed of the program itself, 0 for none.
+    feed: f64,
 }
 
 impl Default for Pace {
     fn default() -> Self {
-        Pace { is_per_minute: true, counts_turns: false, by_time: None, is_fresh: false }
+        Pace { is_per_minute: true, counts_turns: false, by_time: None, is_fresh: false, feed: 0.0 }
     }
 }
 
@@ -100,6 +102,7 @@ where
             return (of_share(motion.feed, share), FeedUnit::InverseTime);
         }
         let (feed, unit, origin) = (motion.feed, motion.unit, active.origin);
+        self.pace.feed = feed;
         let is_begun = self.pace.by_time == Some(origin) && !is_fresh;
         let pacing = active.pacing.filter(|_| !self.pace.counts_turns);
         if let Some(Pacing { minutes, is_turn }) = pacing {
@@ -169,6 +172,12 @@ where
         };
         if needs_feed && element.starts_block && self.pace.by_time.is_some() {
             self.say_pace(Element { number: None, kind: Kind::Empty, ..element.clone() }, false);
+            // The word that follows, or the program that calls, finds the feed of the program.
+            if !matches!(element.kind, Kind::Feed(_)) && self.pace.feed > 0.0 {
+                let kind = Kind::Feed(self.pace.feed);
+                let said = Element { number: None, starts_block: false, kind, ..element.clone() };
+                self.pending.push_back(Ok(Output::Element(said)));
+            }
         }
         match &element.kind {
             Kind::Keep(word) if FEED_MODES.contains(word) => {
