@@ -46,6 +46,11 @@ pub(super) struct Ledger {
 }
 
 impl Ledger {
+    /// Whether an error was found.
+    pub(super) fn has_errors(&self) -> bool {
+        self.errors > 0
+    }
+
     /// Of a main program of so many blocks.
     pub(super) fn new(main: Source, blocks: usize, options: &Options) -> Ledger {
         Ledger {

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use super::contour::{Contour, Item, Moving, Wish};
 use super::fault::{Fault, fault};
 use super::path::{Path, Shape};
-use crate::diagnostic::Code;
+use crate::diagnostic::{Code, Severity};
 use crate::geometry::{AxisSet, AxisVector};
 use crate::machine::{Kinematics, Machine};
 use crate::snc::{BlockNumber, Element, Kind, Origin};
@@ -81,6 +81,12 @@ impl<'a> Outlet<'a> {
         Element { origin: self.origin, starts_block, number, kind }
     }
 
+    /// Whether an M function moves axes by what the machine file says (`control.opaque`, `[[opaque]]`).
+    pub(super) fn function_moves(&self, number: f64) -> bool {
+        let control = &self.machine.control;
+        !control.opaque.is_empty() && control.opaque_moves(&format!("M{number}")) == Some(true)
+    }
+
     /// Puts something without motion into the stream.
     pub(super) fn push(&mut self, kind: Kind) {
         let element = self.element(kind);
@@ -150,9 +156,12 @@ impl<'a> Outlet<'a> {
     }
 
     /// The program has ended: ends what is held back. A correction says where it has worked radius compensation out.
-    pub(super) fn end(&mut self) {
+    pub(super) fn end(&mut self, has_errors: bool) {
         self.finish();
-        let Some(first) = self.compensated.first().filter(|_| self.tells_compensation) else { return };
+        // What is not written needs no advice.
+        let is_written = !has_errors && !self.warnings.iter().any(|found| found.code.severity() == Severity::Error);
+        let tells = self.tells_compensation && is_written;
+        let Some(first) = self.compensated.first().filter(|_| tells) else { return };
         let lines: Vec<String> = self.compensated.iter().map(|origin| origin.line.to_string()).collect();
         let message = format!(
             "radius compensation becomes the way of the tool center (line{} {}): another radius and wear that are entered at the control have no effect any more",

@@ -354,9 +354,9 @@ impl<'a> Channel<'a> {
     }
 
     /// Ends what is held back.
-    pub(super) fn finish(&mut self) {
+    pub(super) fn finish(&mut self, has_errors: bool) {
         self.end_open();
         self.end_soft();
-        self.outlet.end();
+        self.outlet.end(has_errors);
     }
 }

@@ -263,7 +263,7 @@ impl Executor for Interpreter<'_> {
     }
 
     fn finish(&mut self) {
-        self.channel.finish();
+        self.channel.finish(self.ledger.has_errors());
         self.report_channel(self.channel.outlet.file());
     }
 }

@@ -133,6 +133,14 @@ impl Channel<'_> {
         Ok(())
     }
 
+    /// Where axes are behind M functions that move them by what the machine file says is unknown.
+    pub(super) fn lose_by_functions(&mut self, gathered: &Gathered) {
+        if gathered.m_codes.iter().any(|&(number, _)| self.outlet.function_moves(f64::from(number))) {
+            let lost = self.modal.forget(AxisSet::ALL);
+            self.push(Kind::Lost(lost));
+        }
+    }
+
     /// The tool that was selected comes into the spindle; a tool change may have moved the axes.
     fn change_tool(&mut self) {
         self.modal.active = self.modal.selected.or(self.modal.active);

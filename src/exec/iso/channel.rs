@@ -252,6 +252,7 @@ impl<'a> Channel<'a> {
             let after = std::mem::take(&mut self.after);
             self.push(Kind::After(after));
         }
+        self.lose_by_functions(gathered);
         done
     }
 

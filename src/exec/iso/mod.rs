@@ -223,7 +223,7 @@ impl Executor for Interpreter<'_> {
     }
 
     fn finish(&mut self) {
-        self.channel.outlet.end();
+        self.channel.outlet.end(self.ledger.has_errors());
         self.report_rest();
     }
 }

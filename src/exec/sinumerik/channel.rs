@@ -145,6 +145,9 @@ impl<'a> Channel<'a> {
             self.push(Kind::Message(text));
         }
         let before = std::mem::take(&mut gathered.before);
+        if before.iter().chain(&gathered.after).any(|word| self.is_moved_by(word)) {
+            gathered.lost = AxisSet::ALL;
+        }
         if !before.is_empty() {
             self.push(Kind::Before(before));
         }
@@ -177,6 +180,12 @@ impl<'a> Channel<'a> {
         if self.modal.feed_unit != FeedUnit::InverseTime && !self.splines.is_holding() {
             self.outlet.feed_for_call(self.modal.feed);
         }
+    }
+
+    /// Whether a word is an M function that moves axes by what the machine file says.
+    fn is_moved_by(&self, word: &Word) -> bool {
+        let is_function = word.letter == b'M' && word.extension.is_none();
+        matches!(word.value, WordValue::Number(number) if is_function && self.outlet.function_moves(number))
     }
 
     /// Puts a comment into the stream.

@@ -271,7 +271,7 @@ impl Executor for Interpreter<'_> {
     }
 
     fn finish(&mut self) {
-        self.channel.finish();
+        self.channel.finish(self.ledger.has_errors());
         self.report_channel();
     }
 }
