@@ -279,10 +279,10 @@ impl Channel<'_> {
     }
 
     /// Ends what is held back.
-    pub(super) fn finish(&mut self, has_errors: bool) {
+    pub(super) fn finish(&mut self) {
         let ended = self.end_spline(None);
         self.outlet.warnings.extend(ended.err());
         self.outlet.warnings.extend(self.open_angle.take().map(|open| without_end(open.span())));
-        self.outlet.end(has_errors);
+        self.outlet.finish();
     }
 }

@@ -271,7 +271,8 @@ impl Executor for Interpreter<'_> {
     }
 
     fn finish(&mut self) {
-        self.channel.finish(self.ledger.has_errors());
+        self.channel.finish();
+        self.channel.outlet.end(self.ledger.has_errors());
         self.report_channel();
     }
 }
