@@ -102,7 +102,11 @@ fn every_program_is_corrected_to_below_a_micrometer() {
         assert!(number("after", "mean_um") < 0.5 + 0.5 * increment, "{program}: {json}");
         // The tolerance of a piece, and the rounding.
         assert!(number("after", "max_um") < 1.0 + increment, "{program}: {json}");
-        assert_eq!(json["diagnostics"], serde_json::json!([]), "{program}");
+        // Nothing is found but, where there is radius compensation, that it is worked out.
+        let source = fs::read(repository(&format!("samples/programs/{dialect}/{program}"))).unwrap();
+        let compensates = source.windows(3).any(|word| word == b"G41" || word == b"G42");
+        let expected: &[&str] = if compensates { &["W0236"] } else { &[] };
+        assert_eq!(run.codes(), expected, "{program}");
         // The written text, executed again, keeps what was predicted while it was made.
         let language = ["--dialect", dialect];
         let arguments = ["verify", &program, "out", "--json", "--machine", &machine(&name)];
