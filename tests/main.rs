@@ -1,6 +1,8 @@
 //! The integration tests, one binary.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails here, which is what it is for")]
 
+mod adversary;
+mod answers;
 mod architecture;
 mod archives;
 mod arcs;

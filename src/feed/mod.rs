@@ -22,6 +22,7 @@ pub mod port;
 mod profile;
 mod sender;
 mod shown;
+mod watch;
 mod wire;
 
 pub use dialogue::{Dialogue, Event, Halt, PROTOCOLS, Protocol};
@@ -32,4 +33,5 @@ pub use line::{Line, crc32};
 pub use profile::{Bound, Flow, Frame, PROFILES, Parity, Profile, Serial, Window};
 pub use sender::{Ended, GONE, Port, Progress, Record, Sender, Supplied, Supply};
 pub use shown::{Shown, shown};
+pub use watch::Patience;
 pub use wire::Wire;

@@ -10,6 +10,7 @@ use crate::machine::file::{MachineFile, Section, nearest};
 use crate::source::Source;
 
 use super::dialogue::PROTOCOLS;
+use super::watch::Patience;
 
 /// Names and texts of the profiles that are shipped.
 pub const PROFILES: &[(&str, &str)] = &[
@@ -142,6 +143,8 @@ pub struct Profile {
     pub answer_s: f64,
     /// Without an answer for so long beyond what a block takes, the control is asked, or the line is sent again.
     pub answer_within: Duration,
+    /// How long a job may stand still before it ends.
+    pub patience: Patience,
     /// How often a line is sent again, at most.
     pub most_repeats: u32,
     /// Whether check characters are made printed ones.
@@ -225,11 +228,20 @@ impl Profile {
         });
         let mut answer_s = 0.0;
         let (mut answer_within, mut most_repeats, mut avoids_controls) = (Duration::from_secs(10), 3, false);
+        let mut patience = Patience::default();
         own("answer", &mut |section| {
             let positive = |value: f64| value > 0.0 && value <= 3600.0;
             if let Some(seconds) = section.number_where("within_s", "a time above 0 and up to 3600", positive) {
                 answer_within = Duration::from_secs_f64(seconds);
             }
+            let is_long = |value: f64| (1.0..=86_400.0).contains(&value);
+            let mut limit = |key: &str, of: &mut Duration| {
+                if let Some(seconds) = section.number_where(key, "a time from 1 to 86400", is_long) {
+                    *of = Duration::from_secs_f64(seconds);
+                }
+            };
+            limit("stall_s", &mut patience.stall);
+            limit("hold_s", &mut patience.hold);
             let is_time = |value: f64| (0.0..=60.0).contains(&value);
             answer_s = section.number_where("typical_s", "a time from 0 to 60", is_time).unwrap_or(answer_s);
             most_repeats = section.integer("repeats").unwrap_or(most_repeats);
@@ -253,6 +265,7 @@ impl Profile {
             refused,
             answer_s,
             answer_within,
+            patience,
             most_repeats,
             avoids_controls,
         })

@@ -4,6 +4,7 @@ use std::io;
 use std::time::Duration;
 
 use super::dialogue::{Dialogue, Event, Halt};
+use super::watch::{Patience, Watch};
 use super::{Line, Wire};
 
 /// Bytes that are read at a time.
@@ -141,6 +142,7 @@ pub struct Sender<'a> {
     dialogue: Box<dyn Dialogue>,
     record: &'a mut dyn Record,
     wire: Wire,
+    watch: Watch,
     /// Frozen, but the window had no room for it.
     pending: Option<Line>,
     /// Bytes in the queue of the system, at most.
@@ -164,6 +166,7 @@ impl<'a> Sender<'a> {
             dialogue,
             record,
             wire: Wire::default(),
+            watch: Watch::new(Patience::default()),
             pending: None,
             system_bytes: system_bytes.max(1),
             is_opened: false,
@@ -175,6 +178,13 @@ impl<'a> Sender<'a> {
             progress: Progress::default(),
             events: Vec::new(),
         }
+    }
+
+    /// How long it may stand still.
+    #[must_use]
+    pub fn patient(mut self, patience: Patience) -> Sender<'a> {
+        self.watch = Watch::new(patience);
+        self
     }
 
     /// Where it stands.
@@ -207,27 +217,35 @@ impl<'a> Sender<'a> {
         note: &mut dyn FnMut(&Event),
     ) -> io::Result<Option<Ended>> {
         if self.ended.is_some() {
+            // What stops motion still goes out.
+            let _ = self.write(port);
             return Ok(self.ended.clone());
         }
         if !std::mem::replace(&mut self.is_opened, true) {
             self.dialogue.open(now, &mut self.wire);
         }
-        if let Err(error) = self.hear(now, port) {
-            self.events.push(Event::Lost(gone(&error)));
-        }
-        // To ask the system costs as much as to write.
+        // Before anything is heard: an answer to what has not left is none. To ask the system costs as much as to write.
         if self.wire.queued() > 0 {
             self.wire.queue(port.queued().unwrap_or(0));
         }
+        if let Err(error) = self.hear(now, port) {
+            self.events.push(Event::Lost(gone(&error)));
+        }
         self.dialogue.tick(now, &mut self.wire, &mut self.events);
         self.take_events(now, note)?;
+        self.look(now, note)?;
         if self.ended.is_none() {
             self.fill(now, supply)?;
             self.record.settle()?;
-            if let Err(error) = self.write(port) {
-                self.events.push(Event::Lost(gone(&error)));
-                self.take_events(now, note)?;
-            }
+        }
+        if matches!(self.ended, Some(Ended::Lost(_) | Ended::Refused(..))) {
+            self.wire.withdraw();
+        }
+        if let Err(error) = self.write(port)
+            && self.ended.is_none()
+        {
+            self.events.push(Event::Lost(gone(&error)));
+            self.take_events(now, note)?;
         }
         self.record.settle()?;
         supply.look_ahead();
@@ -249,6 +267,19 @@ impl<'a> Sender<'a> {
         self.dialogue.halt(halt, now, &mut self.wire)
     }
 
+    /// Ends it where it stands still for too long.
+    fn look(&mut self, now: Duration, note: &mut dyn FnMut(&Event)) -> io::Result<()> {
+        let (is_open, is_waiting) = (self.dialogue.is_open(), self.dialogue.in_flight().0 > 0);
+        if self.ended.is_none()
+            && (is_waiting || !is_open)
+            && let Some(why) = self.watch.look(now, is_open, self.is_closed)
+        {
+            self.events.push(Event::Lost(why));
+            self.take_events(now, note)?;
+        }
+        Ok(())
+    }
+
     fn hear(&mut self, now: Duration, port: &mut dyn Port) -> io::Result<()> {
         let mut chunk = [0; CHUNK];
         for _ in 0..MOST_READS {
@@ -268,6 +299,7 @@ impl<'a> Sender<'a> {
     fn take_events(&mut self, now: Duration, note: &mut dyn FnMut(&Event)) -> io::Result<()> {
         for event in std::mem::take(&mut self.events) {
             self.record.event(&event, now)?;
+            self.watch.note(&event, now);
             note(&event);
             match event {
                 Event::Acknowledged(number) | Event::Left(number) => {
@@ -332,6 +364,7 @@ impl<'a> Sender<'a> {
                 self.stop_for(format!("line {} cannot be sent: {why}", line.number));
                 continue;
             }
+            self.watch.sent(line.busy(), self.dialogue.in_flight().0 <= 1, now);
             self.progress.sent = line.number;
             self.progress.last = line;
         }

@@ -81,6 +81,11 @@ impl Wire {
         count
     }
 
+    /// Throws away the bytes of lines that the port has not taken; what overtakes them still goes out.
+    pub fn withdraw(&mut self) {
+        self.plain.clear();
+    }
+
     /// Bytes that the port has taken so far.
     #[must_use]
     pub fn sent(&self) -> u64 {

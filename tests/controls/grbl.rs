@@ -20,6 +20,8 @@ pub(crate) struct Grbl {
     done_s: f64,
     busy_s: f64,
     is_held: bool,
+    /// Whether the first line of the ring is a dwell that waits for the planner.
+    dwells: bool,
     is_alarmed: bool,
     /// Whether it does not know `$I`.
     is_old: bool,
@@ -36,6 +38,14 @@ pub(crate) struct Grbl {
     executed: Vec<Vec<u8>>,
     /// Bytes that were lost.
     pub(crate) overflows: usize,
+    /// Whether a reset locks it, as it does where homing is on.
+    pub(crate) locks: bool,
+    /// It is reset when its ring has so many bytes, not before.
+    pub(crate) resets_from: usize,
+    /// Lines that were carried out before a reset that threw others away.
+    pub(crate) before_reset: Option<usize>,
+    /// The line that it has refused as it was told to.
+    pub(crate) refused: Option<u64>,
 }
 
 impl Grbl {
@@ -48,6 +58,7 @@ impl Grbl {
             done_s: 0.0,
             busy_s,
             is_held: false,
+            dwells: false,
             is_alarmed: false,
             is_old: false,
             was_reset: false,
@@ -60,6 +71,10 @@ impl Grbl {
             out: Vec::new(),
             executed: Vec::new(),
             overflows: 0,
+            locks: true,
+            resets_from: 0,
+            before_reset: None,
+            refused: None,
         }
     }
 
@@ -122,12 +137,15 @@ impl Grbl {
     }
 
     fn reset(&mut self) {
+        if !(self.ring.is_empty() && self.line.is_empty() && self.planner.is_empty()) {
+            self.before_reset.get_or_insert(self.executed.len());
+        }
         self.ring.clear();
         self.line.clear();
         self.planner.clear();
-        self.is_held = false;
+        (self.is_held, self.dwells) = (false, false);
         // With homing on, a reset locks it until it is homed.
-        self.is_alarmed = true;
+        self.is_alarmed = self.locks;
         self.out.extend(b"\r\nGrbl 1.1h ['$' for help]\r\n");
     }
 
@@ -139,7 +157,9 @@ impl Grbl {
             _ => "Run",
         };
         let state = self.state.unwrap_or(state);
-        let free = [self.planner_size - self.planner.len(), self.ring_size - self.ring.len()];
+        // The line that dwells has left the ring.
+        let ring = self.ring.len() - if self.dwells { b"G4 P0.01\n".len() } else { 0 };
+        let free = [self.planner_size - self.planner.len(), self.ring_size - ring];
         let free = if self.tells_sizes { format!("|Bf:{},{}", free[0], free[1]) } else { String::new() };
         let report = format!("<{state}|MPos:0.000,0.000,0.000{free}|FS:0,0>\r\n");
         self.out.extend(report.bytes());
@@ -160,7 +180,7 @@ impl Control for Grbl {
     }
 
     fn tick(&mut self, now_s: f64) {
-        if self.faults.reset_s.is_some_and(|at| now_s >= at) && !self.was_reset {
+        if self.faults.reset_s.is_some_and(|at| now_s >= at) && !self.was_reset && self.ring.len() >= self.resets_from {
             self.was_reset = true;
             self.reset();
         }
@@ -172,6 +192,7 @@ impl Control for Grbl {
             self.executed.push(line);
             self.done_s += self.busy_s;
         }
+        self.dwells = false;
         // A line leaves the ring when the planner has room for it.
         while self.planner.len() < self.planner_size {
             let Some(byte) = self.ring.pop_front() else { break };
@@ -184,20 +205,28 @@ impl Control for Grbl {
                 self.out.extend(b"error: Unsupported statement\r\n");
                 continue;
             }
+            // A dwell is carried out when all before it is (protocol_buffer_synchronize); what comes behind it waits in the ring.
+            if line == b"G4 P0.01" && !self.is_alarmed {
+                if self.planner.is_empty() && !self.is_held {
+                    self.answer("ok");
+                    continue;
+                }
+                self.ring.push_front(b'\n');
+                line.iter().rev().for_each(|byte| self.ring.push_front(*byte));
+                self.dwells = true;
+                break;
+            }
             if line == b"$I" {
                 let sizes =
                     if self.tells_sizes { format!(",{},{}", self.planner_size, self.ring_size) } else { String::new() };
                 self.out.extend(format!("[VER:1.1h.20190830:]\r\n[OPT:V{sizes}]\r\nok\r\n").bytes());
                 continue;
             }
-            if line == b"G4 P0.01" && !self.planner.is_empty() {
-                // It is answered when all before it is done.
-                self.ring.push_front(b'\n');
-                line.iter().rev().for_each(|byte| self.ring.push_front(*byte));
-                break;
-            }
             self.lines += u64::from(line != b"G4 P0.01");
             if self.faults.refuses == Some(self.lines) || self.is_alarmed {
+                if !self.is_alarmed {
+                    self.refused = Some(self.lines);
+                }
                 self.answer("error:33");
                 continue;
             }

@@ -21,6 +21,8 @@ pub(crate) struct Marlin {
     answers: u64,
     demands: u64,
     was_reset: bool,
+    /// Whether an `ok` follows a demand.
+    pub(crate) says_ok: bool,
     out: Vec<u8>,
     executed: Vec<Vec<u8>>,
 }
@@ -39,6 +41,7 @@ impl Marlin {
             answers: 0,
             demands: 0,
             was_reset: false,
+            says_ok: true,
             out: Vec::new(),
             executed: Vec::new(),
         }
@@ -61,7 +64,9 @@ impl Marlin {
         let wrong = u64::from(self.faults.wrong_demands.contains(&self.demands));
         let text = format!("Error:{why}, Last Line: {}\nResend: {}\n", self.last, self.last + 1 + wrong);
         self.out.extend(text.bytes());
-        self.ok();
+        if self.says_ok {
+            self.ok();
+        }
     }
 
     fn take(&mut self, line: &[u8]) {
@@ -115,6 +120,11 @@ impl Control for Marlin {
                 self.ok();
                 continue;
             }
+            if let Some(text) = line.strip_prefix(b"M118 ") {
+                self.out.extend(text.iter().chain(b"\n"));
+                self.ok();
+                continue;
+            }
             self.executed.push(line);
             self.done_s += self.busy_s;
         }
@@ -123,7 +133,7 @@ impl Control for Marlin {
             if self.buffer.is_empty() {
                 self.done_s = now_s + self.busy_s;
             }
-            let is_move = line != b"M400";
+            let is_move = line != b"M400" && !line.starts_with(b"M118");
             self.buffer.push_back(line);
             // The other is answered when all before it is done.
             if is_move {

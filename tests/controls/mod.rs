@@ -4,6 +4,7 @@
 
 mod block;
 mod grbl;
+pub(crate) mod liar;
 mod marlin;
 mod rsh;
 mod tape;

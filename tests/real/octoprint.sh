@@ -72,8 +72,9 @@ job() {
 quiet='"throttle": 0.0, "sendWait": false'
 job "without errors" "{$quiet, \"simulated_errors\": []}"
 # Not its "resend_with_timeout": there the printer counts the line as received and never carries it out.
+# Lines are numbered behind what opens the job, from 1003 on.
 job "demands, a missing number, a wrong checksum" \
-    "{$quiet, \"simulated_errors\": [\"100:resend\", \"110:missing_lineno\", \"115:checksum_mismatch\"]}"
+    "{$quiet, \"simulated_errors\": [\"1100:resend\", \"1110:missing_lineno\", \"1115:checksum_mismatch\"]}"
 job "lines that it does not hear, and busy" \
-    "{$quiet, \"sendBusy\": true, \"simulated_errors\": [\"50:resend\"], \"unheard\": [60, 61, 200]}"
+    "{$quiet, \"sendBusy\": true, \"simulated_errors\": [\"1050:resend\"], \"unheard\": [1060, 1061, 1200]}"
 echo "OctoPrint's virtual printer: all as planned"

@@ -85,7 +85,7 @@ pub(super) fn run(
     let unwritten = |error: &io::Error| Stop::file("write", &book_path, error);
     let mut journal = Journal::new(&mut book, &head).map_err(|error| unwritten(&error))?;
     let dialogue = super::dialogue(&job)?;
-    let sender = Sender::new(dialogue, job.profile.window.system_bytes, &mut journal);
+    let sender = Sender::new(dialogue, job.profile.window.system_bytes, &mut journal).patient(job.profile.patience);
     let speed = port::characters_per_s(arguments.port.as_deref().unwrap_or_default(), &job.profile);
     let bound = job.profile.depth.as_ref().map(|bound| bound.at_most);
     let meter = Meter::new();
@@ -227,6 +227,7 @@ impl Drive<'_> {
             }
             events.drain(..).for_each(|event| self.show.event(&event, now));
             if let Some(ended) = ended {
+                self.flush(supply)?;
                 return Ok(self.code(ended));
             }
             self.show.tick(now);
@@ -303,9 +304,7 @@ impl Drive<'_> {
         let from = Instant::now();
         while self.sender.wants_to_write() && from.elapsed() < LAST {
             let now = self.started.elapsed();
-            if self.sender.step(now, self.port.as_mut(), supply, &mut |_| ())?.is_some() {
-                break;
-            }
+            self.sender.step(now, self.port.as_mut(), supply, &mut |_| ())?;
             self.port.wait(BUSY);
         }
         Ok(())

@@ -3,9 +3,22 @@
 //! The header is `SOH H name E ETB BCC DC1`, a block `STX text ETB BCC`, the end `ETX` or `EOT`; the check character is the exclusive or of all
 //! characters from SOH or STX to ETB (TNC 360, user's manual, data transfer). A block that is answered by NAK is sent again, three times at most. Blocks
 //! have no numbers: where an answer does not come, nobody may send the block again, as the control might carry it out twice.
+//!
+//! What a control can answer that is as it must be; anything else ends the job, its state is unknown:
+//!
+//! | state | answer | meaning |
+//! | --- | --- | --- |
+//! | all of the block has left | `ACK` | it is stored; not that it was carried out |
+//! | | `NAK` | its check character does not fit: it is sent again, some times |
+//! | | `DC1` | it lets the flow go on: nothing |
+//! | the block still leaves, or none is under way | `ACK`, `NAK` | impossible: an answer came twice, or too late |
+//! | any | `EOT`, `CAN` | it has broken off the transfer |
+//!
+//! An answer that disturbance makes up just before the true one cannot be told from it; the true one then comes while the next block leaves, and ends the job.
 
 use std::time::Duration;
 
+use super::answers::impossible;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
 /// What profiles call it.
@@ -97,6 +110,11 @@ impl Block {
     }
 }
 
+/// Whether some of what was sent has not left, as far as the system tells.
+fn is_leaving(wire: &Wire) -> bool {
+    !wire.is_empty() || wire.left() < wire.sent()
+}
+
 impl Dialogue for Block {
     fn open(&mut self, now: Duration, wire: &mut Wire) {
         let mut text = b"H".to_vec();
@@ -131,18 +149,19 @@ impl Dialogue for Block {
             }
             match byte {
                 ACK => match self.under_way.take() {
-                    Some(_) if !wire.is_empty() => {
-                        self.lost("the control has answered a block before all of it was sent", events);
+                    Some(_) if is_leaving(wire) => {
+                        self.lost(&impossible("the control has answered a block before all of it has left"), events);
                     }
                     Some((0, _, _)) => (self.state, self.repeats) = (State::Open, 0),
                     Some((number, _, _)) => {
                         self.repeats = 0;
                         events.push(Event::Acknowledged(number));
                     }
-                    None => self.lost("the control has answered more blocks than were sent", events),
+                    None => self.lost(&impossible("the control has answered more blocks than were sent"), events),
                 },
-                NAK if self.under_way.is_none() || !wire.is_empty() => {
-                    self.lost("the control has refused what was not sent: it was reset, or stands in an alarm", events);
+                NAK if self.under_way.is_none() || is_leaving(wire) => {
+                    let what = "the control has refused what was not sent, it was reset, or stands in an alarm";
+                    self.lost(&impossible(what), events);
                 }
                 NAK => {
                     self.repeats += 1;
@@ -159,8 +178,10 @@ impl Dialogue for Block {
                 EOT | CAN => self.lost("the control has broken off the transfer", events),
                 DC1 => {}
                 _ => {
-                    let what = "an answer that is neither ACK nor NAK";
-                    self.lost(&format!("{what} ({byte:#04x}): whether the block was taken is not known"), events);
+                    let what = format!(
+                        "an answer is neither ACK nor NAK ({byte:#04x}), whether the block was taken is not known"
+                    );
+                    self.lost(&impossible(&what), events);
                 }
             }
         }

@@ -41,14 +41,6 @@ impl Depth {
     }
 }
 
-/// State, free blocks of the planner and free bytes of the receive buffer of a report of Grbl: `Idle|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0`.
-pub(super) fn read_report(report: &str) -> (&str, [Option<&str>; 2]) {
-    let mut fields = report.split('|');
-    let state = fields.next().unwrap_or_default();
-    let mut free = fields.find_map(|field| field.strip_prefix("Bf:")).into_iter().flat_map(|free| free.split(','));
-    (state, [free.next(), free.next()])
-}
-
 /// Why nothing may be sent to a control of the family of Grbl that reports this state; `None` where it is idle.
 ///
 /// The states of Grbl 1.1 and grblHAL; what follows a colon says more of them.

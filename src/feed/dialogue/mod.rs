@@ -2,6 +2,7 @@
 //!
 //! To add one, write its file and register it in [`PROTOCOLS`]; profiles name it.
 
+mod answers;
 mod block;
 mod depth;
 mod grbl;
@@ -107,29 +108,6 @@ pub struct Protocol {
 /// All kinds.
 pub const PROTOCOLS: &[Protocol] =
     &[block::PROTOCOL, grbl::PROTOCOL, linuxcncrsh::PROTOCOL, marlin::PROTOCOL, tape::PROTOCOL];
-
-/// Answers are no longer than this, bytes; what has no end is none.
-const LONGEST_ANSWER: usize = 1024;
-
-/// Answers of one line each, out of bytes as they come.
-#[derive(Debug, Default)]
-struct Answers(Vec<u8>);
-
-impl Answers {
-    /// The next answer that ends within some bytes; what is left of these is for the next.
-    fn next(&mut self, bytes: &mut &[u8]) -> Option<String> {
-        while let Some((&byte, rest)) = bytes.split_first() {
-            *bytes = rest;
-            if byte == b'\n' || byte == b'\r' {
-                return Some(String::from_utf8_lossy(&std::mem::take(&mut self.0)).trim().to_owned());
-            }
-            if self.0.len() < LONGEST_ANSWER {
-                self.0.push(byte);
-            }
-        }
-        None
-    }
-}
 
 /// Whether a text can go over a link: not too long, printed characters only, and none that means something else there.
 fn check_text(text: &[u8], longest: usize, refused: &[u8]) -> Result<(), String> {

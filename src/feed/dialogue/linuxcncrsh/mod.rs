@@ -8,11 +8,14 @@
 //! changed, where the spindle stands that turned, or where the line took far less time than it can; else it does not show. Nothing here switches the
 //! machine on or homes it: that is for a person who stands before it.
 
+mod hear;
+
 use std::time::Duration;
 
+use super::answers::Answers;
 use super::greeting::{self, Reply};
 use super::mdi::{Words, words};
-use super::{Answers, Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
+use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
 /// What profiles call it.
 pub(super) const PROTOCOL: Protocol = Protocol {
@@ -28,6 +31,8 @@ pub(super) const PROTOCOL: Protocol = Protocol {
 const LONGEST: usize = 247;
 /// While a line runs the control is asked where it stands this often.
 const ASK_EVERY: Duration = Duration::from_millis(20);
+/// After so many times without an answer the control is gone.
+const MOST_STALLS: u32 = 3;
 /// So many messages are read before the first line and behind each.
 const MOST_MESSAGES: usize = 32;
 /// A line that takes longer than this and is done in a quarter of it was broken off.
@@ -68,6 +73,8 @@ struct UnderWay {
     /// Whether the control has received it, and whether it says that it was carried out.
     is_received: bool,
     is_done: bool,
+    /// So many of the questions behind it were answered.
+    answered: usize,
 }
 
 struct Rsh {
@@ -85,6 +92,8 @@ struct Rsh {
     seen: Seen,
     messages: Vec<String>,
     has_ended: bool,
+    /// How often in a row nothing came in time.
+    stalls: u32,
 }
 
 /// What the control said of itself last.
@@ -119,6 +128,7 @@ fn create(profile: &Profile) -> Result<Box<dyn Dialogue>, String> {
         seen: Seen::default(),
         messages: Vec::new(),
         has_ended: false,
+        stalls: 0,
     }))
 }
 
@@ -150,7 +160,10 @@ impl Rsh {
                 self.ask_step(step, now, wire);
             }
             Reply::Refusal(why) => self.lost(why, events),
-            Reply::Other => {}
+            // Before it is told to be silent it repeats what it reads.
+            Reply::Other
+                if step < 2 || answer.is_empty() || answer.starts_with("error:") || answer.starts_with("warning:") => {}
+            Reply::Other => self.is_none(answer, events),
         }
     }
 
@@ -165,59 +178,22 @@ impl Rsh {
         self.seen.turned = self.seen.turns;
         self.is_asked = false;
         let length = text.len();
-        self.under_way =
-            Some(UnderWay { number, stage, length, since: now, busy, words, is_received: true, is_done: true });
+        self.under_way = Some(UnderWay {
+            number,
+            stage,
+            length,
+            since: now,
+            busy,
+            words,
+            is_received: true,
+            is_done: true,
+            answered: 0,
+        });
     }
 
     fn ask(&mut self, now: Duration, wire: &mut Wire) {
         wire.push(b"get program_status\r\n");
         (self.asked, self.is_asked) = (now, true);
-    }
-
-    fn answer(&mut self, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        match answer {
-            "ENABLE ON" | "ENABLE OFF" => self.seen.is_ours = answer == "ENABLE ON",
-            "MACHINE ON" | "MACHINE OFF" => self.seen.is_on = answer == "MACHINE ON",
-            _ if answer.starts_with("MODE ") => self.seen.is_mdi = answer == "MODE MDI",
-            _ if answer.starts_with("SPINDLE 0 ") => self.seen.turns = answer != "SPINDLE 0 OFF",
-            _ if answer.starts_with("error:") || answer.starts_with("warning:") => {
-                self.messages.push(answer.to_owned())
-            }
-            _ => {}
-        }
-        let Some(line) = &mut self.under_way else { return };
-        match (line.stage, answer) {
-            (Stage::Sent, "SET MDI ACK") => {
-                line.stage = Stage::Running;
-                self.ask(now, wire);
-            }
-            // It was not received: nothing of it moves.
-            (Stage::Sent, "SET MDI NAK") => {
-                line.is_received = false;
-                line.stage = Stage::Checking;
-                wire.push(CHECKS);
-            }
-            (Stage::Running, "PROGRAM_STATUS IDLE") => {
-                line.stage = Stage::Checking;
-                wire.push(CHECKS);
-                self.pause(false, events);
-            }
-            (Stage::Running, "PROGRAM_STATUS RUNNING" | "PROGRAM_STATUS PAUSED") => {
-                self.is_asked = false;
-                self.pause(answer.ends_with("PAUSED"), events);
-            }
-            (Stage::Checking, "SET WAIT NAK") => line.is_done = false,
-            (Stage::Checking, "ERROR OK") => self.conclude(now, events),
-            (Stage::Checking, _) if answer.starts_with("ERROR ") => {
-                self.messages.push(answer.trim_start_matches("ERROR ").to_owned());
-                if self.messages.len() >= MOST_MESSAGES {
-                    self.conclude(now, events);
-                } else {
-                    wire.push(b"get error\r\n");
-                }
-            }
-            _ => {}
-        }
     }
 
     fn pause(&mut self, is_paused: bool, events: &mut Vec<Event>) {
@@ -312,9 +288,10 @@ impl Dialogue for Rsh {
     }
 
     fn hear(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        self.last_heard = now;
         let mut rest = bytes;
         while let Some(answer) = self.heard.next(&mut rest) {
+            // What never ends is no sign of life.
+            (self.last_heard, self.stalls) = (now, 0);
             match self.state {
                 State::Opening(step) if self.under_way.is_none() => self.answer_step(step, &answer, now, wire, events),
                 State::Broken if answer.starts_with("SET ABORT") => {
@@ -348,6 +325,10 @@ impl Dialogue for Rsh {
         }
         let is_waiting = self.under_way.is_some() || !matches!(self.state, State::Open | State::Closed);
         if is_waiting && now.saturating_sub(self.last_heard) > self.patience {
+            self.stalls += 1;
+            if self.stalls > MOST_STALLS {
+                return self.lost("the control does not answer", events);
+            }
             // A question more would wait behind those that were asked.
             events.push(Event::Stalled);
             self.last_heard = now;

@@ -5,6 +5,8 @@
 //! gone, and what the control does with it nobody knows. Bytes in the queue of the system can no longer be held back, and with adapters for USB not
 //! even by the driver; so they are handed over no faster than the line carries them, and never more at once than the control takes after its XOFF.
 
+mod hear;
+
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -20,14 +22,6 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create,
 };
-
-const NUL: u8 = 0x00;
-const DC2: u8 = 0x12;
-const DC4: u8 = 0x14;
-const NAK: u8 = 0x15;
-const SYN: u8 = 0x16;
-/// So many bytes that let go on, without one that stopped: the control waits for data although it gets them.
-const UNASKED: u32 = 3;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
@@ -67,8 +61,9 @@ struct Tape {
     /// Lines that have not left: number, its last byte, how long it takes.
     lines: VecDeque<(u64, u64, Duration)>,
     is_held: bool,
-    /// Whether it was said that the control asks for what it gets.
-    unasked: u32,
+    /// When the control let the flow go on last, and when bytes left last.
+    asked: Duration,
+    fed: Duration,
     ticked: Duration,
     /// When something moved last.
     moved: Duration,
@@ -116,7 +111,8 @@ impl Tape {
             total: 0,
             lines: VecDeque::new(),
             is_held: false,
-            unasked: 0,
+            asked: Duration::ZERO,
+            fed: Duration::ZERO,
             ticked: Duration::ZERO,
             moved: Duration::ZERO,
             busy_until: Duration::ZERO,
@@ -132,55 +128,6 @@ impl Tape {
         self.state = State::Open;
         let bytes = [std::mem::take(&mut self.leader), std::mem::take(&mut self.start)].concat();
         self.push(&bytes);
-    }
-
-    fn hold(&mut self, is_held: bool, events: &mut Vec<Event>) {
-        if self.is_held != is_held {
-            self.is_held = is_held;
-            events.push(Event::Paused(is_held));
-        }
-        self.unasked = 0;
-    }
-
-    fn lost(&mut self, why: &str, wire: &mut Wire, events: &mut Vec<Event>) {
-        self.state = State::Over;
-        self.out.clear();
-        wire.clear();
-        events.push(Event::Lost(why.to_owned()));
-    }
-
-    fn hear_byte(&mut self, byte: u8, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
-        let is = |known: Option<u8>| known.is_some_and(|known| known & self.mask == byte);
-        if is(self.flow.xoff) {
-            self.hold(true, events);
-        } else if is(self.flow.xon) {
-            self.moved = now;
-            if self.state == State::Waiting {
-                self.begin();
-            } else if self.is_held {
-                self.hold(false, events);
-            } else {
-                // Haas repeats it while it waits: that is harmless.
-                self.unasked = self.unasked.saturating_add(1);
-                if self.unasked == UNASKED {
-                    let text = "the control asks for data again and again although it gets them: was it reset?";
-                    events.push(Event::Said(text.to_owned()));
-                }
-            }
-        } else {
-            match byte {
-                NUL | DC2 | DC4 => {}
-                SYN => self.lost("the control was reset (SYN)", wire, events),
-                NAK => self.lost("the control stands in an alarm (NAK)", wire, events),
-                // It may have been an XOFF: bytes for which there is no room are lost, those that wait are not.
-                _ if self.flow.xoff.is_some() && self.state != State::Waiting && !self.is_held => {
-                    let text = format!("a byte that means nothing on this link ({byte:#04x}) is taken for an XOFF");
-                    events.push(Event::Said(text));
-                    self.hold(true, events);
-                }
-                _ => {}
-            }
-        }
     }
 
     /// Whether anything waits to go, or for the control to ask for it.
@@ -248,7 +195,7 @@ impl Dialogue for Tape {
         self.ticked = now;
         let gone = by_clock.min(wire.left() as f64).max(self.gone);
         if gone > self.gone {
-            self.moved = now;
+            (self.moved, self.fed) = (now, now);
         }
         self.gone = gone;
         while let Some(&(number, end, busy)) = self.lines.front()

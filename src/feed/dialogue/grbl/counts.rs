@@ -1,0 +1,94 @@
+//! Grbl: what went out and was answered, held against what the control says of its buffers.
+//!
+//! Everything comes in the order in which the control says it: at a report, all answers that it had given were heard, and all bytes that had left before
+//! the question had reached it. So of the bytes that are not answered its buffer has at most all, and at least all but one line, which it reads. Where
+//! this does not hold an answer came twice, or some are missing: it was reset, or the line is disturbed.
+
+use super::status::Status;
+
+/// So many answers too many, until the control is asked next, do not make its buffer overflow.
+pub(super) const SURPLUS: usize = 2;
+/// A buffer of so many bytes is reported with one less by grblHAL, which keeps one place free.
+const PLACE: usize = 1;
+/// The control is asked so often without answers that must have come: some of these reports may be older than the question, where it reports by itself.
+const MOST_DOUBTS: u32 = 5;
+
+/// What a report says of the count of answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// It does not say what its buffers hold.
+    Silent,
+    Fits,
+    /// Answers are missing, perhaps: nothing more goes out before it is known.
+    Doubt,
+    Missing,
+    Surplus,
+}
+
+/// Bytes and lines that went out and were answered.
+#[derive(Debug, Default)]
+pub(super) struct Counts {
+    /// Free bytes of an empty buffer: the most that was told.
+    bytes: usize,
+    /// Bytes of lines that went out, or are to, and of those that were answered.
+    sent: u64,
+    answered: u64,
+    /// Bytes that were gone when the control was asked last.
+    gone: u64,
+    doubts: u32,
+}
+
+impl Counts {
+    /// What `[OPT:…]` says of the receive buffer, bytes.
+    pub(super) fn has(&mut self, bytes: usize) {
+        self.bytes = self.bytes.max(bytes.saturating_sub(PLACE));
+    }
+
+    pub(super) fn sent(&mut self, bytes: usize) {
+        self.sent += bytes as u64;
+    }
+
+    pub(super) fn answered(&mut self, bytes: usize) {
+        self.answered += bytes as u64;
+    }
+
+    /// The control is asked; so many bytes of lines have not left.
+    pub(super) fn ask(&mut self, waiting: usize) {
+        self.gone = self.sent.saturating_sub(waiting as u64);
+    }
+
+    /// What is free in an empty buffer is the most that was ever free.
+    pub(super) fn see(&mut self, status: &Status) {
+        self.bytes = self.bytes.max(status.free_bytes.unwrap_or(0));
+    }
+
+    /// Whether nothing is in the receive buffer, as far as it says so.
+    pub(super) fn is_empty(&self, status: &Status) -> Option<bool> {
+        status.free_bytes.map(|free| free >= self.bytes)
+    }
+
+    /// Holds a report against the count. `longest` is that of the lines under way, `waiting` bytes have not left.
+    pub(super) fn judge(&mut self, status: &Status, is_asked: bool, longest: usize, waiting: usize) -> Verdict {
+        let Some(free) = status.free_bytes else { return Verdict::Silent };
+        let used = self.bytes.saturating_sub(free) as u64;
+        let open = self.sent.saturating_sub(self.answered);
+        if used > open.saturating_sub(waiting as u64) + PLACE as u64 {
+            return Verdict::Surplus;
+        }
+        if !is_asked {
+            return if self.doubts > 0 { Verdict::Doubt } else { Verdict::Fits };
+        }
+        let due = self.gone.saturating_sub(self.answered);
+        if due > used + (longest + PLACE) as u64 {
+            self.doubts += 1;
+            return if self.doubts >= MOST_DOUBTS { Verdict::Missing } else { Verdict::Doubt };
+        }
+        self.doubts = 0;
+        Verdict::Fits
+    }
+
+    /// Whether answers are missing, perhaps.
+    pub(super) fn is_in_doubt(&self) -> bool {
+        self.doubts > 0
+    }
+}

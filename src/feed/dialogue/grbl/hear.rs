@@ -1,0 +1,234 @@
+//! Grbl: what its answers mean, state by state.
+//!
+//! What a control can answer that is as it must be; anything else ends the job, its state is unknown:
+//!
+//! | state | answer | meaning |
+//! | --- | --- | --- |
+//! | greeting, looking | a greeting; a report | it is there; unless it is idle the job ends |
+//! | asking | `ok`, `error:N` | of lines of an earlier job, or of the question; the line of `$I` |
+//! | lines under way | `ok` | the oldest was taken; not that it was carried out |
+//! | | `error:N` | the oldest was refused: the axes are held, the others are awaited |
+//! | any | a report whose count fits | where it stands; one more line may be in its parser |
+//! | | `[MSG:…]`, `[PRB:…]`, `[GC:…]`, `[echo:…]` | shown |
+//! | none under way | `ok`, `error:N` | impossible: an answer came twice |
+//! | any but greeting | a greeting, `>…:ok` (lines of the start), `ALARM:N` | it was reset, or stands: what it had is gone |
+
+use std::time::Duration;
+
+use super::counts::Verdict;
+use super::status::{Status, Word};
+use super::{Event, Grbl, HOLD, MARGIN, NO_LINE, STEPPED, State, Wire};
+use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
+use crate::feed::dialogue::depth::not_idle;
+
+/// Notices that come unasked.
+const NOTICES: &[&str] = &["[MSG:", "[PRB:", "[GC:", "[echo:"];
+
+impl Grbl {
+    pub(super) fn answer(&mut self, text: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        let is_info = self.state == State::Asking && text.starts_with('[');
+        self.has_told |= is_info;
+        if is_greeting(text) && !is_info {
+            match self.state {
+                State::Greeting => self.ask_for_buffers(wire),
+                _ => self.lost("the control was reset", events),
+            }
+        } else if let Some(status) = Status::read(text) {
+            self.report((&status, text), now, wire, events);
+        } else if let Some(options) = text.strip_prefix("[OPT:").and_then(|text| text.strip_suffix(']'))
+            && is_info
+        {
+            self.depth.hear(options.split(',').nth(1), STEPPED, text);
+            let numbers: Vec<usize> = options.split(',').skip(1).filter_map(|number| number.parse().ok()).collect();
+            if let Some(&bytes) = numbers.get(1) {
+                self.counts.has(bytes);
+                self.window.1 = self.window.1.min(bytes.saturating_sub(MARGIN)).max(1);
+            }
+        } else if text == "ok" {
+            self.acknowledge(now, events);
+        } else if let Some(code) = text.strip_prefix("error:") {
+            self.refuse(code, now, wire, events);
+        } else if let Some(code) = text.strip_prefix("ALARM:") {
+            self.lost(&format!("the control stands in alarm {}", shown(code)), events);
+        } else if text.starts_with('>') && text.contains(':') && self.state != State::Greeting {
+            self.lost("the control was reset: it carries out the lines of its start", events);
+        } else if text.contains("to unlock") || text.contains("Reset to continue") {
+            self.lost("the control stands in an alarm, or was reset", events);
+        } else if is_info || NOTICES.iter().any(|notice| text.starts_with(notice)) {
+            events.push(Event::Said(text.to_owned()));
+        } else if !text.is_empty() && self.state != State::Greeting {
+            // It may have been a refusal.
+            let what = format!("an answer cannot be read, '{}', and may have been a refusal", shown(text));
+            self.lost(&impossible(&what), events);
+        }
+    }
+
+    fn ask_for_buffers(&mut self, wire: &mut Wire) {
+        self.state = State::Asking;
+        wire.push(b"$I\n");
+    }
+
+    fn acknowledge(&mut self, now: Duration, events: &mut Vec<Event>) {
+        if self.state == State::Asking {
+            self.has_answered = true;
+            if self.has_told {
+                (self.state, self.asked) = (State::Looking, 0);
+            }
+        } else if let Some((number, length, _)) = self.in_flight.pop_front() {
+            self.bytes -= length;
+            self.moved = now;
+            self.counts.answered(length);
+            if number == NO_LINE {
+                (self.is_drained, self.idle) = (true, 0);
+            } else {
+                self.acknowledged = number;
+                if !self.tells_buffers {
+                    self.confirm(events);
+                }
+            }
+        } else if matches!(self.state, State::Open | State::Closed) {
+            self.lost(&impossible("the control has answered more lines than were sent"), events);
+        } else if self.state == State::Refusing {
+            self.surplus += 1;
+        }
+    }
+
+    /// What was answered is reported when a report fits it: behind a reset, answers to later lines would be counted for those that are lost.
+    pub(super) fn confirm(&mut self, events: &mut Vec<Event>) {
+        if self.confirmed < self.acknowledged {
+            self.confirmed = self.acknowledged;
+            events.push(Event::Acknowledged(self.acknowledged));
+        }
+    }
+
+    fn refuse(&mut self, code: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        if self.state == State::Asking {
+            self.has_answered = true;
+        } else if let Some((number, length, _)) = self.in_flight.pop_front() {
+            self.bytes -= length;
+            self.counts.answered(length);
+            if self.state != State::Refusing {
+                wire.push_urgent(HOLD);
+                self.state = State::Refusing;
+                self.refusal = (number, format!("error:{}", shown(code)));
+                self.refused_at = now;
+            }
+        } else if matches!(self.state, State::Open | State::Closed) {
+            wire.push_urgent(HOLD);
+            let what = format!(
+                "the control has refused a line with error:{}, and answered more lines than were sent",
+                shown(code)
+            );
+            self.lost(&impossible(&what), events);
+        }
+    }
+
+    /// Which line was refused is sure when all that were sent were taken and have one answer each.
+    pub(super) fn refused(&mut self, is_taken: bool, events: &mut Vec<Event>) {
+        let (number, said) = std::mem::take(&mut self.refusal);
+        if is_taken && self.surplus == 0 && self.in_flight.is_empty() && number != NO_LINE {
+            self.state = State::Over;
+            // Those behind it were answered, too; what was refused was not done.
+            self.acknowledged = self.acknowledged.min(number.saturating_sub(1));
+            self.confirm(events);
+            let what = "the axes are held; cycle start (~) would carry out the lines behind it, a reset (Ctrl-X) throws them away";
+            events.push(Event::Refused(number, format!("{said}; {what}")));
+        } else {
+            let first = number.saturating_sub(self.surplus.max(1));
+            self.lost(&format!("the control has refused line {number}, or one from {first} on, with {said}; not every line has one answer"), events);
+        }
+    }
+
+    fn report(&mut self, (status, text): (&Status, &str), now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        let is_asked = std::mem::take(&mut self.asked) > 0;
+        self.counts.see(status);
+        self.tells_buffers |= status.free_bytes.is_some();
+        if status.word == Word::Idle && self.in_flight.is_empty() {
+            let blocks = status.free_blocks.map(|blocks| blocks.to_string());
+            self.depth.hear(blocks.as_deref(), STEPPED, text);
+        }
+        if matches!(self.state, State::Greeting | State::Asking | State::Looking) {
+            // Before the first line it must stand still.
+            let state = text.trim_start_matches('<').split(['|', '>']).next().unwrap_or_default();
+            match not_idle(state) {
+                Some(why) => return self.lost(&why, events),
+                None if self.state == State::Greeting => return self.ask_for_buffers(wire),
+                None if self.state == State::Looking => return self.begin(events),
+                None => {}
+            }
+        }
+        let why = match status.word {
+            Word::Alarm => "the control stands in an alarm",
+            Word::Sleep => "the control sleeps: its axes are without current, and it has to be reset",
+            Word::Check => "the control is in its check mode ($C): it takes lines and moves nothing",
+            Word::ByHand => "somebody moves or homes the axes at the control",
+            Word::Odd => {
+                return self.lost(
+                    &impossible(&format!("the control reports no state that is known, {}", shown(text))),
+                    events,
+                );
+            }
+            Word::Idle | Word::Run | Word::Held => "",
+        };
+        if !why.is_empty() {
+            return self.lost(why, events);
+        }
+        let is_held = status.word == Word::Held;
+        if std::mem::replace(&mut self.is_held, is_held) != is_held && self.state != State::Refusing {
+            self.moved = now;
+            events.push(Event::Paused(is_held));
+        }
+        let is_empty = self.counts.is_empty(status);
+        if self.state == State::Refusing {
+            // While the axes are held, lines may wait for the planner without an answer.
+            let is_taken = is_empty == Some(true);
+            if self.in_flight.is_empty() || is_taken {
+                self.refused(is_taken, events);
+            }
+            return;
+        }
+        let is_idle = status.word == Word::Idle && is_empty != Some(false) && wire.waiting() == 0;
+        self.idle = if is_idle { self.idle + 1 } else { 0 };
+        if self.state == State::Asking {
+            // It has nothing left that it could answer: what it said was its answer.
+            if self.idle >= 2 && self.has_answered {
+                self.begin(events);
+            }
+            return;
+        }
+        let longest = self.longest();
+        match self.counts.judge(status, is_asked, longest, wire.waiting()) {
+            Verdict::Surplus => {
+                let what = "the control has more than was not answered, an answer came twice";
+                return self.lost(&impossible(what), events);
+            }
+            Verdict::Missing => {
+                let what = "answers are missing to lines that the control no longer has, as after a reset";
+                return self.lost(&impossible(what), events);
+            }
+            // The answer to the dwell behind the last line may be counted for that one.
+            Verdict::Fits if is_asked && !self.has_barrier => self.confirm(events),
+            Verdict::Fits | Verdict::Doubt | Verdict::Silent => {}
+        }
+        // Twice: the first report may be older than the last bytes.
+        if self.idle >= 2 && self.is_drained && self.in_flight.is_empty() && self.sure < self.acknowledged {
+            self.confirm(events);
+            self.sure = self.acknowledged;
+            events.push(Event::Executed(self.acknowledged));
+        }
+        // A dwell is carried out while it says that it is idle. Longer than that, an answer is missing, which may have been a refusal.
+        if status.word == Word::Idle
+            && let (Some((_, _, busy)), Some((last, _, _))) = (self.in_flight.front(), self.in_flight.back())
+            && now.saturating_sub(self.moved) > self.patience + *busy
+        {
+            // The answer to the dwell may have been counted for the last line.
+            let (first, last) =
+                if *last == NO_LINE { (self.confirmed, self.acknowledged) } else { (self.acknowledged, *last) };
+            let what = format!(
+                "an answer was lost: the control is idle and answers no more, but one of the lines {} to {last} may have been refused",
+                first + 1
+            );
+            self.lost(&impossible(&what), events);
+        }
+    }
+}

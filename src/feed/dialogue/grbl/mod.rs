@@ -1,0 +1,288 @@
+//! Grbl 1.1 and grblHAL: every line is answered by `ok` or `error:N`; lines are sent ahead as long as their bytes fit the receive buffer.
+//!
+//! The control says in `[OPT:…,blocks,bytes]` how large its buffers are and in `<…|Bf:blocks,bytes>` how much of them is free (Grbl 1.1, interface).
+//! Answers too many must not make the buffer overflow, so room for the longest line under way is kept free twice. Behind the last line goes a dwell, which
+//! is answered when the planner is empty: only then, and when the control says that it is idle, the job is done.
+
+mod counts;
+mod hear;
+mod status;
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use super::answers::Answers;
+use super::depth::Depth;
+use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
+use counts::{Counts, SURPLUS};
+
+/// What profiles call it.
+pub(super) const PROTOCOL: Protocol = Protocol {
+    name: "grbl",
+    title: "ok per line, bytes counted",
+    asks_idle: true,
+    has_planner: true,
+    check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
+    create: |profile| Ok(Box::new(Grbl::new(profile))),
+};
+
+/// Status, hold, reset: bytes that the control takes out of the stream at once.
+const STATUS: &[u8] = b"?";
+const HOLD: &[u8] = b"!";
+const RESET: &[u8] = &[0x18];
+/// Blocks that have left the planner and are still stepped: the buffer of segments has 6 places in Grbl 1.1, 10 in grblHAL (stepper.h).
+const STEPPED: u64 = 16;
+/// While lines are under way the control is asked where it stands this often.
+const ASK_EVERY: Duration = Duration::from_millis(200);
+/// After a refusal, this long without a word means that everything was answered.
+const QUIET: Duration = Duration::from_millis(500);
+/// Answered when all moves are done: what is planned is carried out first (Grbl 1.1, "sync and planner buffer"). Its number is that of no line.
+const BARRIER: &[u8] = b"G4 P0.01\n";
+const NO_LINE: u64 = 0;
+/// What the control leaves of a buffer.
+const MARGIN: usize = 8;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// Asked for a sign of life.
+    Greeting,
+    /// Asked for its buffers. Answers to lines of an earlier job, which it still has, may come first.
+    Asking,
+    /// Asked whether it is idle, last of all.
+    Looking,
+    /// Lines are sent.
+    Open,
+    /// The last line was sent.
+    Closed,
+    /// A line was refused and the axes are held; what else was under way is still answered.
+    Refusing,
+    /// Nothing more is said.
+    Over,
+}
+
+struct Grbl {
+    state: State,
+    window: (usize, usize),
+    /// What it says of the blocks that its planner holds beyond those.
+    depth: Depth,
+    counts: Counts,
+    /// Whether it has begun to say what it is.
+    has_told: bool,
+    /// Whether there was an answer that may have been to that question: older ones do not know it.
+    has_answered: bool,
+    refused: Vec<u8>,
+    longest_line: usize,
+    patience: Duration,
+    /// Number, bytes, how long it takes.
+    in_flight: VecDeque<(u64, usize, Duration)>,
+    bytes: usize,
+    heard: Answers,
+    last_heard: Duration,
+    last_asked: Duration,
+    /// How often it was asked without an answer.
+    asked: u32,
+    /// How often in a row it said that nothing is left to do.
+    idle: u32,
+    /// When a line was sent or answered last, or it was let go on.
+    moved: Duration,
+    /// Whether its reports say what its buffers hold.
+    tells_buffers: bool,
+    /// The last line that was acknowledged, the last that a report has confirmed, and the last that was carried out for sure.
+    acknowledged: u64,
+    confirmed: u64,
+    sure: u64,
+    /// Whether the dwell behind the last line was sent, and answered.
+    has_barrier: bool,
+    is_drained: bool,
+    /// The line that was refused, and what the control said.
+    refusal: (u64, String),
+    refused_at: Duration,
+    /// Answers beyond those to the lines that were sent.
+    surplus: u64,
+    /// Whether somebody at the control holds the axes, or its door is open.
+    is_held: bool,
+}
+
+impl Grbl {
+    fn new(profile: &Profile) -> Grbl {
+        Grbl {
+            state: State::Greeting,
+            window: (profile.window.lines, profile.window.bytes),
+            depth: Depth::default(),
+            counts: Counts::default(),
+            has_told: false,
+            has_answered: false,
+            refused: profile.refused.clone(),
+            longest_line: profile.longest_line,
+            patience: profile.answer_within,
+            in_flight: VecDeque::new(),
+            bytes: 0,
+            heard: Answers::default(),
+            last_heard: Duration::ZERO,
+            last_asked: Duration::ZERO,
+            asked: 0,
+            idle: 0,
+            moved: Duration::ZERO,
+            tells_buffers: false,
+            acknowledged: 0,
+            confirmed: 0,
+            sure: 0,
+            has_barrier: false,
+            is_drained: false,
+            refusal: (0, String::new()),
+            refused_at: Duration::ZERO,
+            surplus: 0,
+            is_held: false,
+        }
+    }
+
+    fn ask(&mut self, now: Duration, wire: &mut Wire) {
+        self.counts.ask(wire.waiting());
+        wire.push_urgent(STATUS);
+        self.last_asked = now;
+        self.asked += 1;
+    }
+
+    /// The control is idle: lines may go out.
+    fn begin(&mut self, events: &mut Vec<Event>) {
+        self.state = State::Open;
+        self.depth.tell(events);
+    }
+
+    fn longest(&self) -> usize {
+        self.in_flight.iter().map(|(_, length, _)| *length).max().unwrap_or(0)
+    }
+
+    fn fits(&self, length: usize) -> bool {
+        let spare = SURPLUS * self.longest();
+        self.in_flight.is_empty()
+            || self.in_flight.len() < self.window.0 && self.bytes + length + spare <= self.window.1
+    }
+
+    fn push(&mut self, (number, busy): (u64, Duration), bytes: &[u8], now: Duration, wire: &mut Wire) {
+        wire.push(bytes);
+        self.bytes += bytes.len();
+        self.counts.sent(bytes.len());
+        (self.idle, self.moved) = (0, now);
+        self.in_flight.push_back((number, bytes.len(), busy));
+    }
+
+    /// Whether every line was answered, and carried out.
+    fn is_finished(&self) -> bool {
+        self.in_flight.is_empty() && self.sure == self.acknowledged
+    }
+
+    fn lost(&mut self, why: &str, events: &mut Vec<Event>) {
+        self.state = State::Over;
+        events.push(Event::Lost(why.to_owned()));
+    }
+}
+
+impl Dialogue for Grbl {
+    fn open(&mut self, now: Duration, wire: &mut Wire) {
+        self.last_heard = now;
+        self.ask(now, wire);
+    }
+
+    fn is_open(&self) -> bool {
+        self.state == State::Open
+    }
+
+    fn has_room(&self, length: usize) -> bool {
+        self.state == State::Open && !self.counts.is_in_doubt() && self.fits(length + 1)
+    }
+
+    fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String> {
+        check_text(&line.text, self.longest_line, &self.refused)?;
+        let bytes = [&line.text[..], b"\n"].concat();
+        self.push((line.number, line.busy()), &bytes, now, wire);
+        Ok(())
+    }
+
+    fn hear(&mut self, bytes: &[u8], now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        let mut rest = bytes;
+        while let Some(answer) = self.heard.next(&mut rest) {
+            // What never ends is no sign of life.
+            self.last_heard = now;
+            if self.state != State::Over {
+                self.answer(&answer, now, wire, events);
+            }
+        }
+    }
+
+    fn tick(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        if self.state == State::Over {
+            return;
+        }
+        if self.state == State::Refusing {
+            if now.saturating_sub(self.refused_at) > self.patience {
+                self.refused(false, events);
+            } else if now.saturating_sub(self.last_heard) > QUIET && now.saturating_sub(self.last_asked) > QUIET {
+                self.ask(now, wire);
+            }
+            return;
+        }
+        if self.state == State::Looking && self.asked == 0 {
+            self.ask(now, wire);
+        }
+        if self.state == State::Closed && !self.has_barrier && self.fits(BARRIER.len()) && !self.counts.is_in_doubt() {
+            self.has_barrier = true;
+            self.push((NO_LINE, Duration::ZERO), BARRIER, now, wire);
+        }
+        let is_quiet = now.saturating_sub(self.last_heard.max(self.last_asked)) > QUIET;
+        if self.state == State::Asking && self.has_answered && is_quiet && self.asked == 0 {
+            self.ask(now, wire);
+        }
+        let busy = self.in_flight.front().map_or(Duration::ZERO, |(_, _, busy)| *busy);
+        let is_silent = now.saturating_sub(self.last_heard) > self.patience + busy;
+        let is_waiting = !matches!(self.state, State::Open | State::Closed) || !self.is_finished();
+        if is_silent && is_waiting && now.saturating_sub(self.last_asked) > self.patience {
+            if self.asked >= 3 {
+                self.lost("the control does not answer", events);
+                return;
+            }
+            events.push(Event::Stalled);
+            self.ask(now, wire);
+        } else if !self.is_finished() && now.saturating_sub(self.last_asked) > ASK_EVERY && self.asked == 0 {
+            self.ask(now, wire);
+        }
+    }
+
+    fn close(&mut self, _now: Duration, _wire: &mut Wire) {
+        if self.state == State::Open {
+            self.state = State::Closed;
+        }
+    }
+
+    fn is_done(&self, _wire: &Wire) -> bool {
+        // What is in the planner is not done yet.
+        self.state == State::Closed && self.is_drained && self.is_finished()
+    }
+
+    fn in_flight(&self) -> (usize, usize) {
+        (self.in_flight.len(), self.bytes)
+    }
+
+    fn halt(&mut self, halt: Halt, _now: Duration, wire: &mut Wire) -> Option<String> {
+        let lines = self.in_flight.len();
+        match halt {
+            Halt::Stop => Some(format!(
+                "no further line is sent; the control carries out the {lines} that it has not answered and {}",
+                self.depth.words()
+            )),
+            Halt::Hold => {
+                wire.push_urgent(HOLD);
+                Some(format!(
+                    "the axes stop, the spindle turns; {lines} lines that were not answered and {} stay in the control and go on with cycle start (~)",
+                    self.depth.words()
+                ))
+            }
+            Halt::Abort => {
+                wire.clear();
+                wire.push_urgent(RESET);
+                self.state = State::Over;
+                Some(format!("the control is reset; the {lines} lines that it had are thrown away"))
+            }
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! LinuxCNC: what the answers of linuxcncrsh mean, state by state.
+//!
+//! What a control can answer that is as it must be; anything else ends the job, its state is unknown:
+//!
+//! | state | answer | meaning |
+//! | --- | --- | --- |
+//! | greeting | the answer to the question of the step (see `greeting`); before `set echo off` anything | the next question, or why not |
+//! | none under way | `error: …`, `warning: …` | kept for the line |
+//! | line sent | `SET MDI ACK`, `SET MDI NAK` | it was received; it was not, and nothing of it moves |
+//! | running, asked | `PROGRAM_STATUS RUNNING`, `PAUSED`, `IDLE` | it runs; somebody holds it; it is over |
+//! | checking | `SET WAIT ACK` or `NAK`, `ENABLE`, `MACHINE`, `MODE`, `SPINDLE`, `ERROR` in this order | was it carried out, and is all as before |
+//! | breaking off | `SET ABORT …` | it stands; all before it is passed over |
+
+use std::time::Duration;
+
+use super::{CHECKS, Event, MOST_MESSAGES, Rsh, Stage, Wire};
+use crate::feed::dialogue::answers::{impossible, shown};
+
+impl Rsh {
+    /// What an answer means while lines are sent. Each question has one answer, and they come in their order; anything else is impossible.
+    pub(super) fn answer(&mut self, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        if answer.is_empty() {
+            return;
+        }
+        if answer.starts_with("error:") || answer.starts_with("warning:") {
+            self.messages.push(answer.to_owned());
+            return;
+        }
+        // Asked for by a person.
+        if answer.starts_with("SET PAUSE ") {
+            return;
+        }
+        let Some(line) = &mut self.under_way else { return self.is_none(answer, events) };
+        match (line.stage, answer) {
+            (Stage::Sent, "SET MDI ACK") => {
+                line.stage = Stage::Running;
+                self.ask(now, wire);
+            }
+            // It was not received: nothing of it moves.
+            (Stage::Sent, "SET MDI NAK") => {
+                line.is_received = false;
+                line.stage = Stage::Checking;
+                wire.push(CHECKS);
+            }
+            (Stage::Running, "PROGRAM_STATUS IDLE") if self.is_asked => {
+                line.stage = Stage::Checking;
+                wire.push(CHECKS);
+                self.pause(false, events);
+            }
+            (Stage::Running, "PROGRAM_STATUS RUNNING" | "PROGRAM_STATUS PAUSED") if self.is_asked => {
+                self.is_asked = false;
+                self.pause(answer.ends_with("PAUSED"), events);
+            }
+            (Stage::Checking, _) => self.check(answer, now, wire, events),
+            _ => self.is_none(answer, events),
+        }
+    }
+
+    /// An answer to one of [`CHECKS`].
+    fn check(&mut self, answer: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        let Some(line) = &mut self.under_way else { return };
+        let said = |begin: &str| answer.strip_prefix(begin);
+        let seen = &mut self.seen;
+        let is_next = match line.answered {
+            0 => said("SET WAIT")
+                .map(|end| line.is_done = end.ends_with("ACK"))
+                .filter(|()| answer.ends_with("ACK") || answer.ends_with("NAK")),
+            1 => said("ENABLE ").map(|state| seen.is_ours = state == "ON"),
+            2 => said("MACHINE ").map(|state| seen.is_on = state == "ON"),
+            3 => said("MODE ").map(|mode| seen.is_mdi = mode == "MDI"),
+            4 => said("SPINDLE").map(|state| seen.turns = !state.ends_with("OFF")),
+            _ => said("ERROR ").map(|_| ()),
+        };
+        if is_next.is_none() {
+            return self.is_none(answer, events);
+        }
+        line.answered += 1;
+        if answer == "ERROR OK" {
+            self.conclude(now, events);
+        } else if let Some(message) = answer.strip_prefix("ERROR ") {
+            self.messages.push(message.to_owned());
+            if self.messages.len() >= MOST_MESSAGES {
+                self.conclude(now, events);
+            } else {
+                wire.push(b"get error\r\n");
+            }
+        }
+    }
+
+    pub(super) fn is_none(&mut self, answer: &str, events: &mut Vec<Event>) {
+        let what = format!("'{}' is no answer to what was asked", shown(answer));
+        self.lost(&impossible(&what), events);
+    }
+}

@@ -1,0 +1,182 @@
+//! Marlin: what its answers mean, state by state.
+//!
+//! What a control can answer that is as it must be; anything else ends the job, its state is unknown:
+//!
+//! | state | answer | meaning |
+//! | --- | --- | --- |
+//! | opening | a greeting | it starts: the count is set anew |
+//! | | any demand, while the count is set | it has another count yet |
+//! | | `ok` before the text of the mark | of lines of an earlier job |
+//! | line n under way | `ok`, `ok Nn …` | it was taken; not that it was carried out |
+//! | | `Resend: n` | it did not come well: it is sent again |
+//! | | `Resend: n+1` | it was taken, and a copy refused: possible where there was one, or where the fault names n |
+//! | none under way | `Resend: next` | a copy was refused: possible where there was one |
+//! | any | `Error:…, Last Line: m` | m is the line before the one that is demanded |
+//! | | `ok` behind a fault or a demand | it takes no line |
+//! | | `wait` | its queue is empty: no sign that a line is worked on |
+//! | | `…busy: …` | it works on a line, or waits for a person |
+//! | | any other text | shown: where it was an `ok`, the same bytes go out again; where it was a greeting, its count shows it |
+//! | closing | the text of the mark, `ok` | all moves are done |
+//! | any but opening | a greeting | it was reset |
+//! | | any other `Error:`, `!!` | it has stopped itself |
+//!
+//! A demand for a line before these means that the control has lost count, for one behind them that the demand was disturbed.
+
+use std::time::Duration;
+
+use super::{BEYOND, Event, FIRST_NUMBER, Marlin, NO_OK, QUIET, START, State, What, Wire, mark};
+use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
+
+/// Faults of a line, behind which it is demanded again.
+const FAULTS: &[&str] = &["checksum", "line number", "expected line", "last line"];
+
+/// The number that a text begins with, behind blanks and what names it.
+fn number(text: &str) -> Option<u64> {
+    text.trim_start_matches([':', ' ', 'N', '.']).split([' ', ',']).next()?.parse().ok()
+}
+
+impl Marlin {
+    pub(super) fn answer(&mut self, text: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        let low = text.to_ascii_lowercase();
+        if low != "wait" {
+            self.last_heard = now;
+        }
+        if is_greeting(text) {
+            if self.state == State::Opening {
+                // It still says what it is: the count is set when it has done so.
+                self.prepare();
+                self.again = Some((FIRST_NUMBER, now + START));
+            } else {
+                self.lost("the control was reset", events);
+            }
+        } else if self
+            .under_way
+            .as_ref()
+            .is_some_and(|sent| sent.what == What::Mark && text.contains(&mark(sent.number)))
+        {
+            self.is_marked = true;
+        } else if text == "ok" || text.starts_with("ok ") {
+            self.hold(false, events);
+            self.acknowledge(text, now, wire, events);
+        } else if let Some(rest) = low.strip_prefix("resend").or_else(|| low.strip_prefix("rs ")) {
+            self.expect_ok(now);
+            // One that cannot be read is made good by silence.
+            if let Some(number) = number(&rest.to_ascii_uppercase()) {
+                self.demand(number, now, events);
+            }
+        } else if low.starts_with("error:") && FAULTS.iter().any(|fault| low.contains(fault)) {
+            self.expect_ok(now);
+            if let Some(last) = low.rsplit_once("last line").and_then(|(_, last)| number(last)) {
+                self.name(last, events);
+            }
+        } else if low.starts_with("error:")
+            || low.contains("kill(")
+            || low.contains("killed")
+            || low.contains("printer halted")
+            || low == "!!"
+        {
+            self.lost(&format!("the control has stopped itself: {}", shown(text)), events);
+        } else if low.starts_with("echo:unknown command") && self.under_way.is_some() && self.state != State::Opening {
+            // It would pass over a zero offset or a tool length and go on.
+            match self.under_way.as_ref().map(|sent| sent.what) {
+                Some(What::Line(line)) => {
+                    self.state = State::Over;
+                    events.push(Event::Refused(line, shown(text)));
+                }
+                _ => self.lost(&format!("the control does not take what ends a job: {}", shown(text)), events),
+            }
+        } else if low.contains("busy:") {
+            self.hold(low.contains("paused"), events);
+        } else if low.starts_with("//action:cancel") {
+            self.lost("a person has cancelled the job at the control", events);
+        } else if !text.is_empty() && low != "wait" {
+            events.push(Event::Said(text.to_owned()));
+        }
+    }
+
+    /// A fault or a demand came: the `ok` behind it, if there is one, takes no line.
+    fn expect_ok(&mut self, now: Duration) {
+        let number = self.under_way.as_ref().map_or(self.next, |sent| sent.number);
+        self.is_closing = true;
+        self.again.get_or_insert((number, now + self.patience));
+    }
+
+    fn hold(&mut self, is_held: bool, events: &mut Vec<Event>) {
+        if std::mem::replace(&mut self.is_held, is_held) != is_held {
+            events.push(Event::Paused(is_held));
+        }
+    }
+
+    fn acknowledge(&mut self, text: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+        if std::mem::take(&mut self.is_closing) {
+            // It takes no line. What was demanded goes out when nothing more comes.
+            self.again = self.again.map(|(number, _)| (number, now + QUIET));
+            return;
+        }
+        let Some(sent) = &self.under_way else {
+            let what = "the control has answered more lines than were sent";
+            return self.lost(&impossible(what), events);
+        };
+        let named =
+            text.split(' ').find_map(|word| word.strip_prefix('N')).and_then(|number| number.parse::<u64>().ok());
+        if named.is_some_and(|named| named != sent.number) && self.state != State::Opening {
+            let what = format!("the control has answered '{}' while N{} is under way", shown(text), sent.number);
+            return self.lost(&impossible(&what), events);
+        }
+        // All moves are done: its planner is empty (ADVANCED_OK).
+        if self.state == State::Opening && named == Some(sent.number) && sent.what != What::Count {
+            let places = text.split(' ').find_map(|word| word.strip_prefix('P'));
+            self.depth.hear(places, BEYOND, text);
+        }
+        // Before the text of a mark they belong to what went before it.
+        if sent.what != What::Mark || self.is_marked {
+            self.take(now, wire, events);
+        }
+    }
+
+    /// A fault names the last line that was taken.
+    fn name(&mut self, last: u64, events: &mut Vec<Event>) {
+        let is_known = match &self.under_way {
+            Some(sent) => sent.what == What::Count || last == sent.number || last + 1 == sent.number,
+            None => last + 1 == self.next,
+        };
+        if is_known {
+            self.named = Some(last);
+        } else {
+            let what = format!("the control names N{last} as the last line that it took, {}", self.standing());
+            self.lost(&impossible(&what), events);
+        }
+    }
+
+    /// The control asks for a line.
+    fn demand(&mut self, number: u64, now: Duration, events: &mut Vec<Event>) {
+        // The fault before it must say the same.
+        let named = self.named.map(|last| last + 1);
+        let agrees = named.is_none_or(|named| named == number);
+        let is_possible = agrees
+            && match &self.under_way {
+                Some(sent) if sent.what == What::Count => true,
+                Some(sent) => {
+                    number == sent.number || number == sent.number + 1 && (sent.copies > 1 || named == Some(number))
+                }
+                None => number == self.next && (self.last_copies > 1 || named == Some(number)),
+            };
+        if !is_possible {
+            let what = format!("the control asks for N{number}, {}", self.standing());
+            return self.lost(&impossible(&what), events);
+        }
+        let number = match &self.under_way {
+            Some(sent) if sent.what == What::Count => sent.number,
+            _ => number,
+        };
+        self.again = Some((number, now + NO_OK));
+    }
+
+    fn standing(&self) -> String {
+        let next = self.next;
+        match &self.under_way {
+            Some(sent) => format!("while N{} is under way: it has lost count", sent.number),
+            None => format!("while N{next} is next: it has lost count"),
+        }
+    }
+}
