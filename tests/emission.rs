@@ -28,7 +28,7 @@ fn shop_machine() -> Machine {
 }
 
 fn writer_options(machine: &Machine, frame: OutputFrame, crlf: bool) -> WriterOptions {
-    let stamp = Stamp { machine: "shop".into(), model: "0a".into(), state: None, source: "0b".into(), is_demo: false };
+    let stamp = Stamp { machine: "shop".into(), model: "0a".into(), source: "0b".into(), ..Stamp::default() };
     WriterOptions {
         names: machine.written_names(),
         increments: Increments::new(&machine.control),

@@ -75,7 +75,7 @@ pub(crate) fn corrected(
     let strict = ExecOptions { strict: true, ..ExecOptions::default() };
     let execution = Execution::new(program, machine, Box::new(NoLibrary), strict);
     let mut corrector = Corrector::new(execution, machine, &model, options.clone());
-    let stamp = Stamp { machine: "shop".into(), model: "0a".into(), state: None, source: "0b".into(), is_demo: false };
+    let stamp = Stamp { machine: "shop".into(), model: "0a".into(), source: "0b".into(), ..Stamp::default() };
     let increments = Increments::new(&machine.control);
     let writer_options = WriterOptions {
         names: machine.written_names(),

@@ -38,7 +38,7 @@ pub(crate) fn corrected(text: &str, machine: &Machine, errors: &ErrorModel, opti
     let model = Model::new(machine, errors);
     let stream = elements(text, machine).into_iter().map(Ok);
     let mut corrector = Corrector::new(stream, machine, &model, options.clone());
-    let stamp = Stamp { machine: "shop".into(), model: "0a".into(), state: None, source: "0b".into(), is_demo: false };
+    let stamp = Stamp { machine: "shop".into(), model: "0a".into(), source: "0b".into(), ..Stamp::default() };
     let increments = Increments::new(&machine.control);
     let writer_options = WriterOptions {
         names: machine.written_names(),

@@ -43,7 +43,7 @@ fn written(text: &str, start: Option<AxisVector>) -> String {
         increments: Increments::new(&machine.control),
         frame: OutputFrame::Work,
         crlf: false,
-        stamp: Stamp { machine: "shop".into(), model: "0a".into(), state: None, source: "0b".into(), is_demo: false },
+        stamp: Stamp { machine: "shop".into(), model: "0a".into(), source: "0b".into(), ..Stamp::default() },
         last_block_number: None,
     };
     let mut corrector = Corrector::new(execution, &machine, &model, options);

@@ -24,7 +24,7 @@ pub(crate) fn written(
     let (program, findings) = syntax::parse(&source, dialect::sinumerik());
     let mut codes: Vec<String> = findings.iter().map(|found| found.code.to_string()).collect();
     let execution = Execution::new(program, machine, Box::new(NoLibrary), ExecOptions::default());
-    let stamp = Stamp { machine: "m".into(), model: "0".into(), state: None, source: "0".into(), is_demo: false };
+    let stamp = Stamp { machine: "m".into(), model: "0".into(), source: "0".into(), ..Stamp::default() };
     let increments = Increments::new(&machine.control);
     let writer = WriterOptions {
         names: machine.written_names(),

@@ -128,7 +128,7 @@ fn written(name: &str, elements: &[Element], machine: &Machine, model: &Model, h
         arcs: if has_steps { Arcs::Chords } else { Arcs::Keep },
         ..path::Options::default()
     };
-    let stamp = Stamp { machine: "m".into(), model: "0".into(), state: None, source: "1".into(), is_demo: false };
+    let stamp = Stamp { machine: "m".into(), model: "0".into(), source: "1".into(), ..Stamp::default() };
     let writer_options = WriterOptions {
         names: machine.written_names(),
         increments: Increments::new(&machine.control),

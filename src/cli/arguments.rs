@@ -20,6 +20,7 @@ mod simulate;
 mod steps;
 mod switches;
 mod tables;
+mod verify;
 mod work;
 
 pub(super) use calibrate::CalibrateArguments;
@@ -40,6 +41,7 @@ pub(super) use sensors::SensorsArguments;
 pub(super) use simulate::SimulateArguments;
 pub(super) use steps::StepsArguments;
 pub(super) use tables::TablesArguments;
+pub(super) use verify::VerifyArguments;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -302,33 +304,6 @@ pub(super) struct SncArguments {
     #[command(flatten)]
     /// How the program is executed.
     pub(super) program: ProgramChoice,
-}
-
-/// `ncfix verify`.
-#[derive(Clone, Debug, Args)]
-pub(super) struct VerifyArguments {
-    /// Original part program
-    pub(super) original: PathBuf,
-    /// Corrected part program
-    pub(super) corrected: PathBuf,
-    #[command(flatten)]
-    /// Which machine.
-    pub(super) machine: MachineChoice,
-    #[command(flatten)]
-    /// The condition of the machine.
-    pub(super) state: StateChoice,
-    #[command(flatten)]
-    /// How the programs are executed.
-    pub(super) program: ProgramChoice,
-    /// Drive both programs through the servo loops of the machine file too (docs/servo.md), and say how far off their paths they leave the tool, and their times
-    #[arg(long)]
-    pub(super) at_feed: bool,
-    #[command(flatten)]
-    /// Which page.
-    pub(super) page: PageChoice,
-    /// Print one JSON object on standard output
-    #[arg(long)]
-    pub(super) json: bool,
 }
 
 /// `ncfix explain`.

@@ -56,6 +56,8 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
     };
     let Some(corrected) = outcome.sources[1].first() else { return Err(Stop::Usage("nothing was executed".into())) };
     let job = Job { arguments, trace: &trace, outcome: &outcome, corrected };
+    let has_differences = !outcome.differences.is_empty();
+    findings.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
     let mut review = job.review(&findings);
     if let Some(limit) = review.limits.iter().find(|limit| !limit.is_kept) {
         let message =
@@ -84,6 +86,9 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<ExitCode, Stop> {
         }
         page.close();
     }
+    if has_differences && arguments.fail_above.is_none() {
+        return Ok(ExitCode::Different);
+    }
     if findings.has_errors() {
         return Ok(findings.exit_code());
     }
@@ -104,6 +109,7 @@ fn compare(
         machine: &arguments.machine,
         state: &arguments.state,
         program: &arguments.program,
+        promised: arguments.promised,
         at_feed: false,
     };
     let outcome = pair.compare(sources, findings, &mut |follow| trace.see(&follow, has_places))?;
@@ -119,6 +125,7 @@ pub(super) fn review(
 ) -> Result<Option<(Verdict, String)>, Stop> {
     let Some((trace, outcome)) = compare(arguments, sources, true, findings)? else { return Ok(None) };
     let Some(corrected) = outcome.sources[1].first() else { return Ok(None) };
+    findings.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
     let mut review = Job { arguments, trace: &trace, outcome: &outcome, corrected }.review(findings);
     review.limits.push(limit(&trace));
     review.verdict = Verdict::of(&review);

@@ -36,10 +36,13 @@ const OF_ALL: &[(ExitCode, &str)] = &[
 /// The statuses of `ncfix diff`, whose results are statuses too.
 const OF_DIFF: &[(ExitCode, &str)] = &[
     (ExitCode::Done, "the same, or nothing above --fail-above"),
-    (ExitCode::Different, "different"),
+    (ExitCode::Different, "different, with or without something that speaks against running it"),
     (ExitCode::Usage, "wrong usage, or a file that cannot be read"),
     (ExitCode::NotUnderstood, "a program was not understood"),
-    (ExitCode::Refused, "a change above --fail-above, or the one program does not follow the other"),
+    (
+        ExitCode::Refused,
+        "with --fail-above, a change above it or something that is no correction; or the one program does not follow the other",
+    ),
 ];
 
 /// Those of commands that talk to a control.

@@ -17,9 +17,16 @@ const MOST_DRAWN: usize = 50;
 /// Faults drawn of a file that reads like another language.
 const MOST_MISREAD: usize = 3;
 
-/// Findings about a file as a whole, of which there may be several in its first line.
-const ABOUT_FILES: &[Code] =
-    &[Code::NOT_TOLD, Code::NOT_SETTLED, Code::REDUCED, Code::POOR_FIT, Code::DATA_FAULT, Code::FAULTY_DATA];
+/// Findings of which there may be several in one line: those about a file as a whole, and words of one block.
+const ABOUT_FILES: &[Code] = &[
+    Code::NOT_TOLD,
+    Code::NOT_SETTLED,
+    Code::REDUCED,
+    Code::POOR_FIT,
+    Code::DATA_FAULT,
+    Code::FAULTY_DATA,
+    Code::OTHER_ACT,
+];
 
 /// What makes two findings the same: one in a loop is met again with every pass. Without a place the message decides.
 type Identity = (Code, String, Option<Place>);

@@ -207,8 +207,9 @@ impl<'a> Job<'a> {
         let machine = &chosen.machine;
         let model = chosen.model();
         let start = arguments.program.start;
-        let writing =
-            Writing::new(&arguments.correction, start, opened.dialect.name, chosen, (self.source.bytes(), hash))?;
+        let (correction, bytes) = (&arguments.correction, (self.source.bytes(), hash));
+        let limits_feed = arguments.feed_limit.is_some();
+        let writing = Writing::new(correction, start, opened.dialect.name, chosen, bytes, limits_feed)?;
         let mut writer = writing.writer()?;
         let mut running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
         let feed_limit = arguments.feed_limit.zip(machine.servo.as_ref());

@@ -12,14 +12,14 @@ use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
 use super::program::{self, Running};
 use super::relay::{Filler, Taker, relay};
-use super::state;
 use super::stop::Stop;
-use crate::diagnostic::{Code, Diagnostic};
+use super::{differences, stamp_check, state};
+use crate::diagnostic::Diagnostic;
 use crate::emit;
 use crate::exec::RapidOrder;
 use crate::geometry::{Axis, AxisVector};
 use crate::machine::Kinematics;
-use crate::path::{self, Feeds, Follow, Grouping};
+use crate::path::{self, Difference, Feeds, Follow, Grouping};
 use crate::report::json::AtFeed;
 use crate::snc::Element;
 use crate::source::{FileId, Source};
@@ -31,6 +31,8 @@ pub(super) struct Pair<'a> {
     pub(super) machine: &'a MachineChoice,
     pub(super) state: &'a StateChoice,
     pub(super) program: &'a ProgramChoice,
+    /// The tolerance of the correction that a person says, mm.
+    pub(super) promised: Option<f64>,
     /// Whether both are driven through the servo loops of the machine too.
     pub(super) at_feed: bool,
 }
@@ -43,6 +45,7 @@ impl<'a> From<&'a VerifyArguments> for Pair<'a> {
             machine: &arguments.machine,
             state: &arguments.state,
             program: &arguments.program,
+            promised: arguments.promised,
             at_feed: arguments.at_feed,
         }
     }
@@ -93,29 +96,7 @@ impl<'p> Pair<'p> {
             let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
             Running::start(opened, path, self.program, &chosen.machine, false, rapid_order)
         };
-        if let Some(model) = emit::stamped_model(sources[1].bytes())
-            && model != chosen.hash
-        {
-            let message = format!(
-                "{} was corrected for the model {model}, and is compared on {}",
-                sources[1].name(),
-                chosen.hash
-            );
-            let help = "give --machine the machine file that it was corrected with";
-            findings.add(Diagnostic::nowhere(Code::OTHER_STAMP, message, help), sources);
-        }
-        let stamped_state = emit::stamped_state(sources[1].bytes());
-        if emit::is_stamped(sources[1].bytes()) && stamped_state != chosen.state {
-            let said = |state: &Option<String>| state.clone().unwrap_or_else(|| "none".into());
-            let message = format!(
-                "{} was corrected for the state {}, and is compared in {}",
-                sources[1].name(),
-                said(&stamped_state),
-                said(&chosen.state)
-            );
-            let help = "give the same --state, --time, --zero-time, --zero-at and --load as for the correction";
-            findings.add(Diagnostic::nowhere(Code::OTHER_STAMP, message, help), sources);
-        }
+        let promise = stamp_check::promise(sources, chosen, self.promised, findings);
         let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());
         let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };
         let feeds = [&original, &corrected]
@@ -126,7 +107,11 @@ impl<'p> Pair<'p> {
             let run = move || send(start(corrected, self.corrected).silent(), filler);
             let thread = scope.spawn(run);
             let original = start(original, self.original);
-            let how = How { of_path: path::How { grouping, feeds }, at_feed: self.at_feed, start: self.program.start };
+            let how = How {
+                of_path: path::How { grouping, feeds, promise },
+                at_feed: self.at_feed,
+                start: self.program.start,
+            };
             walk((original, ahead), &how, chosen, findings, see, || {
                 thread.join().unwrap_or_else(|fault| resume_unwind(fault))
             })
@@ -173,6 +158,12 @@ fn walk(
         }
         see(follow);
     };
+    let mut differences: Vec<Difference> = Vec::new();
+    let mut differ = |difference: Difference| {
+        if differences.len() < differences::MOST {
+            differences.push(difference);
+        }
+    };
     let shared = RefCell::new(std::mem::take(findings));
     let items = std::iter::from_fn(|| {
         let item = original.next()?;
@@ -184,8 +175,14 @@ fn walk(
     let (result, driven) = {
         let mut original = Clean { items, findings: &shared, mark: 0, driven: driven() };
         let mut corrected = Clean { items: corrected, findings: &shared, mark: OF_CORRECTED, driven: driven() };
-        let result =
-            path::compare_seeing(&mut original, &mut corrected, how.of_path, &chosen.machine, &model, &mut see);
+        let result = path::compare_seeing(
+            &mut original,
+            &mut corrected,
+            how.of_path,
+            &chosen.machine,
+            &model,
+            (&mut see, &mut differ),
+        );
         (result, [original.driven, corrected.driven])
     };
     let sources = [original.sources().to_vec(), files()];
@@ -198,6 +195,14 @@ fn walk(
     let max_at = max_at.and_then(|origin| Some((origin.line, source(origin.file)?.name().to_owned())));
     let source = result.as_ref().err().and_then(|diagnostic| diagnostic.place).and_then(|place| source(place.file));
     *findings = shared.into_inner();
+    let mut told = Vec::new();
+    for mut one in differences {
+        one.corrected.file.0 ^= OF_CORRECTED;
+        told.push(differences::diagnostic(&one, [&sources[0], &sources[1]]));
+    }
+    if let Some(corrected) = sources[1].first().filter(|source| emit::is_stamped(source.bytes())) {
+        told.extend(differences::skipped(corrected));
+    }
     match result {
         Ok(comparison) => {
             let machine = MachineUsed {
@@ -213,12 +218,13 @@ fn walk(
                 };
                 [pair.0.finish(of(0)), pair.1.finish(of(1))]
             });
-            Some(Outcome { comparison, max_at, sources, increments, beyond, machine, at_feed: fed })
+            Some(Outcome { comparison, max_at, sources, increments, beyond, machine, at_feed: fed, differences: told })
                 .filter(|_| !findings.has_errors())
         }
         // Where a program could not be executed to its end, that it does not match the other one is no news.
         Err(_) if findings.has_errors() => None,
         Err(mut diagnostic) => {
+            findings.extend(told, &sources[1]);
             if let (Some(place), Some(source)) = (&mut diagnostic.place, &source) {
                 place.file = source.id();
             }
@@ -240,6 +246,8 @@ pub(super) struct Outcome {
     /// Pieces of the corrected program that end beyond the travel of an axis: how many, and the line of the first.
     pub(super) beyond: BTreeMap<Axis, (u64, u32)>,
     pub(super) machine: MachineUsed,
+    /// What is no correction, as findings in the corrected program.
+    pub(super) differences: Vec<Diagnostic>,
     /// What the axes make of both at feed, where that was asked for.
     pub(super) at_feed: Option<[AtFeed; 2]>,
 }

@@ -12,6 +12,8 @@ use super::{fix, print, program};
 use crate::path::Follow;
 use crate::report::correction::{error_rows, feed_rows};
 use crate::report::page::verification::verification;
+use crate::report::review::Review;
+use crate::report::verdict::Verdict;
 use crate::report::verification::{Piece, Verification};
 use crate::report::{compared, json};
 use crate::units::um_from_mm;
@@ -36,16 +38,23 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
     let sources = [program::read(&arguments.original)?, program::read(&arguments.corrected)?];
     let pair = Pair::from(arguments);
     let outcome = if findings.has_errors() { None } else { pair.compare(sources, &mut findings, &mut see)? };
+    if let Some(outcome) = &outcome {
+        findings.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
+    }
     if let (Some(pages), Some(outcome)) = (pages, &outcome) {
         pages.publish(&verification(&along.verification(outcome, &findings)))?;
     }
     let before = outcome.as_ref().map(|outcome| fix::spread(&outcome.comparison.before));
     let after = outcome.as_ref().map(|outcome| fix::spread(&outcome.comparison.after));
+    let verdict = outcome
+        .as_ref()
+        .map(|_| Verdict::of(&Review { before, after, diagnostics: findings.json(), ..Review::default() }));
     if arguments.json {
         let samples = outcome.as_ref().map_or(0, |outcome| outcome.comparison.samples);
         let [original_at_feed, corrected_at_feed] =
             outcome.and_then(|outcome| outcome.at_feed).map_or([None, None], |pair| pair.map(Some));
         let verification = json::Verification {
+            verdict,
             before,
             after,
             samples,
@@ -60,7 +69,10 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
             let max_at = outcome.as_ref().and_then(|outcome| outcome.max_at.as_ref());
             let at_feed = outcome.as_ref().and_then(|outcome| outcome.at_feed.as_ref());
             let at_feed = at_feed.map_or_else(String::new, |[original, corrected]| feed_rows(original, corrected));
-            print(&(error_rows(before, after, max_at.map(|(line, file)| (*line, file.as_str()))) + &at_feed))?;
+            let verdict = verdict.map_or_else(String::new, |verdict| verdict.rows());
+            print(
+                &(verdict + &error_rows(before, after, max_at.map(|(line, file)| (*line, file.as_str()))) + &at_feed),
+            )?;
         }
     }
     Ok(findings.exit_code())

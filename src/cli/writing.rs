@@ -20,7 +20,7 @@ pub(super) struct Writing {
 }
 
 impl Writing {
-    /// For a program in a dialect, its bytes and their hash, with the position before its first block.
+    /// For a program in a dialect, its bytes and their hash, with the position before its first block; `limits_feed` where feeds are lowered.
     ///
     /// # Errors
     /// Where it cannot be written like that.
@@ -30,6 +30,7 @@ impl Writing {
         dialect: &'static str,
         chosen: &Chosen,
         (source, hash): (&[u8], String),
+        limits_feed: bool,
     ) -> Result<Writing, Stop> {
         let entry = emit::entry(dialect).ok_or_else(|| unwritable(dialect))?;
         let options =
@@ -52,6 +53,7 @@ impl Writing {
                 model: chosen.hash.clone(),
                 state: chosen.state.clone(),
                 source: hash,
+                promise: path::Promise { increment_mm: choice.increment, limits_feed, ..path::Promise::of(&options) },
                 is_demo: chosen.is_demo,
             },
         };

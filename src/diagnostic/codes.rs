@@ -306,6 +306,17 @@ MD32610, MD32300); ncfix decompose finds gain and feed-forward in a trace. docs/
 "A cut turns rotary axes, and its feed is in degrees per minute or that of a short way of X, Y, Z. Controls take a feed for X, Y and Z where these move at all, so the
 micrometers of a correction would take the feed over, and the axes would turn as fast as they can. Such blocks are written with the time that they take (G93). That is not
 possible where the language has no G93 (Grundig), and where the feed is one per turn of the spindle (G95, G96).";
+    OTHER_ACT = "E0319" "corrected program does something else"
+"A correction changes positions, and cuts moves into pieces. Whatever else a program does – speed and sense of the spindle, tools and their offsets, coolant, M
+functions, dwells, stops, modes of the path, work offsets, calls, the end of the program – stands in the corrected program in the same place along the path. ncfix verify
+and ncfix diff compare it one by one, and name what is changed, missing or new with its line in both programs.";
+    OFF_PROMISE = "E0320" "tool further off than the correction promised"
+"The stamp of a corrected program says how far a piece may be from its exactly corrected path (--tolerance). At the ends of pieces, between them and where arcs turn
+an axis around, the tool of this program is further off on the error model: it was edited, was corrected for another machine or state, or ncfix fix has warned that the
+tolerance was not reached (W0305, W0307).";
+    OTHER_FEED = "E0321" "corrected program has another feed"
+"The pieces of a move have the feed of the move: the same number where both count the same way, else the same time within 5 %. Only --feed-limit lowers feeds, and the
+stamp says so.";
 
     BAD_TOML = "E0401" "machine file is no TOML"
 "The file breaks the rules of TOML 1.0 at this place.";
@@ -492,6 +503,11 @@ or --start, decides it.";
 tried, 5 % of the programmed one; or it is a time (G93) or that of a thread, which stay; or a lower feed does not help, because what gives way does so while the
 axes accelerate from rest. At a corner the lag of one block may reach into the next one: an exact stop (G9, G60; G61 where a control has it) lets the axes arrive
 first, feed-forward in the drives makes the lag smaller. The program is written with what could be done.";
+    NO_STAMP = "W0314" "corrected program without its stamp"
+"ncfix fix writes a comment among the first lines that says for which machine, model, state and source a corrected program is good, and what it promises. This program
+has none: it was not written by ncfix, or the stamp was taken out or changed. Nobody can say what it is good for; the tolerance of --promised, or 1 µm, is assumed.";
+    PROMISE_ASSUMED = "W0315" "tolerance of the correction assumed"
+"The stamp of the corrected program does not say what tolerance it was made with. The tolerance of --promised is taken, or 1 µm, which ncfix fix has without --tolerance.";
     NO_TRAVEL = "W0401" "axis without travel limits"
 "The machine file gives no travel_mm (travel_deg) for this axis, so positions outside its travel cannot be found.";
     TWO_DRIFTS = "W0402" "two models of the drift"

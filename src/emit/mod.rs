@@ -14,7 +14,9 @@ mod words;
 
 pub use flat::flat;
 pub use number::Decimals;
-pub use stamp::{Stamp, is_stamped, stamped_model, stamped_state};
+pub use stamp::{
+    Stamp, is_stamp_changed, is_stamped, is_stamped_for, stamped_model, stamped_promise, stamped_source, stamped_state,
+};
 
 use std::io::{self, Write};
 

@@ -3,8 +3,12 @@
 //! A corrected program is ephemeral: it holds the errors of one machine at one time. The stamp keeps it from being corrected again
 //! and from being taken for the part program.
 
+use std::fmt::Write as _;
+
+use crate::path::Promise;
+
 /// What stands in the stamp.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stamp {
     /// Name of the machine.
     pub machine: String,
@@ -14,14 +18,61 @@ pub struct Stamp {
     pub state: Option<String>,
     /// First digits of the hash of the part program.
     pub source: String,
+    /// What the correction has promised.
+    pub promise: Promise,
     /// Whether the machine is the one built in.
     pub is_demo: bool,
+}
+
+/// Largest tolerance that a stamp may promise, mm: more is no correction.
+const MOST_TOLERANCE_MM: f64 = 10.0;
+
+/// A promise as the stamp has it.
+fn promise_text(promise: &Promise) -> String {
+    let mut out = format!("tolerance={}", promise.tolerance_mm);
+    if let Some(increment_mm) = promise.increment_mm {
+        let _ = write!(out, " increment={increment_mm}");
+    }
+    let ways = [
+        ("step", promise.is_stepped),
+        ("rapids", promise.leaves_rapids),
+        ("limited", promise.limits_feed),
+        ("axes", promise.in_axes),
+    ];
+    let made: Vec<&str> = ways.into_iter().filter(|(_, is_so)| *is_so).map(|(name, _)| name).collect();
+    if !made.is_empty() {
+        let _ = write!(out, " made={}", made.join("-"));
+    }
+    out
+}
+
+/// The promise in the line of a stamp, lower case; `None` where it says nothing, or what cannot be.
+fn promise_of(line: &str) -> Option<Promise> {
+    let value = |key: &str| {
+        let (_, rest) = line.split_once(key)?;
+        rest.split([' ', ')']).next()
+    };
+    let length = |key: &str| {
+        let value: f64 = value(key)?.parse().ok()?;
+        (value > 0.0 && value <= MOST_TOLERANCE_MM).then_some(value)
+    };
+    let has = |name: &str| value(" made=").is_some_and(|made| made.split('-').any(|one| one == name));
+    Some(Promise {
+        tolerance_mm: length(" tolerance=")?,
+        increment_mm: length(" increment="),
+        is_stepped: has("step"),
+        leaves_rapids: has("rapids"),
+        limits_feed: has("limited"),
+        in_axes: has("axes"),
+    })
 }
 
 /// What every stamp begins with.
 const MARK: &str = "ncfix ";
 /// What every stamp holds.
 const EPHEMERAL: &str = "ephemeral";
+/// What stands before its sum.
+const CHECK: &str = "check=";
 const ONLY: &str = "for this machine only";
 /// A stamp stands within so many bytes of the start.
 const HEAD_BYTES: usize = 4096;
@@ -33,9 +84,11 @@ impl Stamp {
     pub fn text(&self) -> String {
         let machine = with_harmless(&self.machine, |c| c.is_ascii_graphic() && !"\"();".contains(c));
         let version = env!("CARGO_PKG_VERSION");
-        let (model, source) = (self.model_and_state(), &self.source);
+        let (model, source, promise) = (self.model_and_state(), &self.source, promise_text(&self.promise));
         let warning = if self.is_demo { " DEMO MACHINE: not for a real machine" } else { "" };
-        format!("{MARK}{version} machine=\"{machine}\" model={model} source={source} {EPHEMERAL}: {ONLY}{warning}")
+        with_check(&format!(
+            "{MARK}{version} machine=\"{machine}\" model={model} source={source} {promise} {EPHEMERAL}: {ONLY}{warning}"
+        ))
     }
 
     /// The same for controls that know capital letters, digits and a few signs only.
@@ -43,10 +96,12 @@ impl Stamp {
     pub fn capital_text(&self) -> String {
         let machine = with_harmless(&self.machine, |c| c.is_ascii_alphanumeric() || ".,=_-".contains(c));
         let version = env!("CARGO_PKG_VERSION");
-        let (model, source) = (self.model_and_state(), &self.source);
+        let (model, source, promise) = (self.model_and_state(), &self.source, promise_text(&self.promise));
         let warning = if self.is_demo { " - DEMO MACHINE NOT FOR A REAL MACHINE" } else { "" };
-        format!("{MARK}{version} machine={machine} model={model} source={source} {EPHEMERAL} - {ONLY}{warning}")
-            .to_ascii_uppercase()
+        with_check(&format!(
+            "{MARK}{version} machine={machine} model={model} source={source} {promise} {EPHEMERAL} - {ONLY}{warning}"
+        ))
+        .to_ascii_uppercase()
     }
 }
 
@@ -57,6 +112,31 @@ impl Stamp {
             None => self.model.clone(),
         }
     }
+}
+
+/// A stamp with a sum over its letters and digits: nobody changes a stamp by accident.
+fn with_check(text: &str) -> String {
+    let sum = sum(text);
+    text.replacen(EPHEMERAL, &format!("{CHECK}{sum} {EPHEMERAL}"), 1)
+}
+
+/// FNV-1a over letters, small, and digits: what links and controls do to a comment does not matter.
+fn sum(text: &str) -> String {
+    const START: u32 = 0x811c_9dc5;
+    const PRIME: u32 = 0x0100_0193;
+    let letters = text.bytes().filter(u8::is_ascii_alphanumeric).map(|byte| byte.to_ascii_lowercase());
+    let sum = letters.fold(START, |sum, byte| (sum ^ u32::from(byte)).wrapping_mul(PRIME));
+    format!("{:06x}", sum & 0xff_ffff)
+}
+
+/// Whether the stamp of a program was changed since it was written; `None` without a stamp, and where it has no sum, as those of earlier versions.
+#[must_use]
+pub fn is_stamp_changed(bytes: &[u8]) -> Option<bool> {
+    let line = line(bytes)?;
+    let stamp = &line[line.find(MARK)?..];
+    let (before, rest) = stamp.split_once(CHECK)?;
+    let (written, behind) = rest.split_once(' ').unwrap_or((rest, ""));
+    Some(sum(&format!("{before}{behind}")) != written)
 }
 
 fn with_harmless(text: &str, is_harmless: impl Fn(char) -> bool) -> String {
@@ -91,14 +171,42 @@ pub fn stamped_state(bytes: &[u8]) -> Option<String> {
     stamped(bytes, "state=")
 }
 
+/// The hash of the part program in a program's stamp; `None` without a stamp.
+#[must_use]
+pub fn stamped_source(bytes: &[u8]) -> Option<String> {
+    stamped(bytes, "source=")
+}
+
+/// Whether the stamp of a program names a machine; `None` without a stamp.
+#[must_use]
+pub fn is_stamped_for(bytes: &[u8], machine: &str) -> Option<bool> {
+    let line = line(bytes)?;
+    let named = line.split_once("machine=")?.1;
+    let named = named.split_once(" model=").map_or(named, |(name, _)| name);
+    // Some controls know few signs.
+    let plain = |name: &str| name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase();
+    Some(plain(named) == plain(machine))
+}
+
+/// What the stamp of a program promises; `None` without a stamp, and where it promises nothing.
+#[must_use]
+pub fn stamped_promise(bytes: &[u8]) -> Option<Promise> {
+    promise_of(&line(bytes)?)
+}
+
 fn stamped(bytes: &[u8], key: &str) -> Option<String> {
+    let line = line(bytes)?;
+    let (_, rest) = line.split_once(key)?;
+    Some(rest.chars().take_while(char::is_ascii_alphanumeric).collect())
+}
+
+/// The line of the stamp, in lower case.
+fn line(bytes: &[u8]) -> Option<String> {
     if !is_stamped(bytes) {
         return None;
     }
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD_BYTES)]).to_ascii_lowercase();
-    let line = head.lines().find(|line| line.contains(EPHEMERAL))?;
-    let (_, rest) = line.split_once(key)?;
-    Some(rest.chars().take_while(char::is_ascii_alphanumeric).collect())
+    head.lines().find(|line| line.contains(EPHEMERAL)).map(str::to_owned)
 }
 
 #[cfg(test)]
@@ -111,6 +219,7 @@ mod tests {
             model: "0123456789ab".into(),
             state: None,
             source: "ba9876543210".into(),
+            promise: Promise::default(),
             is_demo: false,
         }
     }
@@ -119,10 +228,9 @@ mod tests {
     fn a_stamp_says_all_and_is_found() {
         let text = stamp().text();
         let version = env!("CARGO_PKG_VERSION");
-        let expected = format!(
-            "ncfix {version} machine=\"mill\" model=0123456789ab source=ba9876543210 ephemeral: for this machine only"
-        );
-        assert_eq!(text, expected);
+        let head =
+            format!("ncfix {version} machine=\"mill\" model=0123456789ab source=ba9876543210 tolerance=0.001 check=");
+        assert!(text.starts_with(&head) && text.ends_with(" ephemeral: for this machine only"), "{text}");
         for program in [
             format!("; {text}\nG0 X0\n"),
             format!("%_N_A_MPF\r\n;$PATH=/_N_MPF_DIR\r\n;{text}\r\nG0"),
@@ -145,6 +253,43 @@ mod tests {
             assert_eq!(stamped_state(program.as_bytes()).as_deref(), Some("00ff00ff00ff"));
         }
         assert_eq!(stamped_state(format!("; {}\n", stamp().text()).as_bytes()), None);
+    }
+
+    #[test]
+    fn a_stamp_that_was_changed_is_known_by_its_sum() {
+        for text in [stamp().text(), stamp().capital_text()] {
+            let changed = |from: &str, to: &str| {
+                let text = text.replace(from, to);
+                is_stamp_changed(format!("%\nN10 ({text})\nG0 X0\n").as_bytes())
+            };
+            assert_eq!(changed("%", "%"), Some(false), "{text}");
+            assert_eq!(changed("0.001", "0.1"), Some(true));
+            assert_eq!(changed("BA9", "ba9"), Some(false));
+            assert_eq!(changed("=0.001", "=0.001 made=step"), Some(true));
+        }
+        let old = b"; ncfix 0.1.0 machine=\"m\" model=0 source=1 ephemeral: for this machine only\n";
+        assert_eq!(is_stamp_changed(old), None);
+    }
+
+    #[test]
+    fn a_promise_is_in_the_stamp() {
+        let promise = Promise {
+            tolerance_mm: 2.5e-4,
+            increment_mm: Some(1e-5),
+            is_stepped: true,
+            limits_feed: true,
+            ..Promise::default()
+        };
+        let stamp = Stamp { promise, ..stamp() };
+        for text in [stamp.text(), stamp.capital_text()] {
+            assert_eq!(stamped_promise(format!("({text})\nG0 X0\n").as_bytes()), Some(promise), "{text}");
+        }
+        // A stamp of before says nothing, and nonsense is no promise.
+        for bad in ["", "tolerance=-1", "tolerance=nan", "tolerance=1e9", "tolerance=x"] {
+            let text = stamp.text().replace(&promise_text(&promise), bad);
+            assert_eq!(stamped_promise(format!("; {text}\n").as_bytes()), None, "{text}");
+            assert_eq!(stamped_source(format!("; {text}\n").as_bytes()).as_deref(), Some("ba9876543210"));
+        }
     }
 
     #[test]

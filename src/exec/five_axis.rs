@@ -5,6 +5,7 @@
 
 use super::fault::{Fault, fault};
 use super::path::{Path, Shape};
+use super::sagitta;
 use crate::diagnostic::Code;
 use crate::geometry::{Arc, AxisSet, AxisVector, LINEAR_AXES, Plane, Vector};
 use crate::machine::{Control, Kinematics};
@@ -49,20 +50,23 @@ pub(super) fn moves(
         return Ok(());
     }
     let mut first = true;
-    // `share` is that of the way, and of the time.
-    let mut out = |target: AxisVector, share: f64| {
+    // `share` is that of the way, and of the time; `off_curve_mm` how far the tip may be off the way.
+    let mut out = |target: AxisVector, share: f64, off_curve_mm: f64| {
         let is_first = std::mem::take(&mut first);
         let named = if is_first { path.motion.named } else { AxisSet::EMPTY };
         let feed = if path.motion.is_inverse_time() { path.motion.feed / share } else { path.motion.feed };
-        out(Move { target, named, feed, feed_named: is_first && path.motion.feed_named, ..path.motion });
+        let feed_named = is_first && path.motion.feed_named;
+        out(Move { target, named, feed, feed_named, off_curve_mm, ..path.motion });
     };
     let tolerance_mm = control.chord_tolerance_mm;
     match &path.shape {
         Shape::Chords(ends) => {
             let mut start = path.start;
             let lengths = leg_lengths(&path.start, ends);
-            for (&end, length) in ends.iter().zip(lengths) {
-                let mut out = |target: AxisVector, share: f64| out(target, share * length);
+            for (k, (&end, length)) in ends.iter().zip(lengths).enumerate() {
+                let chord_mm = sagitta::off_mm(&path.start, ends, k, tolerance_mm);
+                let mut out =
+                    |target: AxisVector, share: f64, off_mm: f64| out(target, share * length, chord_mm + off_mm);
                 Leg::new(kinematics, path, [start, end], None, turning, control)?.divide(tolerance_mm, &mut out)?;
                 start = end;
             }
@@ -215,22 +219,22 @@ impl<'a> Leg<'a> {
         })
     }
 
-    /// Calls `out` with the end of every piece and its share of the way.
-    fn divide(&self, tolerance_mm: f64, out: &mut impl FnMut(AxisVector, f64)) -> Result<(), Fault> {
+    /// Calls `out` with the end of every piece, its share of the way, and how far the tip is off the way, mm.
+    fn divide(&self, tolerance_mm: f64, out: &mut impl FnMut(AxisVector, f64, f64)) -> Result<(), Fault> {
         let mut command = self.command_at(0.0, &self.start)?;
         if self.is_straight_in_axes() {
-            out(self.command_at(1.0, &command)?, 1.0);
+            out(self.command_at(1.0, &command)?, 1.0, 0.0);
             return Ok(());
         }
         let (mut from, mut step, mut allowed) = (0.0, 1.0, tolerance_mm);
         for _ in 0..MOST_PIECES {
             let to = if from + step > 1.0 - SHORTEST_SHARE { 1.0 } else { from + step };
             let end = self.command_at(to, &command)?;
-            if self.fits([from, to], [&command, &end], allowed) {
+            if let Some(off_mm) = self.off_mm([from, to], [&command, &end], allowed) {
                 if to >= 1.0 {
-                    return self.check_end(&end).map(|()| out(end, to - from));
+                    return self.check_end(&end).map(|()| out(end, to - from, off_mm));
                 }
-                out(end, to - from);
+                out(end, to - from, off_mm);
                 (from, command) = (to, end);
                 step *= 1.5;
             } else {
@@ -249,10 +253,10 @@ impl<'a> Leg<'a> {
         self.arc.is_none() && self.kinematics.rotary_axes().all(|axis| self.start[axis] == self.end[axis])
     }
 
-    /// Whether tip and tool stay near enough to the way when the axes go straight between two commands.
-    fn fits(&self, [from, to]: [f64; 2], [start, end]: [&AxisVector; 2], tolerance_mm: f64) -> bool {
+    /// How far the tip is off the way when the axes go straight between two commands, mm; `None` where tip or tool do not stay near enough.
+    fn off_mm(&self, [from, to]: [f64; 2], [start, end]: [&AxisVector; 2], tolerance_mm: f64) -> Option<f64> {
         let tool_mm = &self.path.setup.tool_mm;
-        SAMPLES.into_iter().all(|sample| {
+        SAMPLES.into_iter().try_fold(0.0, |most: f64, sample| {
             let share = from + (to - from) * sample;
             let command = start.lerp(end, sample);
             let wanted = self.position_at(share);
@@ -260,7 +264,8 @@ impl<'a> Leg<'a> {
             let turned = self.great_circle.as_ref().map_or(0.0, |circle| {
                 (self.kinematics.direction(&command) - circle.at(share)).norm() * ORIENTATION_ARM_MM
             });
-            off.norm() <= tolerance_mm && turned <= tolerance_mm
+            let off_mm = off.norm();
+            (off_mm <= tolerance_mm && turned <= tolerance_mm).then_some(most.max(off_mm))
         })
     }
 

@@ -18,6 +18,7 @@ mod outlet;
 mod path;
 mod resolve;
 mod rollover;
+mod sagitta;
 mod sinumerik;
 mod tilted_plane;
 

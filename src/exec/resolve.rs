@@ -3,6 +3,7 @@
 use super::five_axis;
 use super::outlet::Outlet;
 use super::path::{Path, Shape};
+use super::sagitta;
 use crate::geometry::{Arc, AxisVector};
 use crate::snc::{Element, Kind, Move};
 
@@ -43,15 +44,18 @@ fn moves(path: &Path, chord_tolerance_mm: f64, mut out: impl FnMut(Move)) {
             match path.basis.principal_arc(*clockwise, *center, *extra_turns) {
                 Some(arc) => out(Move { arc: Some(arc), ..path.motion }),
                 None => {
-                    for target in arc_chords(path, *clockwise, *center, *extra_turns, chord_tolerance_mm) {
-                        out(Move { target, ..path.motion });
+                    let (chords, off_curve_mm) =
+                        arc_chords(path, *clockwise, *center, *extra_turns, chord_tolerance_mm);
+                    for target in chords {
+                        out(Move { target, off_curve_mm, ..path.motion });
                     }
                 }
             }
         }
         Shape::Chords(ends) => {
-            for &target in ends {
-                out(Move { target, ..path.motion });
+            for (k, &target) in ends.iter().enumerate() {
+                let off_curve_mm = sagitta::off_mm(&path.start, ends, k, chord_tolerance_mm);
+                out(Move { target, off_curve_mm, ..path.motion });
             }
         }
     }
@@ -76,14 +80,14 @@ fn share_time<'a>(start: &AxisVector, elements: impl Iterator<Item = &'a mut Ele
     }
 }
 
-/// Ends of the chords of an arc in a tilted plane.
+/// Ends of the chords of an arc in a tilted plane, and how far they are off it, mm.
 fn arc_chords(
     path: &Path,
     clockwise: bool,
     center: [f64; 2],
     extra_turns: u32,
     tolerance_mm: f64,
-) -> impl Iterator<Item = AxisVector> {
+) -> (impl Iterator<Item = AxisVector>, f64) {
     // An arc of the XY plane stands for it in plane coordinates.
     let arc = Arc { plane: crate::geometry::Plane::XY, clockwise, center_mm: center, extra_turns };
     let place = |position: &AxisVector| {
@@ -91,9 +95,11 @@ fn arc_chords(
         AxisVector([flat[0], flat[1], path.basis.height(position), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     };
     let (start, end) = (place(&path.start), place(&path.motion.target));
-    let count = chord_count(arc.radius_mm(&start), arc.sweep_rad(&start, &end), tolerance_mm);
+    let (radius_mm, sweep_rad) = (arc.radius_mm(&start), arc.sweep_rad(&start, &end));
+    let count = chord_count(radius_mm, sweep_rad, tolerance_mm);
+    let off_mm = radius_mm * (1.0 - (0.5 * sweep_rad / f64::from(count)).cos());
     let (first, last, basis) = (path.start, path.motion.target, path.basis);
-    (1..=count).map(move |k| {
+    let chords = (1..=count).map(move |k| {
         if k == count {
             return last;
         }
@@ -102,7 +108,8 @@ fn arc_chords(
         let mut out = first.lerp(&last, share);
         out.set_xyz(basis.lift([local.0[0], local.0[1]], local.0[2]));
         out
-    })
+    });
+    (chords, off_mm)
 }
 
 /// How many equal chords keep within a tolerance of an arc: the sagitta of a chord of angle a is r (1 − cos a/2).

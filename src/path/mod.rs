@@ -39,7 +39,8 @@ mod volume;
 mod way;
 
 pub use compare::{
-    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Follow, Grouping, How, ON_THE_SPOT, compare, compare_seeing,
+    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Difference, Follow, Grouping, How, ON_THE_SPOT, Promise,
+    What, compare, compare_seeing,
 };
 pub use corrector::Corrector;
 pub use increment::Increments;

@@ -127,6 +127,8 @@ pub struct AtFeed {
 /// What `ncfix verify` measured on the error model: distance of the tool tip from the nominal path of the original.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verification {
+    /// Whether the corrected program should run; nothing where they were not compared.
+    pub verdict: Option<super::verdict::Verdict>,
     /// Of the original program.
     pub before: Option<Spread>,
     /// Of the corrected program.

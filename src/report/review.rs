@@ -158,7 +158,8 @@ impl Review {
     /// The summary.
     #[must_use]
     pub fn summary(&self) -> String {
-        let mut out = String::new();
+        // Findings stand above by themselves, and errors below.
+        let mut out = self.verdict.rows();
         let mut row = |name: &str, text: &str| {
             let _ = writeln!(out, "{name:<13}{text}");
         };
@@ -185,11 +186,6 @@ impl Review {
         if let Some(step) = &self.largest_step {
             let at = place(step.line, step.file.as_deref());
             row("largest step", &format!("{} from one piece to the next, at {at}", micrometers(step.um)));
-        }
-        row("verdict", self.verdict.sentence());
-        // Findings stand above by themselves, and errors below.
-        for text in self.verdict.doubts() {
-            row("", text);
         }
         if !self.axes.is_empty() {
             out.push_str("\n  axis        max    at line       mean        RMS       99 %\n");

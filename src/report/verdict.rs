@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::correction::push_row;
 use super::json::Finding;
 use super::number::{grouped, micrometers};
 use super::review::Review;
@@ -109,6 +110,17 @@ impl Verdict {
     pub fn doubts(&self) -> impl Iterator<Item = &str> {
         let against = self.reasons.iter().filter(|reason| reason.grade > Grade::Ok && reason.code.is_none());
         against.map(|reason| reason.text.as_str())
+    }
+
+    /// Its rows on a terminal. Findings stand for themselves.
+    #[must_use]
+    pub fn rows(&self) -> String {
+        let mut out = String::new();
+        push_row(&mut out, "verdict", self.sentence());
+        for text in self.doubts() {
+            push_row(&mut out, "", text);
+        }
+        out
     }
 
     /// In one sentence.

@@ -118,6 +118,8 @@ pub struct Move {
     pub in_machine_frame: bool,
     /// How the control carries it out.
     pub manner: Manner,
+    /// How far the way that the program asks for may be off this straight move, which is a chord of it, mm; 0 where it is the way itself.
+    pub off_curve_mm: f64,
 }
 
 impl Move {

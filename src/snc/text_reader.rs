@@ -128,6 +128,7 @@ impl<'a> TextReader<'a> {
             ways: Default::default(),
             in_machine_frame: false,
             manner: Default::default(),
+            off_curve_mm: 0.0,
         })
     }
 }

@@ -49,7 +49,10 @@ pub(in crate::cli) struct DiffArguments {
     /// What is no larger is the same, with its unit; for rotary axes what their angle makes at 1 m
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) tolerance: Option<f64>,
-    /// Exit status 4 where an axis is changed by more, else 0
+    /// Tolerance that the correction has promised, with its unit; without it what the stamp says
+    #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm, conflicts_with = "text")]
+    pub(in crate::cli) promised: Option<f64>,
+    /// Exit status 4 where an axis is changed by more, or something speaks against running it, else 0
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(in crate::cli) fail_above: Option<f64>,
     /// Write a page with plots, the path and all lines side by side: one file that opens in a browser without a network
@@ -85,6 +88,7 @@ impl DiffArguments {
             only: None,
             axis: Vec::new(),
             tolerance: None,
+            promised: None,
             fail_above: None,
             html: fix.review.clone(),
             journal: None,

@@ -69,7 +69,7 @@ impl Job {
         };
         let start = arguments.program.start;
         let bytes = (source.bytes(), short_hash([source.bytes()]));
-        let writing = Writing::new(&arguments.correction, start, opened.dialect.name, &chosen, bytes)?;
+        let writing = Writing::new(&arguments.correction, start, opened.dialect.name, &chosen, bytes, false)?;
         let settings = Settings {
             limits: arguments.dosing.limits(),
             rapids_only: arguments.dosing.rapids_only,

@@ -10,7 +10,7 @@ const LANGUAGES: [&str; 3] = ["rs274", "fanuc", "grundig"];
 
 /// The text of a stream, or the message of its first finding; the stamp is cut short.
 pub(super) fn written(dialect: &str, last_block_number: Option<u32>, stream: &[Output]) -> Result<String, String> {
-    let stamp = Stamp { machine: "m".into(), model: "0a".into(), state: None, source: "0b".into(), is_demo: false };
+    let stamp = Stamp { machine: "m".into(), model: "0a".into(), source: "0b".into(), ..Stamp::default() };
     let (long, capital) = (stamp.text(), stamp.capital_text());
     let increments = Increments { linear_mm: 0.001, rotary_deg: 0.001 };
     let frame = OutputFrame::Work;

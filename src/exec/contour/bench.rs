@@ -88,6 +88,7 @@ impl Bench {
                 ways: Default::default(),
                 in_machine_frame: false,
                 manner: Manner::default(),
+                off_curve_mm: 0.0,
             };
             let path = Path {
                 motion: made,

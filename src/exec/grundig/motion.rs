@@ -183,6 +183,7 @@ impl Channel<'_> {
             ways: [Way::Plain; 3],
             in_machine_frame: false,
             manner: Manner::Path,
+            off_curve_mm: 0.0,
         };
         let path = Path { motion, start, start_known, basis, shape, setup: Shared::clone(&self.setup), span };
         self.put(path);

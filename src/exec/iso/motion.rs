@@ -219,6 +219,7 @@ impl Channel<'_> {
             ways: Default::default(),
             in_machine_frame,
             manner: step.manner,
+            off_curve_mm: 0.0,
         };
         let mut path = Path { motion, start, start_known: begun, basis, shape, setup, span: step.span };
         if let Some((direction, span)) = self.direction {

@@ -108,6 +108,7 @@ pub(super) fn motion(gathered: &Gathered, modal: &mut Modal, context: MotionCont
             Some(thread) => Manner::Thread(thread),
             None => Manner::Path,
         },
+        off_curve_mm: 0.0,
     };
     Ok(Path { motion, start, start_known, basis, shape, setup: Shared::clone(context.setup), span: context.span })
 }

@@ -231,6 +231,7 @@ impl Builder {
             ways: [Way::Plain; 3],
             in_machine_frame: true,
             manner: Manner::Path,
+            off_curve_mm: 0.0,
         }));
         Ok(())
     }

@@ -1,18 +1,23 @@
 //! The moves of a program, one by one, with what has been stated before each.
 
+use std::cell::RefCell;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use super::super::route::Route;
 use super::super::way::counts_turns;
 use super::super::{Feeds, lost_axes};
-use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT, ON_THE_SPOT_MM};
+use super::acts::{Act, Acts, Passing};
+use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT};
 use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::geometry::{AxisSet, AxisVector, Vector};
+use crate::geometry::{AXES, AxisSet, AxisVector, Vector};
 use crate::machine::{Kinematics, Machine, State};
-use crate::snc::{Element, FeedUnit, Kind, Origin, Setup, WordValue};
+use crate::snc::{Element, FeedUnit, Kind, Manner, Origin, Setup, WordValue};
 
-/// Half the step over which the sense of motion is looked up, as a parameter.
-pub(super) const SENSE_STEP: f64 = 1e-4;
+/// What rounding the center of an arc moves an axis by at its turning point is less: e²/2r for a center that is off by e.
+const QUIET_MM: f64 = 5e-5;
+/// Turning points of one arc that are looked at.
+const MOST_PLACES: usize = 4096;
 
 /// A move of one of the programs.
 #[derive(Clone, Debug)]
@@ -41,14 +46,48 @@ pub(super) struct Step {
     pub(super) continues: bool,
     /// Whether it is marked as a step on the spot.
     pub(super) on_the_spot: bool,
+    /// How the control carries it out.
+    pub(super) manner: Manner,
+    /// How far the way that the program asks for may be off it, mm.
+    pub(super) off_curve_mm: f64,
+    /// What is done between the move before it and this one.
+    pub(super) acts: Vec<Act>,
+    /// How its end is passed.
+    pub(super) passing: Passing,
 }
 
 impl Step {
-    /// Sense of motion at a parameter.
+    /// Sense of motion at a parameter: that of the last motion of each axis that is more than what rounding makes of the turning points of an arc.
     pub(super) fn state_at(&self, parameter: f64) -> State {
         let mut state = self.state;
-        let [before, behind] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|place| self.route.at(place));
-        state.note_stated(self.stated, &before, &behind);
+        let route = &self.route;
+        if route.arc().is_none() {
+            state.note_stated(self.stated, &route.start, &route.end);
+            return state;
+        }
+        // Where the arc turns an axis around, and where it is now.
+        let mut places = vec![0.0];
+        let mut own = 0;
+        let mut next = 0.0;
+        while next < 1.0 && places.len() < MOST_PLACES {
+            next = route.next_turning(AxisSet::XYZ, next);
+            if own == 0 && next >= parameter {
+                places.push(parameter.clamp(0.0, 1.0));
+                own = places.len() - 1;
+            }
+            places.push(next);
+        }
+        let ends: Vec<AxisVector> = places.iter().map(|&place| route.at(place)).collect();
+        let (mut from, mut to) = (route.start, route.start);
+        for axis in AXES {
+            let moves = |pair: &&[AxisVector]| (pair[1][axis] - pair[0][axis]).abs() > QUIET_MM;
+            // Before it has moved it is about to.
+            let last = ends[..=own].windows(2).rfind(moves).or_else(|| ends[own..].windows(2).find(moves));
+            if let Some(pair) = last {
+                (from[axis], to[axis]) = (pair[0][axis], pair[1][axis]);
+            }
+        }
+        state.note_stated(self.stated, &from, &to);
         state
     }
 
@@ -64,10 +103,29 @@ impl Step {
         self.setup.programmed(&position)
     }
 
-    /// Sense of motion before the end, where rounding does not turn an arc that ends at a turning point of an axis.
-    pub(super) fn state_before_end(&self) -> State {
-        let share = (ON_THE_SPOT_MM / self.route.size_mm().max(ON_THE_SPOT_MM)).clamp(SENSE_STEP, 0.5);
-        self.state_at(1.0 - share)
+    /// Whether its end only is at its place: a thread and a positioning axis are not cut.
+    pub(super) fn is_uncut(&self) -> bool {
+        self.manner != Manner::Path
+    }
+
+    /// The axis command of what this program would write: the other way round than [`Step::programmed`]; `None` where the machine cannot go there.
+    pub(super) fn commanded(&self, words: &AxisVector, kinematics: &Kinematics) -> Option<AxisVector> {
+        if self.in_machine_frame {
+            let mut out = *words;
+            out.set_xyz(out.xyz() - self.setup.tool_mm);
+            return Some(out);
+        }
+        let position = self.setup.command(words);
+        if self.setup.transform.is_some() {
+            kinematics.command_on_workpiece(&position, &self.setup.tool_mm)
+        } else {
+            Some(position)
+        }
+    }
+
+    /// A finding about it that names the line of the corrected program too.
+    pub(super) fn mismatch_at(&self, piece: &Step, message: &str) -> Diagnostic {
+        self.mismatch(&format!("{message} (line {} of the corrected program)", piece.origin.line))
     }
 
     pub(super) fn mismatch(&self, message: &str) -> Diagnostic {
@@ -93,7 +151,15 @@ pub(super) struct Walk<'a, I> {
     ever_named: AxisSet,
     continues: bool,
     on_the_spot: bool,
+    /// The block has moved already.
+    has_moved: bool,
+    acts: Acts,
+    passing: Passing,
+    tail: Tail,
 }
+
+/// What is done behind the last move, when that has been reached.
+pub(super) type Tail = Rc<RefCell<Vec<Act>>>;
 
 impl<'a, I> Walk<'a, I> {
     pub(super) fn new(elements: I, machine: &'a Machine, feeds: Feeds, has_backlash: bool) -> Self {
@@ -112,7 +178,16 @@ impl<'a, I> Walk<'a, I> {
             ever_named: AxisSet::EMPTY,
             continues: false,
             on_the_spot: false,
+            has_moved: false,
+            acts: Acts::default(),
+            passing: Passing::default(),
+            tail: Tail::default(),
         }
+    }
+
+    /// What is done behind the last move; complete when the walk has ended.
+    pub(super) fn tail(&self) -> Tail {
+        Rc::clone(&self.tail)
     }
 }
 
@@ -121,11 +196,17 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
 
     fn next(&mut self) -> Option<Step> {
         loop {
-            let element = self.elements.next()?;
+            let Some(element) = self.elements.next() else {
+                self.tail.borrow_mut().append(&mut self.acts.0);
+                return None;
+            };
+            self.acts.see(&element, self.machine);
+            self.passing.see(&element);
             if element.starts_block {
                 // A mark belongs to its own line, which may move nothing.
                 self.continues = false;
                 self.on_the_spot = false;
+                self.has_moved = false;
             }
             let lost = lost_axes(&element, self.machine);
             self.known = self.known.difference(lost);
@@ -170,12 +251,16 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 stated: self.known,
                 is_counted: motion.named.difference(self.known).is_empty()
                     && self.ever_named.difference(motion.known).is_empty(),
-                continues: std::mem::take(&mut self.continues),
+                // What one block becomes when it is executed belongs together.
+                continues: std::mem::take(&mut self.continues) | std::mem::replace(&mut self.has_moved, true),
                 on_the_spot: std::mem::take(&mut self.on_the_spot),
+                manner: motion.manner,
+                off_curve_mm: motion.off_curve_mm,
+                acts: std::mem::take(&mut self.acts.0),
+                passing: self.passing.clone(),
             };
             if self.has_backlash {
-                self.state.note_stated(self.known, &step.route.at(0.0), &step.route.at(SENSE_STEP));
-                self.state.note_stated(self.known, &step.route.at(1.0 - SENSE_STEP), &motion.target);
+                self.state = step.state_at(1.0);
             }
             self.position = motion.target;
             self.known = motion.known;

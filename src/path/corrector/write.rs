@@ -89,10 +89,13 @@ where
         let [from, to] = trial.between;
         let size_mm = active.route.size_mm() * (to - from);
         let (rapid, sample_mm) = (active.motion.rapid, self.options.sample_mm);
+        // What is written is a chord of the way that the program asks for.
+        let chord_mm = active.motion.off_curve_mm;
+        let end_mm = self.placer.tip_error_mm(&active.route.at(to), &trial.end.command, &trial.state());
         if let Some(middle_mm) = trial.middle_mm
             && self.prediction.passes(rapid, size_mm, sample_mm)
         {
-            self.prediction.note_after(rapid, middle_mm, &active.origin);
+            self.prediction.note_after(rapid, middle_mm.max(end_mm) + chord_mm, &active.origin);
             return;
         }
         let count = sample_count(size_mm, sample_mm);
@@ -104,7 +107,8 @@ where
                 Some(middle_mm) if count == 1 => middle_mm,
                 _ => self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &trial.state()),
             };
-            self.prediction.add(rapid, before_mm, after_mm, &active.origin);
+            self.prediction.add(rapid, before_mm, after_mm + chord_mm, &active.origin);
         }
+        self.prediction.note_after(rapid, end_mm + chord_mm, &active.origin);
     }
 }

@@ -1,0 +1,81 @@
+//! What the stamp of a corrected program says beside the machine, the state and the original that it is compared with.
+
+use super::findings::Findings;
+use super::machine_choice::{Chosen, short_hash};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::emit;
+use crate::path::Promise;
+use crate::source::Source;
+use crate::units::um_from_mm;
+
+/// What the corrected program has promised; `None` where it is the original itself, and nothing was promised. `promised` is a tolerance that a person
+/// says, mm.
+pub(super) fn promise(
+    sources: &[Source; 2],
+    chosen: &Chosen,
+    promised: Option<f64>,
+    findings: &mut Findings,
+) -> Option<Promise> {
+    let [original, corrected] = sources;
+    let bytes = corrected.bytes();
+    let name = corrected.name();
+    let mut warn = |code, message: String, help: &str| findings.add(Diagnostic::nowhere(code, message, help), sources);
+    let assumed = || {
+        let default = Promise::default();
+        Promise { tolerance_mm: promised.unwrap_or(default.tolerance_mm), ..default }
+    };
+    if !emit::is_stamped(bytes) {
+        if bytes == original.bytes() {
+            return promised.map(|_| assumed());
+        }
+        let message =
+            format!("{name} carries no stamp: nobody can say for which machine, state and program it was made");
+        let help = "compare what ncfix fix has written; if somebody took the stamp out, correct the program again";
+        warn(Code::NO_STAMP, message, help);
+        return Some(assumed());
+    }
+    if emit::is_stamp_changed(bytes) == Some(true) {
+        let message = format!("the stamp of {name} was changed since it was written");
+        warn(Code::NO_STAMP, message, "do not trust what it says; correct the program again");
+    }
+    if let Some(model) = emit::stamped_model(bytes).filter(|model| *model != chosen.hash) {
+        let message = format!("{name} was corrected for the model {model}, and is compared on {}", chosen.hash);
+        warn(Code::OTHER_STAMP, message, "give --machine the machine file that it was corrected with");
+    } else if emit::is_stamped_for(bytes, &chosen.machine.name) == Some(false) {
+        let message = format!("the stamp of {name} names another machine than {}", chosen.machine.name);
+        warn(Code::OTHER_STAMP, message, "give --machine the machine file that it was corrected with");
+    }
+    let stamped_state = emit::stamped_state(bytes);
+    if stamped_state != chosen.state {
+        let said = |state: &Option<String>| state.clone().unwrap_or_else(|| "none".into());
+        let message = format!(
+            "{name} was corrected for the state {}, and is compared in {}",
+            said(&stamped_state),
+            said(&chosen.state)
+        );
+        let help = "give the same --state, --time, --zero-time, --zero-at and --load as for the correction";
+        warn(Code::OTHER_STAMP, message, help);
+    }
+    let hash = short_hash([original.bytes()]);
+    if let Some(source) = emit::stamped_source(bytes).filter(|source| *source != hash) {
+        let message =
+            format!("{name} was made from a program with the hash {source}, and {} has {hash}", original.name());
+        warn(
+            Code::OTHER_STAMP,
+            message,
+            "give the program that it was made from; where that has changed, correct it again",
+        );
+    }
+    if let Some(promise) = emit::stamped_promise(bytes) {
+        return Some(promised.map_or(promise, |tolerance_mm| Promise { tolerance_mm, ..promise }));
+    }
+    let promise = assumed();
+    if promised.is_none() {
+        let message = format!(
+            "the stamp of {name} does not say its tolerance; {} µm are assumed",
+            um_from_mm(promise.tolerance_mm)
+        );
+        warn(Code::PROMISE_ASSUMED, message, "say it with --promised, or correct the program again");
+    }
+    Some(promise)
+}

@@ -1,0 +1,310 @@
+//! The corrected moves of one original move: which they are, and what they leave.
+
+use std::iter::Peekable;
+
+use crate::diagnostic::Diagnostic;
+use crate::geometry::{AXES, Axis, AxisSet, AxisVector, ROTARY_AXES, Vector};
+use crate::machine::Kinematics;
+use crate::model::Model;
+use crate::snc::Element;
+
+use super::judge::{At, Judge, Seen};
+use super::step::{Step, Walk};
+use super::{Course, Follow, Grouping, ON_THE_SPOT_MM, SAME_END_MM};
+use crate::path::Prediction;
+use crate::path::prediction::{sample_count, sample_place};
+
+/// Distance of the samples along the path, mm.
+const SAMPLE_MM: f64 = 1.0;
+/// The same as a share of the length of the move: the error of an uncorrected program changes along it.
+const SAME_END_SHARE: f64 = 1e-3;
+/// A further move belongs to the group only if it comes nearer by more than rounding does, mm.
+const NEARER_MM: f64 = 0.002;
+/// An end that is off by this may still be meant, where the next move leads away from it, mm.
+const MEANT_END_MM: f64 = 0.5;
+/// A group at least this long, as a share of the original move, may be complete; a full circle begins at its end.
+const LEAST_SHARE: f64 = 0.5;
+/// A group this much longer than the original move is another path.
+const MOST_SHARE: f64 = 1.5;
+/// mm per rad that rotary axes are off: little, as their corrections are no sign of another place, but moves of the table about the
+/// tip have nothing else.
+const ROTARY_ARM_MM: f64 = 10.0;
+/// Where the tip moves at least by this share of what the rotary axes do, it alone tells the place.
+const TIP_DECIDES: f64 = 0.1;
+/// A piece whose end differs by less than arithmetic does is left as it was, mm and rad.
+const SAME_MM: f64 = 1e-8;
+/// Half the step over which a way is looked at, as a parameter.
+const SENSE_STEP: f64 = 1e-4;
+/// Turning points of one arc that are looked at.
+const MOST_TURNINGS: usize = 64;
+/// Steps of the search for the nearest place on the original move.
+const NEAREST_STEPS: usize = 4;
+
+/// How far the tool is from where it should be.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Offset {
+    /// Tip, in the workpiece frame, mm.
+    pub(super) tip: Vector,
+    /// Rotary axes, at [`ROTARY_ARM_MM`].
+    turned: Vector,
+}
+
+impl Offset {
+    fn minus(&self, other: &Offset) -> Offset {
+        Offset { tip: self.tip - other.tip, turned: self.turned - other.turned }
+    }
+
+    fn dot(&self, other: &Offset) -> f64 {
+        self.tip.dot(&other.tip) + self.turned.dot(&other.turned)
+    }
+
+    fn norm_mm(&self) -> f64 {
+        self.dot(self).sqrt()
+    }
+}
+
+/// The corrected moves of one original move, while they are found.
+pub(super) struct Group<'a> {
+    pub(super) model: &'a Model,
+    grouping: Grouping,
+    pub(super) kinematics: &'a Kinematics,
+    pub(super) step: &'a Step,
+    pub(super) has_backlash: bool,
+    /// Offset at which the group began: an uncorrected program carries its errors along.
+    carried: Offset,
+    /// Length of the corrected moves so far, mm.
+    length_mm: f64,
+    /// Whether a move of the group was taken.
+    has_begun: bool,
+    /// How far the original move is covered.
+    parameter: f64,
+}
+
+impl<'a> Group<'a> {
+    pub(super) fn new(
+        model: &'a Model,
+        grouping: Grouping,
+        (kinematics, has_backlash): (&'a Kinematics, bool),
+        step: &'a Step,
+        carried: Offset,
+    ) -> Group<'a> {
+        let (length_mm, has_begun, parameter) = (0.0, false, 0.0);
+        Group { model, grouping, kinematics, step, has_backlash, carried, length_mm, has_begun, parameter }
+    }
+}
+
+impl Group<'_> {
+    /// Takes the moves of the group and adds their errors; gives the offset at its end.
+    pub(super) fn follow<I: Iterator<Item = Element>>(
+        &mut self,
+        corrected: &mut Peekable<Walk<'_, I>>,
+        prediction: &mut Prediction,
+        see: &mut dyn FnMut(Follow<'_>),
+        judge: &mut Judge<'_>,
+    ) -> Result<Offset, Diagnostic> {
+        let whole_mm = self.step.route.size_mm();
+        loop {
+            let Some(piece) = corrected.next() else {
+                return Err(self.step.mismatch("the corrected program ends before this move of the original"));
+            };
+            let is_first = !self.has_begun;
+            let is_torn = self.grouping == Grouping::ByMarks && piece.continues != self.has_begun;
+            self.has_begun = true;
+            // What makes ready behind a thread goes rapid.
+            let is_another =
+                piece.rapid != self.step.rapid && !(piece.rapid && piece.continues && self.step.is_uncut());
+            if is_torn || is_another || self.length_mm > MOST_SHARE * whole_mm + MEANT_END_MM {
+                return Err(self
+                    .step
+                    .mismatch_at(&piece, "the corrected program does not follow this move of the original"));
+            }
+            self.length_mm += piece.route.size_mm();
+            let offset = self.offset(&piece, 1.0);
+            let is_complete = self.is_complete(&offset, corrected.peek());
+            // Lateral play leads across the path on such a step, so that nearness does not tell its place.
+            let stands = self.grouping == Grouping::ByMarks && piece.on_the_spot;
+            let before = self.parameter;
+            if !stands || is_complete {
+                self.parameter = if is_complete { 1.0 } else { self.nearest(&piece) };
+            }
+            let course = Course {
+                step: self.step,
+                piece: &piece,
+                kinematics: self.kinematics,
+                from: before,
+                to: self.parameter,
+            };
+            let (errors_mm, seen) = self.sample(&course, stands && !is_complete, prediction);
+            let length_mm = whole_mm * (self.parameter - before);
+            let feed_share = self.feed_share(&course, stands);
+            judge.piece(self, &course, At { is_first, is_last: is_complete, stands }, &seen, feed_share);
+            see(Follow { errors_mm, length_mm, feed_share, ..self.seen(course, is_first, stands) });
+            if is_complete && self.off_mm(&offset) > MEANT_END_MM {
+                return Err(self.step.mismatch_at(
+                    &piece,
+                    "the corrected program does not end this move of the original where it ends",
+                ));
+            }
+            if is_complete {
+                judge.end(self.step);
+                return Ok(offset);
+            }
+        }
+    }
+
+    /// A piece that has covered the original move up to the parameter.
+    fn seen<'p>(&self, course: Course<'p>, is_first: bool, on_the_spot: bool) -> Follow<'p> {
+        let piece = course.piece;
+        let nominal = self.step.route.at(self.parameter);
+        let [nominal, written] = [&nominal, &piece.route.end].map(|command| piece.programmed(command, self.kinematics));
+        let error_mm = |nominal: &AxisVector| {
+            let state = if self.has_backlash { self.step.state_at(self.parameter) } else { self.step.state };
+            self.model.tip_error_mm(nominal, nominal, &self.step.tool_mm, &state).norm()
+        };
+        // Only for what is left as it was does anybody ask why.
+        let is_left = (written - nominal).max_abs(&AXES) < SAME_MM;
+        Follow {
+            original: self.step.origin,
+            corrected: piece.origin,
+            rapid: piece.rapid,
+            is_first,
+            on_the_spot,
+            nominal,
+            written,
+            error_mm: if is_left { error_mm(&self.step.route.at(self.parameter)) } else { 0.0 },
+            errors_mm: None,
+            length_mm: 0.0,
+            is_stated: self.step.is_counted,
+            feed_share: None,
+            command: piece.route.end,
+            tool: piece.tool.as_deref(),
+            course,
+        }
+    }
+
+    /// Whether the group ends with a piece whose end is off by `offset`.
+    fn is_complete(&self, offset: &Offset, next: Option<&Step>) -> bool {
+        if self.grouping == Grouping::ByMarks {
+            return next.is_none_or(|next| !next.continues);
+        }
+        let whole_mm = self.step.route.size_mm();
+        if self.length_mm < LEAST_SHARE * whole_mm - SAME_END_MM {
+            return false;
+        }
+        let off_mm = self.off_mm(offset);
+        let next = next.filter(|next| next.rapid == self.step.rapid);
+        let with_next = next.map_or(f64::INFINITY, |next| self.length_mm + next.route.size_mm());
+        let next_is_nearer = next.is_some_and(|next| {
+            with_next <= whole_mm * (1.0 + SAME_END_SHARE) + SAME_END_MM
+                && self.off_mm(&self.offset(next, 1.0)) + NEARER_MM < off_mm
+        });
+        let leads_away = with_next > whole_mm + 2.0 * MEANT_END_MM;
+        let near_mm = if leads_away { MEANT_END_MM } else { SAME_END_MM.max(SAME_END_SHARE * whole_mm) };
+        !next_is_nearer && off_mm <= near_mm
+    }
+
+    /// How far the tool is from the place of the original move at `parameter` when a piece has ended.
+    fn offset(&self, piece: &Step, parameter: f64) -> Offset {
+        let command = piece.route.end;
+        let state = if self.has_backlash { piece.state_at(1.0) } else { piece.state };
+        let nominal = self.step.route.at(parameter);
+        let tip = self.model.tip_error_mm(&nominal, &command, &piece.tool_mm, &state);
+        let turned = ROTARY_AXES.map(|axis| ROTARY_ARM_MM * (command[axis] - nominal[axis]));
+        Offset { tip, turned: Vector::from(turned) }
+    }
+
+    /// An offset as a distance, mm: by itself, or from the one at the start.
+    fn off_mm(&self, offset: &Offset) -> f64 {
+        offset.norm_mm().min(offset.minus(&self.carried).norm_mm())
+    }
+
+    /// The parameter of the original move at which its nominal tip is nearest to the end of a piece: Gauss–Newton from the share of
+    /// the length.
+    fn nearest(&self, piece: &Step) -> f64 {
+        let mut parameter = (self.length_mm / self.step.route.size_mm().max(ON_THE_SPOT_MM)).min(1.0);
+        for _ in 0..NEAREST_STEPS {
+            let [low, high] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|value| value.clamp(0.0, 1.0));
+            let mut change = self.offset(piece, high).minus(&self.offset(piece, low));
+            if change.tip.norm() > TIP_DECIDES * change.turned.norm() {
+                // Corrections of rotary axes are no sign of another place.
+                change.turned = Vector::zeros();
+            }
+            let square = change.dot(&change);
+            if square > 0.0 {
+                parameter -= (high - low) * change.dot(&self.offset(piece, parameter)) / square;
+            }
+            parameter = parameter.clamp(self.parameter, 1.0);
+        }
+        parameter
+    }
+
+    /// The offset at the end of a step on the spot or of a rapid move, which make ready for the sides of backlash to which the next piece leads: for the
+    /// sides that fit best.
+    fn on_either_side(&self, piece: &Step, nominal: &AxisVector, end: Vector) -> Vector {
+        let played: Vec<Axis> = AXES.into_iter().filter(|&axis| self.model.features(axis).backlash).collect();
+        let mut best = end;
+        for sides in 0..1_u32 << played.len() {
+            let mut state = piece.state;
+            for (k, axis) in played.iter().enumerate() {
+                state.direction[axis.slot()] = if (sides >> k) & 1 == 0 { 1 } else { -1 };
+            }
+            let other = self.model.tip_error_mm(nominal, &piece.route.end, &piece.tool_mm, &state);
+            if other.norm() < best.norm() {
+                best = other;
+            }
+        }
+        best
+    }
+
+    /// Adds the errors of a piece: the largest of the original and of the corrected program, where they count, and what is seen of the latter. Its end
+    /// is looked at in any case. One that `waits` covers nothing of the move.
+    fn sample(&self, course: &Course<'_>, waits: bool, prediction: &mut Prediction) -> (Option<[f64; 2]>, Seen) {
+        let (piece, [from, to]) = (course.piece, [course.from, course.to]);
+        let end = self.offset(piece, to).tip;
+        let mut seen = Seen { end, most_mm: end.norm() };
+        if (waits || self.step.rapid) && self.has_backlash {
+            seen.end = self.on_either_side(piece, &self.step.route.at(to), end);
+        }
+        let size_mm = self.step.route.size_mm() * (to - from);
+        let stands_still = size_mm < ON_THE_SPOT_MM && self.step.route.size_mm() > ON_THE_SPOT_MM;
+        let counts = !waits && !stands_still && self.step.is_counted && prediction.wants(self.step.rapid);
+        if !counts {
+            return (None, seen);
+        }
+        let errors_at = |fraction: f64| {
+            let parameter = from + (to - from) * fraction;
+            let nominal = self.step.route.at(parameter);
+            let command = piece.route.at(fraction);
+            let (before, after) = if self.has_backlash {
+                (self.step.state_at(parameter), piece.state_at(fraction))
+            } else {
+                (self.step.state, piece.state)
+            };
+            let before_mm = self.model.tip_error_mm(&nominal, &nominal, &self.step.tool_mm, &before).norm();
+            let after_mm = self.model.tip_error_mm(&nominal, &command, &piece.tool_mm, &after).norm();
+            [before_mm, after_mm]
+        };
+        let chord_mm = self.step.off_curve_mm;
+        let mut largest = [0.0, end.norm()];
+        let mut note = |errors: [f64; 2]| largest = [0, 1].map(|k| f64::max(largest[k], errors[k]));
+        let count = sample_count(size_mm, SAMPLE_MM);
+        for k in 0..count {
+            let errors = errors_at(sample_place(k, count));
+            prediction.add(self.step.rapid, errors[0], errors[1] + chord_mm, &self.step.origin);
+            note(errors);
+        }
+        // Where an arc turns an axis around, rounding shows most.
+        let mut place = 0.0;
+        for _ in 0..MOST_TURNINGS {
+            place = piece.route.next_turning(AxisSet::XYZ, place);
+            if place >= 1.0 {
+                break;
+            }
+            note([0.0, errors_at(place)[1]]);
+        }
+        seen.most_mm = largest[1];
+        largest[1] += chord_mm;
+        prediction.note_after(self.step.rapid, largest[1], &self.step.origin);
+        (Some(largest), seen)
+    }
+}
