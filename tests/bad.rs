@@ -20,6 +20,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("E0310", "cli_fix: the_input_is_never_overwritten"),
     ("E0311", "cli_verify: programs_that_differ_cannot_be_compared"),
     ("W0309", "cli_feed_limit: what_cannot_be_slowed_is_named_with_its_line"),
+    ("E0314", "newer_files: a_program_that_changes_while_it_is_corrected_stays"),
     ("E0501", "cli_state: what_the_model_needs_and_the_state_lacks_is_said"),
     ("W0501", "cli_state: what_the_model_needs_and_the_state_lacks_is_said"),
     ("W0502", "cli_state: what_the_model_needs_and_the_state_lacks_is_said"),

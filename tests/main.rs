@@ -115,6 +115,8 @@ mod milling;
 mod model;
 mod modes;
 mod motion_kinds;
+#[cfg(unix)]
+mod newer_files;
 mod pages;
 mod plan;
 mod plan_compared;

@@ -11,11 +11,11 @@ use super::findings::Findings;
 use super::input::is_standard_stream;
 use super::lanes::{self, Lanes};
 use super::machine_choice::{self, Chosen, short_hash};
-use super::output::{Spool, Target, next_backup};
+use super::output::{Old, Spool, Target, next_backup};
 use super::program::{self, Opened, Running};
 use super::state;
 use super::stop::Stop;
-use super::together::{Old, Together};
+use super::together::Together;
 use super::writing::Writing;
 use super::{feed_limit, pages, print, tell};
 use crate::diagnostic::{Code, Diagnostic, Place};
@@ -80,8 +80,15 @@ impl<'a> Job<'a> {
         if page.is_some() && [output, &arguments.input].into_iter().any(|path| is_standard_stream(path)) {
             return Err(Stop::Usage("--review needs a program in a file and -o a file: the page shows both".into()));
         }
-        let source = program::read(&arguments.input)?;
+        if arguments.in_place && program::is_in_archive(&arguments.input) {
+            let archive = arguments.input.display();
+            return Err(Stop::Usage(format!(
+                "{archive} is an archive of the control, which --in-place would replace by one program; give -o a file"
+            )));
+        }
+        // First: what comes into being there while the program is read is newer.
         let target = Target::new(output)?;
+        let source = program::read(&arguments.input)?;
         Ok(Job { arguments, source, target, target_name: output.display().to_string(), page })
     }
 
@@ -135,12 +142,19 @@ impl<'a> Job<'a> {
             return Ok(());
         }
         let mut together = Together::default();
-        let old = if arguments.in_place { Old::Kept } else { Old::Replaced };
+        let old = if arguments.in_place { Old::Kept(self.source.bytes()) } else { Old::Replaced };
         if arguments.in_place { together.put(spool) } else { together.take(spool) }?;
         if let (Some(target), Some(page)) = (&self.page, page) {
             together.add(target.clone(), page.as_bytes())?;
         }
-        let backup = together.publish_first(old)?;
+        let backup = match together.publish_first(old) {
+            Err(Stop::Found(diagnostic)) => {
+                findings.add(*diagnostic, &[]);
+                *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
+                return Ok(());
+            }
+            published => published?,
+        };
         report.backup = backup.map(|backup| backup.display().to_string());
         report.output = Some(self.target_name.clone());
         Ok(())

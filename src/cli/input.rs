@@ -6,6 +6,7 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use super::fingerprint::Fingerprint;
 use super::progress;
 use super::stop::Stop;
 use super::voice;
@@ -87,19 +88,23 @@ pub(super) fn bytes_of(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     }
     let mut file = File::open(path)?;
     let found = file.metadata()?;
-    if found.is_file() {
-        READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_path_buf());
-    }
     if !found.is_file() {
         return bounded(&mut file, most.min(MAX_STREAM_BYTES));
     }
+    let before = Fingerprint::of(&found);
+    READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_path_buf());
     let length = usize::try_from(found.len()).unwrap_or(usize::MAX);
     if length > most {
         return Err(too_large(most));
     }
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(length)?;
-    read_bounded(&mut file, most, bytes)
+    let bytes = read_bounded(&mut file, most, bytes)?;
+    if Fingerprint::of(&file.metadata()?) != before {
+        // Half of it may be old and half of it new.
+        return Err(io::Error::other("somebody wrote to it while it was read; run the command again"));
+    }
+    Ok(bytes)
 }
 
 /// Files that this run has read, by whatever option or program.

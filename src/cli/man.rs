@@ -9,7 +9,7 @@ use clap_mangen::roff::{Roff, bold, roman};
 
 use super::arguments::{EXAMPLES, ManArguments, STATUSES, definition};
 use super::exit_code::ExitCode;
-use super::output::{Spool, Target};
+use super::output::{Old, Spool, Target};
 use super::stop::Stop;
 use super::{print, tell};
 
@@ -54,7 +54,7 @@ fn write(command: &Command, path: &str, folder: &Path) -> Result<usize, Stop> {
     if let Err(error) = spool.writer().write_all(text.as_bytes()) {
         return Err(spool.fault(&error));
     }
-    spool.publish(false)?;
+    spool.publish(Old::Replaced)?;
     let mut count = 1;
     for inner in command.get_subcommands() {
         count += write(inner, &format!("{path} {}", inner.get_name()), folder)?;

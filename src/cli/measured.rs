@@ -4,7 +4,7 @@ use super::arguments::{MeasuredArguments, RotaryChoice};
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
-use super::output::{Spool, Target};
+use super::output::{Old, Spool, Target};
 use super::program::protect;
 use super::progress::Progress;
 use super::state;
@@ -40,8 +40,8 @@ pub(super) fn run(arguments: &MeasuredArguments) -> Result<ExitCode, Stop> {
 
 /// Reads the table and writes its copy; `None` where findings forbid it.
 fn correct(arguments: &MeasuredArguments, findings: &mut Findings) -> Result<Option<Measured>, Stop> {
-    let source = input::read(&arguments.data, FileId(0), "positions")?;
     let target = Target::new(&arguments.output)?;
+    let source = input::read(&arguments.data, FileId(0), "positions")?;
     let Some(mut chosen) = machine_choice::choose(&arguments.machine, &arguments.data, findings)? else {
         return Ok(None);
     };
@@ -65,7 +65,7 @@ fn correct(arguments: &MeasuredArguments, findings: &mut Findings) -> Result<Opt
     if findings.has_errors() {
         return Ok(None);
     }
-    spool.publish(false)?;
+    spool.publish(Old::Replaced)?;
     Ok(Some(report))
 }
 

@@ -25,6 +25,7 @@ mod feed;
 mod feed_limit;
 mod figures;
 mod findings;
+mod fingerprint;
 mod fix;
 mod identifiable;
 mod input;
@@ -51,6 +52,7 @@ mod realtime;
 mod recognition;
 mod relay;
 mod repeated;
+mod replace;
 mod resume;
 mod select;
 mod sensors;
@@ -111,6 +113,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(Stop::Ended(code, sentence)) => {
             complain(&sentence);
             code
+        }
+        Err(Stop::Found(diagnostic)) => {
+            let mut findings = findings::Findings::default();
+            findings.add(*diagnostic, &[]);
+            findings.draw();
+            findings.exit_code()
         }
     }
 }

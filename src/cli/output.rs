@@ -1,25 +1,24 @@
 //! Writes a file completely or not at all.
 //!
 //! The text is first spooled to a file without a name, so that an error, an interrupt or a crash leaves nothing behind. Only a
-//! complete text, flushed to the disk, gets a name beside the target and is renamed over it; where a system cannot give a name to such a
-//! file, it gets a copy. A target that is no plain file (standard output, a device, a pipe) gets the complete text as it is.
+//! complete text, flushed to the disk, gets a name beside the target and takes its place; where a system cannot give a name to such a
+//! file, it gets a copy. It only takes the place of what was there when the run began, or of nothing where there was nothing. A target that is no plain file (standard output, a device, a pipe) gets the complete text as it is.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Read as _, Seek as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::input;
 use super::progress;
+pub(super) use super::replace::Old;
+use super::replace::{Put, backups, replace, without_name};
 use super::stop::Stop;
 use super::target::folder_of;
-pub(super) use super::target::{Target, is_same_file};
+pub(super) use super::target::{OneFile, Target, is_same, is_same_file};
+use crate::diagnostic::{Code, Diagnostic};
 
 /// Bytes gathered before they go to the disk.
 const BUFFER: usize = 1 << 16;
-
-/// Permissions of a new file before the umask takes its bits away.
-#[cfg(unix)]
-const NEW_FILE: u32 = 0o666;
 
 /// A text on its way to a target.
 pub(super) struct Spool {
@@ -35,7 +34,7 @@ impl Spool {
     pub(super) fn new(target: Target) -> Result<Spool, Stop> {
         let file = match &target {
             Target::Standard | Target::Special(_) => tempfile::tempfile(),
-            Target::File(path) => without_name(folder_of(path)),
+            Target::File(file) => without_name(folder_of(&file.path)),
         };
         let file = file.map_err(|error| target_fault(&target, &error))?;
         Ok(Spool { file: BufWriter::with_capacity(BUFFER, file), target })
@@ -92,12 +91,25 @@ impl Spool {
         settled.map_err(|error| self.fault(&error))
     }
 
-    /// Puts the complete text in its place. With `keep_backup` an existing target stays as a `.bak` file, whose path is returned.
+    /// Refuses to write over what somebody has written since the run began.
     ///
     /// # Errors
-    /// A sentence where that fails; the target is then as it was before.
-    pub(super) fn publish(self, keep_backup: bool) -> Result<Option<PathBuf>, Stop> {
-        if !keep_backup {
+    /// A finding that names the file, or a sentence where nobody can tell.
+    pub(super) fn is_expected(&self, old: Old<'_>) -> Result<(), Stop> {
+        let Target::File(file) = &self.target else { return Ok(()) };
+        match old.expected(file).is(&file.path) {
+            Ok(true) => Ok(()),
+            Ok(false) => Err(newer(file, old)),
+            Err(error) => Err(self.fault(&error)),
+        }
+    }
+
+    /// Puts the complete text in its place. The path of the file that was there, where it is kept.
+    ///
+    /// # Errors
+    /// A sentence where that fails, a finding where something newer is there; the target is then as it was before.
+    pub(super) fn publish(self, old: Old<'_>) -> Result<Option<PathBuf>, Stop> {
+        if old == Old::Replaced {
             self.spare_inputs()?;
         }
         let Spool { file, target } = self;
@@ -116,136 +128,92 @@ impl Spool {
                 io::copy(&mut text, &mut out).map_err(fault)?;
                 Ok(None)
             }
-            Target::File(path) => replace(&mut text, path, keep_backup).map_err(fault),
+            Target::File(file) => match replace(&mut text, file, old) {
+                Ok(Put::There(backup)) => Ok(backup),
+                Ok(Put::Newer) => Err(newer(file, old)),
+                Err(error) => Err(fault(error)),
+            },
         }
     }
+}
+
+/// The finding about something newer in the place of an output.
+fn newer(file: &OneFile, old: Old<'_>) -> Stop {
+    let path = file.path.display();
+    let message = match (old, file.before) {
+        (Old::Kept(_), _) => format!("{path} has changed since this run read it"),
+        (Old::Replaced, Some(_)) => format!("{path} has changed since this run began"),
+        (Old::Replaced, None) => format!("{path} has come into being since this run began"),
+    };
+    let help = "what is there now stays; look at it, then run the command again";
+    Stop::Found(Box::new(Diagnostic::nowhere(Code::NEWER_FILE, message, help)))
 }
 
 /// The reason why a target cannot be written.
 fn target_fault(target: &Target, error: &io::Error) -> Stop {
     match target {
         Target::Standard => Stop::output(error),
-        Target::File(path) | Target::Special(path) => Stop::file("write", path, error),
+        Target::File(OneFile { path, .. }) | Target::Special(path) => Stop::file("write", path, error),
     }
-}
-
-/// A file without a name that is gone when it is closed, in a folder, with the permissions of any new file.
-fn without_name(folder: &Path) -> io::Result<File> {
-    #[cfg(target_os = "linux")]
-    {
-        use rustix::fs::{Mode, OFlags, open};
-        // Not every file system has such files; what else is wrong with the folder shows below.
-        let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
-        if let Ok(file) = open(folder, flags, Mode::from_raw_mode(NEW_FILE)) {
-            return Ok(file.into());
-        }
-    }
-    tempfile::tempfile_in(folder)
-}
-
-/// Gives a file without a name one that is free, beside the target.
-#[cfg(target_os = "linux")]
-fn name_beside(text: &File, names: &tempfile::Builder<'_, '_>, folder: &Path) -> io::Result<tempfile::TempPath> {
-    use std::os::fd::AsRawFd as _;
-    let open_file = format!("/proc/self/fd/{}", text.as_raw_fd());
-    let link = |path: &Path| {
-        let (from, to) = (rustix::fs::CWD, rustix::fs::CWD);
-        rustix::fs::linkat(from, &open_file, to, path, rustix::fs::AtFlags::SYMLINK_FOLLOW).map_err(io::Error::from)
-    };
-    names.make_in(folder, link).map(tempfile::NamedTempFile::into_temp_path)
-}
-
-/// Elsewhere a file without a name stays without.
-#[cfg(not(target_os = "linux"))]
-fn name_beside(_: &File, _: &tempfile::Builder<'_, '_>, _: &Path) -> io::Result<tempfile::TempPath> {
-    Err(io::ErrorKind::Unsupported.into())
-}
-
-/// Names the text beside `path` and renames it over that.
-fn replace(text: &mut File, path: &Path, keep_backup: bool) -> io::Result<Option<PathBuf>> {
-    let mut names = tempfile::Builder::new();
-    names.prefix(".ncfix-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        // As for any new file: the umask takes its bits away. Without this a temporary file is private to its owner.
-        names.permissions(fs::Permissions::from_mode(NEW_FILE));
-    }
-    let finish = |file: &File| {
-        if let Ok(existing) = fs::metadata(path) {
-            file.set_permissions(existing.permissions())?;
-        }
-        file.sync_all()
-    };
-    // On the disk first: between its name and the rename there are two calls, in which a kill would leave it behind.
-    finish(text)?;
-    let beside = match name_beside(text, &names, folder_of(path)) {
-        Ok(beside) => beside,
-        Err(_) => {
-            let mut copy = names.tempfile_in(folder_of(path))?;
-            io::copy(text, copy.as_file_mut())?;
-            finish(copy.as_file())?;
-            copy.into_temp_path()
-        }
-    };
-    let backup = if keep_backup && path.exists() { Some(back_up(path)?) } else { None };
-    beside.persist(path).map_err(|error| error.error)?;
-    // The new name is safe on the disk only when the folder is. Some systems cannot flush folders; the file is complete anyway.
-    if let Ok(folder) = File::open(folder_of(path)) {
-        let _ = folder.sync_all();
-    }
-    Ok(backup)
-}
-
-/// The names of copies of a file, `NAME.bak`, `NAME.bak1` …
-fn backups(path: &Path) -> impl Iterator<Item = PathBuf> {
-    (0_u32..).map(move |number| {
-        let mut name = path.as_os_str().to_owned();
-        name.push(".bak");
-        if number > 0 {
-            name.push(number.to_string());
-        }
-        PathBuf::from(name)
-    })
 }
 
 /// The name that the copy of a target would get now.
 pub(super) fn next_backup(target: &Target) -> Option<PathBuf> {
-    let Target::File(path) = target else { return None };
-    backups(path).find(|backup| fs::symlink_metadata(backup).is_err())
-}
-
-/// Gives the file a second name that does not exist yet, so that a rename over the first leaves it.
-fn back_up(path: &Path) -> io::Result<PathBuf> {
-    for backup in backups(path) {
-        let made = fs::hard_link(path, &backup).or_else(|error| {
-            // Disks without hard links get a copy.
-            if error.kind() == io::ErrorKind::AlreadyExists { Err(error) } else { copy_new(path, &backup) }
-        });
-        match made {
-            Ok(()) => return Ok(backup),
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Err(io::ErrorKind::AlreadyExists.into())
-}
-
-/// Copies to a file that must not exist.
-fn copy_new(from: &Path, to: &Path) -> io::Result<()> {
-    let mut copy = File::options().write(true).create_new(true).open(to)?;
-    io::copy(&mut File::open(from)?, &mut copy)?;
-    copy.sync_all()
+    let Target::File(file) = target else { return None };
+    backups(&file.path).find(|backup| std::fs::symlink_metadata(backup).is_err())
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::Path;
+
     use super::*;
 
-    fn write(path: &Path, text: &str, keep_backup: bool) -> Option<PathBuf> {
+    fn spool(path: &Path, text: &str) -> Spool {
         let mut spool = Spool::new(Target::new(path).unwrap()).unwrap();
         spool.writer().write_all(text.as_bytes()).unwrap();
-        spool.publish(keep_backup).unwrap()
+        spool
+    }
+
+    fn write(path: &Path, text: &str, keep_backup: bool) -> Option<PathBuf> {
+        let before = fs::read(path).unwrap_or_default();
+        let old = if keep_backup { Old::Kept(&before) } else { Old::Replaced };
+        spool(path, text).publish(old).unwrap()
+    }
+
+    #[test]
+    fn nothing_newer_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mpf");
+        let is_newer = |put: Result<Option<PathBuf>, Stop>| {
+            assert!(matches!(put, Err(Stop::Found(_))), "{put:?}");
+            let left: Vec<String> = names(folder.path()).into_iter().filter(|name| name != "a.mpf").collect();
+            assert_eq!(left, [""; 0]);
+            fs::read_to_string(&path).unwrap()
+        };
+        // It came into being.
+        let ours = spool(&path, "ours");
+        fs::write(&path, "theirs").unwrap();
+        assert!(matches!(ours.is_expected(Old::Replaced), Err(Stop::Found(_))));
+        assert_eq!(is_newer(ours.publish(Old::Replaced)), "theirs");
+        // It was written, in place and by another file.
+        let ours = spool(&path, "ours");
+        fs::write(&path, "their second").unwrap();
+        assert_eq!(is_newer(ours.publish(Old::Kept(b"theirs"))), "their second");
+        let ours = spool(&path, "ours");
+        fs::write(folder.path().join("new"), "their third").unwrap();
+        fs::rename(folder.path().join("new"), &path).unwrap();
+        assert_eq!(is_newer(ours.publish(Old::Replaced)), "their third");
+        // It was written before the run looked where it would write, but after it had read.
+        assert_eq!(is_newer(spool(&path, "ours").publish(Old::Kept(b"what we read"))), "their third");
+        // Of two runs at once one is refused.
+        let (one, two) = (spool(&path, "one"), spool(&path, "two"));
+        let backup = one.publish(Old::Kept(b"their third")).unwrap().unwrap();
+        assert!(matches!(two.publish(Old::Kept(b"their third")), Err(Stop::Found(_))));
+        assert_eq!(fs::read_to_string(&path).unwrap(), "one");
+        assert_eq!(fs::read_to_string(backup).unwrap(), "their third");
+        assert_eq!(names(folder.path()), ["a.mpf", "a.mpf.bak"]);
     }
 
     fn names(folder: &Path) -> Vec<String> {

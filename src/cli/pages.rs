@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::arguments::PageChoice;
 use super::input::is_standard_stream;
 use super::machine_choice::short_hash;
-use super::output::Target;
+use super::output::{Target, is_same};
 use super::stop::Stop;
 use super::together::Together;
 use crate::report::compared::Input;
@@ -35,7 +35,7 @@ impl Pages {
             return Err(Stop::Usage("--svg needs a folder, not standard output: there are several pictures".into()));
         }
         if let Some(folder) = &pictures {
-            let is_folder = |path: &Path| Target::File(folder.clone()).is(path) || path == folder;
+            let is_folder = |path: &Path| is_same(folder, path) || path == folder;
             if output.into_iter().chain(choice.report.as_deref()).any(is_folder) {
                 return Err(Stop::Usage(format!(
                     "--svg names a folder for pictures, and {} is another output; choose another",

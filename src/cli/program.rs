@@ -140,6 +140,11 @@ pub(super) fn read(path: &Path) -> Result<Source, Stop> {
     input::read(path, FileId(0), "program")
 }
 
+/// Whether a program lies in an archive of the control.
+pub(super) fn is_in_archive(path: &Path) -> bool {
+    path.ancestors().any(|ancestor| ancestor.is_file() && archive::is_archive(ancestor))
+}
+
 /// Adds a finding where the output would overwrite one of the files that were read.
 pub(super) fn protect<'f>(target: &Target, files: impl IntoIterator<Item = &'f PathBuf>, findings: &mut Findings) {
     protect_with(target, files, "choose another output", findings);

@@ -9,7 +9,7 @@ use super::arguments::SncArguments;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
 use super::machine_choice::{self, Chosen};
-use super::output::{Spool, Target};
+use super::output::{Old, Spool, Target};
 use super::program::{self, Running};
 use super::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic, Place};
@@ -32,8 +32,8 @@ pub(super) fn run(arguments: &SncArguments) -> Result<ExitCode, Stop> {
 
 /// Opens the program and writes its stream.
 fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> {
-    let source = program::read(&arguments.input)?;
     let target = arguments.output.as_deref().map(Target::new).transpose()?.unwrap_or(Target::Standard);
+    let source = program::read(&arguments.input)?;
     let Some(chosen) = machine_choice::choose(&arguments.machine, &arguments.input, findings)? else { return Ok(()) };
     if source.bytes().starts_with(HEAD.as_bytes()) {
         return print_again(&source, target, &chosen, findings);
@@ -56,7 +56,7 @@ fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> 
     }
     program::protect(spool.target(), &running.files(), findings);
     if !findings.has_errors() {
-        spool.publish(false)?;
+        spool.publish(Old::Replaced)?;
     }
     Ok(())
 }
@@ -95,7 +95,7 @@ fn print_again(source: &Source, target: Target, chosen: &Chosen, findings: &mut 
     if let Err(error) = spool.writer().write_all(&bytes) {
         return Err(spool.fault(&error));
     }
-    spool.publish(false).map(drop)
+    spool.publish(Old::Replaced).map(drop)
 }
 
 /// Writes the elements and gathers the findings.

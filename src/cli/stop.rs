@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 
 use super::exit_code::ExitCode;
+use crate::diagnostic::Diagnostic;
 
 /// Ends a command at once.
 #[derive(Debug)]
@@ -15,6 +16,8 @@ pub(super) enum Stop {
     Usage(String),
     /// The same with a status of its own.
     Ended(ExitCode, String),
+    /// A finding that shows at the very end only.
+    Found(Box<Diagnostic>),
 }
 
 impl Stop {
@@ -48,6 +51,7 @@ impl fmt::Display for Stop {
         match self {
             Stop::ReaderGone => f.write_str("the reader of standard output went away"),
             Stop::Usage(sentence) | Stop::Ended(_, sentence) => f.write_str(sentence),
+            Stop::Found(diagnostic) => f.write_str(&diagnostic.message),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::fingerprint::Fingerprint;
 use super::input::is_standard_stream;
 use super::stop::Stop;
 
@@ -17,9 +18,18 @@ pub(super) enum Target {
     /// Standard output.
     Standard,
     /// A file that may exist already; links are followed, so this is the file itself.
-    File(PathBuf),
+    File(OneFile),
     /// A device or a pipe.
     Special(PathBuf),
+}
+
+/// A file that a run will write.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct OneFile {
+    /// Where.
+    pub(super) path: PathBuf,
+    /// What was there when the run began: whatever is there later and is something else is newer, and stays.
+    pub(super) before: Option<Fingerprint>,
 }
 
 impl Target {
@@ -38,10 +48,10 @@ impl Target {
             Ok(found) if found.permissions().readonly() => {
                 Err(Stop::Usage(format!("cannot write {}: it is write-protected", path.display())))
             }
-            Ok(_) => Ok(Target::File(path)),
+            Ok(found) => Ok(Target::File(OneFile { before: Some(Fingerprint::of(&found)), path })),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 if folder_of(&path).is_dir() {
-                    Ok(Target::File(path))
+                    Ok(Target::File(OneFile { path, before: None }))
                 } else {
                     Err(Stop::file("write", &path, &error))
                 }
@@ -52,9 +62,14 @@ impl Target {
 
     /// Whether the target is the file `other`, by whatever name or link, also where neither is there yet.
     pub(super) fn is(&self, other: &Path) -> bool {
+        self.path().is_some_and(|path| is_same(path, other))
+    }
+
+    /// Its name, where it has one.
+    fn path(&self) -> Option<&Path> {
         match self {
-            Target::Standard => false,
-            Target::File(path) | Target::Special(path) => is_same_file(path, other) || is_same_name(path, other),
+            Target::Standard => None,
+            Target::File(OneFile { path, .. }) | Target::Special(path) => Some(path),
         }
     }
 
@@ -65,15 +80,15 @@ impl Target {
 
     /// Whether both are one file.
     pub(super) fn is_also(&self, other: &Target) -> bool {
-        matches!(other, Target::File(path) if self.is_file() && self.is(path))
+        matches!(other, Target::File(file) if self.is_file() && self.is(&file.path))
     }
 }
 
 impl fmt::Display for Target {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Target::Standard => out.write_str("standard output"),
-            Target::File(path) | Target::Special(path) => path.display().fmt(out),
+        match self.path() {
+            None => out.write_str("standard output"),
+            Some(path) => path.display().fmt(out),
         }
     }
 }
@@ -100,6 +115,11 @@ pub(super) fn folder_of(path: &Path) -> &Path {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     }
+}
+
+/// Whether two paths are one file, by whatever name or link, also where neither is there yet.
+pub(super) fn is_same(one: &Path, other: &Path) -> bool {
+    is_same_file(one, other) || is_same_name(one, other)
 }
 
 /// Whether two paths lead to one file: the same path, or two names (hard links) of it.

@@ -3,22 +3,13 @@
 use std::cmp::Reverse;
 use std::path::PathBuf;
 
-use super::output::{Spool, Target};
+use super::output::{Old, Spool, Target};
 use super::stop::Stop;
 
 /// Texts of one run: each is on the disk before the first gets its name.
 #[derive(Default)]
 pub(super) struct Together {
     spools: Vec<Spool>,
-}
-
-/// What becomes of a file that was there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Old {
-    /// It is replaced.
-    Replaced,
-    /// It stays under the name of a backup: it may be what the run has read.
-    Kept,
 }
 
 impl Together {
@@ -67,12 +58,16 @@ impl Together {
     ///
     /// # Errors
     /// A sentence where that fails.
-    pub(super) fn publish_first(self, old: Old) -> Result<Option<PathBuf>, Stop> {
+    pub(super) fn publish_first(self, old: Old<'_>) -> Result<Option<PathBuf>, Stop> {
         let mut order: Vec<(usize, Spool)> = self.spools.into_iter().enumerate().collect();
         order.sort_by_key(|(number, spool)| (spool.target().is_file(), Reverse(*number)));
         let mut kept = None;
+        // Before the first of them is written: a file that is newer refuses all.
+        for (number, spool) in &order {
+            spool.is_expected(if *number == 0 { old } else { Old::Replaced })?;
+        }
         for (number, spool) in order {
-            kept = kept.or(spool.publish(number == 0 && old == Old::Kept)?);
+            kept = kept.or(spool.publish(if number == 0 { old } else { Old::Replaced })?);
         }
         Ok(kept)
     }

@@ -306,6 +306,10 @@ MD32610, MD32300); ncfix decompose finds gain and feed-forward in a trace. docs/
 "A cut turns rotary axes, and its feed is in degrees per minute or that of a short way of X, Y, Z. Controls take a feed for X, Y and Z where these move at all, so the
 micrometers of a correction would take the feed over, and the axes would turn as fast as they can. Such blocks are written with the time that they take (G93). That is not
 possible where the language has no G93 (Grundig), and where the feed is one per turn of the spindle (G95, G96).";
+    NEWER_FILE = "E0314" "output was written by somebody else meanwhile"
+"When a run began, another file stood where it would write, or none did; with --in-place the program is no longer the one that was read. A person, a CAM system or a
+second run has written there in the meantime. Nothing newer is ever replaced: what is there stays, and nothing of this run is written. Look at the file, then run the
+command again.";
 
     BAD_TOML = "E0401" "machine file is no TOML"
 "The file breaks the rules of TOML 1.0 at this place.";

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::cli::exit_code::ExitCode;
-use crate::cli::output::{Spool, Target};
+use crate::cli::output::{Old, Spool, Target};
 use crate::cli::stop::Stop;
 use crate::realtime::stability::{Compensation, approach_um, run, there_and_back_um, unrest_um};
 use crate::report::page::stability::{Rest, Stability, Trace, stability};
@@ -37,6 +37,6 @@ pub(super) fn write(path: &Path) -> Result<ExitCode, Stop> {
     if let Err(error) = spool.writer().write_all(stability(&data).as_bytes()) {
         return Err(spool.fault(&error));
     }
-    spool.publish(false)?;
+    spool.publish(Old::Replaced)?;
     Ok(ExitCode::Done)
 }
