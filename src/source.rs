@@ -159,6 +159,21 @@ impl Source {
     }
 }
 
+/// Whether a character makes a person read something else than what stands there: a control of terminals, or one that turns the direction of the text.
+/// Tabs and ends of lines do not.
+#[must_use]
+pub fn is_deceptive(character: char) -> bool {
+    let is_turn =
+        matches!(character, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    is_turn || character.is_control() && !matches!(character, '\t' | '\n' | '\r')
+}
+
+/// Text that may come from a file, safe to show: what [`is_deceptive`] becomes `?`.
+#[must_use]
+pub fn shown(text: &str) -> String {
+    text.chars().map(|character| if is_deceptive(character) || character == '\r' { '?' } else { character }).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -19,15 +19,18 @@ use super::together::Together;
 use super::writing::Writing;
 use super::{feed_limit, pages, print, tell};
 use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::emit;
+use crate::dialect::Language;
+use crate::emit::{self, NumberSet};
 use crate::exec::RapidOrder;
 use crate::geometry::{AXES, Axis};
 use crate::path::{self, Prediction};
 use crate::report::correction::Correction;
 use crate::report::json;
+use crate::report::number::micrometers;
 use crate::report::review::Limit;
 use crate::review::Trace;
 use crate::source::{Source, Span};
+use crate::syntax::Program;
 use crate::units::{um_from_mm, urad_from_rad};
 
 /// Corrects a program.
@@ -224,6 +227,7 @@ impl<'a> Job<'a> {
         let writing =
             Writing::new(&arguments.correction, start, opened.dialect.name, chosen, (self.source.bytes(), hash))?;
         let mut writer = writing.writer()?;
+        writer.keep_free(numbers_of(&opened.program));
         let mut running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
         let feed_limit = arguments.feed_limit.zip(machine.servo.as_ref());
         let lanes = Lanes { machine, model: &model, options: &writing.options, feed_limit };
@@ -239,10 +243,38 @@ impl<'a> Job<'a> {
             findings.add(corrected_before(stamped), sources);
         }
         note(&passed.prediction, &running, report);
+        if let Some(finding) = worse(&passed.prediction, arguments.correction.tolerance) {
+            findings.add(finding, &[]);
+        }
         let left = path::remaining(machine, &chosen.errors, &chosen.condition, &passed.poses);
         report.remaining = left.iter().map(remaining).collect();
         Ok(())
     }
+}
+
+/// The finding for a correction that leaves more than there was, beyond what was asked for, mm.
+fn worse(prediction: &Prediction, tolerance_mm: f64) -> Option<Diagnostic> {
+    let [before_mm, after_mm] = [prediction.before(), prediction.after()].map(|spread| spread.rms_mm());
+    if after_mm <= before_mm.max(tolerance_mm) {
+        return None;
+    }
+    let [before, after] = [before_mm, after_mm].map(|mm| micrometers(um_from_mm(mm)));
+    let message = format!("the corrected program would leave {after} rms where the program as it is leaves {before}");
+    let help = "nothing was written; a smaller --increment, if the control has one, or a smaller --tolerance; else run the program as it is";
+    Some(Diagnostic::nowhere(Code::CORRECTION_MAKES_WORSE, message, help))
+}
+
+/// The block numbers of a program in a language that needs one on every line.
+fn numbers_of(program: &Program) -> NumberSet {
+    let mut numbers = NumberSet::default();
+    if let Program::Words(program) = program
+        && program.dialect.language == Language::Grundig
+    {
+        program.each_block_number(&mut |number| {
+            numbers.add(number);
+        });
+    }
+    numbers
 }
 
 /// The finding for a program that carries a stamp; it points at the name in the stamp.

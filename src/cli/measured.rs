@@ -12,7 +12,8 @@ use super::stop::Stop;
 use super::{input, tell};
 use crate::csv::{DecimalSign, Row, Table, number_text};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::machine::Condition;
+use crate::geometry::AxisVector;
+use crate::machine::{Condition, Kinematics};
 use crate::measure::mode;
 use crate::measure::reading::{Reading, Readings};
 use crate::model::{Model, NotConverged, Solve};
@@ -92,6 +93,7 @@ impl Job<'_> {
             output: self.arguments.output.display().to_string(),
             ..Measured::default()
         };
+        let kinematics = Kinematics::new(&self.chosen.machine);
         let mut progress = Progress::new();
         let mut fault = None;
         let mut copy = self.table.copy(spool.writer());
@@ -109,6 +111,10 @@ impl Job<'_> {
             let found = match readings.read(&row) {
                 Ok(reading) => match mode::nominal(&model, &reading, solve) {
                     Ok(nominal) => {
+                        if let Some(finding) = self.too_large(&kinematics, &reading, &nominal, &row, &readings) {
+                            findings.extend(vec![finding], std::slice::from_ref(self.source));
+                            continue;
+                        }
                         report.note(&(reading.position - nominal));
                         report.without_sense += u64::from(lacks_sense(&model, &reading, &readings));
                         fault = fault.or(put(&mut copy, &row, &readings, &reading, &nominal).err());
@@ -125,6 +131,35 @@ impl Job<'_> {
         }
         let fault = fault.or(copy.finish().err());
         fault.map_or(Ok(report), |error| Err(spool.fault(&error)))
+    }
+}
+
+impl Job<'_> {
+    /// The finding for a position whose correction is larger than was asked for, as of a program.
+    fn too_large(
+        &self,
+        kinematics: &Kinematics,
+        reading: &Reading,
+        nominal: &AxisVector,
+        row: &Row,
+        readings: &Readings,
+    ) -> Option<Diagnostic> {
+        let most_mm = self.arguments.max_correction;
+        readings.axes().iter().find_map(|&(axis, column)| {
+            let correction = reading.position[axis] - nominal[axis];
+            let at_tip_mm = if axis.is_rotary() && correction != 0.0 {
+                kinematics.arc_mm(axis, (nominal, reading.position[axis]), &reading.tool_mm)
+            } else {
+                correction
+            };
+            if (..=most_mm).contains(&at_tip_mm.abs()) {
+                return None;
+            }
+            let (at_tip, most) = (micrometers(um_from_mm(at_tip_mm)), micrometers(um_from_mm(most_mm)));
+            let message = format!("the correction of {axis} is {at_tip} at the tool, more than {most}");
+            let help = "check the units in the machine file before raising --max-correction";
+            Some(Diagnostic::at(Code::CORRECTION_TOO_LARGE, row.place(column), message, help))
+        })
     }
 }
 

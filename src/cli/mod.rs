@@ -83,6 +83,7 @@ pub use exit_code::ExitCode;
 use std::ffi::OsString;
 use std::io::Write as _;
 
+use crate::source::shown;
 use arguments::Command;
 use stop::Stop;
 
@@ -156,14 +157,14 @@ fn dispatch(command: &Command) -> Result<ExitCode, Stop> {
 fn print(text: &str) -> Result<(), Stop> {
     progress::end();
     let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Stop::output(&error))
+    out.write_all(shown(text).as_bytes()).and_then(|()| out.flush()).map_err(|error| Stop::output(&error))
 }
 
 /// Prints a sentence or a table for the person on standard error; nothing with `--quiet`.
 fn tell(text: &str) {
     if !voice::is_quiet() {
         progress::end();
-        say(text);
+        say(&shown(text));
     }
 }
 
@@ -203,5 +204,5 @@ fn deliver(
 fn complain(sentence: &str) {
     let style = clap::builder::styling::AnsiColor::BrightRed.on_default().bold();
     progress::end();
-    say(&format!("{style}error{style:#}: {sentence}\n"));
+    say(&format!("{style}error{style:#}: {}\n", shown(sentence)));
 }

@@ -110,6 +110,11 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
         findings.add(Diagnostic::nowhere(Code::TABLES_DO_NOT_FIT, why, help), &[]);
         return Ok(());
     }
+    if let Some(finding) = worse(&job.everywhere(&tables, &checked), &job.volume()) {
+        report.tables = 0;
+        findings.add(finding, &[]);
+        return Ok(());
+    }
     let state = job.chosen.state.as_deref().map_or(String::new(), |state| format!(", state {state}"));
     let mut notes = vec![
         format!(
@@ -132,6 +137,27 @@ fn make(arguments: &TablesArguments, report: &mut TablesReport, findings: &mut F
     report.check = arguments.check.then_some(checked);
     let files = texts(format, &tables, &job.wiring, &notes, output, findings)?;
     publish(arguments, files, &[("", &tables)], job.chosen.files.clone(), report, findings)
+}
+
+/// The finding for tables that leave more than no tables, at the tip or in the direction of the tool.
+pub(super) fn worse(checked: &CheckReport, where_: &str) -> Option<Diagnostic> {
+    /// What two ways to add up the same may differ by, µm and µrad.
+    const NOISE: f64 = 1e-3;
+    let (before, with) = (checked.before, checked.tables);
+    let kinds = [
+        ("tip", "um rms", before.rms_um, with.rms_um),
+        ("direction of the tool", "urad rms", before.tilt_rms_urad, with.tilt_rms_urad),
+    ];
+    let (what, unit, without, left) = kinds.into_iter().find(|(.., without, left)| *left > without + NOISE)?;
+    let message = format!(
+        "the tables would leave more than no tables: the {what} is off by {} {unit} without them and by {} {unit} with them over {where_}, most at {}",
+        significant(without),
+        significant(left),
+        checked.worst
+    );
+    let help = "nothing was written; take another --scheme (auto tries them all; own takes no axis that depends on another one), --orientation off \
+                where the direction gets worse, the --tool that is used, a --range as large as the use; a constant part is one of the zero offset";
+    Some(Diagnostic::nowhere(Code::TABLES_MAKE_WORSE, message, help))
 }
 
 /// The axes whose sense of motion counts and which the format has no tables for.

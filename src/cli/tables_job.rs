@@ -94,6 +94,15 @@ fn short(value: f64) -> String {
 }
 
 impl Job<'_> {
+    /// `X -130 .. 130 mm, A -55 .. 55 deg`: all of the volume.
+    pub(super) fn volume(&self) -> String {
+        let text = |&(axis, [low, high]): &(Axis, [f64; 2])| {
+            let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+            format!("{axis} {} .. {}", short(shown(low)), short(shown(high)))
+        };
+        self.region.ranges.iter().map(text).collect::<Vec<_>>().join(", ")
+    }
+
     /// `A -55 .. 55 deg` for each range that was asked for.
     pub(super) fn ranges(&self) -> Vec<String> {
         let text = |&(axis, [low, high]): &(Axis, [f64; 2])| {
@@ -120,8 +129,6 @@ impl Job<'_> {
 
     /// What tables leave over the volume; a grid knows no rotary axes.
     pub(super) fn check(&self, tables: &Tables) -> CheckReport {
-        let model = self.chosen.model();
-        let target = self.target(&model);
         let mut region = self.region.reached(&self.chosen.machine);
         if tables.grid.is_some() || tables.matrix.is_some() {
             for (axis, [low, high]) in self.region.ranges.iter().filter(|(axis, _)| axis.is_rotary()) {
@@ -129,9 +136,26 @@ impl Job<'_> {
                 region.set(*axis, [at, at]);
             }
         }
+        self.check_in(&region, tables)
+    }
+}
+
+impl Job<'_> {
+    /// What tables leave where the machine is used: the range of every axis, the rotary ones too, for which a grid has no tables but which turn all
+    /// the same.
+    pub(super) fn everywhere(&self, tables: &Tables, checked: &CheckReport) -> CheckReport {
+        if tables.grid.is_none() && tables.matrix.is_none() {
+            return checked.clone();
+        }
+        self.check_in(&self.region.reached(&self.chosen.machine), tables)
+    }
+
+    fn check_in(&self, region: &Region, tables: &Tables) -> CheckReport {
+        let model = self.chosen.model();
+        let target = self.target(&model);
         let poses = region.poses(self.arguments.poses as usize, SEED);
         let found = check(&target, &Control::new(&self.chosen.machine, tables), &poses);
-        CheckReport::new(&found, place(&region, &found.worst), &self.tool_mm)
+        CheckReport::new(&found, place(region, &found.worst), &self.tool_mm)
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::arguments::TablesArguments;
 use super::findings::Findings;
 use super::stop::Stop;
+use super::tables::worse;
 use super::tables_compare::{difference, range_of};
 use super::tables_job::{SEED, job};
 use super::tables_read::{self, Reading};
@@ -68,6 +69,13 @@ pub(super) fn work(
     if let (Some(format), Some(output)) = (arguments.format, &arguments.output) {
         let mut tables = read.tables.clone();
         (format.round)(&mut tables);
+        if let Some(job) = &job {
+            let checked = job.everywhere(&tables, &job.check(&tables));
+            if let Some(finding) = worse(&checked, &job.volume()) {
+                findings.add(finding, &[]);
+                return Ok(());
+            }
+        }
         let notes = [format!("read from {}", shown(&arguments.read))];
         files = texts(format, &tables, &wiring, &notes, output, findings)?;
         report.format = format!("{} as {}", read.names(), format.name);

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::geometry::{Axis, AxisVector, Vector};
+use crate::machine::range::range_of;
 use crate::machine::{Load, State};
 use crate::units::parse_length_mm;
 
@@ -68,14 +69,14 @@ pub(super) fn kelvin(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "write a number of K above 0, for example 0.5".to_owned())
 }
 
-/// An increment of a control, in mm: nothing finer than 1 nm and nothing coarser than 0.1 mm makes sense.
+/// An increment of a control, in mm, in the range that the machine file has for it.
 pub(super) fn increment_mm(text: &str) -> Result<f64, String> {
     let length_mm = positive_length_mm(text)?;
-    if (1e-6..=0.1).contains(&length_mm) {
+    if range_of("increment_mm").values().contains(&length_mm) {
         // Reading the decimal text again gives the double nearest to it: 0.1um becomes 1e-4 mm and not 1.0000000000000002e-4.
         format!("{length_mm:.9}").parse().map_err(|_| format!("'{text}' is no number"))
     } else {
-        Err(format!("'{text}' is not between 1nm and 0.1mm"))
+        Err(format!("'{text}' is not between 10nm and 0.1mm"))
     }
 }
 

@@ -310,6 +310,13 @@ possible where the language has no G93 (Grundig), and where the feed is one per 
 "When a run began, another file stood where it would write, or none did; with --in-place the program is no longer the one that was read. A person, a CAM system or a
 second run has written there in the meantime. Nothing newer is ever replaced: what is there stays, and nothing of this run is written. Look at the file, then run the
 command again.";
+    HIDDEN_BLOCK = "E0315" "carriage return within a line"
+"The file ends its lines with a line feed, and within a line there is a carriage return with something behind it. To some controls that is the end of the line and what is behind
+it a block of its own, even behind a comment; to others it is not, and on a screen it may cover the beginning of the line. What moves depends on the control, so nothing
+is guessed. Put a line feed in its place, or take it out.";
+    DECEPTIVE_TEXT = "E0316" "control character within a line"
+"A line holds a character that does not show but changes what shows: escape, backspace, delete between words, one of U+0080 to U+009F, or one that turns the direction of text. A
+person who reads the program sees other blocks than those that run. Take the character out.";
 
     BAD_TOML = "E0401" "machine file is no TOML"
 "The file breaks the rules of TOML 1.0 at this place.";
@@ -333,6 +340,12 @@ axes _deg.";
     MISSING_SENSOR = "E0501" "temperature of a sensor missing"
 "The error model of the machine file depends on the temperature of this sensor, and the state that was given has temperatures but not
 this one. A drift that is computed without it would be wrong by an unknown amount.";
+    DECEPTIVE_NAME = "E0409" "name with control characters"
+"A text of the file holds a character that does not show: a control of terminals (escape, backspace, bell, delete, U+0080 to U+009F) or one that turns the direction of text
+(U+202A to U+202E, U+2066 to U+2069). What a person reads in a report would not be what the file says. Write the name with letters, digits and signs.";
+    OUT_OF_RANGE = "E0410" "number out of its range"
+"A number is larger or smaller than any machine has, or a list has more numbers than any table: mostly a wrong unit. docs/settings.md has the range of every key with its
+reason.";
 
     DATA_NO_TABLE = "E0601" "measured data that are no table"
 "Measured data are CSV: a line of column names, then rows with a cell for each of them. Cells are separated by commas, by semicolons or
@@ -429,6 +442,14 @@ the line, or name the format (--format) or the axes (--axis-name X=AX1).";
     TABLES_DO_NOT_FIT = "E0902" "tables that the control cannot take"
 "The tables that the scheme asks for are more, longer or larger than the control takes, or of a kind that it does not have. Nothing was written. Choose
 another --scheme (auto looks for the fewest tables), a larger --tolerance, fewer --points, or another --format; ncfix tables --list shows what each has.";
+    TABLES_MAKE_WORSE = "E0903" "tables that leave more than no tables"
+"The tables were evaluated as the control interpolates them, at poses all over the volume of use, and the tip of the tool, or its direction, is farther off with them than
+without. Nothing was written, because a compensation that makes the machine worse is worse than none. The scheme does not fit the errors of this machine: own has a table
+for each axis over its own position and knows nothing of what one axis does to another; a grid knows no rotary axes. Take another --scheme (auto tries them all), the --tool
+that is used, --orientation off, or another --format; ncfix tables --list shows what each has.";
+    CORRECTION_MAKES_WORSE = "E0904" "correction that leaves more than none"
+"The error that the corrected program would leave is larger than that of the program as it is, and larger than the tolerance. Nothing was written. Mostly the smallest
+increment of the output is coarser than the error that is to be corrected (--increment, control.increment_mm), or --tolerance allows more than there is.";
     SKIP_EXECUTED = "W0201" "skip blocks are decided"
 "Blocks with / were executed (or skipped with --skip) and the output has no / any more: a switch at the control has no effect on it.";
     FEED_ASSUMED = "W0202" "feed motion without a feed"

@@ -104,7 +104,7 @@ impl<'a> Lines<'a> {
         self.doser.is_frozen = is_frozen;
         let output = match output {
             Output::Element(Element {
-                kind: Kind::Comment(_) | Kind::Header(_) | Kind::Message(_),
+                kind: Kind::Comment(_) | Kind::Label(_) | Kind::Header(_) | Kind::Message(_),
                 origin,
                 starts_block,
                 number,

@@ -1,6 +1,7 @@
 //! A line of the output, put together word by word and written when the next one begins, so that what belongs behind the last piece
 //! of a move and what belongs on its first line find their places.
 
+use super::block_number::NumberSet;
 use crate::units::push_integer;
 
 /// The line that is being put together, and what its like have in common: line end, numbers, count.
@@ -24,10 +25,14 @@ pub(super) struct Line {
     ending: &'static [u8],
     /// Bytes beyond which a comment gets a line of its own.
     longest: usize,
-    /// The last number, where lines are numbered.
+    /// The last number that was given, where lines are numbered.
     number: Option<u32>,
     /// After this number the next is 1 again.
     last_number: u32,
+    /// Numbers that are not given: those of the source.
+    kept_free: NumberSet,
+    /// The number of the source's block, if this is its first line.
+    own_number: Option<u32>,
     blocks: u64,
 }
 
@@ -48,6 +53,8 @@ impl Line {
             longest: usize::MAX,
             number: None,
             last_number: u32::MAX,
+            kept_free: NumberSet::default(),
+            own_number: None,
             blocks: 0,
         }
     }
@@ -57,9 +64,23 @@ impl Line {
         Line { longest, ..self }
     }
 
-    /// Lines with numbers: N1, N2, …; behind the last one they begin again.
+    /// Lines with numbers: N1, N2, …, or those that [`Self::keep_free`] leaves; behind the last one they begin again.
     pub(super) fn numbered(self, last_number: u32) -> Line {
         Line { number: Some(0), last_number, ..self }
+    }
+
+    /// Begins numbers of lines behind the largest of those that are kept for blocks of the source.
+    pub(super) fn keep_free(&mut self, numbers: NumberSet) {
+        if let Some(number) = &mut self.number {
+            *number = numbers.largest();
+            self.kept_free = numbers;
+        }
+    }
+
+    /// The number of the block of the source that the line begins, where lines are numbered.
+    pub(super) fn own_number(&mut self, number: Option<u32>) {
+        // Where none are kept free its number may be that of another line.
+        self.own_number = number.filter(|&number| self.kept_free.has(number));
     }
 
     /// Lines with words so far.
@@ -87,6 +108,16 @@ impl Line {
     pub(super) fn block_number(&mut self, letter: u8, number: u32) {
         self.text.push(letter);
         push_integer(&mut self.text, u64::from(number));
+    }
+
+    /// Appends the label of the source's block, which is no word of it.
+    pub(super) fn label(&mut self, label: &[u8]) {
+        self.is_open = true;
+        if !self.text.is_empty() {
+            self.text.push(b' ');
+        }
+        self.text.extend_from_slice(label);
+        self.text.push(b':');
     }
 
     /// Appends a word with a blank before it.
@@ -172,7 +203,10 @@ impl Line {
             self.comment.clear();
         }
         if !self.text.is_empty() || self.has_comment() {
-            self.next_number(out);
+            match self.own_number.take() {
+                Some(number) => push_number(number, out),
+                None => self.next_number(out),
+            }
             out.extend_from_slice(&self.text);
             if !self.text.is_empty() && self.has_comment() {
                 out.push(b' ');
@@ -210,11 +244,20 @@ impl Line {
 
     /// Writes the number of the next line where lines have numbers.
     fn next_number(&mut self, out: &mut Vec<u8>) {
-        if let Some(number) = &mut self.number {
+        let Some(number) = &mut self.number else { return };
+        // Where none is free at all any will do.
+        for _ in 0..=self.last_number {
             *number = if *number >= self.last_number { 1 } else { *number + 1 };
-            out.push(b'N');
-            push_integer(out, u64::from(*number));
-            out.push(b' ');
+            if !self.kept_free.has(*number) {
+                break;
+            }
         }
+        push_number(*number, out);
     }
+}
+
+fn push_number(number: u32, out: &mut Vec<u8>) {
+    out.push(b'N');
+    push_integer(out, u64::from(number));
+    out.push(b' ');
 }

@@ -3,6 +3,7 @@
 //! A writer turns one [`Output`] after the other into bytes of a reusable buffer; [`emit`] drives it into a file or link. To add a
 //! dialect, write its file and register it in [`WRITERS`].
 
+mod block_number;
 mod comment;
 mod flat;
 mod line;
@@ -12,6 +13,7 @@ mod stamp;
 mod stops;
 mod words;
 
+pub use block_number::NumberSet;
 pub use flat::flat;
 pub use number::Decimals;
 pub use stamp::{Stamp, is_stamped, stamped_model, stamped_state};
@@ -48,6 +50,8 @@ pub trait Writer: Send {
     fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic>;
     /// Appends what is still held back; the end of the program.
     fn finish(&mut self, out: &mut Vec<u8>);
+    /// Keeps numbers free for the blocks of the source that have them, where every line needs a number.
+    fn keep_free(&mut self, _numbers: NumberSet) {}
     /// Lines with words written so far, comments and headers not counted.
     fn blocks(&self) -> u64;
 }

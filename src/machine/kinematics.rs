@@ -69,6 +69,16 @@ impl Kinematics {
         self.joints.iter().fold(self.origin_mm + tool_mm, |point, joint| joint.carry(&point, command[joint.axis]))
     }
 
+    /// How far a rotary axis that goes to `end`, and nothing else, moves the tip in the workpiece, mm: by the arc about its line as the other
+    /// axes have put that.
+    #[must_use]
+    pub fn arc_mm(&self, axis: Axis, (command, end): (&AxisVector, f64), tool_mm: &Vector) -> f64 {
+        let mut turned = *command;
+        turned[axis] = end;
+        let [from, to] = [command, &turned].map(|command| self.tip_mm(command, tool_mm));
+        (to - from).norm()
+    }
+
     /// Direction of the tool in the workpiece, from the tip to the spindle.
     #[must_use]
     pub fn direction(&self, command: &AxisVector) -> Vector {

@@ -20,6 +20,7 @@ mod opaque;
 mod orientation;
 pub mod origin;
 mod output_control;
+pub mod range;
 mod section;
 mod servo;
 mod setting;

@@ -10,6 +10,8 @@ use crate::geometry::Vector;
 use crate::source::FileId;
 
 use super::document::{Entry, Item, Table, Value};
+use super::range::{most_in_list, range_of};
+use crate::source::is_deceptive;
 
 /// Unknown keys of one table that are reported; a file with more is no machine file.
 const MOST_UNKNOWN: usize = 1000;
@@ -111,12 +113,13 @@ impl<'a> Section<'a> {
 
     /// A finite number.
     pub fn number(&mut self, key: &str) -> Option<f64> {
-        self.value(key, "a finite number", Item::number)
+        self.value(key, "a finite number", Item::number).filter(|&value| self.is_in_range(key, &[value]))
     }
 
     /// A number in a range.
     pub fn number_where(&mut self, key: &str, expected: &str, allowed: impl Fn(f64) -> bool) -> Option<f64> {
-        self.value(key, expected, |item| item.number().filter(|&value| allowed(value)))
+        let found = self.value(key, expected, |item| item.number().filter(|&value| allowed(value)));
+        found.filter(|&value| self.is_in_range(key, &[value]))
     }
 
     /// A whole number from 0 to 2³² − 1.
@@ -137,23 +140,25 @@ impl<'a> Section<'a> {
 
     /// A text.
     pub fn text(&mut self, key: &str) -> Option<&'a str> {
-        self.value(key, "a text in quotation marks", |item| match &item.value {
+        let text = self.value(key, "a text in quotation marks", |item| match &item.value {
             Value::Text(text) => Some(text.as_str()),
             _ => None,
-        })
+        })?;
+        self.is_readable(key, text).then_some(text)
     }
 
     /// A list of finite numbers.
     pub fn numbers(&mut self, key: &str) -> Option<Vec<f64>> {
-        self.value(key, "a list of finite numbers", |item| match &item.value {
+        let numbers: Vec<f64> = self.value(key, "a list of finite numbers", |item| match &item.value {
             Value::Items(items) => items.iter().map(Item::number).collect(),
             _ => None,
-        })
+        })?;
+        self.is_in_range(key, &numbers).then_some(numbers)
     }
 
     /// A list of lists of finite numbers.
     pub fn rows(&mut self, key: &str) -> Option<Vec<Vec<f64>>> {
-        self.value(key, "a list of lists of finite numbers", |item| match &item.value {
+        let rows: Vec<Vec<f64>> = self.value(key, "a list of lists of finite numbers", |item| match &item.value {
             Value::Items(items) => items
                 .iter()
                 .map(|item| match &item.value {
@@ -162,12 +167,13 @@ impl<'a> Section<'a> {
                 })
                 .collect(),
             _ => None,
-        })
+        })?;
+        rows.iter().all(|row| self.is_in_range(key, row)).then_some(rows)
     }
 
     /// A list of texts.
     pub fn texts(&mut self, key: &str) -> Option<Vec<String>> {
-        self.value(key, "a list of texts in quotation marks", |item| match &item.value {
+        let texts: Vec<String> = self.value(key, "a list of texts in quotation marks", |item| match &item.value {
             Value::Items(items) => items
                 .iter()
                 .map(|item| match &item.value {
@@ -176,29 +182,32 @@ impl<'a> Section<'a> {
                 })
                 .collect(),
             _ => None,
-        })
+        })?;
+        texts.iter().all(|text| self.is_readable(key, text)).then_some(texts)
     }
 
     /// A list of three finite numbers.
     pub fn vector(&mut self, key: &str) -> Option<Vector> {
-        self.value(key, "a list of three finite numbers", |item| match &item.value {
+        let vector = self.value(key, "a list of three finite numbers", |item| match &item.value {
             Value::Items(items) => match items.as_slice() {
                 [x, y, z] => Some(Vector::new(x.number()?, y.number()?, z.number()?)),
                 _ => None,
             },
             _ => None,
-        })
+        })?;
+        self.is_in_range(key, vector.as_slice()).then_some(vector)
     }
 
     /// A number, which is made the first of three, or a list of three numbers.
     pub fn number_or_three(&mut self, key: &str) -> Option<[f64; 3]> {
-        self.value(key, "a finite number, or a list of three", |item| match &item.value {
+        let three = self.value(key, "a finite number, or a list of three", |item| match &item.value {
             Value::Items(items) => match items.as_slice() {
                 [first, second, third] => Some([first.number()?, second.number()?, third.number()?]),
                 _ => None,
             },
             _ => item.number().map(|value| [value, 0.0, 0.0]),
-        })
+        })?;
+        self.is_in_range(key, &three).then_some(three)
     }
 
     /// A subsection.
@@ -226,6 +235,37 @@ impl<'a> Section<'a> {
             _ => None,
         });
         sections.unwrap_or_default()
+    }
+
+    /// Whether numbers lie in the range of their key, and are not too many; reports the first that does not.
+    fn is_in_range(&mut self, key: &str, values: &[f64]) -> bool {
+        let range = range_of(key);
+        let most = most_in_list(key);
+        if values.len() > most {
+            let message = format!("{key} has {} numbers, more than {most}", values.len());
+            self.report(Code::OUT_OF_RANGE, self.place_of(key), message, format!("give {key} fewer numbers"));
+            return false;
+        }
+        let Some(index) = values.iter().position(|value| !range.values().contains(value)) else { return true };
+        let place = if self.is_list(key) { self.place_of_item(key, index) } else { self.place_of(key) };
+        let (least, most, found) = (range.least, range.most, values[index]);
+        let message = format!("{key} must be from {least} to {most}, found {found}");
+        self.report(Code::OUT_OF_RANGE, place, message, format!("check the unit of {key} in {}", self.title));
+        false
+    }
+
+    fn is_list(&self, key: &str) -> bool {
+        matches!(self.table.entry(key), Some(Entry { item: Item { value: Value::Items(_), .. }, .. }))
+    }
+
+    /// Whether a text shows what stands in it; reports one with controls of terminals or of the direction of text.
+    fn is_readable(&mut self, key: &str, text: &str) -> bool {
+        let Some(found) = text.chars().find(|&character| is_deceptive(character)) else { return true };
+        let message =
+            format!("{key} holds the control character U+{:04X}, which shows as something else", u32::from(found));
+        let help = format!("write {key} in {} with letters, digits and signs", self.title);
+        self.report(Code::DECEPTIVE_NAME, self.place_of(key), message, help);
+        false
     }
 
     fn title_of(&self, key: &str) -> String {

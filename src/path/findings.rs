@@ -5,7 +5,7 @@
 use std::collections::HashSet;
 
 use crate::diagnostic::{Code, Diagnostic, Place};
-use crate::geometry::{AXES, Axis, AxisSet, AxisVector, Vector};
+use crate::geometry::{AXES, Axis, AxisSet, Vector};
 use crate::machine::{Kinematics, Machine};
 use crate::model::NotConverged;
 use crate::snc::Origin;
@@ -87,7 +87,7 @@ impl<'a> Findings<'a> {
             }
             let correction = end - nominal[data.axis];
             let at_tip_mm = if data.axis.is_rotary() && correction != 0.0 {
-                self.arc_mm(data.axis, (nominal, end), tool_mm)
+                self.kinematics.arc_mm(data.axis, (nominal, end), tool_mm)
             } else {
                 correction
             };
@@ -102,15 +102,6 @@ impl<'a> Findings<'a> {
                 self.report(origin, Code::CORRECTION_TOO_LARGE, message, help.into());
             }
         }
-    }
-
-    /// How far a rotary axis that goes to `end`, and nothing else, moves the tip in the workpiece, mm: by the arc about its line as the other
-    /// axes have put that.
-    fn arc_mm(&self, axis: Axis, (command, end): (&AxisVector, f64), tool_mm: &Vector) -> f64 {
-        let mut turned = *command;
-        turned[axis] = end;
-        let [from, to] = [command, &turned].map(|command| self.kinematics.tip_mm(command, tool_mm));
-        (to - from).norm()
     }
 
     /// What output in machine coordinates cannot say: the place of an axis, a thread whose lead belongs to an axis of the frame.

@@ -1,7 +1,7 @@
 //! The line around a finding as text: bytes of any encoding become characters, and offsets become columns of them.
 
 use crate::diagnostic::Place;
-use crate::source::{Source, Span};
+use crate::source::{Source, Span, is_deceptive};
 
 /// Lines with more bytes than this are not drawn: only their place is named. No part program has such lines.
 const LONGEST_DRAWN_LINE: usize = 8192;
@@ -43,7 +43,10 @@ impl Excerpt {
 /// but every byte stays one column, so the caret below the line points at the right place.
 fn decode(text: &mut String, bytes: &[u8], is_utf8: bool) {
     if is_utf8 {
-        text.push_str(&String::from_utf8_lossy(bytes));
+        let shown = String::from_utf8_lossy(bytes);
+        text.extend(
+            shown.chars().map(|c| if c >= '\u{7f}' && is_deceptive(c) { char::REPLACEMENT_CHARACTER } else { c }),
+        );
     } else {
         text.extend(bytes.iter().map(|&byte| match char::from(byte) {
             // The C1 controls would be commands to some terminals.
@@ -55,7 +58,7 @@ fn decode(text: &mut String, bytes: &[u8], is_utf8: bool) {
 
 /// Text that may come from a file, safe to print: control characters, which a terminal would obey, become `?`.
 pub(super) fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
+    text.chars().map(|c| if c.is_control() || is_deceptive(c) { '?' } else { c }).collect()
 }
 
 #[cfg(test)]

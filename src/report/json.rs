@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::excerpt::Excerpt;
 use crate::diagnostic::Diagnostic;
-use crate::source::Source;
+use crate::source::{Source, is_deceptive};
 
 /// A finding.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -148,7 +148,18 @@ pub struct Verification {
 /// # Errors
 /// None for the types of this room, whose keys are all texts; the reason in words if that should ever change.
 pub fn line(value: &impl Serialize) -> Result<String, String> {
-    serde_json::to_string(value).map(|text| text + "\n").map_err(|error| error.to_string())
+    let text = serde_json::to_string(value).map_err(|error| error.to_string())?;
+    // JSON needs no escape for these, but a terminal would obey them. They stand in texts only.
+    let mut line = String::with_capacity(text.len() + 1);
+    for character in text.chars() {
+        if is_deceptive(character) {
+            line.push_str(&format!("\\u{:04x}", u32::from(character)));
+        } else {
+            line.push(character);
+        }
+    }
+    line.push('\n');
+    Ok(line)
 }
 
 #[cfg(test)]

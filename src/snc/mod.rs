@@ -86,6 +86,8 @@ pub enum Kind {
     /// The comment of the block, with its `;`, bytes as in the source. Comes before the motion of its block, so that a
     /// writer can put it on the first line.
     Comment(Vec<u8>),
+    /// The label of a block of the main program (`START` of `START:`), before everything else of the block. Does not show in the text form.
+    Label(Vec<u8>),
     /// A header line, written as it is (`%_N_…_MPF`, `;$PATH=…`).
     Header(Vec<u8>),
     /// Nothing but a place: a block that only had a number.

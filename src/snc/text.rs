@@ -15,6 +15,7 @@ use std::io::{self, Write};
 
 use super::{Dwell, Element, FeedUnit, Kind, Move, WordValue};
 use crate::geometry::{AXES, AxisSet, AxisVector, Vector};
+use crate::source::is_deceptive;
 use crate::units::push_integer;
 
 /// A smaller feed is none to the last decimal of the text, mm/min.
@@ -172,10 +173,30 @@ fn push_word(line: &mut Vec<u8>, letter: u8, extension: Option<u32>, value: &Wor
                 line.push(b'=');
             }
             line.push(b'"');
-            line.extend_from_slice(name);
+            push_name(line, name);
             line.push(b'"');
         }
     }
+}
+
+/// Appends a name. Bytes that a terminal would obey, and those of no UTF-8, become `\x1b`, which [`super::TextReader`] reads.
+fn push_name(line: &mut Vec<u8>, name: &[u8]) {
+    for chunk in name.utf8_chunks() {
+        for character in chunk.valid().chars() {
+            let mut buffer = [0; 4];
+            let bytes = character.encode_utf8(&mut buffer).as_bytes();
+            if is_deceptive(character) || character.is_control() {
+                bytes.iter().for_each(|byte| push_byte(line, *byte));
+            } else {
+                line.extend_from_slice(bytes);
+            }
+        }
+        chunk.invalid().iter().for_each(|byte| push_byte(line, *byte));
+    }
+}
+
+fn push_byte(line: &mut Vec<u8>, byte: u8) {
+    line.extend_from_slice(format!("\\x{byte:02x}").as_bytes());
 }
 
 /// Beyond this the value times 10⁶ is no exact integer in 64 bits any more.

@@ -184,9 +184,29 @@ fn auxiliary(letter: u8, rest: &str) -> Result<Word, String> {
 
 fn value_of(text: &str) -> Result<WordValue, String> {
     match text.trim_start_matches('=').strip_prefix('"').and_then(|name| name.strip_suffix('"')) {
-        Some(name) => Ok(WordValue::Name(name.as_bytes().to_vec())),
+        Some(name) => Ok(WordValue::Name(name_of(name.as_bytes()))),
         None => Ok(WordValue::Number(parse(text)?)),
     }
+}
+
+/// A name with its `\x1b` as the bytes that they stand for.
+fn name_of(mut text: &[u8]) -> Vec<u8> {
+    let mut name = Vec::with_capacity(text.len());
+    while let Some((&first, rest)) = text.split_first() {
+        let hex =
+            rest.get(1..3).filter(|_| first == b'\\' && rest[0] == b'x').and_then(|hex| std::str::from_utf8(hex).ok());
+        match hex.and_then(|hex| u8::from_str_radix(hex, 16).ok()) {
+            Some(byte) => {
+                name.push(byte);
+                text = &rest[3..];
+            }
+            None => {
+                name.push(first);
+                text = rest;
+            }
+        }
+    }
+    name
 }
 
 fn parse(text: &str) -> Result<f64, String> {

@@ -6,6 +6,7 @@
 
 mod names;
 mod plain;
+mod reading;
 mod shelf;
 pub mod sinumerik;
 mod token;
@@ -17,8 +18,11 @@ use crate::source::{Source, Span};
 pub use shelf::Shelf;
 use sinumerik::Macros;
 
-/// At most this many findings are kept of one file; a file with more is no part program.
+/// At most this many findings are kept of one file; a file with more is no part program, and the rest of it is not read.
 const MAX_FINDINGS: usize = 1000;
+
+/// Programs and tables in one file: many times what the memory of a control holds.
+const MAX_PARTS: usize = 10_000;
 
 /// Programs from this size on are read by pages where they can be.
 const LARGE_BYTES: usize = 8 << 20;
@@ -91,8 +95,17 @@ fn nothing_done(source: &Source) -> Diagnostic {
     )
 }
 
+/// The finding for a file with more programs than [`MAX_PARTS`], at the header of the first that is too many.
+fn too_many_parts(source: &Source, header: Span) -> Diagnostic {
+    let message = format!("this is program {} of one file; at most {MAX_PARTS} are read", MAX_PARTS + 1);
+    let help = "check that the file is a part program; give programs files of their own";
+    Diagnostic::at(Code::NOT_A_PROGRAM, Place { file: source.id(), span: header }, message, help)
+}
+
 /// The findings of a file, or the one that there are too many.
-fn checked(mut findings: Vec<Diagnostic>, source: &Source, dialect: &Dialect) -> Vec<Diagnostic> {
+fn checked(found: Vec<Diagnostic>, source: &Source, dialect: &Dialect) -> Vec<Diagnostic> {
+    let mut findings = reading::hidden(source);
+    findings.extend(found);
     if findings.len() > MAX_FINDINGS {
         findings.truncate(MAX_FINDINGS);
         findings.insert(

@@ -1,6 +1,7 @@
 //! Identifiers, each kept once and known by a number.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Number of a name in the table of names of a program; equal ids are equal names, whatever their case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -9,19 +10,20 @@ pub struct NameId(pub(super) u32);
 /// Identifiers of a program, each once.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
-    ids: HashMap<String, u32>,
-    texts: Vec<String>,
+    ids: HashMap<Arc<str>, u32>,
+    texts: Vec<Arc<str>>,
 }
 
 impl Names {
     /// The id of a name in any case.
     pub(super) fn intern(&mut self, bytes: &[u8]) -> NameId {
         let text: String = bytes.iter().map(|b| char::from(b.to_ascii_uppercase())).collect();
-        if let Some(&id) = self.ids.get(&text) {
+        if let Some(&id) = self.ids.get(text.as_str()) {
             return NameId(id);
         }
         let id = u32::try_from(self.texts.len()).unwrap_or(u32::MAX);
-        self.texts.push(text.clone());
+        let text: Arc<str> = text.into();
+        self.texts.push(Arc::clone(&text));
         self.ids.insert(text, id);
         NameId(id)
     }
@@ -35,12 +37,12 @@ impl Names {
     /// A name's text, upper case.
     #[must_use]
     pub fn text(&self, id: NameId) -> &str {
-        self.texts.get(id.0 as usize).map_or("", String::as_str)
+        self.texts.get(id.0 as usize).map_or("", |text| text)
     }
 
     /// All names in the order of their ids.
     pub fn iter(&self) -> impl Iterator<Item = &str> {
-        self.texts.iter().map(String::as_str)
+        self.texts.iter().map(|text| &**text)
     }
 }
 

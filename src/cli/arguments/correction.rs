@@ -4,6 +4,9 @@ use clap::{Args, ValueEnum};
 
 use super::super::value;
 
+/// Corrections beyond this are refused where nothing else is said: a machine that is further off is not a machine but a wrong unit.
+pub(in crate::cli) const MOST_CORRECTION: &str = "0.2mm";
+
 /// Arcs in the output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum ArcChoice {
@@ -86,6 +89,6 @@ pub(in crate::cli) struct CorrectionChoice {
     #[arg(long, value_name = "LENGTH", value_parser = value::increment_mm)]
     pub(in crate::cli) increment: Option<f64>,
     /// Refuse corrections beyond this, with its unit
-    #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
+    #[arg(long, value_name = "LENGTH", default_value = MOST_CORRECTION, value_parser = value::positive_length_mm)]
     pub(in crate::cli) max_correction: f64,
 }

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::super::value;
+use super::correction::MOST_CORRECTION;
 use super::{MachineChoice, RotaryChoice, StateChoice};
 
 /// What `ncfix measured --help` says last.
@@ -34,4 +36,7 @@ pub(in crate::cli) struct MeasuredArguments {
     /// Rotary axes
     #[arg(long, value_enum, default_value_t)]
     pub(in crate::cli) rotary: RotaryChoice,
+    /// Refuse corrections beyond this, with its unit
+    #[arg(long, value_name = "LENGTH", default_value = MOST_CORRECTION, value_parser = value::positive_length_mm)]
+    pub(in crate::cli) max_correction: f64,
 }

@@ -5,11 +5,14 @@
 mod motion;
 mod words;
 
+use std::collections::HashSet;
+
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{AXIS_COUNT, Axis};
 use crate::path::{Centers, Feeds, Output, OutputFrame, Piece, Turns};
-use crate::snc::{BlockNumber, FeedUnit};
+use crate::snc::{BlockNumber, FeedUnit, Origin};
 
+use super::block_number::BlockNumbers;
 use super::line::Line;
 use super::number::{AxisNumbers, push_value, to_digits};
 use super::stops::{StopWords, Stops};
@@ -46,6 +49,8 @@ fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
         has_assumed: false,
         line: Line::new(options.crlf),
         stops: Stops::new(STOPS),
+        block_numbers: BlockNumbers::default(),
+        labels: HashSet::new(),
         is_again: false,
         suppressing: None,
         motion: "",
@@ -62,6 +67,9 @@ struct Sinumerik {
     has_assumed: bool,
     line: Line,
     stops: Stops,
+    block_numbers: BlockNumbers,
+    /// Labels that were written.
+    labels: HashSet<Vec<u8>>,
     /// Whether the line is a further one of its block.
     is_again: bool,
     /// The suppressing word of the block.
@@ -79,14 +87,14 @@ impl Writer for Sinumerik {
                 let has_other_feed = self.line.has_feed && self.needs_feed(piece);
                 self.is_again = !piece.starts_block && (!piece.first || self.line.has_motion || has_other_feed);
                 if piece.starts_block || self.is_again {
-                    self.begin(piece.starts_block, piece.number, out);
+                    self.begin(piece.starts_block, (&piece.origin, piece.number), out);
                 }
                 self.assume(out);
                 self.piece(piece);
             }
             Output::Element(element) => {
                 if element.starts_block {
-                    self.begin(true, element.number, out);
+                    self.begin(true, (&element.origin, element.number), out);
                 }
                 self.element(element, out);
             }
@@ -106,7 +114,7 @@ impl Writer for Sinumerik {
 
 impl Sinumerik {
     /// Ends the line before and begins another.
-    fn begin(&mut self, is_block: bool, number: Option<BlockNumber>, out: &mut Vec<u8>) {
+    fn begin(&mut self, is_block: bool, (origin, number): (&Origin, Option<BlockNumber>), out: &mut Vec<u8>) {
         if is_block {
             self.end_block(out);
             self.suppressing = None;
@@ -116,7 +124,7 @@ impl Sinumerik {
             self.line.end(out);
         }
         self.line.open();
-        if let Some(number) = number {
+        if let Some(number) = self.block_numbers.first(origin, number.filter(|_| is_block)) {
             self.line.block_number(if number.main { b':' } else { b'N' }, number.number);
         }
     }

@@ -24,6 +24,7 @@ impl Sinumerik {
             Kind::Comment(bytes) => self.line.note(&[bytes]),
             // In force already.
             Kind::Feed(feed) if *feed == self.feed && element.number.is_none() => {}
+            Kind::Label(label) => self.label(label),
             kind => self.words(kind),
         }
     }
@@ -80,7 +81,20 @@ impl Sinumerik {
                 self.line.text.extend_from_slice(b"\")");
             }
             Kind::Verbatim(text) => self.word(text),
-            Kind::Header(_) | Kind::Comment(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
+            Kind::Header(_)
+            | Kind::Comment(_)
+            | Kind::Label(_)
+            | Kind::Move(_)
+            | Kind::Setup(_)
+            | Kind::Lost(_)
+            | Kind::Empty => {}
+        }
+    }
+
+    /// Writes a label where its block begins for the first time, so that a block search by it finds the same place.
+    fn label(&mut self, label: &[u8]) {
+        if self.labels.insert(label.to_vec()) {
+            self.line.label(label);
         }
     }
 

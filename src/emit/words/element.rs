@@ -31,7 +31,7 @@ impl Words {
             self.place = None;
         }
         match &element.kind {
-            Kind::Header(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
+            Kind::Header(_) | Kind::Label(_) | Kind::Move(_) | Kind::Setup(_) | Kind::Lost(_) | Kind::Empty => {}
             Kind::Comment(bytes) => self.comment(bytes),
             // In force already.
             Kind::Feed(feed) if *feed == self.feed && element.number.is_none() => {}

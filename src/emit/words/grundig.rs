@@ -1,6 +1,7 @@
 //! What Grundig, Philips and Heidenhain MillPlus write.
 //!
-//! Every line has a number, N1, N2, …, as jumps are gone and numbers must not occur twice. Centers of arcs are absolute; a full circle
+//! Every line has a number, and none occurs twice: the first line of a block of the source has its own, so that a block search finds it, all others have
+//! numbers above those of the source; numbers need not rise. Centers of arcs are absolute; a full circle
 //! has no end point but `B5=360`; a helix becomes arcs of less than a turn.
 //!
 //! The control moves the tool axis of a rapid move first or last. The execution has split rapid moves already, so each line moves what

@@ -18,6 +18,7 @@ use crate::geometry::AXIS_COUNT;
 use crate::path::{Centers, Feeds, Output, Piece, Turns};
 use crate::snc::{BlockNumber, Origin};
 
+use super::block_number::{BlockNumbers, NumberSet};
 use super::line::Line;
 use super::number::{AxisNumbers, push_pointed, push_value, to_digits};
 use super::stops::{StopWords, Stops};
@@ -94,7 +95,7 @@ fn create(flavour: &'static Flavour, options: &WriterOptions) -> Option<Box<dyn 
         is_tape: false,
         line: if flavour.is_numbered { line.numbered(options.last_block_number.unwrap_or(u32::MAX)) } else { line },
         stops: Stops::new(flavour.stops),
-        last_number: None,
+        block_numbers: BlockNumbers::default(),
         has_p: false,
         place: None,
         tapped_from: None,
@@ -115,8 +116,7 @@ struct Words {
     is_tape: bool,
     line: Line,
     stops: Stops,
-    /// The largest number of a block so far.
-    last_number: Option<u32>,
+    block_numbers: BlockNumbers,
     /// Whether the line has a P that an arc beside it would take for its turns.
     has_p: bool,
     /// Where the last piece ended, unless the coordinates have changed since.
@@ -136,7 +136,7 @@ impl Writer for Words {
         match output {
             Output::Piece(piece) => {
                 if piece.starts_block {
-                    self.begin_block(piece.number, out);
+                    self.begin_block(&piece.origin, piece.number, out);
                 // What a contour has held back may come behind the feed of the next block.
                 } else if !piece.first || self.line.has_motion || self.line.has_feed && self.needs_feed(piece) {
                     self.stops.run_through(&mut self.line);
@@ -151,7 +151,7 @@ impl Writer for Words {
             }
             Output::Element(element) => {
                 if element.starts_block {
-                    self.begin_block(element.number, out);
+                    self.begin_block(&element.origin, element.number, out);
                 }
                 self.element(element, out)
             }
@@ -166,6 +166,10 @@ impl Writer for Words {
         }
     }
 
+    fn keep_free(&mut self, numbers: NumberSet) {
+        self.line.keep_free(numbers);
+    }
+
     fn blocks(&self) -> u64 {
         self.line.blocks()
     }
@@ -173,16 +177,16 @@ impl Writer for Words {
 
 impl Words {
     /// Ends the block before and begins another.
-    fn begin_block(&mut self, number: Option<BlockNumber>, out: &mut Vec<u8>) {
+    fn begin_block(&mut self, origin: &Origin, number: Option<BlockNumber>, out: &mut Vec<u8>) {
         self.end_block(out);
         self.has_p = false;
         self.stops.begin_block();
         self.line.open();
-        let Some(BlockNumber { number, .. }) = number.filter(|_| !self.flavour.is_numbered) else { return };
-        // What is executed again has no number: each is there once.
-        if self.last_number.is_none_or(|last| number > last) {
+        let own = self.block_numbers.first(origin, number).map(|own| own.number);
+        if self.flavour.is_numbered {
+            self.line.own_number(own);
+        } else if let Some(number) = own {
             self.line.block_number(b'N', number);
-            self.last_number = Some(number);
         }
     }
 

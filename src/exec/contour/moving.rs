@@ -133,7 +133,8 @@ impl Item {
     pub(super) fn counts(&self) -> bool {
         match self {
             Item::Element(element) => {
-                !matches!(element.kind, Kind::Comment(_) | Kind::Empty | Kind::Header(_) | Kind::Setup(_))
+                let kind = &element.kind;
+                !matches!(kind, Kind::Comment(_) | Kind::Label(_) | Kind::Empty | Kind::Header(_) | Kind::Setup(_))
             }
             Item::Path(_) => true,
         }

@@ -202,6 +202,10 @@ impl<'a> Interpreter<'a> {
         let origin = cycle.map_or(own, |cycle| cycle.origin);
         let number = block.number.map(|written| BlockNumber { main: written.main, number: written.number });
         self.channel.begin_block(origin, number);
+        if let Some(label) = block.label.filter(|_| calls == 0 && cycle.is_none()) {
+            let label = loaded.program.names.text(label).as_bytes().to_vec();
+            self.channel.push(Kind::Label(label));
+        }
         let action = match self.levels.last_mut() {
             Some(level) => {
                 flow::block(loaded, level, &mut self.channel, &block, index, section_blocks, comment, self.machine)

@@ -8,6 +8,7 @@ use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
 use crate::syntax::names::NameId;
+use crate::syntax::{MAX_FINDINGS, too_many_parts};
 
 /// A block longer than this is refused; controls take 512 characters.
 const MAX_BLOCK_BYTES: usize = 4096;
@@ -24,6 +25,7 @@ pub(super) struct Parser {
     pub(super) tail: Vec<u8>,
     pub(super) expanded: Vec<(u32, Span)>,
     pub(super) depth: u32,
+    has_too_many_parts: bool,
 }
 
 /// A block while its line is being read.
@@ -43,6 +45,7 @@ impl Parser {
             tail: Vec::new(),
             expanded: Vec::new(),
             depth: 0,
+            has_too_many_parts: false,
         }
     }
 
@@ -70,7 +73,7 @@ impl Parser {
         let source = self.program.source.clone();
         let bytes = source.bytes();
         let line_end = source.line_end();
-        while start < until.min(bytes.len()) {
+        while start < until.min(bytes.len()) && !self.is_hopeless() {
             let length = find_byte(&bytes[start..], line_end);
             let next = length.map_or(bytes.len(), |length| start + length + 1);
             let mut end = length.map_or(bytes.len(), |length| start + length);
@@ -82,7 +85,19 @@ impl Parser {
             self.read_line(&bytes[start..end], line);
             start = next;
         }
-        (start, line)
+        if self.is_hopeless() { (bytes.len(), line) } else { (start, line) }
+    }
+
+    /// Whether the file is no program, so that the rest of it is not looked at.
+    fn is_hopeless(&self) -> bool {
+        self.has_too_many_parts || self.findings.len() > MAX_FINDINGS
+    }
+
+    /// There is one program too many in the file.
+    pub(super) fn give_up_at_section(&mut self, header: Span) {
+        if !std::mem::replace(&mut self.has_too_many_parts, true) {
+            self.findings.push(too_many_parts(&self.program.source, header));
+        }
     }
 
     /// Ends the file.
@@ -92,9 +107,9 @@ impl Parser {
         self.program.sections.retain(|section| !(section.blocks.is_empty() && section.headers.is_empty()));
     }
 
-    /// Whether nothing was found in the text, and no macro was expanded.
-    pub(super) fn is_clean(&self) -> bool {
-        self.findings.is_empty() && self.expanded.is_empty()
+    /// Whether no macro was expanded.
+    pub(super) fn is_unexpanded(&self) -> bool {
+        self.expanded.is_empty()
     }
 
     /// The offset in the file of the first byte of `input`.

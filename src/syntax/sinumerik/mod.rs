@@ -39,9 +39,9 @@ pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagno
 #[must_use]
 pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
     if source.bytes().len() >= LARGE_BYTES
-        && let Some(program) = pages::parse(source, dialect, macros, PAGE_BYTES)
+        && let Some((program, findings)) = pages::parse(source, dialect, macros, PAGE_BYTES)
     {
-        return (program, Vec::new());
+        return (program, checked(findings, source, dialect));
     }
     whole(source, dialect, macros)
 }
@@ -49,7 +49,7 @@ pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -
 /// Parses a program of any size by pages of so many bytes; `None` where it must be kept as a whole.
 #[must_use]
 pub fn parse_by_pages(source: &Source, dialect: &'static Dialect, page_bytes: usize) -> Option<Program> {
-    pages::parse(source, dialect, &Macros::default(), page_bytes)
+    pages::parse(source, dialect, &Macros::default(), page_bytes).map(|(program, _)| program)
 }
 
 /// Parses a program of which everything is kept.

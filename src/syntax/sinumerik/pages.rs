@@ -1,7 +1,7 @@
 //! Large programs: of blocks that are nothing but words only a page is there at a time.
 //!
 //! The first pass reads every page, so that whatever is wrong in the file is found before anything is executed. A program with jumps, labels, loops,
-//! calls of parts or macros, or with anything that cannot be read, is kept as a whole.
+//! calls of parts or macros is kept as a whole.
 
 use std::sync::Arc;
 
@@ -9,13 +9,19 @@ use super::block::Parser;
 use super::macros::Macros;
 use super::section::empty;
 use super::tree::{Body, Program};
+use crate::diagnostic::Diagnostic;
 use crate::dialect::Dialect;
 use crate::source::Source;
 use crate::syntax::plain;
 use crate::syntax::shelf::{Pages, Start};
 
 /// Reads a program by pages of so many bytes; `None` where it must be kept as a whole.
-pub(super) fn parse(source: &Source, dialect: &'static Dialect, macros: &Macros, page: usize) -> Option<Program> {
+pub(super) fn parse(
+    source: &Source,
+    dialect: &'static Dialect,
+    macros: &Macros,
+    page: usize,
+) -> Option<(Program, Vec<Diagnostic>)> {
     let length = source.bytes().len();
     let mut parser = Parser::new(source.clone(), dialect, macros.clone());
     let mut pages = Pages::until(length);
@@ -39,24 +45,25 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, macros: &Macros,
             // Headers that go on belong to the section where no block stands before them: all of them are one page.
             at = parser.read(at, at.0 + page);
         }
-        if !(parser.is_clean() && is_plain(&parser.program)) {
+        if !(parser.is_unexpanded() && is_plain(&parser.program)) {
             return None;
         }
         does_something |= parser.program.blocks.iter().any(|block| block.body != Body::Empty);
     }
     parser.end();
-    let (mut program, _) = parser.finish();
-    if program.sections.len() != 1 || !does_something {
+    let (mut program, findings) = parser.finish();
+    if program.sections.len() != 1 || !(does_something || !findings.is_empty()) {
         return None;
     }
     program.pages = Some(Arc::new(pages));
     program.ensure(0);
-    Some(program)
+    Some((program, findings))
 }
 
 /// Whether the blocks that are there mean the same wherever they are read.
 fn is_plain(program: &Program) -> bool {
-    let is_plain = |body| matches!(body, Body::Empty | Body::Words | Body::Define { .. } | Body::Declaration);
+    let is_plain =
+        |body| matches!(body, Body::Empty | Body::Words | Body::Define { .. } | Body::Declaration | Body::Faulty);
     program.jumps.is_empty()
         && program.calls.is_empty()
         && program.parameters.is_empty()
@@ -124,7 +131,8 @@ mod tests {
     /// Compares a program by pages with the whole one, forward and backward; whether it can be paged.
     fn compare(text: &[u8], dialect: &'static Dialect, page: usize) -> bool {
         let source = Source::new(FileId(0), "p", text.to_vec()).unwrap();
-        let Some(mut paged) = parse(&source, dialect, &Macros::default(), page) else { return false };
+        let Some((mut paged, none)) = parse(&source, dialect, &Macros::default(), page) else { return false };
+        assert_eq!(none, []);
         let (whole, findings) = super::super::whole(&source, dialect, &Macros::default());
         assert!(findings.is_empty(), "{findings:?}");
         assert_eq!((paged.blocks.len(), &paged.sections), (whole.blocks.len(), &whole.sections));
@@ -174,7 +182,6 @@ mod tests {
             b"%_N_A_MPF\nX1\n%_N_B_SPF\nX2\n",
             b"PROC A(REAL B)\nX1\n",
             b"DEFINE F AS G1\nF X1\n",
-            b"X1\nX(\n",
             b"\n\n",
             b"; nothing\n",
         ] {
@@ -188,7 +195,7 @@ mod tests {
     fn a_paged_program_can_be_made_whole() {
         let text = b"N1 X1\nN2 X=R1\nN3 X3\nN4 Y4\n";
         let source = Source::new(FileId(0), "p", text.to_vec()).unwrap();
-        let mut program = parse(&source, dialect::sinumerik(), &Macros::default(), 8).unwrap();
+        let (mut program, _) = parse(&source, dialect::sinumerik(), &Macros::default(), 8).unwrap();
         program.ensure(2);
         assert!(program.has_pages() && program.blocks.get(0).is_none());
         program.keep_whole();

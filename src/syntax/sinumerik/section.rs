@@ -4,6 +4,7 @@ use super::block::Parser;
 use super::tree::{Program, Section};
 use crate::dialect::Dialect;
 use crate::source::{Source, Span};
+use crate::syntax::MAX_PARTS;
 use crate::syntax::names::Names;
 use crate::syntax::shelf::Shelf;
 
@@ -46,6 +47,10 @@ impl Parser {
     pub(super) fn open_section(&mut self, text: &[u8]) {
         let span = Span::new(self.offset(text), self.line_end);
         self.close_section();
+        if self.program.sections.len() >= MAX_PARTS {
+            self.give_up_at_section(span);
+            return;
+        }
         match self.program.sections.last() {
             Some(section) if section.ending == "DEF" => self.shared = self.macros.clone(),
             _ => self.macros = self.shared.clone(),

@@ -5,6 +5,7 @@ use super::token::{Input, angled, blanks, is_blank, small_number};
 use super::tree::{Part, PartKind};
 use crate::dialect::Language;
 use crate::source::Span;
+use crate::syntax::MAX_PARTS;
 
 /// Memories of the Grundig: the letters behind `%`.
 const MEMORIES: &[(&str, PartKind)] = &[
@@ -28,28 +29,33 @@ pub(super) fn tape(bytes: &[u8], line_end: u8, language: Language) -> (usize, us
     if language == Language::Grundig || !bytes.contains(&b'%') {
         return all;
     }
-    let mut marks = Vec::new();
+    // The first, the second and the last mark are all that counts; a file may be nothing but marks.
+    let (mut first, mut second, mut last) = (None, None, None);
     let mut start = 0;
     for line in bytes.split(|&byte| byte == line_end) {
         if blanks(line).first() == Some(&b'%') {
-            marks.push((start, start + line.len()));
+            let mark = (start, start + line.len());
+            if first.is_some() {
+                second = second.or(Some(mark));
+            }
+            first = first.or(Some(mark));
+            last = Some(mark);
         }
         start += line.len() + 1;
     }
-    let (Some(&first), Some(&last)) = (marks.first(), marks.last()) else { return all };
+    let (Some(first), Some(last)) = (first, last) else { return all };
     let mut before = bytes[..first.0].split(|&byte| byte == line_end).map(blanks);
     let has_leader = match language {
         Language::Rs274 => before.all(<[u8]>::is_empty),
         _ => !before.any(is_block),
     };
     let start = if has_leader { first.0 } else { 0 };
-    if marks.len() == 1 {
+    let Some(second) = second else {
         // It opens the program, unless there is one before it already.
         return (start, if has_leader { bytes.len() } else { first.1 });
-    }
+    };
     // RS274/NGC reads one program, from the first to the second.
-    let end =
-        if language == Language::Rs274 && has_leader { marks.get(1).map_or(last.1, |mark| mark.1) } else { last.1 };
+    let end = if language == Language::Rs274 && has_leader { second.1 } else { last.1 };
     (start, end)
 }
 
@@ -206,6 +212,10 @@ impl Parser {
     /// Ends the part before and begins another one.
     pub(super) fn open_part(&mut self, kind: PartKind, header: Option<Input<'_>>) {
         self.close_part();
+        if self.program.parts.len() >= MAX_PARTS {
+            self.give_up_at_part();
+            return;
+        }
         let start = self.program.blocks.next();
         let headers = header.map(|text| Span::new(self.offset(text), self.line_end)).into_iter().collect();
         self.program.parts.push(Part {

@@ -31,9 +31,9 @@ use crate::source::Source;
 pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
     let source = without_parity(source);
     if source.bytes().len() >= LARGE_BYTES
-        && let Some(program) = pages::parse(&source, dialect, PAGE_BYTES)
+        && let Some((program, findings)) = pages::parse(&source, dialect, PAGE_BYTES)
     {
-        return (program, Vec::new());
+        return (program, checked(findings, &source, dialect));
     }
     whole(&source, dialect)
 }
@@ -41,7 +41,7 @@ pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagno
 /// Parses a program of any size by pages of so many bytes; `None` where it must be kept as a whole.
 #[must_use]
 pub fn parse_by_pages(source: &Source, dialect: &'static Dialect, page_bytes: usize) -> Option<Program> {
-    pages::parse(&without_parity(source), dialect, page_bytes)
+    pages::parse(&without_parity(source), dialect, page_bytes).map(|(program, _)| program)
 }
 
 /// Parses a program of which everything is kept.

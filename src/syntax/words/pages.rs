@@ -1,19 +1,20 @@
 //! Large programs: of blocks that are nothing but words only a page is there at a time.
 //!
-//! The first pass reads every page, so that whatever is wrong in the file is found before anything is executed. A program with jumps, loops or O-words,
-//! one of several in a file, or one with anything that cannot be read is kept as a whole.
+//! The first pass reads every page, so that whatever is wrong in the file is found before anything is executed. A program with jumps, loops or O-words
+//! or one of several in a file is kept as a whole.
 
 use std::sync::Arc;
 
 use super::parser::{Parser, empty};
 use super::tree::{Body, PartKind, Program};
+use crate::diagnostic::Diagnostic;
 use crate::dialect::{Dialect, Language};
 use crate::source::Source;
 use crate::syntax::plain;
 use crate::syntax::shelf::{Pages, Start};
 
 /// Reads a program by pages of so many bytes; `None` where it must be kept as a whole.
-pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> Option<Program> {
+pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> Option<(Program, Vec<Diagnostic>)> {
     let mut parser = Parser::new(source.clone(), dialect);
     let (mut at, end) = parser.tape();
     let mut pages = Pages::until(end);
@@ -24,8 +25,8 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> 
         let first = parser.program.next();
         parser.program.turn_to(first);
         pages.push(Start { offset: at.0, lines: at.1, first });
-        if !parser.is_fresh
-            && dialect.language != Language::Grundig
+        if dialect.language != Language::Grundig
+            && !parser.program.blocks.is_empty()
             && let Some(plain) = plain::count(source.bytes(), at.0, end.min(at.0 + page), source.line_end())
         {
             plain.leave_out(&mut parser.program.blocks, &mut parser.program.words);
@@ -34,11 +35,11 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> 
             continue;
         }
         at = parser.read(at, end.min(at.0 + page));
-        while parser.is_fresh && at.0 < end {
+        while parser.is_fresh && dialect.language == Language::Grundig && at.0 < end {
             // What stands before the first block is read as a header or not by what came before it: all of it is one page.
             at = parser.read(at, end.min(at.0 + page));
         }
-        if !(parser.is_clean() && is_plain(&parser.program)) {
+        if !is_plain(&parser.program) {
             return None;
         }
         if dialect.language == Language::Grundig {
@@ -51,18 +52,18 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> 
         does_something |= parser.program.blocks.iter().any(|block| block.body != Body::Empty);
     }
     parser.close_part();
-    let (mut program, _) = parser.finish();
-    if program.parts.len() != 1 || !does_something {
+    let (mut program, findings) = parser.finish();
+    if program.parts.len() != 1 || !(does_something || !findings.is_empty()) {
         return None;
     }
     program.pages = Some(Arc::new(pages));
     program.ensure(0);
-    Some(program)
+    Some((program, findings))
 }
 
 /// Whether the blocks that are there mean the same wherever they are read.
 fn is_plain(program: &Program) -> bool {
-    let is_plain = |body| matches!(body, Body::Empty | Body::Words | Body::Printing(_));
+    let is_plain = |body| matches!(body, Body::Empty | Body::Words | Body::Printing(_) | Body::Faulty);
     program.blocks.iter().all(|block| block.label.is_none() && is_plain(block.body))
 }
 
@@ -115,6 +116,20 @@ impl Program {
         first
     }
 
+    /// Shows the number of every block that has one.
+    pub fn each_block_number(&self, see: &mut dyn FnMut(u32)) {
+        let Some(pages) = &self.pages else {
+            self.blocks.iter().filter_map(|block| block.number).for_each(see);
+            return;
+        };
+        let mut read = Program { pages: self.pages.clone(), ..empty(self.source.clone(), self.dialect) };
+        read.names = self.names.clone();
+        for start in pages.first_blocks() {
+            read.load(start);
+            read.blocks.iter().filter_map(|block| block.number).for_each(&mut *see);
+        }
+    }
+
     /// The numbers of the nodes that come next.
     fn next(&self) -> [usize; 5] {
         [self.blocks.next(), self.words.next(), self.exprs.next(), self.arguments.next(), self.comments.next()]
@@ -138,7 +153,8 @@ mod tests {
     /// Compares a program by pages with the whole one, forward and backward; whether it can be paged.
     fn compare(text: &[u8], dialect: &'static Dialect, page: usize) -> bool {
         let source = Source::new(FileId(0), "p", text.to_vec()).unwrap();
-        let Some(mut paged) = parse(&source, dialect, page) else { return false };
+        let Some((mut paged, none)) = parse(&source, dialect, page) else { return false };
+        assert_eq!(none, []);
         let (whole, findings) = super::super::whole(&source, dialect);
         assert!(findings.is_empty(), "{findings:?}");
         assert_eq!(paged.blocks.len(), whole.blocks.len());
@@ -207,7 +223,6 @@ mod tests {
             (b"O1\nWHILE [#1 LT 2] DO1\nX1\nEND1\n", fanuc),
             (b"O1\nX1\nM99\nO2\nX2\nM99\n", fanuc),
             (b"o100 sub\nX1\no100 endsub\nM2\n", rs274),
-            (b"X1\nX[\n", rs274),
             (b"%PM9001\nN10 X1\nN20 X2\nN10 X3\n", grundig),
             (b"\n", fanuc),
         ] {

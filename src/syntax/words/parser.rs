@@ -8,9 +8,13 @@ use crate::dialect::{Dialect, Language};
 use crate::source::{Source, Span};
 use crate::syntax::names::{NameId, Names};
 use crate::syntax::shelf::Shelf;
+use crate::syntax::{MAX_FINDINGS, too_many_parts};
 
 /// A block longer than this is refused; controls take a few hundred characters.
 const MAX_BLOCK_BYTES: usize = 4096;
+
+/// Lines of comments before the number of a Grundig program at most.
+const MOST_HEADER_LINES: usize = 1000;
 
 /// The parser's state: the tree that grows, and where the line ends that is being read.
 pub(super) struct Parser {
@@ -21,6 +25,7 @@ pub(super) struct Parser {
     pub(super) depth: u32,
     /// Whether the part has no block yet, so that a line with nothing but a number is its header.
     pub(super) is_fresh: bool,
+    has_too_many_parts: bool,
 }
 
 /// A program without anything.
@@ -45,7 +50,15 @@ pub(super) fn empty(source: Source, dialect: &'static Dialect) -> Program {
 impl Parser {
     pub(super) fn new(source: Source, dialect: &'static Dialect) -> Parser {
         let program = empty(source, dialect);
-        Parser { program, language: dialect.language, findings: Vec::new(), line_end: 0, depth: 0, is_fresh: true }
+        Parser {
+            program,
+            language: dialect.language,
+            findings: Vec::new(),
+            line_end: 0,
+            depth: 0,
+            is_fresh: true,
+            has_too_many_parts: false,
+        }
     }
 
     pub(super) fn finish(self) -> (Program, Vec<Diagnostic>) {
@@ -86,7 +99,7 @@ impl Parser {
         let source = self.program.source.clone();
         let bytes = source.bytes();
         let line_end = source.line_end();
-        while start < until {
+        while start < until && !self.is_hopeless() {
             let length = find_byte(&bytes[start..], line_end);
             let next = length.map_or(bytes.len(), |length| start + length + 1);
             let mut end = length.map_or(bytes.len(), |length| start + length);
@@ -101,12 +114,26 @@ impl Parser {
             }
             start = next;
         }
-        (start, line)
+        if self.is_hopeless() { (source.bytes().len(), line) } else { (start, line) }
     }
 
-    /// Whether nothing was found in the text.
-    pub(super) fn is_clean(&self) -> bool {
-        self.findings.is_empty()
+    /// Whether the file is no program, so that the rest of it is not looked at.
+    fn is_hopeless(&self) -> bool {
+        self.has_too_many_parts || self.findings.len() > MAX_FINDINGS
+    }
+
+    /// There is one program too many in the file.
+    pub(super) fn give_up_at_part(&mut self) {
+        if !std::mem::replace(&mut self.has_too_many_parts, true) {
+            let header = Span::new(self.line_end.saturating_sub(1), self.line_end);
+            self.findings.push(too_many_parts(&self.program.source, header));
+        }
+    }
+
+    /// Whether so many comments stand before the first block of a part that no header follows.
+    fn is_late(&self) -> bool {
+        let start = self.program.parts.last().map_or(0, |part| part.blocks.start);
+        self.program.blocks.next() - start >= MOST_HEADER_LINES
     }
 
     /// The offset in the file of the first byte of `input`.
@@ -135,7 +162,7 @@ impl Parser {
         if text.len() < line_text.len() {
             text = self.title(blanks(text));
             self.end_header(text);
-        } else if text.first() != Some(&b'(') {
+        } else if text.first() != Some(&b'(') || self.is_late() {
             self.is_fresh = false;
         }
         if text.is_empty() {

@@ -1,0 +1,114 @@
+//! How large and how small the numbers of a TOML file may be, by the name of their key.
+//!
+//! A number far outside of what machines have is a wrong unit or a slip of the hand. Every number that a section reads is looked at here, so that no
+//! key is without limits; what a reader asks for beyond that, a whole number or a shorter range, it asks for itself.
+
+use std::ops::RangeInclusive;
+
+/// Keys and what their numbers may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NumberRange {
+    /// The key, or `*` and its end.
+    pub keys: &'static str,
+    /// Least and greatest value, in the unit of the key.
+    pub least: f64,
+    /// See [`Self::least`].
+    pub most: f64,
+    /// Why.
+    pub reason: &'static str,
+}
+
+/// Turns of a rotary axis that nobody counts any more, degrees.
+const MANY_TURNS_DEG: f64 = 360_000.0;
+/// A kilometre, mm.
+const KILOMETRE_MM: f64 = 1e6;
+/// A year, s.
+const YEAR_S: f64 = 366.0 * 86_400.0;
+
+/// All of them: the first that fits counts, so that a key goes before its end.
+pub const RANGES: &[NumberRange] = &[
+    of("increment_mm", 1e-5, 0.1, "as `--increment`: no control counts finer, and a coarser one has no use"),
+    of("increment_deg", 1e-5, 0.1, "the same for rotary axes"),
+    of("arc_tolerance_mm", 0.0, 1.0, "an arc whose ends are farther off is another arc"),
+    of("arc_tolerance_ratio", 0.0, 0.1, "a tenth of the radius is no rounding of digits"),
+    of("chord_tolerance_mm", 1e-6, 1.0, "coarser chords are no curve; finer ones are below every increment"),
+    of("travel_mm", -1e9, 1e9, "see [limits](limits.md)"),
+    of("travel_deg", -1e9, 1e9, "see [limits](limits.md)"),
+    of("radius_mm", 0.0, 1e4, "10 m; no tool is larger"),
+    of("*sigma_um_per_m", 0.0, 1e6, "a strain of 1"),
+    of("*um_per_m_K", -1e4, 1e4, "a thousand times the expansion of aluminium is another unit"),
+    of("*um_per_K", -1e4, 1e4, "10 mm per K"),
+    of("*_mm_min", 0.0, 1e7, "10 km/min"),
+    of("*_deg_min", 0.0, 1e9, "a million turns a minute"),
+    of("*_per_min", -1e7, 1e7, "as feeds"),
+    of("*_mm", -KILOMETRE_MM, KILOMETRE_MM, "1 km; no machine is larger"),
+    of("*_inch", -KILOMETRE_MM, KILOMETRE_MM, "as lengths in mm"),
+    of("*_deg", -MANY_TURNS_DEG, MANY_TURNS_DEG, "1000 turns"),
+    of("*_um", -1e6, 1e6, "1 m of error is another unit"),
+    of("*_urad", -1e7, 1e7, "10 rad of error is another unit"),
+    of("*_ms", 0.0, 1e6, "a quarter of an hour"),
+    of("*_s", 0.0, YEAR_S, "a year"),
+    of("*_C", -273.15, 1000.0, "above absolute zero, below glowing"),
+    of("*_K", -1e4, 1e4, "no difference of temperature is larger"),
+    of("*_N", 0.0, 1e6, "100 t on a table"),
+    of("*_percent", 0.0, 100.0, "a share"),
+    of("*", -1e9, 1e9, "any other number: nine digits before the point, as in a program"),
+];
+
+const fn of(keys: &'static str, least: f64, most: f64, reason: &'static str) -> NumberRange {
+    NumberRange { keys, least, most, reason }
+}
+
+/// Numbers in a list: no measured table of one axis has more.
+const MOST_IN_LIST: usize = 100_000;
+/// Coefficients of a polynomial: degrees beyond that are noise in double precision.
+const MOST_COEFFICIENTS: usize = 64;
+
+/// How many numbers the list of a key may have.
+#[must_use]
+pub fn most_in_list(key: &str) -> usize {
+    if key.ends_with("coefficients") { MOST_COEFFICIENTS } else { MOST_IN_LIST }
+}
+
+impl NumberRange {
+    /// Whether it is about a key.
+    fn is_about(&self, key: &str) -> bool {
+        self.keys.strip_prefix('*').map_or(self.keys == key, |end| key.ends_with(end))
+    }
+
+    /// The least and the greatest value.
+    #[must_use]
+    pub fn values(&self) -> RangeInclusive<f64> {
+        self.least..=self.most
+    }
+}
+
+/// The range of a key.
+#[must_use]
+pub fn range_of(key: &str) -> NumberRange {
+    let found = RANGES.iter().find(|range| range.is_about(key));
+    found.copied().unwrap_or(of("*", -1e9, 1e9, ""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_has_the_range_of_its_name_or_of_its_unit() {
+        assert_eq!(range_of("increment_mm").values(), 1e-5..=0.1);
+        assert_eq!(range_of("point_mm").values(), -1e6..=1e6);
+        assert_eq!(range_of("head_C").values(), -273.15..=1000.0);
+        assert_eq!(range_of("number").values(), -1e9..=1e9);
+        assert_eq!(range_of("max_feed_mm_min").values(), 0.0..=1e7);
+    }
+
+    #[test]
+    fn no_range_hides_another() {
+        for (index, range) in RANGES.iter().enumerate() {
+            let key = range.keys.replace('*', "some");
+            assert_eq!(RANGES.iter().position(|one| one.is_about(&key)), Some(index), "{}", range.keys);
+            assert!(range.least < range.most && !range.reason.is_empty());
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Corrections that would make a machine worse: said, refused, and nothing is written.
+
+use crate::support::{Shop, machine};
+
+/// A cradle whose A axis is not parallel to X. A table for each axis over its own position knows nothing of what A does to Y and Z.
+const CRADLE: &str = r#"
+[machine]
+name = "cradle"
+topology = "wCAYFXZSt"
+controller = "sinumerik"
+[axis.X]
+direction = [1, 0, 0]
+travel_mm = [-150, 150]
+[axis.Y]
+direction = [0, -1, 0]
+travel_mm = [-200, 200]
+[axis.Z]
+direction = [0, 0, 1]
+travel_mm = [0, 200]
+[axis.A]
+direction = [-1, 0, 0]
+travel_deg = [-100, 100]
+[axis.C]
+direction = [0, 0, -1]
+travel_deg = [-360, 360]
+[spindle]
+axis = [0, 0, 1]
+[location]
+EB0A = 1000.0
+EC0A = -800.0
+"#;
+
+/// A scale of 100 µm/m along X, and nothing else.
+const SCALE: &str = r#"
+[machine]
+name = "scale"
+topology = "wFXYZSt"
+controller = "sinumerik"
+[axis.X]
+direction = [1, 0, 0]
+travel_mm = [0, 500]
+[axis.Y]
+direction = [0, 1, 0]
+travel_mm = [0, 300]
+[axis.Z]
+direction = [0, 0, 1]
+travel_mm = [0, 300]
+[spindle]
+axis = [0, 0, 1]
+[[motion]]
+component = "EXX"
+kind = "polynomial"
+coefficients = [0, 1e-4]
+"#;
+
+const TABLES: [&str; 6] = ["tables", "--machine", "m.toml", "--format", "cec", "-o"];
+
+#[test]
+fn tables_that_make_it_worse_are_not_written() {
+    let shop = Shop::new().file("m.toml", CRADLE);
+    let with = |more: &[&'static str]| shop.run(TABLES.iter().chain(&["t.ini"]).chain(more).copied());
+    with(&["--scheme", "own", "--tool", "80"]).exits(4).says("error[E0903]").says("more than no tables");
+    assert_eq!(shop.names(), ["m.toml"]);
+    // An old file stays, and JSON has the diagnostic.
+    std::fs::write(shop.path("t.ini"), "old").unwrap();
+    let run = with(&["--scheme", "own", "--tool", "80", "--json"]).exits(4);
+    assert!(run.stdout.contains("E0903") && run.stdout.contains("\"written\":[]"), "{}", run.stdout);
+    assert_eq!(shop.text("t.ini"), "old");
+    // A scheme that fits is written.
+    with(&["--scheme", "fik", "--tool", "80"]).exits(0);
+    assert_ne!(shop.text("t.ini"), "old");
+}
+
+#[test]
+fn tables_with_the_wrong_sign_are_not_converted() {
+    let shop = Shop::new().file("m.toml", SCALE);
+    shop.run(TABLES.iter().chain(&["t.ini", "--scheme", "own"]).copied()).exits(0);
+    let read = ["tables", "--read", "t.ini", "--machine", "m.toml", "--format", "comp", "-o", "t.comp"];
+    shop.run(read).exits(0);
+    std::fs::remove_file(shop.path("t.comp")).unwrap();
+    // Every value with the other sign: 100 µm/m become 200.
+    let turned: String = shop.text("t.ini").lines().map(|line| line.replace("]=-0.", "]=0.") + "\n").collect();
+    let turned = if turned == shop.text("t.ini") { turned.replace("]=0.", "]=-0.") } else { turned };
+    let is_axis = |line: &str| line.contains("STEP") || line.contains("MIN") || line.contains("MAX");
+    assert!(turned.lines().zip(shop.text("t.ini").lines()).all(|(one, other)| !is_axis(one) || one == other));
+    std::fs::write(shop.path("t.ini"), turned).unwrap();
+    shop.run(read).exits(4).says("error[E0903]");
+    assert_eq!(shop.names(), ["m.toml", "t.ini"]);
+    // To look at them is no harm.
+    shop.run(["tables", "--read", "t.ini", "--machine", "m.toml", "--check"]).exits(0);
+}
+
+#[test]
+fn a_correction_coarser_than_the_error_is_refused() {
+    let shop = Shop::new().file(
+        "part.mpf",
+        "N10 G17 G90 G71 G94\nN20 G54 G0 X0 Y0 Z50\nN30 G1 X100.03 Y50.02 F500\nN40 X31.07 Y77.04\nN50 M30\n",
+    );
+    let demo = machine("demo");
+    let with = |more: &[&str]| {
+        let first = ["part.mpf", "-o", "out.mpf", "--machine", demo.as_str()];
+        shop.run(first.iter().chain(more).copied())
+    };
+    // On a grid of 0.1 mm the ends alone are off by up to 0.05 mm; the machine is off by some micrometers.
+    with(&["--increment", "0.1mm"]).exits(4).says("error[E0904]");
+    assert_eq!(shop.names(), ["part.mpf"]);
+    with(&[]).exits(0);
+}
+
+#[test]
+fn measured_has_the_limit_of_fix() {
+    // X stands 500 µm off at 5 m: beyond 0.2 mm a correction is a wrong unit.
+    let far = SCALE.replace("travel_mm = [0, 500]", "travel_mm = [0, 9000]");
+    let shop = Shop::new().file("m.toml", far).file("read.csv", "X,Y,Z\n1000,0,0\n5000,0,0\n9000,0,0\n");
+    let with = |more: &[&'static str]| {
+        shop.run(["measured", "read.csv", "-o", "out.csv", "--machine", "m.toml"].iter().chain(more).copied())
+    };
+    let run = with(&[]).exits(4).says("error[E0302]: the correction of X is").says("read.csv:3:1").says("read.csv:4:1");
+    assert!(!run.stderr.contains("read.csv:2:"), "{}", run.stderr);
+    assert_eq!(shop.names(), ["m.toml", "read.csv"]);
+    with(&["--max-correction", "95um"]).exits(4).says("read.csv:2:1");
+    with(&["--max-correction", "1mm"]).exits(0);
+    assert!(shop.names().contains(&"out.csv".to_owned()));
+}
+
+#[test]
+fn a_rotary_reading_is_judged_by_its_arc() {
+    // A is off by 1000 µrad in every pose where its scale has an error of 1e-3 rad per rad: at 57.3 degrees by 1 mrad. The arc at 300 mm is 0.3 mm.
+    let rotary = CRADLE.replace("EB0A = 1000.0\nEC0A = -800.0\n", "EA0Z = 0.0\n")
+        + "[[motion]]\ncomponent = \"EAA\"\nkind = \"polynomial\"\ncoefficients = [0, 1e-3]\n";
+    let shop = Shop::new()
+        .file("m.toml", rotary)
+        .file("read.csv", "X,Y,Z,A,C,tool_x_mm,tool_y_mm,tool_z_mm\n0,0,0,57.29578,0,0,0,-300\n");
+    let with = |limit| shop.run(["measured", "read.csv", "-o", "o", "--machine", "m.toml", "--max-correction", limit]);
+    with("0.29mm").exits(4).says("error[E0302]");
+    with("0.32mm").exits(0);
+}
