@@ -16,6 +16,8 @@ pub(super) struct Rules {
     pub(super) relative_equality: f64,
     /// Words are put on multiples of this, mm, halves away from zero.
     pub(super) increment_mm: Option<f64>,
+    /// ROUND in the value of an address rounds to its increment, and elsewhere to whole numbers.
+    pub(super) rounds_to_increment: bool,
 }
 
 /// There is no answer, or the last digits decide it.
@@ -26,7 +28,15 @@ type Answer<T> = Result<T, Unusable>;
 
 /// All positions in order.
 pub(super) fn positions(tree: &Tree, rules: Rules) -> Answer<Vec<[f64; 3]>> {
-    let mut run = Run { tree, rules, globals: [0.0; GLOBALS], at: [0.0; 3], found: Vec::new(), statements: 0 };
+    let mut run = Run {
+        tree,
+        rules,
+        globals: [0.0; GLOBALS],
+        at: [0.0; 3],
+        found: Vec::new(),
+        statements: 0,
+        round_to: Some(1.0),
+    };
     run.body(&tree.main, &mut [0.0; ARGUMENTS])?;
     Ok(run.found)
 }
@@ -38,6 +48,8 @@ struct Run<'a> {
     at: [f64; 3],
     found: Vec<[f64; 3]>,
     statements: u32,
+    /// What ROUND rounds to at the moment; `None` where the language does not say it.
+    round_to: Option<f64>,
 }
 
 impl Run<'_> {
@@ -65,7 +77,12 @@ impl Run<'_> {
             Statement::Move { is_incremental, words } => {
                 for (axis, word) in words.iter().enumerate() {
                     let Some(word) = word else { continue };
-                    let value = self.word(self.value(word, arguments)?)?;
+                    if self.rules.rounds_to_increment {
+                        self.round_to = self.rules.increment_mm;
+                    }
+                    let value = self.value(word, arguments);
+                    self.round_to = Some(1.0);
+                    let value = self.word(value?)?;
                     self.at[axis] = if *is_incremental { self.at[axis] + value } else { value };
                     if self.at[axis].abs() > FARTHEST_MM {
                         return Err(Unusable);
@@ -108,9 +125,14 @@ impl Run<'_> {
             }
             Statement::Call(routine, expressions) => {
                 let mut given = [0.0; ARGUMENTS];
+                if self.rules.rounds_to_increment {
+                    // An argument is an address, and has no increment.
+                    self.round_to = None;
+                }
                 for (argument, expression) in given.iter_mut().zip(expressions) {
                     *argument = self.value(expression, arguments)?;
                 }
+                self.round_to = Some(1.0);
                 let tree = self.tree;
                 self.body(&tree.routines[*routine], &mut given)?;
             }
@@ -174,9 +196,15 @@ impl Run<'_> {
                     Function::Sqrt if of < 0.0 => return Err(Unusable),
                     Function::Sqrt => of.sqrt(),
                     Function::Abs => of.abs(),
-                    // How a half is rounded is a case of its own.
-                    Function::Round if (of.fract().abs() - 0.5).abs() < 1e-6 => return Err(Unusable),
-                    Function::Round => of.round(),
+                    Function::Round => {
+                        let unit = self.round_to.ok_or(Unusable)?;
+                        let count = of / unit;
+                        // How a half is rounded is a case of its own.
+                        if (count.fract().abs() - 0.5).abs() < 1e-5 {
+                            return Err(Unusable);
+                        }
+                        count.round() * unit
+                    }
                     Function::Truncate => edge(of)?.trunc(),
                 }
             }

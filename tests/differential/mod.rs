@@ -37,15 +37,19 @@ const LANGUAGES: &[Language] = &[
     // Comparisons of REAL: Programming Manual Job Planning, "Comparison and logic operations".
     Language {
         name: "sinumerik",
-        rules: Rules { relative_equality: 1e-12, increment_mm: None },
+        rules: Rules { relative_equality: 1e-12, increment_mm: None, rounds_to_increment: false },
         write: sinumerik::write,
     },
     // Values of addresses: B-63944EN, custom macro, "rounded to the least input increment", IS-B.
-    Language { name: "fanuc", rules: Rules { relative_equality: 0.0, increment_mm: Some(1e-3) }, write: fanuc::write },
+    Language {
+        name: "fanuc",
+        rules: Rules { relative_equality: 0.0, increment_mm: Some(1e-3), rounds_to_increment: true },
+        write: fanuc::write,
+    },
     // Values of words: M700 manual, "floating to fixed conversion", three decimals.
     Language {
         name: "grundig",
-        rules: Rules { relative_equality: 0.0, increment_mm: Some(1e-3) },
+        rules: Rules { relative_equality: 0.0, increment_mm: Some(1e-3), rounds_to_increment: false },
         write: grundig::write,
     },
 ];
