@@ -444,7 +444,7 @@ fn numbers_that_are_none_are_refused_wherever_they_stand() {
         ("G2 X2 Y0 J0 I=1EX-320", "E0205", 1),
         ("AA:\nREPEATB AA P=1EX308", "E0210", 2),
         ("DEF REAL AR[1EX308]", "E0208", 1),
-        ("DEF INT II=1EX308", "E0208", 1),
+        ("DEF INT II=1EX308", "E0209", 1),
         ("X2 F=1EX-400", "E0215", 1),
     ] {
         if lines.contains("F=") {

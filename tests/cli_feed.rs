@@ -468,6 +468,10 @@ fn a_head_that_warms_up_is_followed_in_doses() {
         if let (Some(warm), Some(cold)) = (height(line), height(cold)) {
             assert!((1e3 * (warm - cold) - um).abs() < 0.11, "{line}: {um} µm, without {cold}");
         }
+        // A rapid move that leads to no cut goes as it is programmed.
+        if motion == "G0" && *um == 0.0 {
+            continue;
+        }
         // 1 µm a block and no more where something is cut.
         assert!(motion != "G1" || (um - last).abs() < 1.0 + 1e-6, "{line}: from {last} to {um} µm");
         last = *um;
@@ -482,7 +486,8 @@ fn a_head_that_warms_up_is_followed_in_doses() {
     assert_eq!(run.code, 0, "{run:?}");
     let added = added_um(&shop.text("part.ngc.journal"), &bench.executed());
     let steps = added.windows(2).filter(|pair| pair[1].1.starts_with("G1") && pair[0].0 != pair[1].0).count();
-    assert!(steps == 0 && added.last().unwrap().0 > 3.0, "{added:?}");
+    let last = added.iter().rev().find(|(um, _)| *um != 0.0);
+    assert!(steps == 0 && last.is_some_and(|(um, _)| *um > 3.0), "{added:?}");
     // More than is allowed ends it.
     let bench = grbl(0.01);
     let arguments =
@@ -536,8 +541,9 @@ fn a_sensor_that_falls_silent_is_held_and_then_ends_the_job() {
     assert!(said.contains("sensors are in doubt") && said.contains("T_head"), "{said}");
     let executed = bench.executed();
     let added = added_um(&shop.text("part.ngc.journal"), &executed);
-    // It was 24 °C, and never anything else: 12 µm from the first rapid move on.
-    assert!(added.iter().skip(4).all(|(um, _)| (um - 12.0).abs() < 0.11), "{added:?}");
+    // It was 24 °C, and never anything else: 12 µm from the first rapid move on, but for those that lead to no cut.
+    let cuts: Vec<_> = added.iter().filter(|(um, line)| line.starts_with("G1") || *um != 0.0).collect();
+    assert!(cuts.len() > 10 && cuts.iter().all(|(um, _)| (um - 12.0).abs() < 0.11), "{added:?}");
     // A model that needs a sensor which nobody reads is refused.
     let shop = Shop::new()
         .file("part.ngc", passes(1))

@@ -189,6 +189,8 @@ fn the_defaults_are_those_of_the_documents() {
     let mut compared = 0;
     for document in ["docs/settings.md", "docs/grundig.md"] {
         let text = std::fs::read_to_string(crate::support::repository(document)).unwrap();
+        // The last table holds ranges, not defaults.
+        let text = text.split("\n## Ranges of numbers").next().unwrap();
         for line in text.lines().filter(|line| line.starts_with("| `")) {
             let cells: Vec<&str> = line.split('|').map(str::trim).collect();
             let keys: Vec<&str> = cells[1].split('`').skip(1).step_by(2).collect();

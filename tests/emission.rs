@@ -286,7 +286,8 @@ N4 AROT Z90
 N5 X=AC(7) Y=AC(0) M17
 ";
     let out = corrected(text, &ErrorModel::default(), &Options::default(), false);
-    let run = "N1 G18 G60 SOFT G90\nN2 G500\nN3 TRANS Y5\nN4 AROT Z90\n";
+    // Numbers of a subprogram are not those of the program.
+    let run = "\nG18 G60 SOFT G90\nG500\nTRANS Y5\nAROT Z90\n";
     let back = "G17 G64 BRISK\nG54\nTRANS X10\n";
     assert_eq!(out.matches(run).count(), 2, "{out}");
     assert_eq!(out.matches(back).count(), 2, "{out}");

@@ -119,10 +119,10 @@ fn a_shift_of_zeros_reaches_the_control() {
 
 #[test]
 fn overrides_come_back_one_by_one() {
-    let lines = written("rs274", "", "G21 G90 F100\nM70\nM51 P0\nM72\nM2\n");
+    let lines = written("rs274", "", "G21 G90 F100\nG0 X0 Y0 Z0\nM70\nM51 P0\nM72\nM2\n");
     let behind = lines.iter().skip_while(|line| !line.starts_with("M51 P0")).skip(1);
     assert!(behind.clone().any(|line| line.contains("M51 P1")), "{lines:?}");
-    let lines = written("rs274", "", "G21 G90 F100\nM70\nM50 P0\nM72\nM2\n");
+    let lines = written("rs274", "", "G21 G90 F100\nG0 X0 Y0 Z0\nM70\nM50 P0\nM72\nM2\n");
     assert!(lines.iter().any(|line| line.contains("M50 P1")), "{lines:?}");
 }
 

@@ -128,7 +128,9 @@ fn a_start_is_known_for_the_axes_of_the_machine_only() {
     let mut at = AxisVector::ZERO;
     at.set_xyz(Vector::new(-50.0, -40.0, 80.0));
     let out = written("N1 G17 G90 G53\nN2 G1 X1 F100\nN3 G93 B4=30\nN4 G1 X0 Y5\nN5 G1 Z5", Some(at));
-    let mut letters = out.lines().filter(|line| line.starts_with('N')).flat_map(|line| line.split(' ').skip(1));
+    // Comments are no words.
+    let blocks = out.lines().filter(|line| line.starts_with('N') && !line.contains('('));
+    let mut letters = blocks.flat_map(|line| line.split(' ').skip(1));
     assert!(letters.all(|word| !word.starts_with(['U', 'V', 'W', 'A', 'B', 'C'])), "{out}");
     let machine = xyz_machine();
     let options = Options { start: Some(at), ..Options::default() };

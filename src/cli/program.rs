@@ -136,6 +136,7 @@ pub(super) fn keep_unit(source: &Source, dialect: &Dialect, is_sent: bool, machi
         return;
     }
     let control = &mut machine.control;
+    control.has_inch_grid = dialect.language == Language::Fanuc;
     control.output_inch = last_unit(source.bytes()).or_else(|| last_unit(control.iso.startup_code.as_bytes()));
 }
 

@@ -52,6 +52,8 @@ pub struct Dosing {
     /// What the model asks for less what is applied, each axis; `None` before the first block.
     left: Option<[f64; AXIS_COUNT]>,
     applied: [f64; AXIS_COUNT],
+    /// What was lacking before moves without correction; `None` where the last move was none.
+    released: Option<[f64; AXIS_COUNT]>,
 }
 
 impl Dosing {
@@ -67,10 +69,16 @@ impl Dosing {
         match dose {
             Dose::Hold => {}
             Dose::Whole => self.applied = *now,
-            Dose::Release => self.applied = [0.0; AXIS_COUNT],
+            Dose::Release => {
+                let lacks = std::array::from_fn(|slot| before[slot] - self.applied[slot]);
+                self.released.get_or_insert(lacks);
+                self.applied = [0.0; AXIS_COUNT];
+            }
             Dose::Follow => {
-                let step = |slot: usize| self.applied[slot] + now[slot] - before[slot];
-                self.applied = std::array::from_fn(step);
+                // Behind a move without correction it is again what it was before that.
+                let applied = self.applied;
+                let lacks = self.released.unwrap_or_else(|| std::array::from_fn(|slot| before[slot] - applied[slot]));
+                self.applied = std::array::from_fn(|slot| now[slot] - lacks[slot]);
             }
             Dose::Step { way_mm, time_s } => {
                 let limits = &self.limits;
@@ -83,6 +91,9 @@ impl Dosing {
                     self.applied[slot] = now[slot] - (left - left.clamp(-most, most));
                 }
             }
+        }
+        if !matches!(dose, Dose::Release | Dose::Hold) {
+            self.released = None;
         }
         self.left = Some(std::array::from_fn(|slot| now[slot] - self.applied[slot]));
         self.applied
@@ -144,6 +155,17 @@ mod tests {
         // The way itself asks for 0.02 more.
         let applied = dosing.step(&along_x(0.05), &along_x(0.07), step(10.0, 0.0))[0];
         assert!((applied - 0.0201).abs() < 1e-12, "{applied}");
+    }
+
+    #[test]
+    fn a_move_without_correction_does_not_end_what_is_followed() {
+        let mut dosing = Dosing::new(Limits { per_block: 1.0, per_mm: 1.0, per_s: 1.0 });
+        assert_eq!(dosing.step(&along_x(0.0), &along_x(0.012), Dose::Whole)[0], 0.012);
+        for _ in 0..2 {
+            assert_eq!(dosing.step(&along_x(0.012), &along_x(0.012), Dose::Release)[0], 0.0);
+        }
+        let back = dosing.step(&along_x(0.012), &along_x(0.013), Dose::Follow)[0];
+        assert!((back - 0.013).abs() < 1e-12, "{back}");
     }
 
     #[test]

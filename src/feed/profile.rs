@@ -327,7 +327,7 @@ fn byte(section: &mut Section<'_>, key: &str) -> Option<u8> {
 
 /// Bytes: a text, whose characters are their codes.
 fn bytes(section: &mut Section<'_>, key: &str) -> Option<Vec<u8>> {
-    let text = section.text(key)?;
+    let text = section.text_of_bytes(key)?;
     let bytes: Option<Vec<u8>> = text.chars().map(|character| u8::try_from(u32::from(character)).ok()).collect();
     if bytes.is_none() {
         let help = "write them as \\u0000 to \\u00FF";

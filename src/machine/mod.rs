@@ -143,6 +143,9 @@ pub struct Control {
     pub grid: [f64; 2],
     /// Whether the output is in inches; `None` for the metric one of programs that do not state their unit.
     pub output_inch: Option<bool>,
+    /// Whether an inch has ten times as many increments as a millimeter, the grid of a Fanuc; LinuxCNC reads any decimals, and a hundred times
+    /// as many keep what `increment_mm` asks for.
+    pub has_inch_grid: bool,
     /// Increments into which a Sinumerik divides a millimeter (MD10200); `None` where the file does not say it.
     pub increments_per_mm: Option<f64>,
     /// The largest number of a block of the output, where blocks must have numbers; `None` without a limit.
@@ -289,6 +292,7 @@ impl Default for Control {
             increment_rad: 1e-4_f64.to_radians(),
             grid: [1e-4, 1e-4_f64.to_radians()],
             output_inch: None,
+            has_inch_grid: true,
             increments_per_mm: None,
             last_block_number: None,
             arc_tolerance_mm: 0.01,

@@ -138,13 +138,18 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// A text.
+    /// A text for people: one with control characters is refused.
     pub fn text(&mut self, key: &str) -> Option<&'a str> {
-        let text = self.value(key, "a text in quotation marks", |item| match &item.value {
+        let text = self.text_of_bytes(key)?;
+        self.is_readable(key, text).then_some(text)
+    }
+
+    /// A text whose characters are bytes for a control, any of them.
+    pub fn text_of_bytes(&mut self, key: &str) -> Option<&'a str> {
+        self.value(key, "a text in quotation marks", |item| match &item.value {
             Value::Text(text) => Some(text.as_str()),
             _ => None,
-        })?;
-        self.is_readable(key, text).then_some(text)
+        })
     }
 
     /// A list of finite numbers.

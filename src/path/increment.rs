@@ -21,9 +21,11 @@ impl Increments {
     pub fn new(control: &Control) -> Increments {
         // The increment is a short decimal in degrees; its way through radians must not leave a rest in the last digits.
         let rotary_deg = (control.increment_rad.to_degrees() * 1e12).round() / 1e12;
-        // An inch has ten times as many increments as a millimeter.
-        let is_inch = control.output_inch == Some(true);
-        let (unit_mm, share) = if is_inch { (MM_PER_INCH, MM_PER_INCH / 10.0) } else { (1.0, 1.0) };
+        let (unit_mm, share) = match (control.output_inch == Some(true), control.has_inch_grid) {
+            (false, _) => (1.0, 1.0),
+            (true, true) => (MM_PER_INCH, MM_PER_INCH / 10.0),
+            (true, false) => (MM_PER_INCH, MM_PER_INCH / 100.0),
+        };
         Increments { linear_mm: control.increment_mm * share, rotary_deg, unit_mm }
     }
 

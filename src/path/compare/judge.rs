@@ -257,10 +257,9 @@ impl<'d> Judge<'d> {
         let Some(here) = tip(&written) else { return end.norm() };
         let mut rest = *end;
         let mut ways: Vec<Vector> = Vec::new();
-        for axis in AXES {
-            let increment =
-                if axis.is_rotary() { self.increments.rotary_deg.to_radians() } else { self.increments.linear_mm };
-            let is_nominal = (written[axis] - nominal[axis]).abs() <= 0.5 * increment + SAME_WORD;
+        // Where a rotary axis is left, the linear axes still bring the tip to its place.
+        for axis in AXES.into_iter().filter(|axis| !axis.is_rotary()) {
+            let is_nominal = (written[axis] - nominal[axis]).abs() <= 0.5 * self.increments.linear_mm + SAME_WORD;
             let stands = (written[axis] - before[axis]).abs() <= SAME_WORD;
             if !is_nominal && !stands {
                 continue;
