@@ -542,7 +542,7 @@ fn a_sensor_that_falls_silent_is_held_and_then_ends_the_job() {
     let executed = bench.executed();
     let added = added_um(&shop.text("part.ngc.journal"), &executed);
     // It was 24 °C, and never anything else: 12 µm from the first rapid move on, but for those that lead to no cut.
-    let cuts: Vec<_> = added.iter().filter(|(um, line)| line.starts_with("G1") || *um != 0.0).collect();
+    let cuts: Vec<_> = added.iter().filter(|(um, line)| line.starts_with("G1 ") || *um != 0.0).collect();
     assert!(cuts.len() > 10 && cuts.iter().all(|(um, _)| (um - 12.0).abs() < 0.11), "{added:?}");
     // A model that needs a sensor which nobody reads is refused.
     let shop = Shop::new()
