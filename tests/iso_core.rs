@@ -178,10 +178,10 @@ fn lengths_by_words_of_rs274() {
     );
     let text = "G20 G90\nG0 X0 Y0 Z0\nG43.1 Z2\nG0 X1 Z1\nM2";
     assert_near(&commands("rs274", text, &iso_machine()), &[[0.0; 3], [25.4, 0.0, 76.2]]);
-    // The control keeps adding it: positions stay, and the value is written in mm.
+    // The control keeps adding it: positions stay, and the value is written in the unit of the program.
     let lines = written("rs274", "", "G20 G90 G54 G17 F10\nG0 X0 Y0 Z0\nG43.1 Z2\nG1 X1 Z1\nM2\n");
-    assert!(lines.iter().any(|line| line.contains("G43.1 Z50.8")), "{lines:?}");
-    assert!(lines.iter().any(|line| line.contains("X25.4 Z25.4")), "{lines:?}");
+    assert!(lines.iter().any(|line| line.contains("G43.1 Z2")), "{lines:?}");
+    assert!(lines.iter().any(|line| line.contains("X1 Z1")), "{lines:?}");
 }
 
 #[test]

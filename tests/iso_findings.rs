@@ -135,12 +135,11 @@ fn inches_are_not_passed_on_in_codes_of_the_vendor() {
     check_codes("fanuc", "G21 G90\nG187 P1 E.05\nM30", &[]);
 }
 
-/// 0.0707 in are 1.79578 mm.
+/// The output stays in inches, with six decimals.
 #[test]
 fn a_pitch_has_as_many_digits_as_controls_read() {
     let text = "G20 G90 G17 G94 G0 X0 Y0 Z1\nS100 M3\nG33 Z0.5 K[0.0707+1/30000000]\nM2";
     let lines = fixed("knee_mill", "a.ngc", text).join("\n");
-    // (0.0707 + 1/3·10⁻⁷) · 25.4
-    assert!(lines.contains("K1.795781"), "{lines}");
-    assert!(!lines.contains("K1.7957808"), "{lines}");
+    // 0.0707 + 1/3·10⁻⁷
+    assert!(lines.contains("K0.0707\n"), "{lines}");
 }

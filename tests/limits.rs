@@ -53,14 +53,19 @@ fn a_rapid_to_the_end_of_an_axis_stays_there() {
         motion: vec![motion("EZZ", polynomial(&[-0.005])), motion("EXX", polynomial(&[0.003]))],
         ..ErrorModel::default()
     };
-    let text = "G0 X0 Y0 Z-10\nG0 X0 Y0 Z0\nG0 X0 Y0 Z-10\nG0 X0 Y0 Z0.001\n";
-    let run = correct(text, &machine, &errors, Options::default());
-    let counts: Vec<[i64; 3]> = run.pieces.iter().map(|piece| [0, 1, 2].map(|slot| piece.counts[slot])).collect();
+    // Each rapid move is the approach to a cut; others stay as they are anyway.
+    let cut = "G1 X0 Y0 Z-12 F500\n";
+    let text = format!("G0 X0 Y0 Z-10\n{cut}G0 X0 Y0 Z0\n{cut}G0 X0 Y0 Z-10\n{cut}G0 X0 Y0 Z0.001\n{cut}");
+    let run = correct(&text, &machine, &errors, Options::default());
+    let rapids = run.pieces.iter().filter(|piece| piece.rapid);
+    let counts: Vec<[i64; 3]> = rapids.map(|piece| [0, 1, 2].map(|slot| piece.counts[slot])).collect();
     // Increments of 0.1 µm: X 3 µm too far, Z 5 µm short.
     assert_eq!(counts[..3], [[-30, 0, -99_950], [0, 0, 0], [-30, 0, -99_950]]);
     // What the program itself puts outside is found.
     let messages: Vec<&str> = run.findings.iter().map(|finding| finding.message.as_str()).collect();
-    assert_eq!(messages, ["Z 0.0060 mm is above the limit of 0 mm"]);
+    // So is a cut from the very end, which cannot be corrected there.
+    let of_cut = "Z 0.0050 mm on the way is above the limit of 0 mm";
+    assert_eq!(messages, [of_cut, "Z 0.0060 mm is above the limit of 0 mm"]);
 }
 
 #[test]

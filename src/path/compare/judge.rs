@@ -52,11 +52,13 @@ pub(super) struct Judge<'d> {
     increments: Increments,
     differ: &'d mut dyn FnMut(Difference),
     /// The largest of the move so far: how far, and on which piece.
-    off: Option<(f64, Origin)>,
+    off: Option<(f64, f64, Origin)>,
     /// The same of its direction: by how much, and how much it may be.
     tilt: Option<(f64, f64, Origin)>,
     /// The axis of the spindle, where rotary axes turn it.
     tool_axis: Option<Vector>,
+    /// The same where a piece is an arc, whose center is rounded too, mm.
+    arc_limit_mm: f64,
     /// The feed that differs most: by its ratio.
     feed: Option<(f64, What, Origin)>,
     /// How blocks pass their ends in both, where that was said to differ.
@@ -73,13 +75,18 @@ impl<'d> Judge<'d> {
             increments.linear_mm = increment_mm;
         }
         let tolerance_mm = promise.map_or(0.0, |promise| promise.tolerance_mm);
-        let limit_mm = (1.0 + BETWEEN_SAMPLES) * tolerance_mm.max((1.0 + BEND_SHARE) * increments.rounding_mm());
+        let limit = |rounding_mm: f64| (1.0 + BETWEEN_SAMPLES) * tolerance_mm.max(rounding_mm);
+        let limit_mm = limit((1.0 + BEND_SHARE) * increments.rounding_mm());
+        // A center is rounded by half an increment in each of two directions.
+        let center_mm = 0.5 * 2.0_f64.sqrt() * increments.linear_mm;
+        let arc_limit_mm = limit(increments.rounding_mm() + center_mm).max(limit_mm);
         let last = [Origin::default(); 2];
         let turns = ROTARY_AXES.into_iter().any(|axis| machine.axis_set().contains(axis));
         let tool_axis = turns.then_some(machine.spindle.axis);
         Judge {
             promise,
             limit_mm,
+            arc_limit_mm,
             increments,
             differ,
             off: None,
@@ -112,8 +119,9 @@ impl<'d> Judge<'d> {
         }
         if self.promise.is_some() && step.is_counted {
             let off_mm = self.off_mm(group, course, at, seen);
-            if off_mm > self.limit_mm && self.off.is_none_or(|(most_mm, _)| off_mm > most_mm) {
-                self.off = Some((off_mm, piece.origin));
+            let limit_mm = self.limit_of(piece);
+            if off_mm > limit_mm && self.off.is_none_or(|(most_mm, ..)| off_mm > most_mm) {
+                self.off = Some((off_mm, limit_mm, piece.origin));
             }
         }
     }
@@ -127,8 +135,8 @@ impl<'d> Judge<'d> {
         if let Some((tilt_rad, limit_rad, corrected)) = self.tilt.take() {
             (self.differ)(Difference { original, corrected, what: What::Tilted { tilt_rad, limit_rad } });
         }
-        if let Some((off_mm, corrected)) = self.off.take() {
-            let what = What::Off { off_mm, limit_mm: self.limit_mm };
+        if let Some((off_mm, limit_mm, corrected)) = self.off.take() {
+            let what = What::Off { off_mm, limit_mm };
             (self.differ)(Difference { original, corrected, what });
         }
     }
@@ -227,6 +235,10 @@ impl<'d> Judge<'d> {
         }
     }
 
+    fn limit_of(&self, piece: &Step) -> f64 {
+        if piece.route.arc().is_some() { self.arc_limit_mm } else { self.limit_mm }
+    }
+
     /// How far the tool is from where it was promised to be, mm.
     fn off_mm(&self, group: &Group<'_>, course: &Course<'_>, at: At, seen: &Seen) -> f64 {
         let (step, piece) = (group.step, course.piece);
@@ -241,7 +253,11 @@ impl<'d> Judge<'d> {
         let ends_only = step.rapid || step.is_uncut() || is_stepped;
         let off_mm = if ends_only { seen.end.norm() } else { seen.most_mm };
         let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut();
-        if off_mm > self.limit_mm && may_be_left { self.beyond_left_mm(group, course, &seen.end) } else { off_mm }
+        if off_mm > self.limit_of(piece) && may_be_left {
+            self.beyond_left_mm(group, course, &seen.end)
+        } else {
+            off_mm
+        }
     }
 
     /// What is off other than by words that were left as they are: rapid moves may be corrected in some words only.
@@ -257,11 +273,15 @@ impl<'d> Judge<'d> {
         let Some(here) = tip(&written) else { return end.norm() };
         let mut rest = *end;
         let mut ways: Vec<Vector> = Vec::new();
-        // Where a rotary axis is left, the linear axes still bring the tip to its place.
-        for axis in AXES.into_iter().filter(|axis| !axis.is_rotary()) {
-            let is_nominal = (written[axis] - nominal[axis]).abs() <= 0.5 * self.increments.linear_mm + SAME_WORD;
+        for axis in AXES {
+            let increment =
+                if axis.is_rotary() { self.increments.rotary_deg.to_radians() } else { self.increments.linear_mm };
+            let is_nominal = (written[axis] - nominal[axis]).abs() <= 0.5 * increment + SAME_WORD;
             let stands = (written[axis] - before[axis]).abs() <= SAME_WORD;
-            if !is_nominal && !stands {
+            // A rotary axis at its programmed angle leaves nothing that the linear axes do not make good, where their words turn with it.
+            let in_machine = step.in_machine_frame || piece.in_machine_frame;
+            let is_idle = axis.is_rotary() && is_nominal && !in_machine && step.setup.transform.is_none();
+            if is_idle || !is_nominal && !stands {
                 continue;
             }
             let mut nudged = written;
