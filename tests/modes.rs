@@ -171,7 +171,7 @@ fn file_access_is_left_out_and_its_result_is_no_error() {
     let program = "DEF INT ERR=7\nG90\nWRITE(ERR,\"LOG\",\"A\"<<R1)\nDELETE(R5,\"LOG\")\nIF ERR==0 GOTOF FINE\nG0 X99\nFINE: G0 X1\nM30";
     let (lines, codes) = written(program, &xyz_machine(), &ErrorModel::default(), Options::default());
     assert_eq!(codes, ["W0204", "W0204"]);
-    assert_eq!(lines, ["G90", "G0 X1", "M30"]);
+    assert_eq!(lines, ["G90", "FINE: G0 X1", "M30"]);
 }
 
 #[test]

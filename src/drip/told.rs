@@ -186,7 +186,7 @@ mod tests {
         assert_eq!(found[2..], ["G0 Z30.", "G0 X1. Y2.", "G0 Z-1.", "G1 F300"]);
         let found = told(&["G20 G90", "G0 X1. Y2. Z5."]).lines(true, Some(50.8)).unwrap();
         assert_eq!(found[1..], ["N2 G0 Z2.", "N3 G0 X1. Y2.", "N4 G0 Z5."]);
-        assert_eq!(told(&["G21 G90"]).beginning(false, 12.5).unwrap(), ["G21 G90", "G0 Z12.5"]);
+        assert_eq!(told(&["G21 G90"]).beginning(false, 12.5).unwrap(), ["G90 G21", "G0 Z12.5"]);
         for tool in ["T3 M6", "G43 H1", "M6"] {
             assert_eq!(told(&["G21 G90", tool]).beginning(false, 12.5), None, "{tool}");
         }
