@@ -106,11 +106,11 @@ fn a_rotary_range_below_zero_is_looked_up_within_the_turn() {
     assert!(positions.iter().all(|at| (0.0..=360.0).contains(at)) && positions.contains(&270.0), "{text}");
 }
 
-/// Z tilted about Y by 100 µrad with a tool of 150 mm: 15 µm at Z0, and 100 µm/m over Z. Only the slope is for the matrix.
+/// Z tilted about Y by 100 µrad with a tool of 50 mm: 5 µm at Z0, and 100 µm/m over Z. Only the slope is for the matrix.
 #[test]
 fn a_matrix_takes_slopes_and_leaves_constants() {
     let shop = shop(MILL, "[location]\nEB0Z = 100\n");
-    shop.run(make("matrixkins", "matrix", "m.hal", &["--tool", "150"])).exits(0);
+    shop.run(make("matrixkins", "matrix", "m.hal", &["--tool", "50"])).exits(0);
     let text = shop.text("m.hal");
     let value = |name: &str| -> f64 {
         let line = text.lines().find_map(|line| line.strip_prefix(&format!("setp matrixkins.C_{name} "))).unwrap();
