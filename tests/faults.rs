@@ -206,7 +206,8 @@ fn several_runs_on_one_output_leave_one_of_their_texts() {
         for mut run in runs {
             let found = shop.bytes("out.mpf");
             assert!(whole.contains(&found), "{} bytes", found.len());
-            assert!(run.wait().unwrap().success());
+            // One that finds a newer text than at its start leaves it (E0314).
+            assert!(matches!(run.wait().unwrap().code(), Some(0 | 4)));
         }
         assert!(whole.contains(&shop.bytes("out.mpf")));
         assert_eq!(shop.names(), ["a.mpf", "b.mpf", "out.mpf"]);

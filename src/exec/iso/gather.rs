@@ -20,8 +20,8 @@ pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) 
     let mut inch = scope.channel.modal.inch;
     for word in words.iter().filter(|word| word.address == Address::Letter(b'G')) {
         match word.value {
-            Value::Number { value, .. } if value == 20.0 => inch = true,
-            Value::Number { value, .. } if value == 21.0 => inch = false,
+            Value::Number { value: 20.0, .. } => inch = true,
+            Value::Number { value: 21.0, .. } => inch = false,
             _ => {}
         }
     }

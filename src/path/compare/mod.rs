@@ -32,6 +32,11 @@ use step::Walk;
 use super::prediction::Pair;
 use super::{Feeds, Prediction, Spread};
 
+/// Takes what is seen along the moves.
+type See<'a> = &'a mut dyn FnMut(Follow<'_>);
+/// Takes what differs.
+type Differ<'a> = &'a mut dyn FnMut(Difference);
+
 /// Ends nearer than this are the same, mm.
 const SAME_END_MM: f64 = 0.02;
 /// Pieces shorter than this, half of the shortest that is made, stand on the spot and have no place along the move, mm.
@@ -138,7 +143,7 @@ pub fn compare_seeing(
     How { grouping, feeds, promise }: How,
     machine: &Machine,
     model: &Model,
-    (see, differ): (&mut dyn FnMut(Follow<'_>), &mut dyn FnMut(Difference)),
+    (see, differ): (See<'_>, Differ<'_>),
 ) -> Result<Comparison, Diagnostic> {
     let has_backlash = AXES.into_iter().any(|axis| model.features(axis).backlash);
     let original = Walk::new(original, machine, feeds[0], has_backlash);
