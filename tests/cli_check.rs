@@ -211,3 +211,24 @@ fn assumed_places_are_outside_of_nothing() {
     let check = Shop::new().run(["check", &sample, "--machine", &machine]);
     assert!(!check.stderr.contains("E0302"), "{}", check.stderr);
 }
+
+#[test]
+fn a_program_that_moves_nothing_is_pointed_out() {
+    // The O number ends the part before it; what stands behind M30 is never reached; a skipped block moves only where it is not skipped.
+    for text in ["O1\nG21\nM30\nG1 X5. F100.\n", "O1\nM5\nM30\n", "O1\n/G1 X5. F100.\nM30\n"] {
+        let shop = Shop::new().file("part.nc", text);
+        let vmc = machine("vmc");
+        let skip: &[&str] = if text.contains('/') { &["--skip", "0"] } else { &[] };
+        for command in ["check", "snc"] {
+            let run = shop.run([command, "part.nc", "--machine", &vmc].iter().chain(skip).copied()).exits(0);
+            assert!(run.stderr.contains("warning[W0238]"), "{command} {text}: {}", run.stderr);
+        }
+        shop.run(["fix", "part.nc", "-o", "out.nc", "--machine", &vmc].iter().chain(skip).copied())
+            .exits(4)
+            .says("error[E0223]");
+    }
+    // One that moves is none.
+    let shop = Shop::new().file("part.nc", "O1\nG21\nG1 X5. F100.\nM30\n");
+    let run = shop.run(["check", "part.nc", "--machine", &machine("vmc")]).exits(0);
+    assert!(!run.stderr.contains("W0238"), "{}", run.stderr);
+}

@@ -203,12 +203,18 @@ fn several_runs_on_one_output_leave_one_of_their_texts() {
             })
             .collect();
         // A reader sees a whole text at any time.
+        let mut written = 0;
         for mut run in runs {
             let found = shop.bytes("out.mpf");
             assert!(whole.contains(&found), "{} bytes", found.len());
-            // One that finds a newer text than at its start leaves it (E0314).
-            assert!(matches!(run.wait().unwrap().code(), Some(0 | 4)));
+            match run.wait().unwrap().code() {
+                Some(0) => written += 1,
+                // It found a newer text than at its start, and leaves it.
+                Some(4) => {}
+                other => panic!("{other:?}"),
+            }
         }
+        assert!(written > 0);
         assert!(whole.contains(&shop.bytes("out.mpf")));
         assert_eq!(shop.names(), ["a.mpf", "b.mpf", "out.mpf"]);
     }

@@ -216,7 +216,7 @@ fn a_comparison_sees_feeds_of_curves_and_units() {
     let found = shop.run(["diff", "in.mpf", "fast.mpf", "--machine", "t.toml", "--json"]).exits(1).json();
     assert!((found["feed_share"][1].as_f64().unwrap() - 1.01).abs() < 1e-9, "{found}");
     std::fs::write(shop.path("turns.mpf"), written.replace("G94", "G95")).unwrap();
-    shop.run(["diff", "in.mpf", "turns.mpf", "--machine", "t.toml"]).exits(4).says("E0311").says("per turn");
+    shop.run(["verify", "in.mpf", "turns.mpf", "--machine", "t.toml"]).exits(4).says("E0321").says("F1500 G95");
     let swarf = crate::support::repository("samples/programs/sinumerik/swarf.mpf").display().to_string();
     let machine = crate::support::machine("esmaeili_huron");
     shop.run([&swarf, "-o", "swarf.mpf", "--frame", "machine", "--machine", &machine]).exits(0);

@@ -77,7 +77,7 @@ fn tables_with_the_wrong_sign_are_not_converted() {
     shop.run(TABLES.iter().chain(&["t.ini", "--scheme", "own"]).copied()).exits(0);
     let read = ["tables", "--read", "t.ini", "--machine", "m.toml", "--format", "comp", "-o", "t.comp"];
     shop.run(read).exits(0);
-    std::fs::remove_file(shop.path("t.comp")).unwrap();
+    std::fs::remove_file(shop.path("t-x.comp")).unwrap();
     // Every value with the other sign: 100 µm/m become 200.
     let turned: String = shop.text("t.ini").lines().map(|line| line.replace("]=-0.", "]=0.") + "\n").collect();
     let turned = if turned == shop.text("t.ini") { turned.replace("]=0.", "]=-0.") } else { turned };
@@ -115,7 +115,7 @@ fn measured_has_the_limit_of_fix() {
     let with = |more: &[&'static str]| {
         shop.run(["measured", "read.csv", "-o", "out.csv", "--machine", "m.toml"].iter().chain(more).copied())
     };
-    let run = with(&[]).exits(4).says("error[E0302]: the correction of X is").says("read.csv:3:1").says("read.csv:4:1");
+    let run = with(&[]).exits(4).says("error[E0303]: the correction of X is").says("read.csv:3:1").says("read.csv:4:1");
     assert!(!run.stderr.contains("read.csv:2:"), "{}", run.stderr);
     assert_eq!(shop.names(), ["m.toml", "read.csv"]);
     with(&["--max-correction", "95um"]).exits(4).says("read.csv:2:1");
@@ -132,6 +132,6 @@ fn a_rotary_reading_is_judged_by_its_arc() {
         .file("m.toml", rotary)
         .file("read.csv", "X,Y,Z,A,C,tool_x_mm,tool_y_mm,tool_z_mm\n0,0,0,57.29578,0,0,0,-300\n");
     let with = |limit| shop.run(["measured", "read.csv", "-o", "o", "--machine", "m.toml", "--max-correction", limit]);
-    with("0.29mm").exits(4).says("error[E0302]");
+    with("0.29mm").exits(4).says("error[E0303]");
     with("0.32mm").exits(0);
 }

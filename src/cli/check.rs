@@ -8,6 +8,7 @@ use super::program::{self, Running};
 use super::stop::Stop;
 use super::support_file;
 use super::{print, tell};
+use crate::diagnostic::Code;
 use crate::exec::RapidOrder;
 use crate::path::Reach;
 use crate::report::json;
@@ -90,6 +91,9 @@ fn examine(arguments: &CheckArguments, findings: &mut Findings, check: &mut json
                 }
             }
         }
+    }
+    if check.executed && !running.moves() {
+        findings.add(program::without_motion(&source, Code::MOVES_NOTHING), running.sources());
     }
     if is_beyond {
         travel(&source, arguments, &chosen, findings)?;

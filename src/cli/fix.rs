@@ -240,7 +240,7 @@ impl<'a> Job<'a> {
         }
         findings.extend(passed.found, running.sources());
         if !running.moves() && !findings.has_errors() {
-            findings.add(without_motion(&self.source), running.sources());
+            findings.add(program::without_motion(&self.source, Code::NO_MOTION), running.sources());
         }
         program::protect_program(&self.target, &running.files(), findings);
         let sources = running.sources();
@@ -293,13 +293,6 @@ pub(super) fn corrected_before(source: &Source) -> Diagnostic {
         "this program was corrected before",
         "correct the original program",
     )
-}
-
-/// The finding for a program that moves nothing.
-fn without_motion(source: &Source) -> Diagnostic {
-    let place = Place { file: source.id(), span: Span::new(0, 1) };
-    let help = "look where its motions are: behind M30, in a program that nothing calls, in skip blocks";
-    Diagnostic::at(Code::NO_MOTION, place, "this program moves no axis: there is nothing to correct", help)
 }
 
 /// What is left of a source, in the units of reports.

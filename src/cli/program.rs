@@ -15,13 +15,13 @@ use super::progress::Progress;
 use super::recognition;
 use super::stop::Stop;
 use super::voice;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::{self, Dialect, Language};
 use crate::exec::{Execution, Library, NoLibrary, Options, RapidOrder};
 use crate::machine::Machine;
 use crate::machine::file::nearest;
 use crate::snc::{Element, Kind};
-use crate::source::{FileId, Source};
+use crate::source::{FileId, Source, Span};
 use crate::syntax::sinumerik::Macros;
 use crate::syntax::{self, Program};
 
@@ -300,4 +300,11 @@ impl Iterator for Running<'_> {
         }
         item
     }
+}
+
+/// The finding for a program that moves nothing.
+pub(super) fn without_motion(source: &Source, code: Code) -> Diagnostic {
+    let place = Place { file: source.id(), span: Span::new(0, 1) };
+    let help = "look where its motions are: behind M30, in a program that nothing calls, in skip blocks";
+    Diagnostic::at(code, place, "this program moves no axis: there is nothing to correct", help)
 }

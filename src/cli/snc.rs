@@ -45,20 +45,30 @@ fn write(arguments: &SncArguments, findings: &mut Findings) -> Result<(), Stop> 
     }
     let mut running =
         Running::start(opened, &arguments.input, &arguments.program, &chosen.machine, false, RapidOrder::All);
+    let start = arguments.program.start;
     if target == Target::Standard {
         let out = BufWriter::new(io::stdout().lock());
-        return stream(out, &mut running, &chosen, arguments.program.start, findings)
-            .map_err(|error| Stop::output(&error));
+        stream(out, &mut running, &chosen, start, findings).map_err(|error| Stop::output(&error))?;
+        say_whether_it_moves(&source, &running, findings);
+        return Ok(());
     }
     let mut spool = Spool::new(target)?;
-    if let Err(error) = stream(spool.writer(), &mut running, &chosen, arguments.program.start, findings) {
+    if let Err(error) = stream(spool.writer(), &mut running, &chosen, start, findings) {
         return Err(spool.fault(&error));
     }
+    say_whether_it_moves(&source, &running, findings);
     program::protect(spool.target(), &running.files(), findings);
     if !findings.has_errors() {
         spool.publish(Old::Replaced)?;
     }
     Ok(())
+}
+
+/// Points at a program that was executed and moves nothing.
+fn say_whether_it_moves(source: &Source, running: &Running, findings: &mut Findings) {
+    if !running.moves() && !findings.has_errors() {
+        findings.add(program::without_motion(source, Code::MOVES_NOTHING), running.sources());
+    }
 }
 
 /// Reads a flat stream in its text form and prints it again.

@@ -527,6 +527,9 @@ corrected by a few thousandths of a degree, which may decide for the other way. 
 does not look at its own radius any more: another radius, and wear that is entered at the control, have no effect on this program. After a change
 of radius or wear put the new value into the machine file or a set-up file ([[tool]] radius_mm, wear included; --setup takes the tool table of the
 control) and correct the program again. The lengths of tools and their wear are not concerned.";
+    MOVES_NOTHING = "W0238" "no axis is moved"
+"The program was understood and executed, and no axis has moved: a correction of it would be refused (E0223). For a file of definitions or of subprograms that is as it should be.
+Else its blocks may stand behind the end of the program (M30), in a subprogram that nothing calls, behind skip blocks, or the file is cut off.";
     OFFSET_ASSUMED = "W0302" "zero offset assumed zero"
 "The machine file has no value for this zero offset. For check and snc zero is used; a correction is refused.";
     TOOL_ASSUMED = "W0303" "tool assumed without length and radius"

@@ -8,16 +8,16 @@ use super::check::{no_contour, polynomial, soft_alone, too_narrow, transformed};
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, left, scaled, unit};
 use super::guard::Guard;
 use super::link::{Link, Role, release_items};
-use super::moving::{Item, Moving, blocks_between, own_of, plane_axes};
+use super::moving::{Item, Moving, blocks_between, own_of};
 use super::rules::Rules;
 use super::tracking::Tracking;
+use super::unknown;
 use super::wish::Approach;
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
 use crate::exec::path::Shape;
 use crate::geometry::{AxisVector, PlaneBasis};
 use crate::machine::Control;
-use crate::snc::Kind;
 
 /// Directions that differ by less are one: no corner, rad.
 pub(super) const NO_CORNER: f64 = 1e-7;
@@ -95,12 +95,17 @@ impl Compensation {
     }
 
     /// Whether the tool is beside the contour.
-    pub(super) fn is_on(&self) -> bool {
+    fn is_on(&self) -> bool {
         self.active.is_some() || self.tracking.is_some()
     }
 
     /// Takes an item and gives those that are final.
     pub(super) fn take(&mut self, item: Item, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
+        if let Item::Element(element) = &item
+            && self.is_on()
+        {
+            findings.extend(unknown::under_compensation(element));
+        }
         let Some(item) = self.track(item, out, findings) else { return };
         let Some(item) = self.reach(item, out, findings) else { return };
         let moving = match item {
@@ -216,16 +221,6 @@ impl Compensation {
 
 impl Active {
     fn hold(&mut self, item: Item, findings: &mut Vec<Fault>) {
-        if let Item::Element(element) = &item
-            && let Kind::Lost(axes) = &element.kind
-            && !axes.intersection(plane_axes(&self.basis)).is_empty()
-        {
-            findings.push(self.last.fault(
-                Code::BAD_COMPENSATION,
-                "the machine goes to a place that only the control knows, and no motion has led the tool off this contour",
-                "program G40 with a motion in the plane before it",
-            ));
-        }
         self.chain.tail().push(item);
         if self.chain.tail().len() == MOST_WAITING {
             findings.push(self.too_many());

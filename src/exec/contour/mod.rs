@@ -74,11 +74,6 @@ impl Contour {
     /// Takes an item and gives those that are final now.
     pub(super) fn take(&mut self, item: Item, out: &mut Vec<Item>) {
         let Some(item) = self.behind_open(item) else { return };
-        if let Item::Element(element) = &item
-            && self.compensation.is_on()
-        {
-            self.findings.extend(unknown::under_compensation(element));
-        }
         self.transitions.take(item, &mut self.between, &mut self.findings);
         self.compensate(out);
     }

@@ -44,7 +44,7 @@ pub(super) fn under_compensation(element: &Element) -> Option<Fault> {
     if axes.intersection(AxisSet::XYZ).is_empty() {
         return None;
     }
-    let message = "what moves the axes here is not in the program, and radius compensation is on: on the control it would act there too, and the output has the way of the tool center without it";
-    let help = "end it with G40 before, and begin it again behind";
+    let message = "the machine goes to a place that only the control knows, and radius compensation is on, or no motion has led the tool off its contour: on the control it acts there too, in the output it does not";
+    let help = "end it with G40 and a motion in the plane before, and begin it again behind";
     Some(fault(Code::BAD_COMPENSATION, element.origin.span, message, help).of_file(element.origin.file))
 }

@@ -6,7 +6,7 @@ use super::gathered::Gathered;
 use super::motion::Step;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, fault};
-use crate::snc::{Kind, Manner};
+use crate::snc::{FeedUnit, Kind, Manner};
 
 impl Channel<'_> {
     /// Moves to the end that is programmed; behind it the position is not known.
@@ -15,6 +15,10 @@ impl Channel<'_> {
         if self.modal.contour.compensates() || self.modal.turning.is_some() {
             let message = format!("{name} under radius compensation or tool center point control");
             return Err(fault(Code::NOT_SUPPORTED, span, message, "end it before probing"));
+        }
+        if self.is_rs274() && self.modal.feed_mode == FeedUnit::PerTurn {
+            let message = format!("{name} under a feed per revolution (G95)");
+            return Err(fault(Code::NOT_SUPPORTED, span, message, "program G94: LinuxCNC refuses it too"));
         }
         let (end, named) = self.end(gathered)?;
         let word = match code {

@@ -219,11 +219,9 @@ impl<'d> Judge<'d> {
     }
 
     fn feed(&mut self, step: &Step, piece: &Step, share: Option<f64>) {
-        let share = match share {
-            Some(share) => share,
-            None if step.is_of_another_unit(piece) => f64::NAN,
-            None => return,
-        };
+        // A number per minute beside one per turn of the spindle is no share of it, whatever the two are.
+        let share = if step.is_of_another_unit(piece) { Some(f64::NAN) } else { share };
+        let Some(share) = share else { return };
         let is_limited = self.promise.is_some_and(|promise| promise.limits_feed) && share < 1.0;
         if (share - 1.0).abs() <= SAME_FEED || is_limited {
             return;

@@ -93,7 +93,8 @@ impl Step {
 
     /// An axis command as this program would write it here: coordinates of the frame in force, of the tip in the workpiece under a transformation.
     pub(super) fn programmed(&self, command: &AxisVector, kinematics: &Kinematics) -> AxisVector {
-        if self.in_machine_frame {
+        // Under a transformation the block brings a bare frame of its own, and its words are those of the tip all the same.
+        if self.in_machine_frame && self.setup.transform.is_none() {
             let mut out = *command;
             out.set_xyz(out.xyz() + self.setup.tool_mm);
             return out;
@@ -110,7 +111,7 @@ impl Step {
 
     /// The axis command of what this program would write: the other way round than [`Step::programmed`]; `None` where the machine cannot go there.
     pub(super) fn commanded(&self, words: &AxisVector, kinematics: &Kinematics) -> Option<AxisVector> {
-        if self.in_machine_frame {
+        if self.in_machine_frame && self.setup.transform.is_none() {
             let mut out = *words;
             out.set_xyz(out.xyz() - self.setup.tool_mm);
             return Some(out);
