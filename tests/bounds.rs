@@ -202,6 +202,9 @@ fn met(row: &str) -> Vec<(&'static Language, String, &'static str, usize)> {
         "control structures within each other, Sinumerik" => {
             vec![(&SINUMERIK, "IF TRUE\n".repeat(40) + &"ENDIF\n".repeat(40), "E0107", 33)]
         }
+        // The place is that of the whole file, or of the part behind the last one that is read.
+        "lines that cannot be read" => all(&|_| "X2.2.2\n".repeat(1001), "E0110"),
+        "programs in one file" => vec![(&FANUC, "M30\n".to_owned() + &"O7 M99\n".repeat(10_001), "E0110", 10_001)],
         "blocks of a run" => vec![
             (&SINUMERIK, "WHILE TRUE\nENDWHILE".into(), "E0214", 1),
             (&FANUC, "WHILE[1EQ1]DO1\nEND1".into(), "E0214", 1),

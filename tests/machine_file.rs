@@ -8,6 +8,8 @@ use ncfix::model::motion::Function;
 use ncfix::model::{ErrorModel, file};
 use ncfix::source::{FileId, Source};
 
+use crate::support::Shop;
+
 fn source(bytes: &[u8]) -> Source {
     Source::new(FileId(0), "machine.toml", bytes.to_vec()).unwrap()
 }
@@ -298,4 +300,32 @@ fn settings_of_iso_controls() {
     let bad = seen(&format!("{SMALL}[control]\ndecimal_point = \"point\"\nlength_compensation = \"D\"\n"));
     let code = "E0404".to_owned();
     assert_eq!(bad, [(code.clone(), "\"point\"".to_owned()), (code, "\"D\"".to_owned())]);
+}
+
+#[test]
+fn the_output_is_not_finer_than_the_words_that_a_control_reads() {
+    // A Fanuc reads 0.001 mm unless it has IS-C: it would round the fourth decimal, and the tool would not be where the report says.
+    let vmc = std::fs::read_to_string(crate::support::repository("samples/machines/vmc.toml")).unwrap();
+    let without = vmc.replace("increment_system = \"IS-C\"\n", "");
+    assert_ne!(vmc, without);
+    let shop = Shop::new()
+        .file("without.toml", &without)
+        .file(
+            "coarse.toml",
+            without
+                .replace("increment_mm = 0.0001", "increment_mm = 0.001")
+                .replace("increment_deg = 0.0001", "increment_deg = 0.001"),
+        )
+        .file("part.nc", "O1\nG21 G90 G17 G54\nG0 X10. Y0. Z0.\nG1 X20. F100\nM30\n");
+    shop.run(["machine", "check", "without.toml"]).exits(4).says("error[E0404]: increment_mm is finer than 0.001");
+    shop.run(["machine", "check", "coarse.toml"]).exits(0);
+    shop.run(["part.nc", "-o", "out.nc", "--machine", "coarse.toml"]).exits(0);
+    shop.run(["part.nc", "-o", "fine.nc", "--machine", "coarse.toml", "--increment", "0.1um"])
+        .exits(2)
+        .says("finer than the 0.001 mm");
+    assert!(!shop.names().contains(&"fine.nc".to_owned()));
+    // A Grundig reads what its file says.
+    let mill = crate::support::machine("universal_mill");
+    let shop = shop.file("part.pm", "%PM9001\nN9001\nN1 G54\nN2 G0 X0 Y0 Z0\nN3 G1 X1 F1000\nN4 M30\n");
+    shop.run(["part.pm", "-o", "fine.pm", "--machine", &mill, "--increment", "0.1um"]).exits(2).says("finer than");
 }

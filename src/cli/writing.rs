@@ -42,6 +42,12 @@ impl Writing {
             )));
         }
         let machine = &chosen.machine;
+        if choice.increment.is_some() && machine.control.is_finer_than_read(dialect)[0] {
+            let read_mm = machine.control.word_grid(dialect).map_or(0.0, |[linear_mm, _]| linear_mm);
+            return Err(Stop::Usage(format!(
+                "--increment is finer than the {read_mm} mm on which the control puts the words that it reads: it would round what is written"
+            )));
+        }
         let writer = emit::WriterOptions {
             names: machine.written_names(),
             increments: Increments::new(&machine.control),

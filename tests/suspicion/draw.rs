@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use ncfix::emit;
 use ncfix::geometry::{AXES, Axis, Vector};
-use ncfix::machine::{Lever, Machine};
+use ncfix::machine::{IncrementSystem, Lever, Machine};
 use ncfix::model::motion::backlash::Backlash;
 use ncfix::model::motion::periodic::Periodic;
 use ncfix::model::motion::polynomial::Polynomial;
@@ -134,6 +134,12 @@ impl Pair {
         let errors = draw_errors(&machine, random);
         let dialects = ["sinumerik", "sinumerik", "fanuc", "rs274", "grundig"];
         let dialect = random.of(if has_five { &dialects[..4] } else { &dialects });
+        if dialect == "fanuc" {
+            // The finest grid that it has for its words.
+            machine.control.iso.increment_system = IncrementSystem::C;
+            machine.control.increment_mm = machine.control.increment_mm.max(1.0 / IncrementSystem::C.per_unit());
+        }
+        machine.control.grid = [machine.control.increment_mm, machine.control.increment_rad];
         let is_transformed = has_five && dialect != "rs274" && random.one_in(2);
         let is_tip_control = is_transformed && dialect == "fanuc";
         let has_tool = dialect == "sinumerik" || is_tip_control;

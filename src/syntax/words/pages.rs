@@ -88,6 +88,14 @@ impl Program {
         parser.open_part(PartKind::Program, None);
         parser.read((start.offset, start.lines), end);
         *self = Program { parts, ..parser.program };
+        // A program with faults is not executed, so that a block that cannot be read stands behind its end: there it is none.
+        for number in start.first[0]..self.blocks.next() {
+            if let Some(block) = self.blocks.get_mut(number)
+                && block.body == Body::Faulty
+            {
+                block.body = Body::Empty;
+            }
+        }
     }
 
     /// Whether only a part of the tree is there.
