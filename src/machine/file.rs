@@ -348,15 +348,7 @@ fn read_control(section: Option<Section<'_>>, controller: &str, findings: &mut V
     orientation::read(&mut section, &mut control);
     super::contour_control::read(&mut section, &mut control);
     super::iso_control::read(&mut section, &mut control.iso);
-    for (key, is_finer) in ["increment_mm", "increment_deg"].into_iter().zip(control.is_finer_than_read(controller)) {
-        if is_finer {
-            let step = 1.0 / control.iso.increment_system.per_unit();
-            let message =
-                format!("{key} is finer than {step}, the grid on which the control puts the words that it reads");
-            let help = "state the increment_system of the control (\"IS-C\" reads 0.0001, parameter 1013), or write no finer than it reads";
-            section.report(Code::BAD_VALUE, section.place_of(key), message, help);
-        }
-    }
+    super::output_control::check_grid(&mut section, &control, controller);
     super::macro_control::read(&mut section, &mut control.macros);
     super::grundig_control::read(&mut section, &mut control);
     if let Some(value) = section.number_where("chord_tolerance_mm", "a number above 0", |value| value > 0.0) {

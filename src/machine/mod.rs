@@ -335,31 +335,6 @@ impl Default for Control {
     }
 }
 
-impl Control {
-    /// The grid on which a control of this language puts the words that it reads, mm and rad; `None` where it takes them as they are.
-    #[must_use]
-    pub fn word_grid(&self, language: &str) -> Option<[f64; 2]> {
-        match language {
-            "fanuc" => {
-                let step = 1.0 / self.iso.increment_system.per_unit();
-                Some([step, step.to_radians()])
-            }
-            "grundig" => Some(self.grid),
-            _ => None,
-        }
-    }
-
-    /// Whether its linear words, or its rotary ones, are written finer than a control of this language reads them.
-    #[must_use]
-    pub fn is_finer_than_read(&self, language: &str) -> [bool; 2] {
-        /// Steps are decimals; their binary values differ by less.
-        const SAME_SHARE: f64 = 1e-9;
-        let Some([linear_mm, rotary_rad]) = self.word_grid(language) else { return [false; 2] };
-        [(self.increment_mm, linear_mm), (self.increment_rad, rotary_rad)]
-            .map(|(written, read)| written < read * (1.0 - SAME_SHARE))
-    }
-}
-
 impl Machine {
     /// The axes that the machine has.
     #[must_use]

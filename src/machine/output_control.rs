@@ -2,6 +2,7 @@
 
 use super::Control;
 use super::section::Section;
+use crate::diagnostic::Code;
 
 /// Sets what follows from the language of the control, before the file has its say.
 pub(super) fn of_controller(controller: &str) -> Control {
@@ -34,5 +35,43 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     {
         // The conversion is exact: a whole number below 10⁸.
         control.last_block_number = Some(value as u32);
+    }
+}
+
+/// Refuses words that are finer than what the control reads.
+pub(super) fn check_grid(section: &mut Section<'_>, control: &Control, controller: &str) {
+    for (key, is_finer) in ["increment_mm", "increment_deg"].into_iter().zip(control.is_finer_than_read(controller)) {
+        if is_finer {
+            let step = 1.0 / control.iso.increment_system.per_unit();
+            let message =
+                format!("{key} is finer than {step}, the grid on which the control puts the words that it reads");
+            let help = "state the increment_system of the control (\"IS-C\" reads 0.0001, parameter 1013), or write no finer than it reads";
+            section.report(Code::BAD_VALUE, section.place_of(key), message, help);
+        }
+    }
+}
+
+impl Control {
+    /// The grid on which a control of this language puts the words that it reads, mm and rad; `None` where it takes them as they are.
+    #[must_use]
+    pub fn word_grid(&self, language: &str) -> Option<[f64; 2]> {
+        match language.to_ascii_lowercase().as_str() {
+            "fanuc" => {
+                let step = 1.0 / self.iso.increment_system.per_unit();
+                Some([step, step.to_radians()])
+            }
+            "grundig" => Some(self.grid),
+            _ => None,
+        }
+    }
+
+    /// Whether its linear words, or its rotary ones, are written finer than a control of this language reads them.
+    #[must_use]
+    pub fn is_finer_than_read(&self, language: &str) -> [bool; 2] {
+        /// Steps are decimals; their binary values differ by less.
+        const SAME_SHARE: f64 = 1e-9;
+        let Some([linear_mm, rotary_rad]) = self.word_grid(language) else { return [false; 2] };
+        [(self.increment_mm, linear_mm), (self.increment_rad, rotary_rad)]
+            .map(|(written, read)| written < read * (1.0 - SAME_SHARE))
     }
 }
