@@ -222,7 +222,7 @@ fn a_refusal_a_reset_and_a_cut_cable_have_their_status() {
     let run = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &refusing.name]);
     assert!(run.code == 6 && run.stderr.contains("refused line 30") && run.stderr.contains("axes are held"), "{run:?}");
     // Those behind it may have been answered; they are not done before it is.
-    let plan = shop.run(["resume", "part.ngc.journal"]);
+    let plan = shop.run(["resume", "part.ngc.journal", "--clearance", "60mm"]);
     assert!(plan.code == 0 && plan.stdout.contains("acknowledged  up to 29 "), "{plan:?}");
     let resetting = Bench::new(Grbl::new(&Faults { reset_s: Some(0.8), ..Faults::default() }, 0.05));
     let shop = Shop::new().file("part.ngc", passes(8));
@@ -313,7 +313,7 @@ fn killed(shop: &Shop, bench: &Bench, mill: &str, after: usize) -> serde_json::V
         count = now;
         thread::sleep(Duration::from_millis(200));
     }
-    let run = shop.run(["resume", "part.ngc.journal", "--json"]);
+    let run = shop.run(["resume", "part.ngc.journal", "--json", "--clearance", "60mm"]);
     assert_eq!(run.code, 0, "{run:?}");
     serde_json::from_str(&run.stdout).unwrap()
 }
@@ -330,9 +330,9 @@ fn a_killed_job_is_taken_up_again_above_the_part_and_leaves_nothing_out() {
         let [sure, sent] = ["executed", "sent"].map(|key| plan[key].as_u64().unwrap() as usize);
         assert!(sure <= first.len() && first.len() <= sent, "{sure} {} {sent}", first.len());
         let number = plan["plan"].as_str().unwrap();
-        let wrong = shop.run(["resume", "part.ngc.journal", "--confirm", "000000000000"]);
+        let wrong = shop.run(["resume", "part.ngc.journal", "--confirm", "000000000000", "--clearance", "60mm"]);
         assert!(wrong.code == 2 && bench.executed() == first, "{wrong:?}");
-        let run = shop.run(["resume", "part.ngc.journal", "--confirm", number]);
+        let run = shop.run(["resume", "part.ngc.journal", "--confirm", number, "--clearance", "60mm"]);
         assert_eq!(run.code, 0, "{run:?}");
         let old = shop.run(["resume", "part.ngc.journal.old"]);
         assert!(old.code == 2 && old.stderr.contains("was taken up again"), "{old:?}");
@@ -352,10 +352,11 @@ fn a_killed_job_is_taken_up_again_above_the_part_and_leaves_nothing_out() {
         // Answers count from the next report on, five times in a second.
         if after >= 90 {
             assert!(rest.len() < planned.len() && before.iter().any(|line| line.contains("M3")), "{before:?}");
-            // First up, or rather to where it was above the part; corrections are below 0.1 mm.
-            let first = before.iter().find_map(|line| line.strip_prefix("G0 ")).unwrap();
-            let height: f64 = first.strip_prefix('Z').unwrap().parse().unwrap();
-            assert!((height - 50.0).abs() < 0.1, "{before:?}");
+            // First up to the stated height, and with a feed down to where the program had retracted to.
+            let first = before.iter().find(|line| line.starts_with("G0 ")).unwrap();
+            assert_eq!(*first, "G0 Z60.", "{before:?}");
+            let down = before.iter().find_map(|line| line.strip_prefix("G1 Z")).unwrap().split(' ').next().unwrap();
+            assert!((down.parse::<f64>().unwrap() - 50.0).abs() < 0.1, "{before:?}");
         }
     }
 }
@@ -406,7 +407,8 @@ fn a_control_in_alarm_does_not_use_up_the_journal_of_a_broken_job() {
     let plan = killed(&shop, &bench, &mill, 137);
     let alarmed = Bench::new(Grbl::new(&Faults::default(), 0.005).in_alarm());
     let number = plan["plan"].as_str().unwrap();
-    let run = shop.run(["resume", "part.ngc.journal", "--port", &alarmed.name, "--confirm", number]);
+    let run =
+        shop.run(["resume", "part.ngc.journal", "--port", &alarmed.name, "--confirm", number, "--clearance", "60mm"]);
     assert!(run.code == 6 && run.stderr.contains("no line was sent"), "{run:?}");
     assert!(alarmed.executed().is_empty());
     // Its own journal is empty and does not begin at the beginning; that of the broken job is as good as before.
@@ -414,9 +416,40 @@ fn a_control_in_alarm_does_not_use_up_the_journal_of_a_broken_job() {
     assert!(empty.code == 2 && empty.stderr.contains("part.ngc.journal.old"), "{empty:?}");
     let anew = shop.run(["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--port", &bench.name]);
     assert!(anew.code == 4 && anew.stderr.contains("E0703"), "{anew:?}");
-    let again = shop.run(["resume", "part.ngc.journal.old", "--json"]);
+    let again = shop.run(["resume", "part.ngc.journal.old", "--json", "--clearance", "60mm"]);
     let again: serde_json::Value = serde_json::from_str(&again.stdout).unwrap();
     assert_eq!([&again["source_line"], &again["before"]], [&plan["source_line"], &plan["before"]]);
+}
+
+#[test]
+fn a_second_job_does_not_take_the_journal_of_one_that_waits_for_its_sensors() {
+    let sensors =
+        "poll_s = 1\n[source.a]\nkind = \"file\"\nmode = \"value\"\npath = \"t.txt\"\n[channel.T_a]\nsource = \"a\"\n";
+    let (one, two) = (grbl(0.01), grbl(0.01));
+    let shop = Shop::new().file("part.ngc", passes(20)).file("s.toml", sensors);
+    let mill = machine("knee_mill");
+    let arguments = |port: &str| {
+        ["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--sensors", "s.toml", "--port", port]
+            .map(str::to_owned)
+    };
+    let first = arguments(&one.name);
+    let mut child = start(&shop, &first.iter().map(String::as_str).collect::<Vec<_>>());
+    let from = Instant::now();
+    while !shop.path("part.ngc.journal").exists() {
+        assert!(from.elapsed() < LONG);
+        thread::sleep(Duration::from_millis(10));
+    }
+    // The first one waits; the second one may not.
+    let run = shop.run(arguments(&two.name));
+    assert!(run.code == 4 && run.stderr.contains("E0703") && run.stderr.contains("running"), "{run:?}");
+    std::fs::write(shop.path("t.txt"), "20.0\n").unwrap();
+    one.wait_for(60);
+    let run = shop.run(arguments(&two.name));
+    assert!(run.code == 4 && run.stderr.contains("E0703"), "{run:?}");
+    assert!(two.executed().is_empty() && !shop.path("part.ngc.journal.old").exists());
+    signal(&child, "KILL");
+    child.wait().unwrap();
+    assert!(shop.text("part.ngc.journal").contains(" F 60 "));
 }
 
 /// The knee mill with a head that grows by 3 µm/K downwards.

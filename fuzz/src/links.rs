@@ -83,6 +83,7 @@ impl Job {
                     assert!((self.executed..=self.sent).contains(&number), "{number} of {}", self.sent);
                     self.executed = number;
                 }
+                Event::Checked(number) => assert!(number <= self.acknowledged, "{number} of {}", self.acknowledged),
                 Event::Repeated(number) => assert!(number <= self.sent, "{number} of {}", self.sent),
                 Event::Refused(number, said) => {
                     assert!(number <= self.sent && !said.is_empty(), "{number} of {}", self.sent);

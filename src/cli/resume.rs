@@ -9,9 +9,10 @@ use super::machine_choice::short_hash;
 use super::stop::Stop;
 use super::{print, tell};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::drip::restart::{Found, Place, Search, Why};
-use crate::drip::{Ends, Heights};
+use crate::drip::restart::{CLEAR_MM, Found, Place, Search, Why};
+use crate::drip::{Ends, Grammar, Heights};
 use crate::feed::{Frozen, PROTOCOLS, Told, read_journal};
+use crate::machine::ToolChange;
 use crate::path::Tips;
 use crate::report::feed::{Before, Plan};
 use crate::report::json;
@@ -66,7 +67,7 @@ pub(super) fn run(arguments: &ResumeArguments) -> Result<ExitCode, Stop> {
         tell(&format!("{}; nothing was sent\n", findings.count()));
         return Ok(findings.exit_code());
     }
-    let planned = plan(&told, &feed, &job, (text.as_bytes(), arguments.clearance))?;
+    let planned = plan(&told, &feed, &job, (source.bytes(), arguments.clearance))?;
     let (plan, begin) = match planned {
         Ok(planned) => planned,
         Err(finding) => {
@@ -150,11 +151,9 @@ fn is_move(text: &[u8]) -> bool {
 /// How many blocks the control may have taken and not carried out, at most, and where that comes from: what it stated when the job began, and no less
 /// where a bound of the profile is smaller.
 fn holds(told: &Told, job: &Job) -> Option<(u64, String)> {
-    if !PROTOCOLS.iter().any(|protocol| protocol.name == job.profile.protocol && protocol.has_planner) {
-        return None;
-    }
-    let bound = job.profile.depth.as_ref();
-    let bound = bound.map(|bound| (bound.at_most, format!("profile {}: {}", job.profile.name, bound.source)));
+    PROTOCOLS.iter().find(|protocol| protocol.name == job.profile.protocol && protocol.has_planner)?;
+    let source = job.profile.depth.as_ref().map(|bound| format!("profile {}: {}", job.profile.name, bound.source));
+    let bound = job.profile.holds_at_most().zip(source);
     let stated = told.holds.clone().map(|(most, said)| (most, format!("the control: {said}")));
     [bound, stated].into_iter().flatten().max_by_key(|(most, _)| *most)
 }
@@ -162,42 +161,52 @@ fn holds(told: &Told, job: &Job) -> Option<(u64, String)> {
 /// Why nothing is taken up again.
 fn refusal(found: &Found, clearance_mm: Option<f64>) -> Option<Diagnostic> {
     let by_hand = "lift the tool by hand, remove the journal, and feed the program from its beginning";
+    let stated_mm = clearance_mm.unwrap_or_default();
     let (code, message, help) = match *found {
         Found::Place(_) | Found::Beginning(..) => return None,
+        Found::NotStated(highest_z_mm) => {
+            let highest = highest_z_mm
+                .map_or(String::new(), |mm| format!("; all that is machined ends at Z {mm:.3} mm of the program"));
+            (
+                Code::NOT_CLEAR,
+                format!(
+                    "no height is stated over which the tool may go to where the program is taken up again: nobody but you knows how high workpiece and clamps stand{highest}"
+                ),
+                "state a height that is clear of workpiece and clamps, Z of the program with its unit: --clearance 25mm".to_owned(),
+            )
+        }
         Found::TooLow(highest_z_mm) => (
             Code::CLEARANCE_TOO_LOW,
             format!(
-                "--clearance {:.3} mm is not above all that is machined, which ends at Z {highest_z_mm:.3} mm of the program",
-                clearance_mm.unwrap_or_default()
+                "--clearance {stated_mm:.3} mm is not {CLEAR_MM} mm above all that is machined, which ends at Z {highest_z_mm:.3} mm of the program"
             ),
             "state a height above that, and above the workpiece and its clamps".to_owned(),
         ),
+        Found::OutOfTravel([low_mm, high_mm]) => (
+            Code::CLEARANCE_TOO_LOW,
+            format!(
+                "--clearance {stated_mm:.3} mm is outside of the travel of Z, which goes from {low_mm:.3} to {high_mm:.3} mm of the program with the tool and the zero offset there"
+            ),
+            "state a height within it; look at its unit, and at axis.Z.travel_mm in the machine file".to_owned(),
+        ),
         Found::Nothing(why) => {
             let message = match why {
-                Why::NoneAbove => {
-                    "no rapid move of what was carried out for sure lies above all that is machined, and the program does not begin by lifting the tool: \
-                     the way to where it begins again would cross at the height of a cut"
-                        .to_owned()
-                }
                 Why::Tilted => "the tool was tilted against Z: lifting Z draws it sideways through the workpiece".to_owned(),
                 Why::HeightUnknown(line) => {
                     format!("line {line} of the source machines at a height that the program does not state: what is above it is not known")
                 }
                 Why::BeginningCrosses => {
-                    "only the beginning is left, and nothing can lift the tool before it: behind its tool or length Z means something else".to_owned()
+                    "only the beginning is left, and nothing can lift the tool to the stated height before it: behind a tool, its length or a word of unknown effect Z means something else"
+                        .to_owned()
                 }
             };
             let help = match why {
-                Why::NoneAbove => format!(
-                    "state a height that is clear of workpiece and clamps, Z of the program with its unit: --clearance 25mm; or {by_hand}"
-                ),
                 Why::Tilted => {
                     "retract the tool by hand along itself, remove the journal, and feed the program from its beginning"
-                        .to_owned()
                 }
-                Why::HeightUnknown(_) | Why::BeginningCrosses => by_hand.to_owned(),
+                Why::HeightUnknown(_) | Why::BeginningCrosses => by_hand,
             };
-            (Code::NOT_CLEAR, message, help)
+            (Code::NOT_CLEAR, message, help.to_owned())
         }
     };
     Some(Diagnostic::nowhere(code, message, help))
@@ -234,7 +243,8 @@ fn plan(
     // Without a record of it nothing but the beginning is sure.
     let until = at(sure + 1).or(at(sure)).map_or(0, |line| line.element);
     let sent = at(told.frozen).map_or(0, |line| line.element);
-    let mut search = Search::new(job.dialect.codes(), (from_start(), &heights), [until, sent], clearance_mm);
+    let grammar = Grammar::new(job.dialect, job.chosen.machine.control.tool_change == ToolChange::T);
+    let mut search = Search::new(grammar, (from_start(), &heights), [until, sent], clearance_mm);
     walk(feed, job, &mut ignored, &mut |step| match step {
         Step::Element(output) => search.element(output),
         Step::Line(line) => search.line(line),
@@ -247,7 +257,7 @@ fn plan(
     let (place, skip, lines, above_mm) = match found {
         Found::Place(place) => (Some(place.clone()), place.element - 1, place.lines, place.above_mm),
         Found::Beginning(lines, above_mm) => (None, 0, lines, above_mm),
-        Found::TooLow(_) | Found::Nothing(_) => (None, 0, Vec::new(), f64::NAN),
+        _ => (None, 0, Vec::new(), f64::NAN),
     };
     let mut first = Vec::new();
     let mut moves = 0;
@@ -287,5 +297,5 @@ fn plan(
         port: feed.port.clone().unwrap_or_default(),
     };
     let words = told.head.iter().filter(|(name, _)| name == "argument").map(|(_, word)| word.clone()).collect();
-    Ok(Ok((plan, Begin { skip, lines, words, resumed: Some(number) })))
+    Ok(Ok((plan, Begin { skip, lines, words, resumed: Some(number), journal: Some(journal.to_vec()) })))
 }

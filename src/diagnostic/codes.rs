@@ -457,14 +457,16 @@ be told from those that were not, and the correction would jump. Nothing was sen
 are: Grbl and grblHAL for their state, Marlin whether all moves are done, LinuxCNC for its status; they get no line unless they are idle. A tape reader and the
 blockwise transfer of Heidenhain have no such question. Look at the machine, and say so with --i-checked-the-machine-stands-still. Nothing was sent.";
     NOT_CLEAR = "E0706" "no place from which the tool comes clear of the workpiece"
-"A job that was broken off begins again at a rapid move whose both ends lie 1 mm or more above everything that is machined, measured along the tool: every point of
-every move with feed counts, the start of a plunge and the top of an arc too. A program in which all retracts end at the height of the highest cut has no such
-place: the way there would cross at that height, through what stands beside the cut. The beginning is left where its first move lifts the tool and does
-nothing else. State a height that is clear of workpiece and clamps with --clearance, or lift the tool by hand, remove the journal and feed the program from its
-beginning. Nothing was sent.";
-    CLEARANCE_TOO_LOW = "E0707" "clearance that is not above all that is machined"
-"The height of --clearance, Z in the coordinates of the program, lies at or below the highest place that the program machines: the way across would lead through the
-workpiece. The message names that height; state one that is above it, and above the workpiece and its clamps. Nothing was sent.";
+"A job that was broken off is only taken up again over a height that a person has stated to be clear of workpiece and clamps (--clearance 25mm, Z of the program):
+the way to the place crosses at that height, from wherever the tool stands. The program goes on where one of its retracts had ended, with the rapid move that
+follows; a slow feed leads down to it. Where no such place is known, or the state of the control there cannot be rebuilt, the beginning is left, and that only
+where the stated height can be reached before its first move or with it: behind a tool or its length Z means something else. Else lift the tool by hand, remove the
+journal and feed the program from its beginning. Nothing was sent.";
+    CLEARANCE_TOO_LOW = "E0707" "clearance too low, or out of the travel"
+"The height of --clearance, Z in the coordinates of the program, must lie 1 mm or more above the highest place that the program machines, along the tool: every point of
+every move with feed counts, the start of a plunge and the top of an arc too. Below that the way across would lead through the workpiece. It must also lie within the
+travel of Z of the machine file, with the zero offset and the tool that are in force there. The message names the limit; state a height between, above the workpiece
+and its clamps. Nothing was sent.";
     BAD_SET_POINT = "E0801" "line that is no set-point"
 "A line of the input of ncfix realtime is no set-point: a word that is no axis of the machine, a number that is none, an axis whose position was never stated,
 too many or too few cells, an empty line. The run ends, because a control that goes on with a guess moves a machine. Every line before it was answered, in order;

@@ -4,9 +4,11 @@
 //! line when the next block begins, so that a line comes out with the output behind it. Comments, messages and headers stay at home: they cost time on a
 //! slow link, some controls stumble over them, and profiles bring the frame that a link wants.
 
+mod block;
 mod doser;
 mod heights;
 pub mod restart;
+mod rules;
 mod taken;
 mod told;
 
@@ -23,6 +25,7 @@ use crate::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Live, ON_THE_SPOT, Options, 
 use crate::snc::{Dwell, Element, Kind};
 
 pub use heights::Heights;
+pub use rules::Grammar;
 pub use taken::Ends;
 
 use doser::Doser;

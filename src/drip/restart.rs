@@ -1,22 +1,26 @@
 //! Where a job that was broken off can be taken up again, and what the control must be told before.
 //!
-//! A place is safe where the tool moves rapidly above the highest place at which anything is machined, by [`CLEAR_MM`] at least, so that whatever was
-//! carried out behind it is carried out again from a place that nothing is hit on the way to. At the height of the highest cut itself nothing is safe:
-//! there the tool crosses what stands beside the cut. A person may state a height that is clear; then the way leads over that, and a rapid move
-//! at the highest place will do. What the control must know there is read from the lines before: the last code of every group, spindle and coolant, and
-//! where each axis stands. Frames and words of unknown effect cannot be rebuilt; behind them nothing is safe but the beginning, and that only
-//! where the program itself begins by lifting the tool.
+//! A person states a height that is clear of workpiece and clamps. It must lie above everything that is machined, by [`CLEAR_MM`] at least, and within
+//! the travel of Z. The way leads up to it and across at it, and down with a slow feed to where a retract of the program had ended: there the program
+//! goes on with the rapid move that follows. So nothing that is added moves rapidly below that height, and nothing begins at the depth of a cut, which may
+//! never have been made: the tool may have broken long before. What was carried out behind the place is carried out again.
+//!
+//! What the control must know at the place is read from the lines before ([`super::told`]). Frames and words of unknown effect cannot be rebuilt; behind
+//! them only the beginning is left, and that only where the stated height can be reached before its first move, or is, with that move.
 
 use super::heights::{Heights, SAME_MM, is_height_known};
-use super::told::Told;
-use crate::dialect::CodeTable;
+use super::rules::Grammar;
+use super::told::{Told, Way};
 use crate::feed::Line;
-use crate::geometry::Axis;
+use crate::geometry::{Axis, AxisVector};
 use crate::path::{Output, Piece, Tips};
 use crate::snc::{FrameWords, Kind};
 
-/// A place lies so far above all that is machined, mm: corrections are below 0.2 mm, and what is told of the height of a workpiece is no better.
+/// The stated height lies so far above all that is machined, mm: corrections are below 0.2 mm, and what is told of the height of a workpiece is no better.
 pub const CLEAR_MM: f64 = 1.0;
+
+/// Directions of the tool that differ by less are the same.
+const SAME_DIRECTION: f64 = 1e-6;
 
 /// A place to begin again.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +31,7 @@ pub struct Place {
     pub source_line: u32,
     /// What is sent before it.
     pub lines: Vec<String>,
-    /// The tool word that was last in force.
+    /// The tool that is in the spindle there.
     pub tool: Option<String>,
     /// The first line of the program that is sent.
     pub first: String,
@@ -40,10 +44,14 @@ pub struct Place {
 pub enum Found {
     /// A safe place.
     Place(Place),
-    /// The beginning, which lifts the tool by so many mm above all that is machined; what is sent before it.
+    /// The beginning, which is reached so many mm above all that is machined; what is sent before it.
     Beginning(Vec<String>, f64),
-    /// The height that a person has stated is not above all that is machined: that ends at this Z of the program, mm.
+    /// No height was stated. Up to which Z of the program it machines, mm, where that is known.
+    NotStated(Option<f64>),
+    /// The stated height is not so far above all that is machined as it must be: that ends at this Z of the program, mm.
     TooLow(f64),
+    /// The stated height is outside of the travel of Z, which is this, mm of Z of the program.
+    OutOfTravel([f64; 2]),
     /// Nothing brings the tool clear of the workpiece: why.
     Nothing(Why),
 }
@@ -51,8 +59,6 @@ pub enum Found {
 /// Why no place is safe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Why {
-    /// None lies above all that is machined, and the first move does not lead there: with a height stated it may.
-    NoneAbove,
     /// The tool stood tilted against Z: no move of Z lifts it along itself.
     Tilted,
     /// A cut of this line of the source is at a height that the program does not state.
@@ -61,19 +67,27 @@ pub enum Why {
     BeginningCrosses,
 }
 
+/// A height that was stated, held against a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stated {
+    Above(f64),
+    TooLow(f64),
+    OutOfTravel([f64; 2]),
+}
+
 /// The first move of a program.
 #[derive(Clone, Copy, Debug, Default)]
 struct Start {
     element: u64,
-    /// How far it lifts the tool above all that is machined, mm, where it does so and moves nothing else.
-    lifts_mm: Option<f64>,
-    /// How far a stated height is above that, mm.
-    stated_mm: Option<f64>,
+    /// Z of the program up to which is machined, mm.
+    highest_z_mm: Option<f64>,
+    stated: Option<Stated>,
+    /// Whether it lifts the tool to the stated height, or further, and moves nothing else.
+    lifts: bool,
 }
 
 /// Looks for the last safe place.
 pub struct Search<'a> {
-    codes: &'static CodeTable,
     tips: Tips<'a>,
     heights: &'a Heights,
     /// A height that is clear, as a person has stated it, mm of Z of the program.
@@ -84,16 +98,18 @@ pub struct Search<'a> {
     sent: u64,
     told: Told,
     /// What it was told at the best place.
-    at_best: Told,
+    at_best: Option<Told>,
     element: u64,
-    /// A place whose first line is to come, and how far it is above all that is machined.
-    pending: Option<(u64, f64)>,
+    /// Whether the axes stand where a rapid move has lifted the tool to.
+    is_retracted: bool,
+    /// A place whose first line is to come, how far the way to it is above all that is machined, and at which Z of the program it lies.
+    pending: Option<(u64, f64, f64)>,
     best: Option<Place>,
     start: Option<Start>,
     /// What lifts the tool before the first move, to the stated height, once that is known.
     beginning: Option<Option<Vec<String>>>,
-    /// Which Z the highest cut has where a place would do with a stated height, mm.
-    highest_z_mm: Option<f64>,
+    /// What was found of the stated height at the last place that would do with another one.
+    refused: Option<Stated>,
     is_numbered: bool,
     /// Line of the source behind which nothing is safe.
     unsure: Option<u32>,
@@ -103,26 +119,26 @@ impl<'a> Search<'a> {
     /// Begins one; nothing behind the element `until` is taken, and nothing behind the element `sent` has been carried out.
     #[must_use]
     pub fn new(
-        codes: &'static CodeTable,
+        grammar: Grammar,
         (tips, heights): (Tips<'a>, &'a Heights),
         [until, sent]: [u64; 2],
         clearance_mm: Option<f64>,
     ) -> Search<'a> {
         Search {
-            codes,
             tips,
             heights,
             clearance_mm,
             until,
             sent,
-            told: Told::default(),
-            at_best: Told::default(),
+            told: Told::new(grammar),
+            at_best: None,
             element: 0,
+            is_retracted: false,
             pending: None,
             best: None,
             start: None,
             beginning: None,
-            highest_z_mm: None,
+            refused: None,
             is_numbered: false,
             unsure: None,
         }
@@ -134,84 +150,112 @@ impl<'a> Search<'a> {
         match output {
             Output::Piece(piece) => {
                 if self.start.is_none() {
-                    let (lifts_mm, stated_mm) = (self.lifts_mm(piece), self.stated_above_mm(piece));
-                    self.start = Some(Start { element: self.element, lifts_mm, stated_mm });
+                    self.start = Some(self.first_move(piece));
                 }
-                if let Some(above_mm) = self.above_mm(piece) {
-                    self.pending = Some((self.element, above_mm));
+                if let Some((above_mm, stands_mm)) = self.place(piece) {
+                    self.pending = Some((self.element, above_mm, stands_mm));
                 }
+                self.is_retracted = self.retracts(piece);
             }
             Output::Element(element) => {
-                let is_unknown = match &element.kind {
-                    Kind::Frame(FrameWords::Statement(_)) => true,
-                    Kind::Verbatim(text) => !is_plain(text, self.codes),
-                    _ => false,
-                };
-                if is_unknown {
+                if let Kind::Frame(FrameWords::Statement(_)) = &element.kind {
                     self.unsure.get_or_insert(element.origin.line);
                 }
             }
         }
         self.tips.take(output);
+        if self.tips.stands().is_none() {
+            self.is_retracted = false;
+        }
     }
 
-    /// How far the tool is above all that is machined at both ends of a rapid move, or at the stated height, mm; `None` where that is not safe.
-    fn above_mm(&mut self, piece: &Piece) -> Option<f64> {
+    /// Whether the tool stands retracted behind a piece: a rapid move has lifted it since the last cut and the last plunge.
+    fn retracts(&self, piece: &Piece) -> bool {
+        if !piece.rapid {
+            return false;
+        }
+        let end_mm = self.height_mm(&piece.nominal);
+        let looks_alike = |start: &&AxisVector| {
+            let [from, to] = [*start, &piece.nominal].map(|command| self.tips.direction(command));
+            (from - to).norm() < SAME_DIRECTION
+        };
+        let start = self.tips.stands().filter(looks_alike);
+        match start.and_then(|start| self.height_mm(start)).zip(end_mm) {
+            Some((from_mm, to_mm)) if to_mm > from_mm + SAME_MM => true,
+            Some((from_mm, to_mm)) => self.is_retracted && to_mm > from_mm - SAME_MM,
+            // The first move of a program, or a turn: to above all that is machined.
+            None => end_mm.is_some_and(|above_mm| above_mm >= CLEAR_MM),
+        }
+    }
+
+    /// How far the tool is above all that is machined, along itself, mm; `None` where that is not known, or it does not rise along itself.
+    fn height_mm(&self, command: &AxisVector) -> Option<f64> {
+        let above_mm = self.heights.above_mm(&self.tips.tip_mm(command), &self.tips.direction(command));
+        above_mm.filter(|_| self.tips.rises_along_itself(command))
+    }
+
+    /// Holds the stated height against a place. The way across is at that height.
+    fn stated(&self, place: &AxisVector) -> Option<Stated> {
+        let (clearance_mm, highest_z_mm) = (self.clearance_mm?, self.highest_z_mm(place)?);
+        let travel_mm = self.tips.programmed_travel_mm(place)?;
+        Some(if clearance_mm < highest_z_mm + CLEAR_MM - SAME_MM {
+            Stated::TooLow(highest_z_mm)
+        } else if clearance_mm < travel_mm[0] || clearance_mm > travel_mm[1] {
+            Stated::OutOfTravel(travel_mm)
+        } else {
+            Stated::Above(clearance_mm - highest_z_mm)
+        })
+    }
+
+    /// Up to which Z of the program is machined, with the axes there, mm.
+    fn highest_z_mm(&self, place: &AxisVector) -> Option<f64> {
+        Some(self.tips.programmed_z_mm(place)? - self.height_mm(place)?)
+    }
+
+    /// How far the way to the beginning of a piece is above all that is machined, and its Z of the program, mm; `None` where that is no place.
+    fn place(&mut self, piece: &Piece) -> Option<(f64, f64)> {
         let is_place = piece.rapid
             && piece.first
             && !piece.take_up
             && is_height_known(piece)
+            && self.is_retracted
             && self.unsure.is_none()
             && self.element <= self.until
             && !self.heights.is_tilted(self.sent);
         let start = *self.tips.stands().filter(|_| is_place)?;
-        let mut lowest_mm = f64::INFINITY;
-        for end in [&start, &piece.nominal] {
-            if !self.tips.rises_along_itself(end) {
-                return None;
-            }
-            let above_mm = self.heights.above_mm(&self.tips.tip_mm(end), &self.tips.direction(end))?;
-            lowest_mm = lowest_mm.min(above_mm);
-        }
-        let Some(clearance_mm) = self.clearance_mm else {
-            return (lowest_mm >= CLEAR_MM).then_some(lowest_mm);
-        };
-        let above_mm = self.heights.above_mm(&self.tips.tip_mm(&start), &self.tips.direction(&start))?;
-        let highest_z_mm = self.tips.programmed_z_mm(&start)? - above_mm;
-        if lowest_mm < -SAME_MM {
+        let [from_mm, to_mm] = [self.height_mm(&start)?, self.height_mm(&piece.nominal)?];
+        // Across, or further up, and at no depth.
+        if from_mm < -SAME_MM || to_mm < from_mm - SAME_MM {
             return None;
         }
-        self.highest_z_mm = Some(self.highest_z_mm.map_or(highest_z_mm, |known| known.max(highest_z_mm)));
-        (clearance_mm > highest_z_mm + SAME_MM).then_some(clearance_mm - highest_z_mm)
+        match self.stated(&start)? {
+            Stated::Above(above_mm) => Some((above_mm, self.tips.programmed_z_mm(&start)?)),
+            other => {
+                self.refused = Some(other);
+                None
+            }
+        }
     }
 
-    fn lifts_mm(&self, piece: &Piece) -> Option<f64> {
+    fn first_move(&self, piece: &Piece) -> Start {
+        let is_known = !self.heights.is_tilted(self.sent);
+        let stated = self.stated(&piece.nominal).filter(|_| is_known);
+        let reaches =
+            self.tips.programmed_z_mm(&piece.nominal).zip(self.clearance_mm).is_some_and(|(z, least)| z >= least);
         let is_lift = piece.rapid && piece.words.iter().all(|axis| axis == Axis::Z) && is_height_known(piece);
-        let above_mm = self.free_mm(piece).filter(|_| is_lift)?;
-        (above_mm >= CLEAR_MM).then_some(above_mm)
-    }
-
-    fn stated_above_mm(&self, piece: &Piece) -> Option<f64> {
-        let highest_z_mm = self.tips.programmed_z_mm(&piece.nominal)? - self.free_mm(piece)?;
-        Some(self.clearance_mm? - highest_z_mm)
-    }
-
-    fn free_mm(&self, piece: &Piece) -> Option<f64> {
-        let is_free = self.tips.rises_along_itself(&piece.nominal) && !self.heights.is_tilted(self.sent);
-        self.heights
-            .above_mm(&self.tips.tip_mm(&piece.nominal), &self.tips.direction(&piece.nominal))
-            .filter(|_| is_free)
+        let highest_z_mm = self.highest_z_mm(&piece.nominal).filter(|_| is_known);
+        Start { element: self.element, highest_z_mm, stated, lifts: is_lift && reaches }
     }
 
     /// A line of the program, in order.
     pub fn line(&mut self, line: &Line) {
         let text = String::from_utf8_lossy(&line.text).into_owned();
-        if let Some((element, above_mm)) = self.pending.filter(|(element, _)| line.element >= *element) {
+        if let Some((element, above_mm, stands_mm)) = self.pending.filter(|(element, ..)| line.element >= *element) {
             self.pending = None;
-            if let Some(lines) = self.told.lines(self.is_numbered, self.clearance_mm) {
-                let tool = self.told.values.get(&b'T').cloned();
-                self.at_best = self.told.clone();
-                let (source_line, first) = (line.source_line, text.clone());
+            let way = self.clearance_mm.map(|clearance_mm| Way { clearance_mm, stands_mm });
+            if let Some(lines) = way.and_then(|way| self.told.lines(self.is_numbered, way)) {
+                let (source_line, first, tool) = (line.source_line, text.clone(), self.told.tool.clone());
+                self.at_best = Some(self.told.clone());
                 self.best = Some(Place { element, source_line, lines, tool, first, above_mm });
             }
         }
@@ -223,7 +267,10 @@ impl<'a> Search<'a> {
         }
         self.is_numbered |= text.starts_with('N');
         if line.element <= self.sent {
-            self.told.note(&text, self.codes);
+            self.told.note(&text);
+            if self.told.is_beyond {
+                self.unsure.get_or_insert(line.source_line);
+            }
         }
     }
 
@@ -231,29 +278,27 @@ impl<'a> Search<'a> {
     /// axis, a zero offset, the coolant: how it stood then nobody has said.
     #[must_use]
     pub fn finish(self) -> Found {
-        let is_known = self.at_best.knows(&self.told);
+        let start = self.start.unwrap_or_default();
+        if self.clearance_mm.is_none() {
+            return Found::NotStated(start.highest_z_mm);
+        }
+        let is_known = self.at_best.is_some_and(|at_best| at_best.knows(&self.told));
         if let Some(place) = self.best.filter(|_| is_known) {
             return Found::Place(place);
         }
-        let start = self.start.unwrap_or_default();
-        if let Some(clearance_mm) = self.clearance_mm {
-            let of_start = start.stated_mm.map(|above_mm| clearance_mm - above_mm);
-            let highest_z_mm = self.highest_z_mm.or(of_start);
-            if let Some(highest_z_mm) = highest_z_mm.filter(|highest_mm| clearance_mm <= highest_mm + SAME_MM) {
-                return Found::TooLow(highest_z_mm);
-            }
-            // The way leads over the stated height, where something can be sent before the first move.
-            if let (Some(above_mm), Some(lift)) = (start.stated_mm, self.beginning.flatten()) {
-                return Found::Beginning(lift, above_mm);
-            }
+        match self.refused.or(start.stated) {
+            Some(Stated::TooLow(highest_z_mm)) => return Found::TooLow(highest_z_mm),
+            Some(Stated::OutOfTravel(travel_mm)) => return Found::OutOfTravel(travel_mm),
+            _ => {}
         }
-        match start.lifts_mm {
-            Some(above_mm) => Found::Beginning(Vec::new(), above_mm),
-            None => Found::Nothing(match self.heights.unknown() {
+        // The way leads over the stated height, where something can be sent before the first move; or that move is the way up itself.
+        match (start.stated, self.beginning.flatten()) {
+            (Some(Stated::Above(above_mm)), Some(lift)) => Found::Beginning(lift, above_mm),
+            (Some(Stated::Above(above_mm)), None) if start.lifts => Found::Beginning(Vec::new(), above_mm),
+            _ => Found::Nothing(match self.heights.unknown() {
                 Some(line) => Why::HeightUnknown(line),
                 None if self.heights.is_tilted(self.sent) => Why::Tilted,
-                None if self.clearance_mm.is_some() => Why::BeginningCrosses,
-                None => Why::NoneAbove,
+                None => Why::BeginningCrosses,
             }),
         }
     }
@@ -262,29 +307,5 @@ impl<'a> Search<'a> {
     #[must_use]
     pub fn unsure(&self) -> Option<u32> {
         self.unsure
-    }
-}
-
-/// Whether a text is codes of groups and plain numbers only.
-fn is_plain(text: &[u8], codes: &CodeTable) -> bool {
-    String::from_utf8_lossy(text).split_ascii_whitespace().all(|word| match codes.word(word) {
-        Some(entry) => entry.group > 0,
-        None => {
-            let (letter, value) = word.split_at_checked(1).unwrap_or((word, ""));
-            b"XYZABCUVWFSTDH".contains(&letter.as_bytes().first().copied().unwrap_or(0)) && value.parse::<f64>().is_ok()
-        }
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::dialect;
-
-    #[test]
-    fn plain_words_can_be_told_again() {
-        let codes = dialect::find("rs274").unwrap().codes();
-        assert!(is_plain(b"G43 H12", codes) && is_plain(b"G64", codes));
-        assert!(!is_plain(b"G92 X1", codes) && !is_plain(b"ADIS=0.5", codes));
     }
 }

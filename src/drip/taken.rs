@@ -1,7 +1,7 @@
 //! Up to which line a job was carried out for sure, by what the control has acknowledged and how much it may hold.
 //!
 //! A planner holds blocks, not lines: a line that moves nothing takes no place in it, and neither does one that moves by less than a step. So only
-//! ways count that are a block at least on any control, and what was acknowledged before as many of them as the planner holds was carried out.
+//! ways count that are a block at least on any control, and what was taken for sure before as many of them as the planner holds was carried out.
 
 use std::collections::BTreeMap;
 
@@ -42,7 +42,8 @@ impl Ends {
     }
 
     /// The last line that was carried out for sure by a control that has taken and not carried out so many blocks at most; `None` where nobody knows
-    /// how many. What has only left proves nothing, and neither does an answer of a control that does not say how much it holds.
+    /// how many. What has only left proves nothing, and neither does an answer that may have come twice, or one of a control that does not say how
+    /// much it holds.
     #[must_use]
     pub fn sure(&self, told: &Told, at_most: Option<u64>) -> u64 {
         let by_planner = at_most.filter(|_| told.left == 0).map_or(0, |at_most| self.before(told, at_most));
@@ -51,10 +52,10 @@ impl Ends {
 
     fn before(&self, told: &Told, at_most: u64) -> u64 {
         if at_most == 0 {
-            return told.acknowledged;
+            return told.checked;
         }
         let (mut blocks, mut later): (u64, Option<&AxisVector>) = (0, None);
-        for line in told.lines.iter().rev().filter(|line| line.number <= told.acknowledged) {
+        for line in told.lines.iter().rev().filter(|line| line.number <= told.checked) {
             let Some(end) = self.at.get(&line.element) else { continue };
             if later.is_some_and(|later| !is_block(end, later)) {
                 continue;
@@ -85,7 +86,7 @@ mod tests {
         let mut ends = Ends::default();
         for (number, end_mm) in (1..).zip(ends_mm) {
             told.lines.push_back(Frozen { number, element: number, ..Frozen::default() });
-            (told.frozen, told.acknowledged) = (number, number);
+            (told.frozen, told.acknowledged, told.checked) = (number, number, number);
             if let Some(mm) = end_mm {
                 let mut end = AxisVector::ZERO;
                 end[Axis::X] = *mm;
@@ -105,6 +106,12 @@ mod tests {
         assert_eq!(ends.sure(&told, Some(0)), 10);
         told.executed = 8;
         assert_eq!([Some(3), None].map(|most| ends.sure(&told, most)), [8, 8]);
+        // Answers that nothing else confirms may have come twice.
+        (told.executed, told.checked) = (0, 6);
+        assert_eq!(ends.sure(&told, Some(3)), 3);
+        told.checked = 0;
+        assert_eq!([Some(0), Some(3)].map(|most| ends.sure(&told, most)), [0, 0]);
+        (told.executed, told.checked) = (8, 10);
         // A byte that has left was not even received.
         (told.executed, told.left) = (0, 10);
         assert_eq!(ends.sure(&told, Some(3)), 0);

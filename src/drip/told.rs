@@ -1,136 +1,369 @@
-//! What a control was told by the lines before a place: the last code of every group, spindle and coolant, where each axis stands.
+//! What a control was told by the lines before a place: the last block of every kind of code, tool, spindle and coolant, where each axis stands.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::dialect::CodeTable;
+use super::block::{AXES, Word, absolute, arguments, block, is_number, words};
+use super::rules::{Axes, Code, Grammar, Key, M, Rule};
 
-/// The group of motions, in all tables of codes.
-const MOTION: u8 = 1;
-/// Codes of one block that make its positions mean something else.
-const ELSEWHERE: &[&str] = &["G53", "G153", "SUPA", "G28", "G30"];
-/// What turns the spindle, and what cools.
-const SPINDLE: &[&str] = &["M3", "M4", "M5", "M03", "M04", "M05"];
-const COOLANT: &[&str] = &["M7", "M8", "M9", "M07", "M08", "M09"];
+/// Letters of axes that a tool change leaves where they are.
+const TURNING: &[u8] = b"ABC";
+/// What is an absolute position of a rotary axis, as a Sinumerik writes it.
+const ABSOLUTE: &[&str] = &["DC(", "ACP(", "ACN(", "AC("];
+/// Codes behind which a position in their unit is in inches, and those of feeds per minute and of constant cutting speed.
+const INCH: &[&str] = &["G20", "G70", "G700"];
+const PER_MINUTE: &[&str] = &["G94", "G942"];
+/// Motions behind which a rapid move is nothing new.
+const RAPID: &[&str] = &["G0", "G00", "G80"];
+/// The spindle stands oriented.
+const ORIENTED: &str = "M19";
+/// The feed is the reciprocal of the time of each block.
+const INVERSE_TIME: &str = "G93";
 
 /// Millimeters of an inch.
 const MM_PER_INCH: f64 = 25.4;
+/// Down to where the program moved rapidly the tool goes with this feed, mm/min: slow enough to be stopped by hand.
+const DOWN_MM_MIN: f64 = 200.0;
+
+/// The way to a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Way {
+    /// The height that is clear, and the one of the place, mm of Z of the program.
+    pub(super) clearance_mm: f64,
+    pub(super) stands_mm: f64,
+}
 
 /// What a control has been told.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone)]
 pub(super) struct Told {
-    /// The last code of each group.
-    codes: BTreeMap<u8, String>,
-    /// The last value of each address.
-    pub(super) values: BTreeMap<u8, String>,
+    grammar: Grammar,
+    /// The blocks that bring a state about; `None` where no block can.
+    states: BTreeMap<Key, Option<Vec<String>>>,
+    /// Where axes stand, by the words of the program; `None` where it has said so and it is no longer known.
+    places: BTreeMap<u8, Option<String>>,
+    /// Words of F, S, D, H.
+    values: BTreeMap<u8, String>,
     motion: Option<String>,
     spindle: Option<String>,
-    coolant: Option<String>,
-    /// Whether a tool was changed.
+    coolant: BTreeSet<String>,
+    /// Whether anything was said of the coolant.
+    has_coolant: bool,
+    /// The tool in the spindle, and one that was selected for the next change.
+    pub(super) tool: Option<String>,
+    selected: Option<String>,
     was_changed: bool,
+    /// Whether something was told that nothing can tell again.
+    pub(super) is_beyond: bool,
+    /// Whether that may have changed what a height means.
+    is_shifted: bool,
 }
 
 impl Told {
-    /// Whether all is known of which another one speaks.
-    pub(super) fn knows(&self, other: &Told) -> bool {
-        other.codes.keys().all(|group| self.codes.contains_key(group))
-            && other.values.keys().all(|address| self.values.contains_key(address))
-            && (self.spindle.is_some() || other.spindle.is_none())
-            && (self.coolant.is_some() || other.coolant.is_none())
+    pub(super) fn new(grammar: Grammar) -> Told {
+        Told {
+            grammar,
+            states: BTreeMap::new(),
+            places: BTreeMap::new(),
+            values: BTreeMap::new(),
+            motion: None,
+            spindle: None,
+            coolant: BTreeSet::new(),
+            has_coolant: false,
+            tool: None,
+            selected: None,
+            was_changed: false,
+            is_beyond: false,
+            is_shifted: false,
+        }
     }
 
-    pub(super) fn note(&mut self, text: &str, codes: &CodeTable) {
-        // Behind another zero offset or tool length the old places mean something else.
-        let shifts = |name: &str| codes.word(name).map(|entry| entry.group);
-        let shifting = [shifts("G54"), shifts("G43")];
+    /// Whether all is known of which another one speaks.
+    pub(super) fn knows(&self, other: &Told) -> bool {
+        other.states.keys().all(|key| self.states.contains_key(key))
+            && other.places.keys().all(|axis| self.places.contains_key(axis))
+            && other.values.keys().all(|address| self.values.contains_key(address))
+            && (self.spindle.is_some() || other.spindle.is_none())
+            && (self.has_coolant || !other.has_coolant)
+            && (self.tool.is_some() || other.tool.is_none())
+            && !other.is_beyond
+    }
+
+    /// The control is told a line.
+    pub(super) fn note(&mut self, text: &str) {
+        let mut words = words(text, &self.grammar);
+        // What is selected in the block of a change is what comes.
+        for word in words.iter_mut().filter(|word| word.name == "T" && word.code.is_none()) {
+            word.is_claimed = true;
+            if self.grammar.changes_on_t {
+                self.change(Some(word.text.to_owned()));
+            } else {
+                self.selected = Some(word.text.to_owned());
+            }
+        }
         let mut is_elsewhere = false;
-        let mut is_shifted = false;
-        for word in text.split_ascii_whitespace() {
-            let group = codes.word(word).map(|entry| entry.group).filter(|group| *group > 0);
-            let is_new = group.is_some_and(|group| self.codes.get(&group).is_none_or(|old| old != word));
-            is_shifted |= group.is_some() && shifting.contains(&group) && is_new;
-            is_shifted |=
-                word.starts_with(['D', 'H']) && self.values.get(&word.as_bytes()[0]).is_none_or(|old| old != word);
+        for at in 0..words.len() {
+            if let Some(code) = words[at].code {
+                words[at].is_claimed = true;
+                is_elsewhere |= self.act(code, at, &mut words);
+            }
         }
-        if is_shifted {
-            self.forget_places();
-        }
-        for word in text.split_ascii_whitespace() {
-            is_elsewhere |= ELSEWHERE.contains(&word);
-            if SPINDLE.contains(&word) {
-                self.spindle = Some(word.to_owned());
-            } else if COOLANT.contains(&word) {
-                self.coolant = Some(word.to_owned());
-            } else if word == "M6" || word == "M06" {
-                // The tool changer has moved the axes.
-                self.was_changed = true;
-                self.forget_places();
-            } else if let Some(entry) = codes.word(word).filter(|entry| entry.group > 0 && !word.starts_with('M')) {
-                if entry.group == MOTION {
-                    self.motion = Some(word.to_owned());
-                } else {
-                    self.codes.insert(entry.group, word.to_owned());
-                }
-            } else if let Some((&address, value)) = word.as_bytes().split_first()
-                && b"XYZABCUVWFSTDH".contains(&address)
-            {
-                let is_number = value.iter().all(|byte| byte.is_ascii_digit() || b"+-.=".contains(byte));
-                if is_number && !value.is_empty() {
-                    self.values.insert(address, word.to_owned());
-                } else {
-                    // An expression: where it leads is not known here.
-                    self.values.remove(&address);
-                }
+        let is_incremental =
+            self.grammar.group("G90").and_then(|group| self.states.get(&(group, ""))).is_some_and(Option::is_none);
+        // Offsets first: what the block says of axes counts with them.
+        for is_axis in [false, true] {
+            for word in words.iter().filter(|word| !word.is_claimed && word.is_axis() == is_axis) {
+                self.value(word, is_incremental);
             }
         }
         if is_elsewhere {
-            self.forget_places();
+            self.forget(AXES);
         }
     }
 
-    fn forget_places(&mut self) {
-        b"XYZABCUVW".iter().for_each(|address| _ = self.values.remove(address));
+    /// What a code of a block does; whether it moves the axes to where its block does not say.
+    fn act(&mut self, code: Code, at: usize, words: &mut [Word<'_>]) -> bool {
+        let text = words[at].text;
+        match code.rule {
+            Rule::Motion(says_where) => {
+                self.motion = Some(text.to_owned());
+                return !says_where;
+            }
+            Rule::Passing => _ = arguments(code, words, Axes::Values),
+            Rule::Elsewhere => return true,
+            Rule::State(key, axes) => {
+                let block = block(text, arguments(code, words, axes));
+                self.set(key, block.map(|block| vec![block]));
+            }
+            Rule::Added(key, axes) => {
+                let added = block(text, arguments(code, words, axes));
+                let before = self.states.get(&key).cloned().unwrap_or(Some(Vec::new()));
+                let all = before.zip(added).map(|(mut all, added)| {
+                    all.push(added);
+                    all
+                });
+                self.set(key, all);
+            }
+            Rule::InForce(key) => {
+                let has_axes = arguments(code, words, Axes::Refused).is_none();
+                self.set(key, None);
+                return has_axes;
+            }
+            Rule::Spindle => {
+                // Which spindle of several, for one.
+                let has_more = arguments(code, words, Axes::Values).is_none_or(|more| !more.is_empty());
+                self.is_beyond |= has_more && text != ORIENTED;
+                self.spindle = Some(text.to_owned());
+                if ["M13", "M14"].contains(&text) {
+                    self.has_coolant = true;
+                }
+            }
+            Rule::Coolant => {
+                self.has_coolant = true;
+                if ["M9", "M09"].contains(&text) {
+                    self.coolant.clear();
+                    // What turned the spindle had switched it on, too.
+                    let turns = self.spindle.as_deref().and_then(|spindle| match spindle {
+                        "M13" => Some("M3"),
+                        "M14" => Some("M4"),
+                        _ => None,
+                    });
+                    self.spindle = turns.map(str::to_owned).or(self.spindle.take());
+                } else {
+                    self.coolant.insert(text.to_owned());
+                }
+            }
+            Rule::ToolChange => {
+                let tool = self.selected.take().or(self.tool.take());
+                self.change(tool);
+            }
+            Rule::ToolIs => {
+                let number = words.iter_mut().find(|word| word.name == "Q" && is_number(word.value));
+                let tool = number.map(|word| {
+                    word.is_claimed = true;
+                    format!("T{}", word.value)
+                });
+                self.change(tool);
+            }
+            Rule::Output | Rule::Never => {
+                let _ = arguments(code, words, Axes::Values);
+                self.is_beyond = true;
+                self.is_shifted |= code.rule == Rule::Never;
+            }
+        }
+        false
     }
 
-    /// What brings a control there, by way of a height where one is given; `None` where an axis stands nobody knows where.
-    pub(super) fn lines(&self, is_numbered: bool, clearance_mm: Option<f64>) -> Option<Vec<String>> {
-        let place = |address: &u8| self.values.get(address).map(String::as_str);
-        let [x, y, z] = [place(&b'X')?, place(&b'Y')?, place(&b'Z')?];
-        let mut codes: Vec<&str> = self.codes.values().map(String::as_str).collect();
-        codes.extend([b'D', b'H'].iter().filter_map(place));
-        let others: Vec<&str> = b"ABCUVW".iter().filter_map(place).collect();
-        let spindle: Vec<&str> = [place(&b'S'), self.spindle.as_deref()].into_iter().flatten().collect();
-        let mut out = vec![codes.join(" "), spindle.join(" ")];
-        out.extend(self.coolant.clone());
+    /// An address with its value.
+    fn value(&mut self, word: &Word<'_>, is_incremental: bool) {
+        let is_plain = is_number(word.value);
+        match word.letter() {
+            b'N' | b':' | b'%' | b'/' | b'O' => {}
+            letter if word.is_axis() => {
+                let is_absolute = is_plain || ABSOLUTE.iter().any(|begin| absolute(word.value, begin));
+                let place = (is_absolute && !is_incremental).then(|| word.text.to_owned());
+                self.places.insert(letter, place);
+            }
+            letter @ (b'F' | b'S') if word.name.len() == 1 && is_plain => {
+                _ = self.values.insert(letter, word.text.to_owned())
+            }
+            letter @ (b'D' | b'H') if word.name.len() == 1 && is_plain => {
+                if self.values.get(&letter).is_none_or(|old| old != word.text) {
+                    self.forget(AXES);
+                }
+                self.values.insert(letter, word.text.to_owned());
+            }
+            // Words of arcs and their kin are gone with their block.
+            _ if self.grammar.belongs_to_motion(word.name) => {}
+            _ if word.name.len() == 1 && !b"FSTDH".contains(&word.letter()) && is_plain => {}
+            _ => (self.is_beyond, self.is_shifted) = (true, true),
+        }
+    }
+
+    fn set(&mut self, key: Key, blocks: Option<Vec<String>>) {
+        // Behind another zero offset, tool length or unit the old places mean something else.
+        let shifting = ["G54", "G43", "G21", "G71"].map(|name| self.grammar.group(name));
+        let is_shifted = shifting.contains(&Some(key.0)) && self.states.get(&key) != Some(&blocks);
+        if is_shifted {
+            self.forget(AXES);
+            self.values.remove(&b'H');
+        }
+        self.states.insert(key, blocks);
+    }
+
+    fn change(&mut self, tool: Option<String>) {
+        self.tool = tool;
+        self.was_changed = true;
+        // The tool changer has moved the axes; rotary ones stand where they stood.
+        let moved: Vec<u8> = AXES.iter().copied().filter(|axis| !TURNING.contains(axis)).collect();
+        self.forget(&moved);
+    }
+
+    fn forget(&mut self, axes: &[u8]) {
+        for (_, place) in self.places.iter_mut().filter(|(axis, _)| axes.contains(axis)) {
+            *place = None;
+        }
+    }
+
+    /// The states, those without words of their own together; `None` where one of them cannot be told again.
+    fn codes(&self) -> Option<Vec<String>> {
+        let (mut plain, mut own): (Vec<&str>, Vec<String>) = (Vec::new(), Vec::new());
+        for (key, blocks) in &self.states {
+            for block in blocks.as_ref()? {
+                if key.0 == M || block.contains(' ') || !block.starts_with(['G', 'g']) {
+                    own.push(block.clone());
+                } else {
+                    plain.push(block);
+                }
+            }
+        }
+        let mut out = vec![plain.join(" ")];
+        out.append(&mut own);
+        let offsets: Vec<&str> =
+            b"DH".iter().filter_map(|address| self.values.get(address)).map(String::as_str).collect();
+        out.push(offsets.join(" "));
+        Some(out)
+    }
+
+    /// What brings a control there, by way of a height that is clear; `None` where an axis stands nobody knows where, or a state cannot be told again.
+    /// Nothing here goes down by a rapid move but to that height.
+    pub(super) fn lines(&self, is_numbered: bool, way: Way) -> Option<Vec<String>> {
+        if self.is_beyond || self.motion.as_deref().is_some_and(|motion| !RAPID.contains(&motion)) {
+            return None;
+        }
+        let places: BTreeMap<u8, &str> =
+            self.places.iter().map(|(axis, place)| Some((*axis, place.as_deref()?))).collect::<Option<_>>()?;
+        let [x, y, z] = [places.get(&b'X')?, places.get(&b'Y')?, places.get(&b'Z')?];
+        let others: Vec<&str> = b"ABCUVW".iter().filter_map(|axis| places.get(axis).copied()).collect();
+        let mut out = self.codes()?;
+        // What is ready for the next change.
+        out.extend(self.selected.clone());
+        out.extend(self.turning()?);
         // Up first; nothing turns while something moves across.
-        out.push(clearance_mm.map_or_else(|| format!("G0 {z}"), |mm| self.lift(mm)));
+        out.push(self.lift(way.clearance_mm));
         if !others.is_empty() {
             out.push(format!("G0 {}", others.join(" ")));
         }
         out.push(format!("G0 {x} {y}"));
-        out.extend(clearance_mm.map(|_| format!("G0 {z}")));
-        let motion = self.motion.as_deref().filter(|motion| !matches!(*motion, "G0" | "G00"));
-        out.push([motion, place(&b'F')].into_iter().flatten().collect::<Vec<_>>().join(" "));
+        if way.stands_mm > way.clearance_mm {
+            out.push(format!("G0 {z}"));
+        } else if way.stands_mm < way.clearance_mm {
+            if !self.is_per_minute() {
+                return None;
+            }
+            let (unit, feed) = (self.mm_per_unit(), DOWN_MM_MIN);
+            out.push(format!("G1 {z} F{}", trimmed(feed / unit)));
+            // No way: the next line may rely on its G0.
+            out.push(format!("G0 {x} {y}"));
+        }
+        out.extend(self.values.get(&b'F').filter(|_| !self.plain().any(|block| block == INVERSE_TIME)).cloned());
         out.retain(|line| !line.is_empty());
         Some(numbered(out, is_numbered))
+    }
+
+    /// Spindle and coolant; `None` where the spindle stands oriented.
+    fn turning(&self) -> Option<Vec<String>> {
+        if self.spindle.as_deref() == Some(ORIENTED) {
+            return None;
+        }
+        let speed = self.values.get(&b'S').map(String::as_str);
+        let spindle = [speed, self.spindle.as_deref()].into_iter().flatten().collect::<Vec<_>>().join(" ");
+        let mut out = vec![spindle];
+        if self.coolant.is_empty()
+            && self.has_coolant
+            && !self.spindle.as_deref().is_some_and(|spindle| ["M13", "M14"].contains(&spindle))
+        {
+            out.push("M9".to_owned());
+        }
+        // Each in a line of its own: one M a block is all that some controls take.
+        out.extend(self.coolant.iter().cloned());
+        Some(out)
     }
 
     /// What lifts the tool before the beginning; `None` behind a tool or a length of it, with which Z means something else.
     pub(super) fn beginning(&self, is_numbered: bool, clearance_mm: f64) -> Option<Vec<String>> {
-        if b"TDH".iter().any(|address| self.values.contains_key(address)) || self.was_changed {
+        let length = self.grammar.group("G43").and_then(|group| self.states.get(&(group, "")));
+        let has_length =
+            length.is_some_and(|blocks| blocks.as_ref().is_none_or(|blocks| blocks.iter().any(|block| block != "G49")));
+        let has_offset = b"DH".iter().any(|address| self.values.contains_key(address));
+        if self.is_shifted
+            || has_offset
+            || has_length && self.grammar.group("G49").is_some()
+            || self.was_changed
+            || self.selected.is_some()
+        {
             return None;
         }
-        let codes: Vec<&str> = self.codes.values().map(String::as_str).collect();
-        let mut out = vec![codes.join(" "), self.lift(clearance_mm)];
+        let mut out = self.codes()?;
+        out.push(self.lift(clearance_mm));
         out.retain(|line| !line.is_empty());
         Some(numbered(out, is_numbered))
     }
 
+    fn plain(&self) -> impl Iterator<Item = &str> {
+        self.states.values().flatten().flatten().map(String::as_str)
+    }
+
+    fn mm_per_unit(&self) -> f64 {
+        if self.plain().any(|block| INCH.contains(&block)) { MM_PER_INCH } else { 1.0 }
+    }
+
+    /// Whether a feed is one per minute.
+    fn is_per_minute(&self) -> bool {
+        let group = self.grammar.group("G94");
+        let block = group.and_then(|group| self.states.get(&(group, "")));
+        block.is_none_or(|blocks| {
+            blocks.as_ref().is_some_and(|blocks| blocks.iter().all(|block| PER_MINUTE.contains(&block.as_str())))
+        })
+    }
+
     /// The rapid move to a height, in the unit that is in force.
     fn lift(&self, mm: f64) -> String {
-        let is_inch = self.codes.values().any(|code| matches!(code.as_str(), "G20" | "G70" | "G700"));
-        let text = format!("{:.4}", if is_inch { mm / MM_PER_INCH } else { mm });
-        format!("G0 Z{}", text.trim_end_matches('0'))
+        format!("G0 Z{}", trimmed(mm / self.mm_per_unit()))
     }
+}
+
+/// A number without the noughts at its end; its point stays.
+fn trimmed(value: f64) -> String {
+    format!("{value:.4}").trim_end_matches('0').to_owned()
 }
 
 fn numbered(lines: Vec<String>, is_numbered: bool) -> Vec<String> {
@@ -141,54 +374,4 @@ fn numbered(lines: Vec<String>, is_numbered: bool) -> Vec<String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::dialect;
-
-    fn told(lines: &[&str]) -> Told {
-        let codes = dialect::find("rs274").unwrap().codes();
-        let mut told = Told::default();
-        lines.iter().for_each(|line| told.note(line, codes));
-        told
-    }
-
-    #[test]
-    fn the_state_is_that_of_the_last_words() {
-        let lines = ["G21 G90 G17", "T3 M6", "G54 S2000 M3", "M8", "G0 X1. Y2. Z50.", "G1 Z-1. F300", "X5.", "G0 Z50."];
-        let found = told(&lines).lines(false, None).unwrap();
-        let [codes, rest @ ..] = found.as_slice() else { panic!("{found:?}") };
-        assert!(["G17", "G21", "G54", "G90"].iter().all(|code| codes.split(' ').any(|word| word == *code)), "{codes}");
-        assert_eq!(rest, ["S2000 M3", "M8", "G0 Z50.", "G0 X5. Y2.", "F300"]);
-    }
-
-    #[test]
-    fn behind_a_tool_change_or_machine_coordinates_places_must_be_stated_again() {
-        assert_eq!(told(&["G0 X1. Y2. Z3.", "T4 M6", "G0 Z5."]).lines(false, None), None);
-        assert_eq!(told(&["G0 X1. Y2. Z3.", "G53 G0 Z0."]).lines(false, None), None);
-        assert!(told(&["T4 M6", "G0 X1. Y2. Z3."]).lines(false, None).is_some());
-    }
-
-    #[test]
-    fn what_was_told_later_must_have_been_told_before() {
-        let before = told(&["G90 G54 S100 M3", "G0 X1. Y2. Z3."]);
-        assert!(before.knows(&before));
-        for later in ["G0 A90", "M8", "G18", "G43 H1", "T4"] {
-            assert!(!before.knows(&told(&["G90 G54 S100 M3", "G0 X1. Y2. Z3.", later])), "{later}");
-        }
-        // Another of the same group is known.
-        assert!(before.knows(&told(&["G91 G55 S100 M4", "G0 X1. Y2. Z3."])));
-    }
-
-    #[test]
-    fn a_clearance_comes_first_in_the_unit_that_is_in_force() {
-        let lines = ["G21 G90 G17 G54", "S2000 M3", "G0 X1. Y2. Z5.", "G1 Z-1. F300"];
-        let found = told(&lines).lines(false, Some(30.0)).unwrap();
-        assert_eq!(found[2..], ["G0 Z30.", "G0 X1. Y2.", "G0 Z-1.", "G1 F300"]);
-        let found = told(&["G20 G90", "G0 X1. Y2. Z5."]).lines(true, Some(50.8)).unwrap();
-        assert_eq!(found[1..], ["N2 G0 Z2.", "N3 G0 X1. Y2.", "N4 G0 Z5."]);
-        assert_eq!(told(&["G21 G90"]).beginning(false, 12.5).unwrap(), ["G90 G21", "G0 Z12.5"]);
-        for tool in ["T3 M6", "G43 H1", "M6"] {
-            assert_eq!(told(&["G21 G90", tool]).beginning(false, 12.5), None, "{tool}");
-        }
-    }
-}
+mod tests;

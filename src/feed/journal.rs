@@ -10,6 +10,7 @@
 //!                                           what the second step adds (mm, degrees), and what the model asks for where that is more or less
 //! 20 P 116 [OPT:VL,100,1024]                blocks that the control may have taken and not carried out, at most, and by which words it says so
 //! 31 A 12                                   acknowledged, with all before it
+//! 31 C 11                                   taken for sure, with all before it, by more than the count of answers
 //! 35 X 10                                   carried out, with all before it
 //! 31 L 12                                   left, with all before it, over a link without answers
 //! 32 R 12                                   sent again
@@ -145,6 +146,7 @@ impl<S: Store> Record for Journal<S> {
     fn event(&mut self, event: &Event, now: Duration) -> io::Result<()> {
         match event {
             Event::Acknowledged(number) => self.note(now, &format!("A {number}")),
+            Event::Checked(number) => self.note(now, &format!("C {number}")),
             Event::Left(number) => self.note(now, &format!("L {number}")),
             Event::Repeated(number) => self.note(now, &format!("R {number}")),
             Event::Stalled => self.note(now, "W no answer in time"),
@@ -200,6 +202,8 @@ pub struct Told {
     pub frozen: u64,
     /// The last line that was acknowledged: it and all before it were taken.
     pub acknowledged: u64,
+    /// The last line that was taken for sure: more than the count of answers says so.
+    pub checked: u64,
     /// The last line that was carried out, where the control said so.
     pub executed: u64,
     /// The lines behind the last that was acknowledged, and the last before them, in order.
@@ -260,6 +264,12 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
                     told.lines.pop_front();
                 }
             }
+            ("C", Some(line_number)) => {
+                if line_number > told.frozen {
+                    return fault("a line was taken that was not sent");
+                }
+                told.checked = told.checked.max(line_number);
+            }
             ("X", Some(line_number)) => {
                 if line_number > told.frozen {
                     return fault("a line was carried out that was not sent");
@@ -284,6 +294,7 @@ pub fn read(text: &str) -> Result<Told, (usize, String)> {
                 if let Some(refused) = refused {
                     let before = refused.saturating_sub(1);
                     told.acknowledged = told.acknowledged.min(before);
+                    told.checked = told.checked.min(before);
                     told.executed = told.executed.min(before);
                 }
                 told.ended = Some(rest.to_owned());
@@ -321,13 +332,14 @@ mod tests {
         journal.event(&Event::Acknowledged(2), at(9)).unwrap();
         journal.event(&Event::Holds(31, "[OPT:V,15,128]".into()), at(9)).unwrap();
         journal.event(&Event::Holds(20, "less".into()), at(9)).unwrap();
+        journal.event(&Event::Checked(2), at(9)).unwrap();
         journal.event(&Event::Executed(1), at(10)).unwrap();
         journal.event(&Event::Left(4), at(9)).unwrap();
         journal.event(&Event::Repeated(3), at(10)).unwrap();
         let text = String::from_utf8(journal.into_store().unwrap()).unwrap();
         assert!(text.contains("3 F 3 ") && text.contains(" 43 6 Z-0.0040/+0.0000\n"), "{text}");
         let told = read(&text).unwrap();
-        assert_eq!((told.frozen, told.acknowledged, told.executed), (5, 2, 1));
+        assert_eq!((told.frozen, told.acknowledged, told.checked, told.executed), (5, 2, 2, 1));
         assert_eq!(told.lines.iter().map(|line| line.number).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
         assert_eq!(told.lines[2], Frozen { number: 3, crc: crc32(b"G1 X3"), source_line: 43, element: 6 });
         assert_eq!((told.left, told.holds.clone()), (4, Some((31, "[OPT:V,15,128]".to_owned()))));

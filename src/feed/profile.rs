@@ -161,6 +161,14 @@ impl Profile {
         protocol.map_or(Ok(()), |protocol| (protocol.check)(self, text))
     }
 
+    /// Blocks that the control has answered and not carried out, at most, as the profile states: those of its planner, what still moves, and what waits
+    /// before it.
+    #[must_use]
+    pub fn holds_at_most(&self) -> Option<u64> {
+        let protocol = PROTOCOLS.iter().find(|known| known.name == self.protocol && known.has_planner)?;
+        Some(self.depth.as_ref()?.at_most.saturating_add(protocol.beyond))
+    }
+
     /// Reads a profile.
     ///
     /// # Errors
@@ -211,18 +219,18 @@ impl Profile {
         // Five lines: the buffer of the control of Spaan (1995), ch. 7.
         let mut window = Window { lines: 5, bytes: 512, system_bytes: 64, planned: 0 };
         own("window", &mut |section| {
-            let at_least_one = |value: Option<u32>| value.map(|value| value.max(1) as usize);
-            window.lines = at_least_one(section.integer("lines")).unwrap_or(window.lines);
-            window.bytes = at_least_one(section.integer("bytes")).unwrap_or(window.bytes);
-            window.planned = section.integer("planned").map_or(window.planned, |value| value as usize);
-            window.system_bytes = at_least_one(section.integer("system_bytes")).unwrap_or(window.system_bytes);
+            let mut read = |key: &str, of: &mut usize| *of = section.integer(key).map_or(*of, |value| value as usize);
+            read("lines", &mut window.lines);
+            read("bytes", &mut window.bytes);
+            read("planned", &mut window.planned);
+            read("system_bytes", &mut window.system_bytes);
         });
         let has_planner = PROTOCOLS.iter().any(|known| known.name == protocol && known.has_planner);
         let mut depth = None;
         own("depth", &mut |section| depth = bound(section, has_planner));
         let (mut longest_line, mut is_upper_case, mut refused) = (256, false, Vec::new());
         own("text", &mut |section| {
-            longest_line = section.integer("longest_line").map_or(longest_line, |value| value.max(1) as usize);
+            longest_line = section.integer("longest_line").map_or(longest_line, |value| value as usize);
             is_upper_case = section.boolean("upper_case").unwrap_or(false);
             refused = bytes(section, "refused").unwrap_or_default();
         });
@@ -291,7 +299,7 @@ fn bound(section: &mut Section<'_>, has_planner: bool) -> Option<Bound> {
 
 fn read_serial(section: &mut Section<'_>, serial: &mut Serial) {
     if let Some(baud) = section.integer("baud") {
-        serial.baud = baud.max(1);
+        serial.baud = baud;
     }
     let one_of = |section: &mut Section<'_>, key: &str, allowed: [u8; 2]| {
         let expected = format!("{} or {}", allowed[0], allowed[1]);
@@ -337,32 +345,4 @@ fn bytes(section: &mut Section<'_>, key: &str) -> Option<Vec<u8>> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::source::FileId;
-
-    #[test]
-    fn all_that_are_shipped_are_sound_and_named_as_their_files() {
-        for (name, text) in PROFILES {
-            let source = Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap();
-            let profile = Profile::read(&source).unwrap();
-            assert_eq!(profile.name, *name);
-            let protocol = PROTOCOLS.iter().find(|one| one.name == profile.protocol).unwrap();
-            assert!((protocol.create)(&profile).is_ok());
-        }
-    }
-
-    #[test]
-    fn seven_bits_with_parity_and_two_stop_bits_are_eleven() {
-        let serial = Serial {
-            baud: 9600,
-            data_bits: 7,
-            parity: Parity::Even,
-            stop_bits: 2,
-            rts_cts: false,
-            software_parity: false,
-        };
-        assert_eq!(serial.bits_per_character(), 11);
-        assert!((serial.characters_per_s() - 872.7).abs() < 0.1);
-    }
-}
+mod tests;

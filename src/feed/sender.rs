@@ -271,7 +271,7 @@ impl<'a> Sender<'a> {
     fn look(&mut self, now: Duration, note: &mut dyn FnMut(&Event)) -> io::Result<()> {
         let (is_open, is_waiting) = (self.dialogue.is_open(), self.dialogue.in_flight().0 > 0);
         if self.ended.is_none()
-            && (is_waiting || !is_open)
+            && (is_waiting || !is_open || self.watch.is_held())
             && let Some(why) = self.watch.look(now, is_open, self.is_closed)
         {
             self.events.push(Event::Lost(why));
@@ -319,7 +319,7 @@ impl<'a> Sender<'a> {
                 Event::Stalled => self.progress.stalls += 1,
                 Event::Refused(number, said) => _ = self.ended.get_or_insert(Ended::Refused(number, said)),
                 Event::Lost(why) => _ = self.ended.get_or_insert(Ended::Lost(why)),
-                Event::Paused(_) | Event::Said(_) => {}
+                Event::Checked(_) | Event::Paused(_) | Event::Said(_) => {}
             }
         }
         Ok(())

@@ -124,10 +124,11 @@ impl<'a> Section<'a> {
 
     /// A whole number from 0 to 2³² − 1.
     pub fn integer(&mut self, key: &str) -> Option<u32> {
-        self.value(key, "a whole number that is not negative", |item| match item.value {
+        let found = self.value(key, "a whole number that is not negative", |item| match item.value {
             Value::Number { value, whole: true } if (0.0..=f64::from(u32::MAX)).contains(&value) => Some(value as u32),
             _ => None,
-        })
+        });
+        found.filter(|&value| self.is_in_range(key, &[f64::from(value)]))
     }
 
     /// `true` or `false`.

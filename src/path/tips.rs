@@ -93,6 +93,16 @@ impl<'a> Tips<'a> {
         is_height.then(|| self.setup.programmed(command)[Axis::Z])
     }
 
+    /// Where Z is within its travel with the other axes there, mm of Z of the program; `None` where that is not the height along Z of the machine.
+    /// Without limits it is everywhere.
+    #[must_use]
+    pub fn programmed_travel_mm(&self, command: &AxisVector) -> Option<[f64; 2]> {
+        let programmed_mm = self.programmed_z_mm(command)?;
+        let travel = self.machine.axis(Axis::Z).and_then(|data| data.travel);
+        let [low, high] = travel.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        Some([low, high].map(|end| end - command[Axis::Z] + programmed_mm))
+    }
+
     /// Shows points of the way of a piece that is to be taken next, in the workpiece, mm, and by how much the way may lie beyond each.
     pub fn points(&self, piece: &Piece, look: &mut dyn FnMut(&Vector, f64)) {
         let end = &piece.nominal;

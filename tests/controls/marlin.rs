@@ -1,19 +1,20 @@
 //! Marlin as its sources describe it: the number and the checksum of each line are checked, what does not fit is asked for again, every line ends with
-//! one `ok`.
+//! one `ok`, which is said when it has entered the planner, not when it was carried out. With `ADVANCED_OK` it has its number and the free places.
 
 use std::collections::VecDeque;
 
 use super::{Control, Faults};
 
-/// Lines that wait.
-const BUFFER: usize = 4;
+/// Blocks of the planner, one of which stays free, and lines of the queue before it.
+const BUFFER: usize = 15;
+const QUEUE: u64 = 3;
 
 pub(crate) struct Marlin {
     faults: Faults,
     line: Vec<u8>,
     /// Lines that were taken and not carried out; their `ok` is said when they enter.
-    buffer: VecDeque<Vec<u8>>,
-    waiting: VecDeque<Vec<u8>>,
+    buffer: VecDeque<(u64, Vec<u8>)>,
+    waiting: VecDeque<(u64, Vec<u8>)>,
     last: u64,
     done_s: f64,
     busy_s: f64,
@@ -23,6 +24,8 @@ pub(crate) struct Marlin {
     was_reset: bool,
     /// Whether an `ok` follows a demand.
     pub(crate) says_ok: bool,
+    /// Whether an `ok` has the number of its line and the free places (`ADVANCED_OK`).
+    pub(crate) numbers_ok: bool,
     out: Vec<u8>,
     executed: Vec<Vec<u8>>,
 }
@@ -42,20 +45,25 @@ impl Marlin {
             demands: 0,
             was_reset: false,
             says_ok: true,
+            numbers_ok: false,
             out: Vec::new(),
             executed: Vec::new(),
         }
     }
 
-    fn ok(&mut self) {
+    fn ok(&mut self, number: Option<u64>) {
         self.answers += 1;
         if self.faults.lost.contains(&self.answers) {
             return;
         }
-        let text: &[u8] = if self.faults.garbled.contains(&self.answers) { b"o*\n" } else { b"ok\n" };
-        self.out.extend(text);
+        let text = match (self.faults.garbled.contains(&self.answers), number.filter(|_| self.numbers_ok)) {
+            (true, _) => "o*\n".to_owned(),
+            (_, None) => "ok\n".to_owned(),
+            (_, Some(number)) => format!("ok N{number} P{} B{QUEUE}\n", BUFFER - self.buffer.len()),
+        };
+        self.out.extend(text.bytes());
         if self.faults.doubled.contains(&self.answers) {
-            self.out.extend(text);
+            self.out.extend(text.bytes());
         }
     }
 
@@ -65,7 +73,7 @@ impl Marlin {
         let text = format!("Error:{why}, Last Line: {}\nResend: {}\n", self.last, self.last + 1 + wrong);
         self.out.extend(text.bytes());
         if self.says_ok {
-            self.ok();
+            self.ok(None);
         }
     }
 
@@ -86,13 +94,13 @@ impl Marlin {
         let number: u64 = number.parse().unwrap();
         if rest.starts_with("M110") {
             self.last = number;
-            return self.ok();
+            return self.ok(Some(number));
         }
         if number != self.last + 1 {
             return self.demand("Line Number is not Last Line Number+1");
         }
         self.last = number;
-        self.waiting.push_back(rest.as_bytes().to_vec());
+        self.waiting.push_back((number, rest.as_bytes().to_vec()));
     }
 }
 
@@ -115,29 +123,29 @@ impl Control for Marlin {
             self.out.extend(b"start\n");
         }
         while self.done_s <= now_s {
-            let Some(line) = self.buffer.pop_front() else { break };
+            let Some((number, line)) = self.buffer.pop_front() else { break };
             if line == b"M400" {
-                self.ok();
+                self.ok(Some(number));
                 continue;
             }
             if let Some(text) = line.strip_prefix(b"M118 ") {
                 self.out.extend(text.iter().chain(b"\n"));
-                self.ok();
+                self.ok(Some(number));
                 continue;
             }
             self.executed.push(line);
             self.done_s += self.busy_s;
         }
         while self.buffer.len() < BUFFER {
-            let Some(line) = self.waiting.pop_front() else { break };
+            let Some((number, line)) = self.waiting.pop_front() else { break };
             if self.buffer.is_empty() {
                 self.done_s = now_s + self.busy_s;
             }
             let is_move = line != b"M400" && !line.starts_with(b"M118");
-            self.buffer.push_back(line);
+            self.buffer.push_back((number, line));
             // The other is answered when all before it is done.
             if is_move {
-                self.ok();
+                self.ok(Some(number));
             }
         }
     }

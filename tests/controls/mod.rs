@@ -6,6 +6,7 @@ mod block;
 mod grbl;
 pub(crate) mod liar;
 mod marlin;
+pub(crate) mod part;
 mod rsh;
 mod tape;
 
@@ -135,12 +136,20 @@ pub(crate) struct Planned {
     pub(crate) lines: Vec<Vec<u8>>,
     pub(crate) busy_s: f64,
     next: usize,
+    /// What else is known of them, where they are those of a program.
+    about: Vec<Line>,
 }
 
 impl Planned {
     pub(crate) fn new(count: usize, busy_s: f64) -> Planned {
         let line = |k: usize| format!("G1X{}.{:03}Y{}", k % 97, k % 1000, k).into_bytes();
-        Planned { lines: (0..count).map(line).collect(), busy_s, next: 0 }
+        Planned { lines: (0..count).map(line).collect(), busy_s, next: 0, about: Vec::new() }
+    }
+
+    /// The lines of a part.
+    pub(crate) fn of(part: &part::Part, busy_s: f64) -> Planned {
+        let lines = part.lines.iter().map(|line| line.text.clone()).collect();
+        Planned { lines, busy_s, next: 0, about: part.lines.clone() }
     }
 }
 
@@ -149,7 +158,8 @@ impl Supply for Planned {
         let Some(text) = self.lines.get(self.next) else { return Supplied::End };
         self.next += 1;
         let number = self.next as u64;
-        Supplied::Line(Line { number, text: text.clone(), busy_s: self.busy_s, ..Line::default() })
+        let about = self.about.get(self.next - 1).cloned().unwrap_or_default();
+        Supplied::Line(Line { number, text: text.clone(), busy_s: self.busy_s, ..about })
     }
 }
 

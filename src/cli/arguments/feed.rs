@@ -115,15 +115,14 @@ impl DosingChoice {
 /// What `ncfix resume --help` says last.
 pub(super) const RESUME_HELP: &str = "\
 Nothing is ever taken up again by itself. An answer of the control is no proof that a line was carried out: what its planner may hold, as it stated itself, was \
-not; where it stated nothing, only the beginning is sure. The plan begins again at a rapid move 1 mm or more above everything that is machined, over the height of \
---clearance, or at the beginning. It is refused where nothing lifts the tool clear, and where the program, the machine file, the state or ncfix have changed. No \
-line goes out unless the control says that it is idle.
+not; where it stated nothing, only what it had carried out when it stood still is sure. The plan goes up to the height of --clearance, across, and down with a slow \
+feed to where a retract of the program had ended, or begins at the beginning. It is refused without that height, where nothing lifts the tool to it, and where the program, \
+the machine file, the state or ncfix have changed. No line goes out unless the control says that it is idle.
 
 Examples:
-  ncfix resume part.ngc.journal
-  ncfix resume part.ngc.journal --confirm 5a1e00c3f2b7
   ncfix resume part.ngc.journal --clearance 25mm
-  ncfix resume part.ngc.journal --port /dev/ttyUSB1 --confirm 5a1e00c3f2b7";
+  ncfix resume part.ngc.journal --clearance 25mm --confirm 5a1e00c3f2b7
+  ncfix resume part.ngc.journal --clearance 25mm --port /dev/ttyUSB1 --confirm 5a1e00c3f2b7";
 
 /// `ncfix resume`.
 #[derive(Clone, Debug, Args)]
@@ -134,8 +133,8 @@ pub(in crate::cli) struct ResumeArguments {
     /// Number of the plan that was read and is carried out
     #[arg(long, value_name = "PLAN")]
     pub(in crate::cli) confirm: Option<String>,
-    /// Go up to this Z first, with its unit, in the coordinates of the program: a height that is clear of workpiece and clamps. Needed
-    /// where no rapid move of the program lies above all that is machined
+    /// Go up to this Z first, with its unit, in the coordinates of the program: a height that is clear of workpiece and clamps, 1 mm or
+    /// more above all that is machined. Nothing is taken up again without it
     #[arg(long, value_name = "Z", value_parser = parse_length_mm, allow_hyphen_values = true)]
     pub(in crate::cli) clearance: Option<f64>,
     /// Send over a link that cannot ask whether the machine stands still (tape readers, FE1): you have looked, and if it moves, lines

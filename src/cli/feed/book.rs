@@ -11,7 +11,7 @@ use crate::cli::findings::Findings;
 use crate::cli::input::is_standard_stream;
 use crate::cli::stop::Stop;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::feed::{Store, read_journal};
+use crate::feed::{Store, Told, read_journal};
 
 /// How the record begins of the end of a job that went on in another journal.
 pub(in crate::cli) const TAKEN_UP: &str = "taken up again in ";
@@ -63,9 +63,7 @@ pub(super) fn check(path: &Path, findings: &mut Findings) -> Result<(), Stop> {
         Err(error) => return Err(Stop::file("read", path, &error)),
     };
     let (message, help) = match read_journal(&text) {
-        Ok(told) if told.ended.as_deref() == Some("done") => return Ok(()),
-        // One that was to be taken up again is broken off all the same.
-        Ok(told) if told.frozen == 0 && told.head.iter().all(|(name, _)| name != "resumed") => return Ok(()),
+        Ok(told) if gives_way(&told) => return Ok(()),
         Ok(told) => (
             format!(
                 "{shown} is the journal of a job that was broken off: {} lines sent, {} acknowledged",
@@ -86,11 +84,8 @@ pub(in crate::cli) fn is_held(path: &Path) -> bool {
 }
 
 /// Says in an old journal that its job went on in another one: there is nothing to take up again by it.
-fn supersede(old: &Path, path: &Path) -> io::Result<()> {
-    let mut file = OpenOptions::new().read(true).append(true).open(old)?;
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes)?;
-    let is_done = String::from_utf8_lossy(&bytes).lines().last().is_some_and(|line| line.ends_with(" E done"));
+fn supersede(mut file: &File, bytes: &[u8], path: &Path) -> io::Result<()> {
+    let is_done = String::from_utf8_lossy(bytes).lines().last().is_some_and(|line| line.ends_with(" E done"));
     if is_done {
         return Ok(());
     }
@@ -99,6 +94,54 @@ fn supersede(old: &Path, path: &Path) -> io::Result<()> {
     file.set_len(whole as u64)?;
     writeln!(file, "0 E {TAKEN_UP}{}", path.display())?;
     file.sync_data()
+}
+
+/// Whether a file is still the one of its path: another job may have taken its own journal there meanwhile.
+fn is_there(file: &File, path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt as _;
+        let of = |data: std::fs::Metadata| (data.dev(), data.ino());
+        return file.metadata().ok().map(of) == std::fs::metadata(path).ok().map(of);
+    }
+    #[cfg(not(unix))]
+    {
+        // An open file keeps its name there.
+        let _ = file;
+        path.exists()
+    }
+}
+
+/// Takes an old journal out of the way of a new one, while nobody else can have it. `expected` are the bytes by which its job is taken up again.
+fn take(path: &Path, expected: Option<&[u8]>) -> Result<(), Stop> {
+    let fault = |error: &io::Error| Stop::file("write", path, error);
+    let file = match OpenOptions::new().read(true).append(true).open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == io::ErrorKind::NotFound && expected.is_none() => return Ok(()),
+        Err(error) => return Err(fault(&error)),
+    };
+    let running = || Stop::Usage(format!("{} is the journal of a job that is running", path.display()));
+    match file.try_lock() {
+        Ok(()) if is_there(&file, path) => {}
+        Ok(()) | Err(TryLockError::WouldBlock) => return Err(running()),
+        Err(TryLockError::Error(error)) => return Err(fault(&error)),
+    }
+    let mut bytes = Vec::new();
+    (&file).read_to_end(&mut bytes).map_err(|error| fault(&error))?;
+    let is_free = match expected {
+        Some(expected) => bytes == expected,
+        None => read_journal(&String::from_utf8_lossy(&bytes)).is_ok_and(|told| gives_way(&told)),
+    };
+    if !is_free {
+        return Err(Stop::Usage(format!("{} has changed meanwhile: look at it again", path.display())));
+    }
+    std::fs::rename(path, kept(path)).and_then(|()| supersede(&file, &bytes, path)).map_err(|error| fault(&error))
+}
+
+/// Whether a journal gives way to that of a new job: its own has ended well, or none of its lines was sent. One that was to be taken up again is broken
+/// off all the same.
+fn gives_way(told: &Told) -> bool {
+    told.ended.as_deref() == Some("done") || told.frozen == 0 && told.head.iter().all(|(name, _)| name != "resumed")
 }
 
 /// A name beside a journal that no file has.
@@ -113,16 +156,14 @@ fn kept(path: &Path) -> PathBuf {
 }
 
 impl Book {
-    /// Begins a journal, in place of that of a job that is done or taken up again, which is kept as `….old`, `….old1` ….
+    /// Begins a journal, in place of that of a job that is done or, with the bytes of its journal, taken up again, which is kept as `….old`, `….old1` ….
+    /// From here on nobody else has it: this goes before everything that waits.
     ///
     /// # Errors
-    /// Where it cannot be written.
-    pub(super) fn create(path: &Path) -> Result<Book, Stop> {
+    /// Where it cannot be written, is that of a job that is running, or has changed.
+    pub(super) fn create(path: &Path, expected: Option<&[u8]>) -> Result<Book, Stop> {
         let fault = |error: &io::Error| Stop::file("write", path, error);
-        if path.exists() {
-            let old = kept(path);
-            std::fs::rename(path, &old).and_then(|()| supersede(&old, path)).map_err(|error| fault(&error))?;
-        }
+        take(path, expected)?;
         let file = OpenOptions::new().append(true).create_new(true).open(path).map_err(|error| fault(&error))?;
         // As long as it is held nobody takes the job up again.
         file.try_lock().map_err(|error| Stop::Usage(format!("cannot lock {}: {error}", path.display())))?;

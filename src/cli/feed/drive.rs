@@ -60,6 +60,12 @@ pub(super) fn run(
         tell(&format!("{}; nothing was sent\n", findings.count()));
         return Ok(findings.exit_code());
     }
+    let dialogue = super::dialogue(&job)?;
+    let mut book = Book::create(&book_path, begin.journal.as_deref())?;
+    let head = head(arguments, &job, before, begin);
+    let head: Vec<(&str, &str)> = head.iter().map(|(name, value)| (*name, value.as_str())).collect();
+    let unwritten = |error: &io::Error| Stop::file("write", &book_path, error);
+    let mut journal = Journal::new(&mut book, &head).map_err(|error| unwritten(&error))?;
     let keys = Keys::new()?;
     let mut show = Show::new(arguments.json);
     let thermal = match panel {
@@ -79,15 +85,9 @@ pub(super) fn run(
     }
     let lines = Lines::new(&job.chosen.machine, &base, &job.writing.options, job.writing.writer()?, job.settings);
     let mut supply = Source::new(arguments, made, lines, &thermal, (begin.skip, &begin.lines));
-    let mut book = Book::create(&book_path)?;
-    let head = head(arguments, &job, before, begin);
-    let head: Vec<(&str, &str)> = head.iter().map(|(name, value)| (*name, value.as_str())).collect();
-    let unwritten = |error: &io::Error| Stop::file("write", &book_path, error);
-    let mut journal = Journal::new(&mut book, &head).map_err(|error| unwritten(&error))?;
-    let dialogue = super::dialogue(&job)?;
     let sender = Sender::new(dialogue, job.profile.window.system_bytes, &mut journal).patient(job.profile.patience);
     let speed = port::characters_per_s(arguments.port.as_deref().unwrap_or_default(), &job.profile);
-    let bound = job.profile.depth.as_ref().map(|bound| bound.at_most);
+    let bound = job.profile.holds_at_most();
     let meter = Meter::new();
     let mut drive = Drive { sender, port: opened.port, show, before, speed, bound, started, meter, halted: None };
     let (ended, code) = drive.go(&mut supply, &thermal, &keys).map_err(|error| unwritten(&error))?;
@@ -117,8 +117,9 @@ pub(in crate::cli) struct Begin {
     pub(in crate::cli) lines: Vec<String>,
     /// The words of the command line that began the job.
     pub(in crate::cli) words: Vec<String>,
-    /// The plan by which it is taken up again.
+    /// The plan by which it is taken up again, and the journal as it was read for that.
     pub(in crate::cli) resumed: Option<String>,
+    pub(in crate::cli) journal: Option<Vec<u8>>,
 }
 
 /// What must be the same when the job is taken up again.
@@ -216,7 +217,7 @@ impl Drive<'_> {
             let now = self.started.elapsed();
             let before = (self.sender.progress().sent, self.sender.progress().bytes);
             let ended = self.sender.step(now, self.port.as_mut(), supply, &mut |event| {
-                if !matches!(event, Event::Acknowledged(_) | Event::Left(_) | Event::Executed(_)) {
+                if !matches!(event, Event::Acknowledged(_) | Event::Checked(_) | Event::Left(_) | Event::Executed(_)) {
                     events.push(event.clone());
                 }
             })?;

@@ -95,6 +95,7 @@ impl Show {
             Event::Repeated(number) => self.say("repeated", now, Some(*number), format!("line {number} is sent again")),
             // The end says it.
             Event::Acknowledged(_)
+            | Event::Checked(_)
             | Event::Left(_)
             | Event::Executed(_)
             | Event::Holds(..)

@@ -3,6 +3,7 @@
 //! To add one, write its file and register it in [`PROTOCOLS`]; profiles name it.
 
 mod answers;
+mod barrier;
 mod block;
 mod depth;
 mod grbl;
@@ -21,6 +22,9 @@ use super::{Line, Profile, Wire};
 pub enum Event {
     /// The control has taken this line, and all before it.
     Acknowledged(u64),
+    /// Something other than the count of answers says that the control has taken this line, and all before it: what its buffer holds, or the number of
+    /// the line in its answer. One answer too many proves nothing.
+    Checked(u64),
     /// The control has carried out this line, and all before it, as far as it says so.
     Executed(u64),
     /// The control states that so many blocks, at most, are taken and not carried out: how many, and its words.
@@ -99,6 +103,8 @@ pub struct Protocol {
     pub asks_idle: bool,
     /// Whether its answer to a line means that the line lies in a planner, so that a depth says how many may not be carried out.
     pub has_planner: bool,
+    /// Blocks beyond the places of the planner that may not be carried out either: what still moves, and what waits before it.
+    pub beyond: u64,
     /// Whether a line can go over it; a sentence where not.
     pub check: fn(&Profile, &[u8]) -> Result<(), String>,
     /// Begins one; a sentence where the profile does not fit it.

@@ -4,6 +4,8 @@
 //! the question had reached it. So of the bytes that are not answered its buffer has at most all, and at least all but one line, which it reads. Where
 //! this does not hold an answer came twice, or some are missing: it was reset, or the line is disturbed.
 
+use std::collections::VecDeque;
+
 use super::status::Status;
 
 /// So many answers too many, until the control is asked next, do not make its buffer overflow.
@@ -35,7 +37,14 @@ pub(super) struct Counts {
     answered: u64,
     /// Bytes that were gone when the control was asked last.
     gone: u64,
+    /// The same of the question before.
+    gone_before: u64,
     doubts: u32,
+    /// Lines that went out and were not seen to have been taken, and the byte behind each.
+    lines: VecDeque<(u64, u64)>,
+    /// The last line that has left its buffer: it may wait before the planner; and the one before it, which does not.
+    read: u64,
+    taken: u64,
 }
 
 impl Counts {
@@ -44,8 +53,9 @@ impl Counts {
         self.bytes = self.bytes.max(bytes.saturating_sub(PLACE));
     }
 
-    pub(super) fn sent(&mut self, bytes: usize) {
+    pub(super) fn sent(&mut self, number: u64, bytes: usize) {
         self.sent += bytes as u64;
+        self.lines.push_back((number, self.sent));
     }
 
     pub(super) fn answered(&mut self, bytes: usize) {
@@ -54,12 +64,18 @@ impl Counts {
 
     /// The control is asked; so many bytes of lines have not left.
     pub(super) fn ask(&mut self, waiting: usize) {
+        self.gone_before = self.gone;
         self.gone = self.sent.saturating_sub(waiting as u64);
     }
 
     /// What is free in an empty buffer is the most that was ever free.
     pub(super) fn see(&mut self, status: &Status) {
         self.bytes = self.bytes.max(status.free_bytes.unwrap_or(0));
+    }
+
+    /// Whether it has said how large its buffer is.
+    pub(super) fn is_size_known(&self) -> bool {
+        self.bytes > 0
     }
 
     /// Whether nothing is in the receive buffer, as far as it says so.
@@ -87,8 +103,53 @@ impl Counts {
         Verdict::Fits
     }
 
+    /// The last line that was taken for sure, by what its buffer holds: not by the count of answers, one of which may have come twice. A report may be
+    /// older than the question, but not than the one before that.
+    pub(super) fn taken(&mut self, status: &Status) -> u64 {
+        let Some(free) = status.free_bytes else { return self.taken };
+        let out = self.gone_before.saturating_sub((self.bytes.saturating_sub(free) + PLACE) as u64);
+        while let Some(&(number, end)) = self.lines.front()
+            && end <= out
+        {
+            self.lines.pop_front();
+            self.taken = self.read;
+            self.read = self.read.max(number);
+        }
+        self.taken
+    }
+
     /// Whether answers are missing, perhaps.
     pub(super) fn is_in_doubt(&self) -> bool {
         self.doubts > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::feed::dialogue::grbl::status::Word;
+
+    fn report(free_bytes: usize) -> Status {
+        Status { word: Word::Run, free_blocks: None, free_bytes: Some(free_bytes) }
+    }
+
+    #[test]
+    fn what_was_taken_is_what_has_left_the_buffer_whatever_was_answered() {
+        let mut counts = Counts::default();
+        counts.see(&report(128));
+        (1..=5).for_each(|number| counts.sent(number, 10));
+        counts.ask(0);
+        // A report may be older than the question.
+        assert_eq!(counts.taken(&report(128)), 0);
+        counts.ask(0);
+        // 12 of 50 bytes wait, one place may be kept free: 37 have been read, three lines; the last of these may wait before the planner.
+        assert_eq!(counts.taken(&report(116)), 2);
+        assert_eq!(counts.taken(&report(128)), 3);
+        // Bytes that have not left count for nothing.
+        (6..=9).for_each(|number| counts.sent(number, 10));
+        counts.ask(35);
+        counts.ask(0);
+        assert_eq!(counts.taken(&report(128)), 4);
+        assert_eq!(counts.taken(&Status { free_bytes: None, ..report(0) }), 4);
     }
 }

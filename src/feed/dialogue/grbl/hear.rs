@@ -101,6 +101,15 @@ impl Grbl {
         }
     }
 
+    /// What was taken for sure: an answer that came twice does not count.
+    fn check(&mut self, status: &Status, events: &mut Vec<Event>) {
+        let taken = self.counts.taken(status).min(self.acknowledged);
+        if taken > self.checked {
+            self.checked = taken;
+            events.push(Event::Checked(taken));
+        }
+    }
+
     fn refuse(&mut self, code: &str, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         if self.state == State::Asking {
             self.has_answered = true;
@@ -188,7 +197,8 @@ impl Grbl {
             return;
         }
         let is_idle = status.word == Word::Idle && is_empty != Some(false) && wire.waiting() == 0;
-        self.idle = if is_idle { self.idle + 1 } else { 0 };
+        // One that nobody has asked for may be older.
+        self.idle = if is_idle { self.idle + u32::from(is_asked) } else { 0 };
         if self.state == State::Asking {
             // It has nothing left that it could answer: what it said was its answer.
             if self.idle >= 2 && self.has_answered {
@@ -207,7 +217,10 @@ impl Grbl {
                 return self.lost(&impossible(what), events);
             }
             // The answer to the dwell behind the last line may be counted for that one.
-            Verdict::Fits if is_asked && !self.has_barrier => self.confirm(events),
+            Verdict::Fits if is_asked && !self.has_barrier => {
+                self.confirm(events);
+                self.check(status, events);
+            }
             Verdict::Fits | Verdict::Doubt | Verdict::Silent => {}
         }
         // Twice: the first report may be older than the last bytes.
@@ -215,6 +228,10 @@ impl Grbl {
             self.confirm(events);
             self.sure = self.acknowledged;
             events.push(Event::Executed(self.acknowledged));
+            if self.state == State::Open {
+                (self.is_due, self.has_barrier, self.is_drained) = (false, false, false);
+                self.barrier.is_over();
+            }
         }
         // A dwell is carried out while it says that it is idle. Longer than that, an answer is missing, which may have been a refusal.
         if status.word == Word::Idle

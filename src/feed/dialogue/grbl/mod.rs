@@ -2,7 +2,8 @@
 //!
 //! The control says in `[OPT:…,blocks,bytes]` how large its buffers are and in `<…|Bf:blocks,bytes>` how much of them is free (Grbl 1.1, interface).
 //! Answers too many must not make the buffer overflow, so room for the longest line under way is kept free twice. Behind the last line goes a dwell, which
-//! is answered when the planner is empty: only then, and when the control says that it is idle, the job is done.
+//! is answered when the planner is empty: only then, and when the control says that it is idle, the job is done. Where reports do not say what the buffers
+//! hold, nothing but the count of answers says what was taken: there such a dwell goes out now and then, too ([`super::barrier`]).
 
 mod counts;
 mod hear;
@@ -12,6 +13,7 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::answers::Answers;
+use super::barrier::Barrier;
 use super::depth::Depth;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 use counts::{Counts, SURPLUS};
@@ -22,6 +24,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     title: "ok per line, bytes counted",
     asks_idle: true,
     has_planner: true,
+    beyond: STEPPED,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create: |profile| Ok(Box::new(Grbl::new(profile))),
 };
@@ -39,6 +42,10 @@ const QUIET: Duration = Duration::from_millis(500);
 /// Answered when all moves are done: what is planned is carried out first (Grbl 1.1, "sync and planner buffer"). Its number is that of no line.
 const BARRIER: &[u8] = b"G4 P0.01\n";
 const NO_LINE: u64 = 0;
+/// While it comes to rest behind a dwell it is asked so often.
+const ASK_SOON: Duration = Duration::from_millis(10);
+/// The receive buffer of a control that does not say how large it is, bytes: that of Grbl (serial.h), the smallest of the family.
+const LEAST_BUFFER: usize = 128;
 /// What the control leaves of a buffer.
 const MARGIN: usize = 8;
 
@@ -87,11 +94,15 @@ struct Grbl {
     moved: Duration,
     /// Whether its reports say what its buffers hold.
     tells_buffers: bool,
-    /// The last line that was acknowledged, the last that a report has confirmed, and the last that was carried out for sure.
+    /// The last line that was acknowledged, the last that a report has confirmed, the last that was taken for sure,
+    /// and the last that was carried out.
     acknowledged: u64,
     confirmed: u64,
+    checked: u64,
     sure: u64,
-    /// Whether the dwell behind the last line was sent, and answered.
+    barrier: Barrier,
+    /// Whether it is to come to rest before the next line, and whether the dwell for that, or behind the last line, was sent, and answered.
+    is_due: bool,
     has_barrier: bool,
     is_drained: bool,
     /// The line that was refused, and what the control said.
@@ -126,7 +137,10 @@ impl Grbl {
             tells_buffers: false,
             acknowledged: 0,
             confirmed: 0,
+            checked: 0,
             sure: 0,
+            barrier: Barrier::default(),
+            is_due: false,
             has_barrier: false,
             is_drained: false,
             refusal: (0, String::new()),
@@ -146,6 +160,13 @@ impl Grbl {
     /// The control is idle: lines may go out.
     fn begin(&mut self, events: &mut Vec<Event>) {
         self.state = State::Open;
+        if !self.tells_buffers {
+            let said = "reports do not say what the buffers hold, so that it comes to rest now and then to say what it has carried out; with $10=2 ($10=3 for positions of the machine) they do";
+            events.push(Event::Said(said.to_owned()));
+        }
+        if !self.counts.is_size_known() {
+            self.window.1 = self.window.1.min(LEAST_BUFFER - MARGIN);
+        }
         self.depth.tell(events);
     }
 
@@ -162,7 +183,7 @@ impl Grbl {
     fn push(&mut self, (number, busy): (u64, Duration), bytes: &[u8], now: Duration, wire: &mut Wire) {
         wire.push(bytes);
         self.bytes += bytes.len();
-        self.counts.sent(bytes.len());
+        self.counts.sent(number, bytes.len());
         (self.idle, self.moved) = (0, now);
         self.in_flight.push_back((number, bytes.len(), busy));
     }
@@ -189,13 +210,14 @@ impl Dialogue for Grbl {
     }
 
     fn has_room(&self, length: usize) -> bool {
-        self.state == State::Open && !self.counts.is_in_doubt() && self.fits(length + 1)
+        self.state == State::Open && !self.is_due && !self.counts.is_in_doubt() && self.fits(length + 1)
     }
 
     fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String> {
         check_text(&line.text, self.longest_line, &self.refused)?;
         let bytes = [&line.text[..], b"\n"].concat();
         self.push((line.number, line.busy()), &bytes, now, wire);
+        self.is_due = self.barrier.sent(&line.text) && !self.tells_buffers;
         Ok(())
     }
 
@@ -225,7 +247,8 @@ impl Dialogue for Grbl {
         if self.state == State::Looking && self.asked == 0 {
             self.ask(now, wire);
         }
-        if self.state == State::Closed && !self.has_barrier && self.fits(BARRIER.len()) && !self.counts.is_in_doubt() {
+        let is_resting = self.state == State::Closed || self.state == State::Open && self.is_due;
+        if is_resting && !self.has_barrier && self.fits(BARRIER.len()) && !self.counts.is_in_doubt() {
             self.has_barrier = true;
             self.push((NO_LINE, Duration::ZERO), BARRIER, now, wire);
         }
@@ -233,6 +256,7 @@ impl Dialogue for Grbl {
         if self.state == State::Asking && self.has_answered && is_quiet && self.asked == 0 {
             self.ask(now, wire);
         }
+        let every = if self.is_drained { ASK_SOON } else { ASK_EVERY };
         let busy = self.in_flight.front().map_or(Duration::ZERO, |(_, _, busy)| *busy);
         let is_silent = now.saturating_sub(self.last_heard) > self.patience + busy;
         let is_waiting = !matches!(self.state, State::Open | State::Closed) || !self.is_finished();
@@ -243,7 +267,7 @@ impl Dialogue for Grbl {
             }
             events.push(Event::Stalled);
             self.ask(now, wire);
-        } else if !self.is_finished() && now.saturating_sub(self.last_asked) > ASK_EVERY && self.asked == 0 {
+        } else if !self.is_finished() && now.saturating_sub(self.last_asked) > every && self.asked == 0 {
             self.ask(now, wire);
         }
     }

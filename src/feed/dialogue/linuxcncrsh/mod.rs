@@ -23,6 +23,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     title: "MDI, one line after the other (LinuxCNC)",
     asks_idle: true,
     has_planner: false,
+    beyond: 0,
     check,
     create,
 };

@@ -15,15 +15,19 @@
 //! | | `ok` behind a fault or a demand | it takes no line |
 //! | | `wait` | its queue is empty: no sign that a line is worked on |
 //! | | `…busy: …` | it works on a line, or waits for a person |
-//! | | any other text | shown: where it was an `ok`, the same bytes go out again; where it was a greeting, its count shows it |
+//! | | `//action:pause`, `//action:resume` | no further line goes out meanwhile |
+//! | | temperatures, positions, capabilities, memory cards, notices | shown; the list is in [`super::texts`] |
+//! | opening | any other text | shown: nothing was sent yet |
 //! | closing | the text of the mark, `ok` | all moves are done |
 //! | any but opening | a greeting | it was reset |
-//! | | any other `Error:`, `!!` | it has stopped itself |
+//! | | any other `Error`, `!!`, an end switch, an axis that is not homed | it has stopped itself, or leaves moves out |
+//! | | any other text | it may have said that a line was not carried out: its state is unknown |
 //!
 //! A demand for a line before these means that the control has lost count, for one behind them that the demand was disturbed.
 
 use std::time::Duration;
 
+use super::texts::{Text, meaning};
 use super::{BEYOND, Event, FIRST_NUMBER, Marlin, NO_OK, QUIET, START, State, What, Wire, mark};
 use crate::feed::dialogue::answers::{impossible, is_greeting, shown};
 
@@ -69,13 +73,6 @@ impl Marlin {
             if let Some(last) = low.rsplit_once("last line").and_then(|(_, last)| number(last)) {
                 self.name(last, events);
             }
-        } else if low.starts_with("error:")
-            || low.contains("kill(")
-            || low.contains("killed")
-            || low.contains("printer halted")
-            || low == "!!"
-        {
-            self.lost(&format!("the control has stopped itself: {}", shown(text)), events);
         } else if low.starts_with("echo:unknown command") && self.under_way.is_some() && self.state != State::Opening {
             // It would pass over a zero offset or a tool length and go on.
             match self.under_way.as_ref().map(|sent| sent.what) {
@@ -87,10 +84,30 @@ impl Marlin {
             }
         } else if low.contains("busy:") {
             self.hold(low.contains("paused"), events);
-        } else if low.starts_with("//action:cancel") {
-            self.lost("a person has cancelled the job at the control", events);
-        } else if !text.is_empty() && low != "wait" {
-            events.push(Event::Said(text.to_owned()));
+        } else {
+            self.text(text, events);
+        }
+    }
+
+    /// What it says of its own accord.
+    fn text(&mut self, text: &str, events: &mut Vec<Event>) {
+        match meaning(text) {
+            Text::Harmless if text.is_empty() || text.eq_ignore_ascii_case("wait") => {}
+            Text::Harmless => events.push(Event::Said(text.to_owned())),
+            Text::Pause(is_paused) => {
+                self.is_paused = is_paused;
+                self.say_held(events);
+            }
+            Text::Ends(why) => self.lost(&format!("{why}: {}", shown(text)), events),
+            // Nothing was sent yet; the settings that it starts with are many.
+            Text::Unknown if self.state == State::Opening => events.push(Event::Said(text.to_owned())),
+            Text::Unknown => {
+                let what = format!(
+                    "a text of the control is not known, '{}', and may say that a line was not carried out",
+                    shown(text)
+                );
+                self.lost(&impossible(&what), events);
+            }
         }
     }
 
@@ -101,7 +118,14 @@ impl Marlin {
         self.again.get_or_insert((number, now + self.patience));
     }
 
-    fn hold(&mut self, is_held: bool, events: &mut Vec<Event>) {
+    /// Whether it waits for a person, as the line under way shows.
+    fn hold(&mut self, is_waiting: bool, events: &mut Vec<Event>) {
+        self.is_waiting = is_waiting;
+        self.say_held(events);
+    }
+
+    fn say_held(&mut self, events: &mut Vec<Event>) {
+        let is_held = self.is_waiting || self.is_paused;
         if std::mem::replace(&mut self.is_held, is_held) != is_held {
             events.push(Event::Paused(is_held));
         }
@@ -117,6 +141,7 @@ impl Marlin {
             let what = "the control has answered more lines than were sent";
             return self.lost(&impossible(what), events);
         };
+        let number = sent.number;
         let named =
             text.split(' ').find_map(|word| word.strip_prefix('N')).and_then(|number| number.parse::<u64>().ok());
         if named.is_some_and(|named| named != sent.number) && self.state != State::Opening {
@@ -130,7 +155,7 @@ impl Marlin {
         }
         // Before the text of a mark they belong to what went before it.
         if sent.what != What::Mark || self.is_marked {
-            self.take(now, wire, events);
+            self.take(named == Some(number), now, wire, events);
         }
     }
 

@@ -6,15 +6,17 @@
 //! line itself on its way; else every further line would go out twice.
 //!
 //! Numbers begin far above those of a control that was reset, which asks for line 1: so a reset shows even where its greeting got lost. Before the first
-//! line and behind the last the control waits for all moves (`M400`) and repeats a text (`M118`): an `ok` has no number, but behind the text none is left
+//! line, behind the last, and now and then where answers have no number ([`super::barrier`]), the control waits for all moves (`M400`) and repeats a text (`M118`): an `ok` has no number, but behind the text none is left
 //! of what went before.
 
 mod hear;
+mod texts;
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::answers::Answers;
+use super::barrier::Barrier;
 use super::depth::Depth;
 use super::{Dialogue, Event, Halt, Line, Profile, Protocol, Wire, check_text};
 
@@ -24,6 +26,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     title: "numbered lines with a checksum, sent again on demand",
     asks_idle: true,
     has_planner: true,
+    beyond: BEYOND,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create: |profile| Ok(Box::new(Marlin::new(profile))),
 };
@@ -107,8 +110,14 @@ struct Marlin {
     /// What is sent again, or was taken, when nothing more comes until then.
     again: Option<(u64, Duration)>,
     repeats: u32,
-    /// Whether the control waits for a person.
+    /// Whether the control waits for a person, and whether it has asked to pause.
+    is_waiting: bool,
+    is_paused: bool,
+    /// Whether it was said that it is held.
     is_held: bool,
+    barrier: Barrier,
+    /// Whether the control is to come to rest behind the line under way, unless its answer has a number.
+    is_due: bool,
     heard: Answers,
     last_heard: Duration,
 }
@@ -133,7 +142,11 @@ impl Marlin {
             is_closing: false,
             again: None,
             repeats: 0,
+            is_waiting: false,
+            is_paused: false,
             is_held: false,
+            barrier: Barrier::default(),
+            is_due: false,
             heard: Answers::default(),
             last_heard: Duration::ZERO,
         }
@@ -179,8 +192,8 @@ impl Marlin {
         events.push(Event::Lost(why.to_owned()));
     }
 
-    /// What is under way was taken.
-    fn take(&mut self, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
+    /// What is under way was taken; `is_checked` where its answer had its number.
+    fn take(&mut self, is_checked: bool, now: Duration, wire: &mut Wire, events: &mut Vec<Event>) {
         let Some(sent) = self.under_way.take() else { return };
         self.last_copies = sent.copies;
         (self.again, self.repeats) = (None, 0);
@@ -188,6 +201,11 @@ impl Marlin {
             What::Line(line) => {
                 self.taken = line;
                 events.push(Event::Acknowledged(line));
+                if is_checked {
+                    events.push(Event::Checked(line));
+                } else if std::mem::take(&mut self.is_due) {
+                    self.begin((What::Wait, self.moves()), WAIT, now, wire);
+                }
             }
             What::Count => self.begin((What::Wait, Duration::ZERO), WAIT, now, wire),
             What::Wait => self.mark(now, wire),
@@ -196,7 +214,10 @@ impl Marlin {
                 self.depth.tell(events);
             }
             What::Mark => {
-                self.state = State::Closed;
+                if self.state == State::Closing {
+                    self.state = State::Closed;
+                }
+                self.barrier.is_over();
                 if self.taken > 0 {
                     events.push(Event::Executed(self.taken));
                 }
@@ -209,7 +230,7 @@ impl Marlin {
         let Some(sent) = &self.under_way else { return };
         let (what, is_taken) = (sent.what, number > sent.number);
         if is_taken && what != What::Mark {
-            return self.take(now, wire, events);
+            return self.take(false, now, wire, events);
         }
         self.repeats += 1;
         let line = if let What::Line(line) = what { line } else { 0 };
@@ -261,7 +282,7 @@ impl Dialogue for Marlin {
     }
 
     fn has_room(&self, _length: usize) -> bool {
-        self.state == State::Open && self.under_way.is_none() && !self.is_closing
+        self.state == State::Open && self.under_way.is_none() && !self.is_closing && !self.is_paused
     }
 
     fn send(&mut self, line: &Line, now: Duration, wire: &mut Wire) -> Result<(), String> {
@@ -274,6 +295,7 @@ impl Dialogue for Marlin {
         if self.recent.len() > MOST_PLANNED {
             self.recent.pop_front();
         }
+        self.is_due = self.barrier.sent(&line.text);
         self.begin((What::Line(line.number), line.busy()), &line.text, now, wire);
         Ok(())
     }

@@ -19,6 +19,7 @@ pub(super) const PROTOCOL: Protocol = Protocol {
     title: "bytes held by XON and XOFF, no answers (tape readers)",
     asks_idle: false,
     has_planner: false,
+    beyond: 0,
     check: |profile, text| check_text(text, profile.longest_line, &profile.refused),
     create,
 };

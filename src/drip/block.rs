@@ -1,0 +1,91 @@
+//! The words of a line that goes to a control: codes, addresses, and which of them belong together.
+
+use super::rules::{Axes, Code, Grammar};
+
+/// Letters of axes.
+pub(super) const AXES: &[u8] = b"XYZABCUVW";
+
+/// A word of a block: what names it, and its value.
+pub(super) struct Word<'t> {
+    pub(super) text: &'t str,
+    /// `X`, `B1`, `ADIS`.
+    pub(super) name: &'t str,
+    pub(super) value: &'t str,
+    pub(super) code: Option<Code>,
+    pub(super) is_claimed: bool,
+}
+
+impl Word<'_> {
+    pub(super) fn letter(&self) -> u8 {
+        self.name.as_bytes().first().copied().unwrap_or(0)
+    }
+
+    pub(super) fn is_axis(&self) -> bool {
+        AXES.contains(&self.letter()) && self.name.bytes().skip(1).all(|byte| byte.is_ascii_digit())
+    }
+}
+
+/// The words of a line; what stands in quotation marks is part of its word.
+pub(super) fn words<'t>(text: &'t str, grammar: &Grammar) -> Vec<Word<'t>> {
+    let mut is_quoted = false;
+    let is_between = |character: char| {
+        is_quoted ^= character == '"';
+        character.is_ascii_whitespace() && !is_quoted
+    };
+    let parts = text.split(is_between).filter(|part| !part.is_empty());
+    let word = |part: &'t str| {
+        let (name, value) = part.split_once('=').unwrap_or_else(|| {
+            let end = part.find(|character: char| !character.is_ascii_alphabetic()).unwrap_or(part.len());
+            part.split_at(if end == 0 { part.chars().next().map_or(0, char::len_utf8) } else { end })
+        });
+        Word { text: part, name, value, code: grammar.code(part), is_claimed: false }
+    };
+    parts.map(word).collect()
+}
+
+/// Whether a value is a number.
+pub(super) fn is_number(value: &str) -> bool {
+    value.parse::<f64>().is_ok_and(f64::is_finite)
+}
+
+/// Whether a value is a number in such brackets.
+pub(super) fn absolute(value: &str, begin: &str) -> bool {
+    value.strip_prefix(begin).and_then(|rest| rest.strip_suffix(')')).is_some_and(is_number)
+}
+
+/// The words of a block that a code uses, and that are no further ones from now on; `None` where one of them is an axis that it may not have.
+pub(super) fn arguments(code: Code, words: &mut [Word<'_>], axes: Axes) -> Option<Vec<String>> {
+    let mut out = Vec::new();
+    let mut is_refused = false;
+    let is_speed = code.entry.is_some_and(|entry| entry.name.starts_with("G96"));
+    for word in words.iter_mut().filter(|word| word.code.is_none() && !word.is_claimed) {
+        let Some(entry) = code.entry else { continue };
+        let letter = word.letter();
+        let is_used = match word.name {
+            "F" => false,
+            "S" => is_speed,
+            name if name.len() == 1 => entry.uses(letter),
+            name => {
+                let index = name.get(1..).and_then(|digits| digits.parse::<u16>().ok());
+                index.is_some_and(|index| entry.uses_indexed(letter, index))
+                    || entry.words.split(' ').any(|known| known == name)
+            }
+        };
+        // The time of a dwell is in whatever words it has.
+        let is_used = is_used || entry.name == "G4";
+        if !is_used || word.is_axis() && axes == Axes::Positions && entry.name != "G4" {
+            continue;
+        }
+        is_refused |= word.is_axis() && axes == Axes::Refused;
+        is_refused |= !is_number(word.value);
+        word.is_claimed = true;
+        out.push(word.text.to_owned());
+    }
+    (!is_refused).then_some(out)
+}
+
+/// A code and its words.
+pub(super) fn block(code: &str, arguments: Option<Vec<String>>) -> Option<String> {
+    let words = arguments?;
+    Some(std::iter::once(code.to_owned()).chain(words).collect::<Vec<_>>().join(" "))
+}
