@@ -362,8 +362,8 @@ const STUCK: &[(&str, &str, f64, &str)] = &[
         "no line was answered",
     ),
     ("linuxcnc", "PROGRAM_STATUS PAUSED~PROGRAM_STATUS RUNNING", 145.0, "no line was answered"),
-    ("fanuc-rs232", "\u{11}\u{13}", 602.0, "held"),
-    ("haas", "\u{11}\u{13}", 602.0, "held"),
+    ("fanuc-rs232", "\u{13}\u{11}\u{13}", 602.0, "held"),
+    ("haas", "\u{13}\u{11}\u{13}", 602.0, "held"),
 ];
 
 fn stuck(name: &str, says: &'static str, from_s: f64) -> (f64, Ended) {

@@ -361,7 +361,7 @@ fn a_place_is_clear_of_every_point_of_every_cut() {
             shop.run(["resume", "part.ngc.journal", "--json", "--clearance", &format!("{clearance_mm}mm")])
         };
         let low = with(highest_mm + 0.9);
-        assert!(low.code == 4 && low.stderr.contains(&format!("Z {highest_mm:.3} mm")), "{stroke} {height}: {low:?}");
+        assert!(low.code == 4 && low.stderr.contains(&format!("Z {highest_mm:.2}")), "{stroke} {height}: {low:?}");
         let plan = with(highest_mm + 1.1).exits(0).json();
         let is_first = plan["source_line"].as_u64().unwrap() <= 4;
         assert!(plan["executed"].as_u64().unwrap() > 60, "{stroke}: {plan}");

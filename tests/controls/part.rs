@@ -30,7 +30,7 @@ pub(crate) struct Part {
 pub(crate) static PART: LazyLock<Part> = LazyLock::new(Part::new);
 
 fn program() -> String {
-    let mut text = "G21 G90 G17 G54\nS500 M3\nG0 Z30\nG0 X0 Y0\n".to_owned();
+    let mut text = "G21 G90 G17 G54\nS500 M3\nG0 Z30\nG0 X-5 Y-5\n".to_owned();
     for k in 0..9 {
         text += &format!("G0 X{} Y{}\nG0 Z2\nG1 Z-1 F600\nG1 Y{}\n", 5 * k, k % 3, k % 3 + 20);
         // A line that moves nothing, one that moves less than a step, and an end where it is already.

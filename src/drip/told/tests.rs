@@ -211,6 +211,10 @@ fn every_row_with_words_and_a_group_is_told_with_them_or_not_at_all() {
                     },
                 )
                 .collect();
+            if words.is_empty() {
+                // F alone, which is told by itself.
+                continue;
+            }
             let block = format!("{first} {}", words.join(" "));
             let found = told_in(language, &["G90", "G0 X1. Y2. Z30.", &block, "G0 X1. Y2. Z30."]).lines(false, WAY);
             count[usize::from(found.is_some())] += 1;
@@ -221,6 +225,11 @@ fn every_row_with_words_and_a_group_is_told_with_them_or_not_at_all() {
             }
             if ["G4", "G53", "G74", "G75", "G63"].contains(&first) && language == "sinumerik" {
                 // Good for their block.
+                continue;
+            }
+            if first == "M61" {
+                // The plan names the tool, which a person brings.
+                assert_eq!(told_in(language, &[&block]).tool.as_deref(), Some("T3"));
                 continue;
             }
             let told = found.iter().find(|line| line.split(' ').next() == Some(first));
