@@ -429,8 +429,21 @@ fn a_second_job_does_not_take_the_journal_of_one_that_waits_for_its_sensors() {
     let shop = Shop::new().file("part.ngc", passes(20)).file("s.toml", sensors);
     let mill = machine("knee_mill");
     let arguments = |port: &str| {
-        ["feed", "part.ngc", "--machine", &mill, "--link", "grbl", "--sensors", "s.toml", "--port", port]
-            .map(str::to_owned)
+        [
+            "feed",
+            "part.ngc",
+            "--machine",
+            &mill,
+            "--link",
+            "grbl",
+            "--sensors",
+            "s.toml",
+            "--every",
+            "0.1",
+            "--port",
+            port,
+        ]
+        .map(str::to_owned)
     };
     let first = arguments(&one.name);
     let mut child = start(&shop, &first.iter().map(String::as_str).collect::<Vec<_>>());

@@ -12,6 +12,8 @@ const ABSOLUTE: &[&str] = &["DC(", "ACP(", "ACN(", "AC("];
 /// Codes behind which a position in their unit is in inches, and those of feeds per minute and of constant cutting speed.
 const INCH: &[&str] = &["G20", "G70", "G700"];
 const PER_MINUTE: &[&str] = &["G94", "G942"];
+/// Codes whose words are lengths, in the unit that was in force.
+const LENGTHS: &[&str] = &["G43.1", "G43.2", "G64", "G22", "G641"];
 /// Motions behind which a rapid move is nothing new.
 const RAPID: &[&str] = &["G0", "G00", "G80"];
 /// The spindle stands oriented.
@@ -221,6 +223,16 @@ impl Told {
     fn set(&mut self, key: Key, blocks: Option<Vec<String>>) {
         // Behind another zero offset, tool length or unit the old places mean something else.
         let shifting = ["G54", "G43", "G21", "G71"].map(|name| self.grammar.group(name));
+        let units = ["G21", "G71"].map(|name| self.grammar.group(name));
+        if units.contains(&Some(key.0)) && self.states.get(&key).is_some_and(|old| *old != blocks) {
+            // Lengths were told in the unit of before.
+            let has_length = |blocks: &Option<Vec<String>>| {
+                blocks.iter().flatten().any(|block| {
+                    LENGTHS.iter().any(|code| block.split(' ').next() == Some(code) && block.contains(' '))
+                })
+            };
+            self.states.values_mut().filter(|blocks| has_length(blocks)).for_each(|blocks| *blocks = None);
+        }
         let is_shifted = shifting.contains(&Some(key.0)) && self.states.get(&key) != Some(&blocks);
         if is_shifted {
             self.forget(AXES);

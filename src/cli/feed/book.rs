@@ -97,19 +97,17 @@ fn supersede(mut file: &File, bytes: &[u8], path: &Path) -> io::Result<()> {
 }
 
 /// Whether a file is still the one of its path: another job may have taken its own journal there meanwhile.
+#[cfg(unix)]
 fn is_there(file: &File, path: &Path) -> bool {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::MetadataExt as _;
-        let of = |data: std::fs::Metadata| (data.dev(), data.ino());
-        return file.metadata().ok().map(of) == std::fs::metadata(path).ok().map(of);
-    }
-    #[cfg(not(unix))]
-    {
-        // An open file keeps its name there.
-        let _ = file;
-        path.exists()
-    }
+    use std::os::unix::fs::MetadataExt as _;
+    let of = |data: std::fs::Metadata| (data.dev(), data.ino());
+    file.metadata().ok().map(of) == std::fs::metadata(path).ok().map(of)
+}
+
+/// The same where an open file keeps its name.
+#[cfg(not(unix))]
+fn is_there(_file: &File, path: &Path) -> bool {
+    path.exists()
 }
 
 /// Takes an old journal out of the way of a new one, while nobody else can have it. `expected` are the bytes by which its job is taken up again.

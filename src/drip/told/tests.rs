@@ -150,6 +150,9 @@ fn what_cannot_be_told_again_is_no_place() {
     for (language, lines) in [
         ("rs274", &["G91"][..]),
         ("rs274", &["G41 D1"]),
+        // 4 inches are no 4 mm.
+        ("rs274", &["G20", "G43.1 Z4", "G21"]),
+        ("sinumerik", &["G70", "G641 ADIS=0.002", "G71"]),
         ("rs274", &["M19 R90"]),
         ("rs274", &["M3 $1 S500"]),
         ("rs274", &["M64 P1"]),

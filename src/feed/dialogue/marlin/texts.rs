@@ -36,7 +36,6 @@ const HARMLESS: &[&str] = &[
 ];
 /// Parts of texts behind which nothing may follow, in small letters, and why.
 const ENDS: &[(&str, &str)] = &[
-    ("home", "an axis is not homed, so that moves are left out"),
     ("endstops hit", "an axis ran into its end switch"),
     ("printer stopped", "the control has stopped itself"),
     ("printer halted", "the control has stopped itself"),
@@ -55,6 +54,10 @@ pub(super) fn meaning(text: &str) -> Text {
     let low = low.trim();
     if low == "!!" || low == "error" || low.starts_with("error:") {
         return Text::Ends("the control has stopped itself");
+    }
+    // `Home X First`, of older ones `Home X/Y before Z`; the settings that it starts with have a `Home offset`.
+    if low.contains("home") && (low.contains("first") || low.contains("before")) {
+        return Text::Ends("an axis is not homed, so that moves are left out");
     }
     if let Some((_, why)) = ENDS.iter().find(|(part, _)| low.contains(part)) {
         return Text::Ends(why);
@@ -127,6 +130,7 @@ mod tests {
             assert!(matches!(meaning(text), Text::Ends(_)), "{text}");
         }
         for text in [
+            "echo:; Home offset:",
             "garbage ###",
             "echo:enqueueing \"G28\"",
             "Not SD printing",
