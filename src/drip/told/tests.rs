@@ -237,7 +237,11 @@ fn every_row_with_words_and_a_group_is_told_with_them_or_not_at_all() {
             }
             let told = found.iter().find(|line| line.split(' ').next() == Some(first));
             let told = told.unwrap_or_else(|| panic!("{language}: {block} is not told again: {found:?}"));
-            let is_told = |word: &String| told.split(' ').any(|other| other == word);
+            // A speed of the spindle is told with the spindle.
+            let is_told = |word: &String| {
+                let is_in = |line: &str| line.split(' ').any(|other| other == word);
+                is_in(told) || word.starts_with('S') && found.iter().any(|line| is_in(line))
+            };
             // Length compensation of a Fanuc: the word of the axis is where it goes.
             let is_position =
                 |word: &String| language == "fanuc" && ["G43", "G44"].contains(&first) && word.starts_with('Z');
