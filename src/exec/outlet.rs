@@ -110,6 +110,11 @@ impl<'a> Outlet<'a> {
         self.through_contour(Item::Element(element));
     }
 
+    /// The block reads what the control knows only when it has got there: it looks no further ahead.
+    pub(super) fn stop_look_ahead(&mut self, name: &'static str) {
+        self.contour.stop(self.origin, name);
+    }
+
     /// Whether motions are held back, so that whatever comes must wait behind them.
     pub(super) fn is_holding(&self) -> bool {
         self.contour.is_holding()

@@ -33,6 +33,7 @@ mod wish;
 pub(super) use angle::crossing;
 pub(super) use moving::{Item, Moving};
 pub(super) use rules::Reach;
+pub(super) use unknown::unstated;
 pub(super) use wish::{
     Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish,
 };
@@ -40,6 +41,7 @@ pub(super) use wish::{
 use super::fault::Fault;
 use crate::geometry::{AxisSet, AxisVector};
 use crate::machine::Control;
+use crate::snc::Origin;
 use angle::OpenLine;
 use compensation::Compensation;
 use transition::Transitions;
@@ -69,6 +71,11 @@ impl Contour {
     /// Whether something is held, so that whatever comes must wait behind it.
     pub(super) fn is_holding(&self) -> bool {
         self.open.is_some() || self.transitions.is_holding() || self.compensation.is_holding()
+    }
+
+    /// A block reads what the control knows only when it has got there: it looks no further ahead.
+    pub(super) fn stop(&mut self, origin: Origin, name: &'static str) {
+        self.transitions.stop(origin, name);
     }
 
     /// Takes an item and gives those that are final now.

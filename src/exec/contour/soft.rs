@@ -31,6 +31,8 @@ impl Active {
         let fast = |mut moving: Moving| {
             moving.path.motion.rapid = soft.rapid_before;
             moving.path.motion.feed = soft.feed_before;
+            // The F of the block is that of the pieces behind it.
+            moving.path.motion.feed_named = false;
             moving
         };
         let slow = |mut moving: Moving| {
@@ -45,6 +47,11 @@ impl Active {
         last.path.motion.rapid = false;
         // Other axes arrive with the first piece, the height does not.
         let level = with_height(basis, &target, &above);
+        let feeds = [slow(moving.further()).path.motion.feed, last.path.motion.feed];
+        let needs_before = !soft.rapid_before && soft.feed_before <= 0.0;
+        if needs_before || feeds.iter().any(|feed| *feed <= 0.0) {
+            findings.push(no_feed(moving));
+        }
         self.chain.push(Link::approach(fast(moving.clone()), Curve::Line { start, end: place }, level));
         self.chain.push(Link::approach(fast(moving.further()), here, clear));
         if soft.in_plane {
@@ -75,6 +82,10 @@ impl Active {
         let mut cutting = moving.clone();
         cutting.path.motion.rapid = false;
         cutting.path.motion.feed = soft.feed_before;
+        cutting.path.motion.feed_named = false;
+        if soft.feed_before <= 0.0 {
+            findings.push(no_feed(moving));
+        }
         let mut slow = moving.further();
         slow.path.motion.rapid = false;
         slow.path.motion.feed = if soft.infeed > 0.0 { soft.infeed } else { soft.feed_before };
@@ -145,6 +156,11 @@ fn at_height(basis: PlaneBasis, position: &AxisVector, height: f64) -> AxisVecto
     let mut out = *position;
     out.set_xyz(basis.lift(basis.flat(position), height));
     out
+}
+
+fn no_feed(moving: &Moving) -> Fault {
+    let message = "a soft approach or retraction moves with feed, and no F was programmed yet";
+    moving.fault(Code::MISSING_FEED, message, "program F before it or in it")
 }
 
 fn no_side(moving: &Moving) -> Fault {

@@ -8,6 +8,7 @@ use super::unknown;
 use super::wish::Transition;
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
+use crate::snc::Origin;
 
 /// Blocks without motion that may stand between two elements with a transition (Sinumerik MD20200).
 const BLOCKS_BETWEEN: usize = 3;
@@ -23,6 +24,8 @@ const STEPS: usize = 200;
 pub(super) struct Transitions {
     held: Option<Box<Moving>>,
     behind: Vec<Item>,
+    /// What the control stops for behind the element that is held: where, and what it reads there.
+    stop: Option<(Origin, &'static str)>,
 }
 
 /// Two elements with a transition between them, lengths along the elements.
@@ -37,6 +40,13 @@ struct Fit {
 impl Transitions {
     pub(super) fn is_holding(&self) -> bool {
         self.held.is_some()
+    }
+
+    /// A block reads what the control knows only when it has got there.
+    pub(super) fn stop(&mut self, origin: Origin, name: &'static str) {
+        if self.held.is_some() && self.stop.is_none() {
+            self.stop = Some((origin, name));
+        }
     }
 
     /// Takes an item and gives those that are final.
@@ -66,7 +76,8 @@ impl Transitions {
     /// Gives what is held, without a transition.
     pub(super) fn finish(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         if let Some(first) = self.held.take() {
-            match unknown::across(&first, &self.behind) {
+            let stop = self.stop.take();
+            match unknown::across(&first, &self.behind).or_else(|| unknown::across_stop(&first, stop)) {
                 Some(found) => findings.push(found),
                 None => self.without(&first, findings),
             }
@@ -94,7 +105,10 @@ impl Transitions {
         findings: &mut Vec<Fault>,
     ) -> Box<Moving> {
         let own = own_of(&mut self.behind, &second.element);
-        let across = unknown::across(&first, &self.behind);
+        let stop = self.stop.take();
+        let across = unknown::across(&first, &self.behind)
+            .or_else(|| unknown::across_stop(&first, stop))
+            .or_else(|| unknown::between(&first, &second));
         let is_clear = across.is_none();
         findings.extend(across);
         let is_near = blocks_between(&first.element, &self.behind) <= BLOCKS_BETWEEN;

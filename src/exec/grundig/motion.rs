@@ -7,7 +7,7 @@ use super::gathered::Gathered;
 use super::modal::MotionKind;
 use super::target::Target;
 use crate::diagnostic::Code;
-use crate::exec::contour::Wish;
+use crate::exec::contour::{Wish, unstated};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::{Path, Shape};
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
@@ -198,30 +198,16 @@ impl Channel<'_> {
             self.outlet.pass_plain(&path);
             return;
         }
-        self.check_beside(&path);
         let wish = Wish::of(contour, self.modal.tool.whole_radius_mm(), path.span, self.outlet.origin.file);
         let wish = Wish { corner, soft, ..wish };
+        if self.strict {
+            self.outlet.warnings.extend(unstated(&path, &wish, self.modal.plane));
+        }
         let element = self.outlet.element(Kind::Empty);
         if self.is_open {
             self.outlet.open(path, element, wish);
         } else {
             self.outlet.pass_path(path, element, wish);
-        }
-    }
-
-    /// The way of the tool center must not depend on places that the program has not stated.
-    fn check_beside(&mut self, path: &Path) {
-        if !self.strict {
-            return;
-        }
-        let needs_start = self.modal.contour.depends_on_start();
-        let known = if needs_start { path.start_known.intersection(path.motion.known) } else { path.motion.known };
-        let plane: AxisSet = self.modal.plane.axes().into_iter().take(2).collect();
-        if let Some(axis) = plane.difference(known).iter().next() {
-            let message =
-                format!("the way of the tool center depends on {axis}, and the program has not stated where that is");
-            let help = "begin with an absolute position of this axis, or give --start";
-            self.outlet.warnings.push(fault(Code::UNKNOWN_START, path.span, message, help));
         }
     }
 

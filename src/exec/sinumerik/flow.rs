@@ -137,6 +137,7 @@ fn words(
     }
     let mut gathered = Gathered::new();
     gatherer(loaded, channel, machine).gather(block, &mut gathered)?;
+    channel.note_looks();
     if let Some(call) = gathered.call.take() {
         channel.comment(comment);
         return Ok(Action::Call(call));
@@ -209,6 +210,13 @@ fn return_target(
 }
 
 impl Channel<'_> {
+    /// What the block has read of the main run ends the look-ahead of the blocks before it.
+    pub(super) fn note_looks(&mut self) {
+        if let Some(name) = self.system.looked() {
+            self.outlet.stop_look_ahead(name);
+        }
+    }
+
     /// The word that ends the run.
     pub(super) fn push_end(&mut self, number: u32) {
         let value = WordValue::Number(f64::from(number));

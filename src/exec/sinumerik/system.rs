@@ -1,5 +1,6 @@
 //! System variables that a program reads: what the execution knows, what the run has written, and the table of the machine file.
 
+use std::cell::Cell;
 use std::collections::HashMap;
 
 use super::expression::Scope;
@@ -28,6 +29,8 @@ pub(super) struct System {
     pub(super) strict: bool,
     /// Whether MCALL is in force.
     pub(super) modal_call: bool,
+    /// A variable of the main run that was read since [`Self::looked`]: the control stops to read it.
+    looked: Cell<Option<&'static str>>,
 }
 
 /// Variables that are the same on every control that runs a program for real.
@@ -41,6 +44,10 @@ const CONSTANTS: &[(&str, f64)] = &[
     ("$MN_SCALING_VALUE_INCH", MM_PER_INCH),
 ];
 
+/// Beginnings of the names of variables of the main run: the control reads them when it has got there, as with STOPRE.
+const MAIN_RUN: &[(&str, &str)] =
+    &[("$AA_", "$AA_…"), ("$AC_", "$AC_…"), ("$AN_", "$AN_…"), ("$A_", "$A_…"), ("$VA_", "$VA_…"), ("$VC_", "$VC_…")];
+
 /// Variables that are 0 when a program starts.
 const ZERO_AT_START: &[&str] = &["$AC_MARKER", "$AC_PARAM"];
 
@@ -48,6 +55,11 @@ impl System {
     /// Nothing written yet.
     pub(super) fn new(strict: bool, machine: &Machine) -> System {
         System { strict, frames: FrameStore::new(machine), ..System::default() }
+    }
+
+    /// A variable of the main run that was read since the last question.
+    pub(super) fn looked(&self) -> Option<&'static str> {
+        self.looked.take()
     }
 
     /// What the run has written.
@@ -91,6 +103,9 @@ impl Scope<'_> {
     pub(super) fn read_system(&self, name: &str, range: Option<ArgumentRange>, id: ExprId) -> Result<Value, Fault> {
         if let Some(frame) = self.frame_name(name, range, self.program.expr(id).span)? {
             return self.read_frame(frame, range, id);
+        }
+        if let Some(&(_, shown)) = MAIN_RUN.iter().find(|(start, _)| name.starts_with(start)) {
+            self.system.looked.set(Some(shown));
         }
         let (key, indices) = self.key(name, range)?;
         if let Some(value) = self.system.value(&key) {
