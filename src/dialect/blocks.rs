@@ -46,6 +46,41 @@ impl Block {
         }
     }
 
+    /// Reads a line over again whose blocks may hold names, calls and assignments: these are passed over, `X=…` is X with its number or none.
+    pub(super) fn read_around_names(&mut self, line: &[u8]) {
+        self.words.clear();
+        let is_name = |byte: &u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'$');
+        let length_of = |from: usize, takes: &dyn Fn(&u8) -> bool| {
+            line.get(from..).unwrap_or_default().iter().take_while(|byte| takes(byte)).count()
+        };
+        let mut at = 0;
+        while let Some(&byte) = line.get(at) {
+            match byte {
+                b'(' => at += length_of(at, &|byte| *byte != b')') + 1,
+                b'"' => at += length_of(at + 1, &|byte| *byte != b'"') + 2,
+                b';' => return,
+                // The value of a name, or of an address with a number of its own.
+                b'=' => at += 1 + length_of(at + 1, &|byte| !byte.is_ascii_whitespace() && *byte != b'('),
+                b'$' | b'_' => at += length_of(at, &is_name),
+                _ if byte.is_ascii_alphabetic() => {
+                    if line.get(at + 1).is_some_and(|next| next.is_ascii_alphabetic() || *next == b'_') {
+                        at += length_of(at, &is_name);
+                        continue;
+                    }
+                    let equals = skip_blanks(line, at + 1);
+                    let is_assigned = line.get(equals) == Some(&b'=');
+                    at = self.word(byte.to_ascii_uppercase(), line, if is_assigned { equals + 1 } else { at + 1 });
+                    if line.get(skip_blanks(line, at)) == Some(&b'=') {
+                        self.words.pop();
+                    } else if is_assigned {
+                        at += length_of(at, &|byte| !byte.is_ascii_whitespace() && *byte != b'(');
+                    }
+                }
+                _ => at += 1,
+            }
+        }
+    }
+
     /// Takes the number that begins at a place; gives the place behind it.
     fn word(&mut self, letter: u8, line: &[u8], start: usize) -> usize {
         let is_part = |byte: &u8| byte.is_ascii_digit() || matches!(byte, b'.' | b'+' | b'-' | b' ' | b'\t');
@@ -114,6 +149,24 @@ pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_and_assignments_are_passed_over() {
+        let mut block = Block::default();
+        block.read_around_names(b"N10 G96S200 LIMS=2500 M4 X=R1*2 Z=IC(-3) M3=5 F=0.25 MSG(\"Y5\") T=\"Y3\" ; Y4");
+        let found: Vec<(u8, Option<f64>)> = block.words.iter().map(|word| (word.letter, word.value)).collect();
+        let expected = [
+            (b'N', Some(10.0)),
+            (b'G', Some(96.0)),
+            (b'S', Some(200.0)),
+            (b'M', Some(4.0)),
+            (b'X', None),
+            (b'Z', None),
+            (b'F', Some(0.25)),
+            (b'T', None),
+        ];
+        assert_eq!(found, expected);
+    }
 
     #[test]
     fn words_are_read_with_and_without_blanks_and_comments() {

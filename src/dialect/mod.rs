@@ -8,6 +8,7 @@ mod grundig;
 mod rs274;
 mod sinumerik;
 mod turning;
+mod turning_names;
 
 pub use code::{CodeEntry, CodeTable, Effect};
 pub use foreign::{Foreign, foreign};

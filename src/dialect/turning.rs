@@ -3,8 +3,8 @@
 //!
 //! Each kind of mark counts once, by how seldom a mill's program has it: 6 alone is enough, 1 is a hint.
 
-use super::Language;
 use super::blocks::{Block, lines};
+use super::{Language, turning_names};
 
 /// From this sum on a program is one for a lathe.
 const ENOUGH: u32 = 6;
@@ -14,6 +14,10 @@ const HEAD: usize = 1 << 20;
 const MOST_NAMED: usize = 6;
 /// A feed below it is one per turn, mm and inch.
 const FEED_PER_TURN: [f64; 2] = [1.0, 0.05];
+/// The mark of a program that moves across and along and never names Y.
+pub(super) const NO_Y: &str = "no Y";
+/// The mark of G92 whose lead is the F of an earlier block.
+const MODAL_THREAD: &str = "G92 and X alone behind it, a thread";
 
 /// What a program has that a mill's has not.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,7 +28,8 @@ pub struct Mark {
     pub line: u32,
     /// What was found.
     pub what: &'static str,
-    weight: u32,
+    /// How much it says for a lathe.
+    pub(super) weight: u32,
 }
 
 /// The marks of a lathe program, the weightiest first; `None` where they are too few. `axes` are the letters of the machine's axes.
@@ -33,8 +38,7 @@ pub fn turning(language: Language, axes: &[u8], bytes: &[u8]) -> Option<Vec<Mark
     let bytes = bytes.get(..bytes.len().min(HEAD)).unwrap_or_default();
     let mut found = match language {
         Language::Fanuc | Language::Rs274 => Search::new(language, axes).run(bytes),
-        Language::Sinumerik => names(bytes),
-        Language::Grundig => return None,
+        Language::Sinumerik | Language::Grundig => turning_names::marks(language, bytes),
     };
     if found.iter().map(|mark| mark.weight).sum::<u32>() < ENOUGH {
         return None;
@@ -42,38 +46,6 @@ pub fn turning(language: Language, axes: &[u8], bytes: &[u8]) -> Option<Vec<Mark
     found.sort_by_key(|mark| (std::cmp::Reverse(mark.weight), mark.line));
     found.truncate(MOST_NAMED);
     Some(found)
-}
-
-/// Names of a Sinumerik that only lathes have, with their weights.
-const NAMES: &[(&str, u32)] = &[
-    ("DIAMON", 3),
-    ("DIAM90", 3),
-    ("CYCLE93(", 4),
-    ("CYCLE94(", 4),
-    ("CYCLE95(", 4),
-    ("CYCLE96(", 4),
-    ("CYCLE97(", 4),
-    ("CYCLE98(", 4),
-    ("CYCLE930(", 4),
-    ("CYCLE940(", 4),
-    ("CYCLE951(", 4),
-    ("CYCLE952(", 4),
-    ("LIMS=", 1),
-    ("G96 ", 2),
-];
-
-fn names(bytes: &[u8]) -> Vec<Mark> {
-    let mut out: Vec<Mark> = Vec::new();
-    for (line, (at, text)) in (1..).zip(lines(bytes)) {
-        let code = text.split(|&byte| byte == b';').next().unwrap_or_default();
-        for &(what, weight) in NAMES {
-            let has = code.windows(what.len()).any(|part| part.eq_ignore_ascii_case(what.as_bytes()));
-            if has && !out.iter().any(|mark| mark.what == what.trim_end_matches(['(', '=', ' '])) {
-                out.push(Mark { at, line, what: what.trim_end_matches(['(', '=', ' ']), weight });
-            }
-        }
-    }
-    out
 }
 
 /// Marks of Fanuc's words.
@@ -92,6 +64,8 @@ struct Search<'a> {
     has_m6: bool,
     has_plane: bool,
     has_own_feed: bool,
+    /// Where a block was G92 with X and Z, and nothing else yet.
+    set_place: Option<(usize, u32)>,
 }
 
 impl<'a> Search<'a> {
@@ -110,6 +84,7 @@ impl<'a> Search<'a> {
             has_m6: false,
             has_plane: false,
             has_own_feed: false,
+            set_place: None,
         }
     }
 
@@ -210,11 +185,18 @@ impl<'a> Search<'a> {
             self.note(place, "G76 with a height P", 3);
         }
         let is_plain = !has_motion && !has(b'Y') && across && along;
+        let is_pass = block.words.iter().all(|word| matches!(word.letter, b'X' | b'N')) && has(b'X');
+        if let Some(thread) = self.set_place.take().filter(|_| is_pass) {
+            self.note(thread, MODAL_THREAD, if self.is_fanuc { 6 } else { 4 });
+        }
+        if code(920) && is_plain && !has(b'F') {
+            self.set_place = Some(place);
+        }
         if code(920) && has(b'F') && (across || along) && !has(b'Y') {
             self.note(place, "G92 with F, a thread", if self.is_fanuc { 6 } else { 4 });
         }
         if (code(900) || code(940)) && is_plain && has(b'F') && self.motion == 0 {
-            self.note(place, "G90 or G94 with X, Z and F, a turning cycle", 3);
+            self.note(place, "G90 or G94 with X, Z and F, a turning cycle", 6);
         }
         if [770, 780, 790, 2900, 2920, 2940].into_iter().any(code) && is_plain {
             self.note(place, "G77 to G79 with X and Z", 4);
@@ -246,9 +228,10 @@ impl<'a> Search<'a> {
         let several = self.tools.is_some_and(|(_, others)| others);
         self.marks.retain_mut(|mark| match mark.what {
             "T with station and offset" => {
-                mark.weight = if several { 4 } else { 2 };
-                !has_m6
+                mark.weight = if several && !has_m6 { 4 } else { 2 };
+                true
             }
+            MODAL_THREAD => is_flat,
             "G99 without a canned cycle" => !has_cycle,
             "a feed of one turn" => is_flat && !has_own_feed,
             _ => true,
@@ -257,7 +240,7 @@ impl<'a> Search<'a> {
             && is_fanuc
             && let Some(first) = self.marks.first().cloned()
         {
-            self.marks.push(Mark { what: "no Y", weight: 2, ..first });
+            self.marks.push(Mark { what: NO_Y, weight: 2, ..first });
         }
         if self.has_length {
             // G43 is a matter of mills: as much again must speak for a lathe.

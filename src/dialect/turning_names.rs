@@ -1,0 +1,128 @@
+//! Marks of a lathe in programs of a Sinumerik and of a Grundig, whose blocks hold names and assignments beside letters and numbers.
+
+use super::Language;
+use super::blocks::{Block, lines};
+use super::turning::{Mark, NO_Y};
+
+/// A feed below it is one per turn, mm.
+const FEED_PER_TURN_MM: f64 = 1.0;
+
+/// Names of a Sinumerik that only lathes have, with their weights.
+const NAMES: &[(&str, u32)] = &[
+    ("DIAMON", 3),
+    ("DIAM90", 3),
+    ("CYCLE93(", 4),
+    ("CYCLE94(", 4),
+    ("CYCLE95(", 4),
+    ("CYCLE96(", 4),
+    ("CYCLE97(", 4),
+    ("CYCLE98(", 4),
+    ("CYCLE930(", 4),
+    ("CYCLE940(", 4),
+    ("CYCLE951(", 4),
+    ("CYCLE952(", 4),
+    ("LIMS=", 1),
+];
+
+/// What stands in the head of programs for the lathe control of Philips.
+const PHILIPS_LATHE: &str = "SYSTEM 3000";
+
+/// What the blocks have told so far.
+#[derive(Debug, Default)]
+struct Search {
+    marks: Vec<Mark>,
+    has_x: bool,
+    has_y: bool,
+    has_z: bool,
+    /// G93 or G94: F is no feed of a turn.
+    has_own_feed: bool,
+    /// G95
+    has_turn_feed: bool,
+    has_plane: bool,
+    motion: u32,
+}
+
+/// The marks of a program.
+pub(super) fn marks(language: Language, bytes: &[u8]) -> Vec<Mark> {
+    let mut search = Search::default();
+    let mut block = Block::default();
+    for (line, (at, text)) in (1..).zip(lines(bytes)) {
+        match language {
+            Language::Sinumerik => {
+                search.names((at, line), text.split(|&byte| byte == b';').next().unwrap_or_default())
+            }
+            _ if has(text, PHILIPS_LATHE) => search.note((at, line), PHILIPS_LATHE, 2),
+            _ => {}
+        }
+        block.read_around_names(text);
+        if !block.words.is_empty() {
+            search.block(language, &block, (at, line));
+        }
+    }
+    search.whole()
+}
+
+fn has(text: &[u8], name: &str) -> bool {
+    text.windows(name.len()).any(|part| part.eq_ignore_ascii_case(name.as_bytes()))
+}
+
+impl Search {
+    fn note(&mut self, (at, line): (usize, u32), what: &'static str, weight: u32) {
+        if !self.marks.iter().any(|mark| mark.what == what) {
+            self.marks.push(Mark { at, line, what, weight });
+        }
+    }
+
+    fn names(&mut self, place: (usize, u32), code: &[u8]) {
+        for &(name, weight) in NAMES {
+            if has(code, name) {
+                self.note(place, name.trim_end_matches(['(', '=']), weight);
+            }
+        }
+    }
+
+    fn block(&mut self, language: Language, block: &Block, place: (usize, u32)) {
+        let code = |tenths: u32| block.has_code(tenths);
+        if let Some(motion) = block.codes().filter(|code| *code <= 30).last() {
+            self.motion = motion;
+        }
+        self.has_x |= block.has(b'X');
+        self.has_y |= block.has(b'Y');
+        self.has_z |= block.has(b'Z');
+        self.has_own_feed |= code(930) || code(940);
+        self.has_turn_feed |= code(950);
+        self.has_plane |= code(180) || code(190);
+        if code(960) {
+            self.note(place, "G96", 2);
+        }
+        if code(360) && language == Language::Grundig {
+            self.note(place, "G36", 3);
+        }
+        let feed = block.word_of(b'F').and_then(|word| word.value);
+        if feed.is_some_and(|feed| feed > 0.0 && feed < FEED_PER_TURN_MM) && !code(40) && !code(840) {
+            self.note(place, "a feed of one turn", 4);
+        }
+        let is_arc = matches!(self.motion, 20 | 30) && block.has(b'K') && block.has_any(b"XZ");
+        if is_arc && language == Language::Sinumerik && !self.has_plane && !block.has_any(b"YJ") {
+            self.note(place, "an arc of X and Z without G18", 2);
+        }
+    }
+
+    /// What only the whole program tells. Whoever names Y, be it Y0, has such an axis.
+    fn whole(mut self) -> Vec<Mark> {
+        let is_flat = !self.has_y && self.has_x && self.has_z;
+        let (has_own_feed, has_turn_feed) = (self.has_own_feed, self.has_turn_feed);
+        self.marks.retain_mut(|mark| {
+            if mark.what != "a feed of one turn" {
+                return true;
+            }
+            // A mill drills and bores with G95 too.
+            mark.weight = if has_turn_feed { 3 } else { 4 };
+            is_flat && !has_own_feed
+        });
+        if is_flat && let Some(first) = self.marks.first().cloned() {
+            self.marks.push(Mark { what: NO_Y, weight: 2, ..first });
+        }
+        self.marks
+    }
+}
