@@ -193,6 +193,17 @@ fn in_place_keeps_the_original() {
 }
 
 #[test]
+fn in_place_removes_no_other_program() {
+    let one = "%_N_ONE_MPF\nN10 G90 G71 G54 G0 X0 Y0 Z50\nG1 X10 F500\nM30\n";
+    let two = one.replace("ONE", "TWO").replace("X10", "X20");
+    let shop = Shop::new().file("two.mpf", format!("{one}{two}"));
+    let machine = machine("demo");
+    shop.run(["fix", "two.mpf", "--in-place", "--machine", &machine]).exits(4).says("error[E0229]");
+    assert_eq!(shop.text("two.mpf"), format!("{one}{two}"));
+    shop.run(["fix", "two.mpf", "-o", "out.mpf", "--machine", &machine]).exits(0).says("warning[W0203]");
+}
+
+#[test]
 fn an_output_that_cannot_be_written_is_wrong_usage() {
     let shop = shop();
     fix(&shop, &["part.mpf", "-o", "no/such/folder/out.mpf"]).exits(2).says("cannot write");

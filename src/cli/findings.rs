@@ -103,6 +103,11 @@ impl Findings {
         diagnostics.into_iter().for_each(|diagnostic| self.add(diagnostic, sources));
     }
 
+    /// The first finding of a code, with the file that it is about.
+    pub(super) fn first_of(&self, code: Code) -> Option<&(Diagnostic, Option<Source>)> {
+        self.kept.iter().find(|(diagnostic, _)| diagnostic.code == code)
+    }
+
     /// Whether anything forbids output.
     pub(super) fn has_errors(&self) -> bool {
         self.errors > 0

@@ -164,6 +164,19 @@ impl<'a> Job<'a> {
         Ok(())
     }
 
+    /// Programs of the file that are not in the output stay only where the output is another file.
+    fn keep_programs(&self, findings: &mut Findings) {
+        let Some((left, source)) = findings.first_of(Code::MORE_PROGRAMS) else { return };
+        let (place, source) = (left.place, source.clone());
+        let message = format!("--in-place would remove other programs from {}: {}", self.target_name, left.message);
+        let help = "give -o another file, or put each program into a file of its own";
+        let found = match place {
+            Some(place) => Diagnostic::at(Code::LOST_PROGRAM, place, message, help),
+            None => Diagnostic::nowhere(Code::LOST_PROGRAM, message, help),
+        };
+        findings.add(found, source.as_slice());
+    }
+
     /// A page that would be written over the program.
     fn keep_apart(&self, page: &Target, findings: &mut Findings) {
         let output = self.arguments.output.as_ref().unwrap_or(&self.arguments.input);
@@ -243,6 +256,9 @@ impl<'a> Job<'a> {
             findings.add(program::without_motion(&self.source, Code::NO_MOTION), running.sources());
         }
         program::protect_program(&self.target, &running.files(), findings);
+        if arguments.in_place {
+            self.keep_programs(findings);
+        }
         let sources = running.sources();
         for stamped in sources.iter().skip(1).filter(|source| emit::is_stamped(source.bytes())) {
             findings.add(corrected_before(stamped), sources);

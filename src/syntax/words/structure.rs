@@ -25,6 +25,25 @@ impl Program {
         }
     }
 
+    /// Blocks of a Fanuc that move before the first program number and neither end nor call: the first of them, and that number.
+    #[must_use]
+    pub fn outside(&self) -> Option<(Span, Span)> {
+        let (first, main) = self.main_parts();
+        let part = self
+            .parts
+            .get(first)
+            .filter(|part| self.dialect.language == Language::Fanuc && first == main && part.headers.is_empty())?;
+        let is_program = |part: &&Part| part.kind == PartKind::Program && !part.blocks.is_empty();
+        let next = self.parts.iter().skip(first + 1).find(is_program)?;
+        let ends = |word: &Word| matches!((word.address, word.value), (Address::Letter(b'M'), Value::Number { value, .. }) if LEADING_AWAY.contains(&value));
+        let blocks = self.blocks.range(part.blocks.clone());
+        if blocks.iter().any(|block| self.words_of(block).iter().any(ends)) {
+            return None;
+        }
+        let block = blocks.iter().find(|block| matches!(block.body, Body::Words))?;
+        Some((block.span, *next.headers.first()?))
+    }
+
     /// Whether a part of a program that is there as a whole has nothing but comments.
     #[must_use]
     pub fn is_idle(&self, part: &Part) -> bool {
