@@ -3,8 +3,11 @@
 //! `below` is the frame of the zero offset, `tilt` the plane in it: a point p of the plane is the point `tilt`·p of the workpiece while the
 //! rotary axes stand at the zero of the offset.
 
-use crate::geometry::{Axis, AxisVector, Frame, Matrix, ROTARY_AXES, Vector};
+use super::fault::{Fault, fault};
+use crate::diagnostic::Code;
+use crate::geometry::{Axis, AxisSet, AxisVector, Frame, Matrix, ROTARY_AXES, Vector};
 use crate::machine::{Kinematics, Machine};
+use crate::source::Span;
 
 /// Where a point of the plane is in the workpiece.
 fn on_workpiece(kinematics: &Kinematics, below: &Frame, tilt: &Frame, tool_mm: &Vector, point: &Vector) -> Vector {
@@ -44,6 +47,18 @@ pub(super) fn turned_frame(
     let mut offset = *below.offset();
     offset.set_xyz(zero + tool_mm);
     Frame::new(linear, offset)
+}
+
+/// The finding about a plane that is tilted while the program has not stated where these axes are; `words` begin a block that does so.
+pub(super) fn unknown_places(span: Span, axes: AxisSet, words: &str) -> Fault {
+    let names: Vec<String> = axes.iter().map(|axis| axis.to_string()).collect();
+    let message =
+        format!("the plane is tilted, and the program has not stated where these axes are: {}", names.join(", "));
+    let places: String = axes.iter().map(|axis| format!(" {axis}…")).collect();
+    let help = format!(
+        "state all of them before it, and behind a tool change before it, for example in a block {words}{places}; before the first tool change --start does it too"
+    );
+    fault(Code::UNKNOWN_START, span, message, help)
 }
 
 /// The rotary axis that tilts the tool: the one most across it at the zero pose.

@@ -8,7 +8,7 @@ use super::motion::{Step, unknown_start};
 use crate::diagnostic::Code;
 use crate::exec::arc::{behind_frame, center_of_radius};
 use crate::exec::fault::{Fault, bad_value, fault};
-use crate::exec::grid::{Meeting, closes_in_linuxcnc, meeting, unsure};
+use crate::exec::grid::{Meeting, closes_in_linuxcnc, is_one_place, meeting, unsure};
 use crate::geometry::{Arc, AxisSet, AxisVector, CenterFault};
 use crate::source::Span;
 use crate::units::MM_PER_INCH;
@@ -61,7 +61,7 @@ impl Channel<'_> {
         let center = if let Some(radius) = radius {
             // On a Fanuc R goes before the center words.
             gathered.use_up(&center_letters);
-            if !self.is_rs274() && meeting(s, e, f64::INFINITY) == Meeting::Same {
+            if !self.is_rs274() && is_one_place(s, e) {
                 let message = "an arc with R whose end is its start moves nothing";
                 self.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, "a full circle needs I, J, K"));
                 let step = Step::straight(gathered, false, end, named);

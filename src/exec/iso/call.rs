@@ -166,6 +166,7 @@ impl Interpreter<'_> {
             }
             return Ok(());
         };
+        let (own, part) = (level.program, level.part);
         level.repeats = level.repeats.saturating_sub(1);
         let again = level.repeats > 0 && target.is_none();
         if again {
@@ -177,7 +178,26 @@ impl Interpreter<'_> {
             return Ok(());
         }
         self.levels.pop();
+        if let Some(number) = target {
+            self.check_return(number, (own, part), span)?;
+        }
         self.go_to(target, span)
+    }
+
+    /// M99 P of a subprogram whose number both the caller and the subprogram have: a Haas goes on in the subprogram.
+    fn check_return(&self, number: u32, (program, part): (usize, usize), span: Span) -> Result<(), Fault> {
+        let Some(caller) = self.levels.last() else { return Ok(()) };
+        let has = |program: usize, part: usize| self.programs[program].program.find_block(part, number, 0).is_some();
+        let is_double = has(program, part) && has(caller.program, caller.part);
+        if !is_double || self.machine.control.iso.reads_as_fanuc {
+            return Ok(());
+        }
+        let message = format!(
+            "M99 P{number}: on a Fanuc it goes on at N{number} of the caller, on a Haas at N{number} of this program, and both are there"
+        );
+        let help =
+            "give the two blocks different numbers; where the control is a Fanuc set control.word_meaning = \"fanuc\"";
+        Err(at(span, Code::TWO_MEANINGS, message, help))
     }
 
     /// The end of the blocks of a program.

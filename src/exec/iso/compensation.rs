@@ -5,10 +5,10 @@ use super::codes::{Group, name_of};
 use super::gather::whole;
 use super::gathered::Gathered;
 use crate::diagnostic::Code;
-use crate::exec::contour::{Side, Wish};
+use crate::exec::contour::{Side, Wish, unstated};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::Path;
-use crate::geometry::{AxisSet, AxisVector, Plane, PlaneBasis};
+use crate::geometry::{AxisVector, Plane, PlaneBasis};
 use crate::snc::Kind;
 use crate::source::Span;
 
@@ -33,7 +33,12 @@ impl Channel<'_> {
         let side = if matches!(code, 410 | 411) { Side::Left } else { Side::Right };
         if !self.is_rs274() {
             self.offset_number(gathered)?;
-            self.modal.radius_mm = self.radius_of(self.modal.d, span)?;
+            let Some(number) = self.modal.d else {
+                let message = format!("{} and no D: the control takes the D of an earlier program", name_of(code));
+                let help = "write the number of the offset with it, for example G41 D1";
+                return Err(fault(Code::BAD_COMPENSATION, span, message, help));
+            };
+            self.modal.radius_mm = self.radius_of(number, span)?;
         } else {
             if self.modal.contour.compensates() {
                 let message = "radius compensation is on already";
@@ -54,9 +59,19 @@ impl Channel<'_> {
                 _ => {
                     let number = match gathered.raw(b'D') {
                         Some(value) => whole(value, gathered.span_of(b'D'), "D")?,
+                        None if self.modal.active.is_none() && self.strict => {
+                            let message =
+                                format!("{} and no tool: the radius is that of an earlier program", name_of(code));
+                            return Err(fault(
+                                Code::BAD_COMPENSATION,
+                                span,
+                                message,
+                                "program T and M6, or D, before it",
+                            ));
+                        }
                         None => self.modal.active.unwrap_or(0),
                     };
-                    self.modal.d = number;
+                    self.modal.d = Some(number);
                     self.radius_of(number, span)?
                 }
             };
@@ -92,9 +107,10 @@ impl Channel<'_> {
     /// D of a Fanuc.
     fn offset_number(&mut self, gathered: &Gathered) -> Result<(), Fault> {
         if let Some(value) = gathered.raw(b'D') {
-            self.modal.d = whole(value, gathered.span_of(b'D'), "D")?;
+            let number = whole(value, gathered.span_of(b'D'), "D")?;
+            self.modal.d = Some(number);
             if self.modal.contour.compensates() {
-                self.modal.radius_mm = self.radius_of(self.modal.d, gathered.span_of(b'D'))?;
+                self.modal.radius_mm = self.radius_of(number, gathered.span_of(b'D'))?;
             }
         }
         Ok(())
@@ -137,23 +153,10 @@ impl Channel<'_> {
         }
         let file = self.outlet.file();
         let wish = Wish { corner, ..Wish::of(modal, self.modal.radius_mm, path.span, file) };
-        self.check_known(&path, &wish);
+        if self.strict {
+            self.outlet.warnings.extend(unstated(&path, &wish, self.modal.plane));
+        }
         let element = self.outlet.element(Kind::Empty);
         self.outlet.pass_path(path, element, wish);
-    }
-
-    /// What depends on places that the program has not stated must not be corrected.
-    fn check_known(&mut self, path: &Path, wish: &Wish) {
-        let needs_start = wish.corner.is_some() || wish.modal.depends_on_start();
-        let known = if needs_start { path.start_known.intersection(path.motion.known) } else { path.motion.known };
-        let axes: AxisSet = self.modal.plane.axes().into_iter().take(2).collect();
-        if let Some(axis) = axes.difference(known).iter().next().filter(|_| self.strict && wish.modal.compensates()) {
-            self.outlet.warnings.push(fault(
-                Code::UNKNOWN_START,
-                wish.span,
-                format!("the way of the tool center depends on {axis}, and the program has not stated where that is"),
-                "begin with an absolute position of this axis, or give --start",
-            ));
-        }
     }
 }

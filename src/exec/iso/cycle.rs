@@ -216,10 +216,7 @@ impl Channel<'_> {
     fn call(&mut self, gathered: &Gathered, code: u16, bottom: Option<f64>, from: Place) -> Result<Call, Fault> {
         let is_rs274 = self.is_rs274();
         let [abscissa, ordinate, applicate] = self.modal.plane.axes();
-        let dwell_s = gathered.raw(b'P').map(|value| {
-            // A Fanuc counts milliseconds.
-            if !is_rs274 && gathered.is_unpointed(b'P') { value / 1000.0 } else { value }
-        });
+        let dwell_s = self.dwell_of_p(gathered, &name_of(code))?;
         if let Some(seconds) = dwell_s.filter(|seconds| *seconds < 0.0) {
             let message = format!("a dwell of {seconds} s");
             return Err(bad_value(gathered.span_of(b'P'), message, "write P without a sign"));
@@ -311,15 +308,13 @@ impl Channel<'_> {
         Ok(())
     }
 
-    /// K of a peck cycle is a depth on a Haas: a fraction, or many times the same hole, is no count.
+    /// K of a peck cycle is a depth on a Haas, with G91 too.
     fn check_count(&self, gathered: &Gathered, code: u16) -> Result<(), Fault> {
-        let is_depth =
-            gathered.is_pointed(b'K') || !self.modal.incremental && gathered.raw(b'K').is_some_and(|k| k > 1.0);
-        if !matches!(code, 730 | 830) || !is_depth || self.machine.control.iso.reads_as_fanuc {
+        if !matches!(code, 730 | 830) || self.machine.control.iso.reads_as_fanuc {
             return Ok(());
         }
         let name = name_of(code);
-        let message = format!("K of {name}: on a Fanuc the number of holes, here all at one place, on a Haas a depth");
+        let message = format!("K of {name}: on a Fanuc the number of holes, on a Haas a depth");
         let help = "write the number of holes with L and G91, or leave K out; where the control is a Fanuc set control.word_meaning = \"fanuc\"";
         Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'K'), message, help))
     }

@@ -99,6 +99,24 @@ impl Channel<'_> {
         Ok(())
     }
 
+    /// P of a dwell or of a cycle, s: RS274/NGC counts seconds and a Fanuc milliseconds, wherever the number comes from.
+    pub(super) fn dwell_of_p(&self, gathered: &Gathered, name: &str) -> Result<Option<f64>, Fault> {
+        let Some(value) = gathered.raw(b'P') else { return Ok(None) };
+        if self.is_rs274() {
+            return Ok(Some(value));
+        }
+        if gathered.is_pointed(b'P') {
+            let message =
+                format!("P of {name} with a decimal point: seconds on a Haas, and a Fanuc stops with an alarm");
+            let help = match name {
+                "G4" => "write milliseconds without a point, P1000, or seconds with X, X1.",
+                _ => "write milliseconds without a point, P1000",
+            };
+            return Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'P'), message, help));
+        }
+        Ok(Some(value / 1000.0))
+    }
+
     /// `G4 P` in seconds (RS274/NGC) or milliseconds, `G4 X` and `G4 U` in seconds.
     pub(super) fn dwell(&mut self, gathered: &Gathered) -> Result<(), Fault> {
         if gathered.code(Group::Action) != Some(40) {
@@ -107,13 +125,7 @@ impl Channel<'_> {
         let span = gathered.code_span(Group::Action);
         let letter = if self.is_rs274() { None } else { [b'X', b'U'].into_iter().find(|&letter| gathered.has(letter)) };
         let seconds = match (gathered.raw(b'P'), letter) {
-            (Some(value), None) if self.is_rs274() => value,
-            (Some(_), None) if gathered.is_pointed(b'P') => {
-                let message = "P of G4 with a decimal point: seconds on a Haas, and a Fanuc stops with an alarm";
-                let help = "write milliseconds without a point, P1000, or seconds with X, X1.";
-                return Err(fault(Code::TWO_MEANINGS, gathered.span_of(b'P'), message, help));
-            }
-            (Some(value), None) => value / 1000.0,
+            (Some(_), None) => self.dwell_of_p(gathered, "G4")?.unwrap_or_default(),
             (None, Some(letter)) => {
                 let value = gathered.raw(letter).unwrap_or_default();
                 // Without a point the value counts milliseconds, whatever the unit of lengths.

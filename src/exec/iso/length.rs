@@ -153,6 +153,9 @@ impl Channel<'_> {
         self.switch_tip(code, gathered, span)?;
         self.modal.length_code = code;
         self.put_length(length, assumed);
+        if !is_off {
+            self.stand_anew(span)?;
+        }
         if was_turning || self.modal.turning.is_some() {
             self.forget_moved_tip(&axes, &tool_mm);
         }

@@ -113,6 +113,16 @@ impl<'a> Interpreter<'a> {
         }
         let mut ledger = Ledger::new(source, program.blocks.len(), &options);
         found.into_iter().for_each(|found| ledger.report(found));
+        if let Some((block, number)) = program.outside() {
+            let shown = String::from_utf8_lossy(program.source.slice(number)).into_owned();
+            let message =
+                format!("blocks before the first program number {shown}: on the control they belong to no program");
+            let help = format!(
+                "put them behind {shown}, or take them out; where they are a program of their own end it with M30"
+            );
+            let place = Place { file: program.source.id(), span: block };
+            ledger.report(Diagnostic::at(Code::LOST_PROGRAM, place, message, help));
+        }
         channel.variables.add_program(&program);
         let mut entered = vec![false; program.parts.len()];
         [first, main]
@@ -202,7 +212,7 @@ impl<'a> Interpreter<'a> {
     /// The finding about a program of a Fanuc's file that nothing has called: the output is that of the first one alone.
     fn report_uncalled(&mut self) {
         let Some(program) = self.programs.first().map(|loaded| &loaded.program) else { return };
-        if self.channel.language != Language::Fanuc {
+        if self.channel.language != Language::Fanuc || program.outside().is_some() {
             return;
         }
         let is_left = |(part, entered): &(&crate::syntax::words::Part, &bool)| !**entered && !part.blocks.is_empty();

@@ -64,7 +64,7 @@ pub(super) struct Modal {
     pub(super) active: Option<u32>,
     /// H and D in force.
     pub(super) h: u32,
-    pub(super) d: u32,
+    pub(super) d: Option<u32>,
     /// Radius of compensation, mm.
     pub(super) radius_mm: f64,
     pub(super) contour: ContourModal,
@@ -110,7 +110,7 @@ impl Modal {
             selected: None,
             active: None,
             h: 0,
-            d: 0,
+            d: None,
             radius_mm: 0.0,
             contour: if is_fanuc { ContourModal::fanuc(&machine.control) } else { ContourModal::rs274() },
             turning: None,

@@ -194,7 +194,7 @@ impl Channel<'_> {
             14 if modal.system.0 > System::ADDITIONAL => 54.1,
             14 => 53.0 + f64::from(modal.system.0),
             15 => f64::from(modal.path_control.0) / 10.0,
-            107 => f64::from(modal.d),
+            107 => f64::from(modal.d.unwrap_or(0)),
             109 => modal.feed / if modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { modal.scale() },
             111 => f64::from(modal.h),
             119 => modal.speed?,

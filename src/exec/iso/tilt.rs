@@ -6,11 +6,11 @@
 use super::channel::Channel;
 use super::codes::{Group, name_of};
 use super::gathered::Gathered;
-use super::motion::{Step, unknown_start};
+use super::motion::Step;
 use super::tilted::{Part, Plane, by_euler, by_roll_pitch_yaw};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
-use crate::exec::tilted_plane::{tilting_axis, turned_frame, workpiece_normal};
+use crate::exec::tilted_plane::{tilting_axis, turned_frame, unknown_places, workpiece_normal};
 use crate::geometry::{Axis, AxisSet, AxisVector, Matrix, Vector};
 use crate::machine::Kinematics;
 use crate::snc::Manner;
@@ -98,10 +98,11 @@ impl Channel<'_> {
             return Ok(());
         }
         let unstated = |axis: &Axis| self.machine.axis(*axis).is_some() && !self.modal.known.contains(*axis);
-        let unknown = AxisSet::XYZ.iter().chain(kinematics.rotary_axes()).find(unstated);
-        if let Some(axis) = unknown.filter(|_| self.strict) {
+        let unknown: AxisSet = AxisSet::XYZ.iter().chain(kinematics.rotary_axes()).filter(unstated).collect();
+        if self.strict && !unknown.is_empty() {
             // The plane comes into force all the same, so that what follows is not refused for its lack.
-            self.outlet.warnings.push(unknown_start(span, axis));
+            self.outlet.warnings.push(unknown_places(span, unknown, "G90 G53 G0"));
+            self.modal.known = self.modal.known.union(unknown);
         }
         let below = self.modal.below_transforms();
         let tool_mm = self.setup.tool_mm;
@@ -126,6 +127,24 @@ impl Channel<'_> {
         self.refresh_setup();
         self.turn(&kinematics, &turned, span)?;
         let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
+            .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
+        self.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
+        self.refresh_setup();
+        Ok(())
+    }
+
+    /// The tool length has changed while the tool stands across the plane. It acts along the tool, which is along the Z of the plane: the tip
+    /// of the new length goes to the same points of the plane, and the rotary axes stay (B-63944EN, tilted working plane command: G43 comes
+    /// behind G53.1).
+    pub(super) fn stand_anew(&mut self, span: Span) -> Result<(), Fault> {
+        let tool_mm = self.setup.tool_mm;
+        let Some(tilt) = self.modal.transforms.tilt().copied() else { return Ok(()) };
+        if self.modal.transforms.stand().is_none_or(|stand| stand.tool_mm == tool_mm) {
+            return Ok(());
+        }
+        let kinematics = Kinematics::new(self.machine);
+        let below = self.modal.below_transforms();
+        let total = turned_frame(&kinematics, &below, &tilt, &self.modal.command, &tool_mm)
             .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
         self.modal.transforms.stand_on_tilt(below.inverse().compose(&total), below, tool_mm);
         self.refresh_setup();

@@ -36,6 +36,11 @@ impl Channel<'_> {
             let help = "program G40 with a motion in the plane before it";
             return Err(fault(Code::BAD_COMPENSATION, span, message, help));
         }
+        if turning.is_some() && !self.modal.transforms.is_empty() {
+            let message = "tool center point control (G43.4) within a rotation, scaling, mirror or tilted plane";
+            let help = "end them with G69, G50 and G50.1 before G43.4";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, help));
+        }
         if turning.is_some() {
             let kinematics = self.outlet.kinematics.get_or_insert_with(|| Box::new(Kinematics::new(self.machine)));
             let rotary = kinematics.rotary_axes().count();
