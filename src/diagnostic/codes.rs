@@ -212,10 +212,11 @@ Program the pole in the plane in force, and write AC(…) or IC(…) under G91."
 
     NO_SYSTEM_VALUE = "E0219" "system variable without a value"
 "The program reads a system variable whose value only the machine knows: machine data, an input, a measured position, the tool in the
-spindle. Where it decides what moves, it has to be known before. Give it in the machine file, with the name and indices that the
-message shows:
+spindle, an R parameter or a common variable that an earlier program has left. Where it decides what moves, it has to be known before. Give it in
+the machine file, with the name and indices that the message shows:
 
   [system]
+  \"$R[5]\" = 12.5
   \"$MN_INT_INCR_PER_MM\" = 1000
   \"$A_IN[1]\" = true";
     OWN_COMPENSATION = "E0220" "the program changes the machine's own compensation"
@@ -241,8 +242,12 @@ a Fanuc, G74 and G75 of a Sinumerik under TRAORI. The operator's manuals forbid 
 state first. Some makers allow the codes within a rotation: control.codes_within_rotation = \"allowed\".";
     TWO_MEANINGS = "E0228" "word that controls read in two ways"
 "Controls that look alike read this word in different ways, and both readings make sense here: P10. of G4 is ten seconds on a Haas and no
-dwell that a Fanuc takes, M98 P30200 calls program 30200 once or program 200 three times, K of G73 is a depth or a number of holes. The
-program does not guess: the message says which setting decides, or how to write it clearly.";
+dwell that a Fanuc takes, M98 P30200 calls program 30200 once or program 200 three times, K of G73 is a depth or a number of holes, M99 P70
+in a subprogram leads to N70 of the caller or of the subprogram. The program does not guess: the message says which setting decides, or how to write it clearly.";
+    LOST_PROGRAM = "E0229" "blocks that would be lost"
+"A file may hold several programs, and one of them is corrected. With --in-place the others would be gone from the file: give -o another file, or put each
+program into a file of its own. The same holds for blocks that move before the first program number (O1234) of a Fanuc: on the control they belong to no
+program, and neither they nor the program behind them is what is meant.";
     CORNER_DOES_NOT_FIT = "E0231" "rounding or chamfer does not fit"
 "RND, RNDM, CHF or CHR ask for a transition that is larger than the contour elements beside it. A control would make it smaller by a
 rule of its own. Program a value that fits, or longer elements.
@@ -268,7 +273,8 @@ way of its own (Sinumerik MD24530, MD24540; control.pole_limit_deg, default 2 de
 Move around the pole, end a block at it, or program ORIAXES: rotary axes then move in proportion.";
     CORNER_OVER_UNKNOWN = "E0242" "rounding or chamfer across what is not known"
 "Between the two contour elements of a rounding or chamfer (RND, RNDM, CHF, CHR; ,R and ,C) stands something whose effect on the motion is not known here: the call
-of a program that the control runs by itself, a stop of the look-ahead (STOPRE), a message, words that are passed on. Whether and where a control makes the
+of a program that the control runs by itself, a stop (M0, M1, STOPRE, a read of $AA_ or $AC_ variables), a tool change, another zero offset, frame, tool length or plane, a
+message, words that are passed on. Whether and where a control makes the
 transition then is its own business. Put it before the first element or behind the second one, or take the transition out.
 
   N70 Y200 RND=10

@@ -33,7 +33,7 @@ pub(super) enum Meeting {
 /// Whether two points are one on a grid of so many increments in a millimeter.
 pub(super) fn meeting(a: [f64; 2], b: [f64; 2], per_mm: f64) -> Meeting {
     let apart = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
-    if apart < NOISE_MM {
+    if is_one_place(a, b) {
         Meeting::Same
     } else if apart > (1.0 - 1e-6) / per_mm {
         Meeting::Apart
@@ -42,6 +42,11 @@ pub(super) fn meeting(a: [f64; 2], b: [f64; 2], per_mm: f64) -> Meeting {
     } else {
         Meeting::Unsure
     }
+}
+
+/// Whether two points of the working plane are one whatever the grid.
+pub(super) fn is_one_place(a: [f64; 2], b: [f64; 2]) -> bool {
+    (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) < NOISE_MM
 }
 
 /// Whether an arc of LinuxCNC about a center ends where it starts: it works in doubles and has no grid.

@@ -109,6 +109,9 @@ impl Channel<'_> {
                 continue;
             }
             contour.activation += 1;
+            if self.modal.tool.selected.is_none() && self.strict {
+                return Err(no_tool(number, span));
+            }
             if self.modal.tool.assumed && self.strict {
                 let message = "the radius of the tool has no value in the machine file";
                 return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry there"));
@@ -119,6 +122,9 @@ impl Channel<'_> {
             if self.modal.contour.compensates() {
                 let message = format!("G{number} while the radius is compensated");
                 return Err(fault(Code::NOT_SUPPORTED, span, message, "end the compensation with G40 first"));
+            }
+            if self.modal.tool.selected.is_none() && self.strict {
+                return Err(no_tool(number, span));
             }
             self.modal.contour.reach = reach;
         }
@@ -132,6 +138,12 @@ impl Channel<'_> {
         }
         Ok(())
     }
+}
+
+/// Compensation by the radius of a tool that only the control knows.
+fn no_tool(code: u16, span: Span) -> Fault {
+    let message = format!("G{code} and no T: the radius is that of the tool of an earlier program");
+    fault(Code::BAD_COMPENSATION, span, message, "program T and M6 before it")
 }
 
 /// Number and edge of a T word: the hundredths of `T5.01` are a further edge.

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::address::Named;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::{Modal, MotionKind};
-use super::motion::{MotionContext, unknown_start};
+use super::motion::MotionContext;
 use super::polar;
 use crate::diagnostic::Code;
 use crate::exec::arc::{RadiusFault, behind_frame, center_of_radius};
@@ -166,7 +166,7 @@ pub(super) fn arc(
     if context.strict {
         let plane: AxisSet = [abscissa, ordinate].into_iter().collect();
         if let Some(axis) = plane.difference(modal.known).iter().next() {
-            return Err(unknown_start(context.span, axis));
+            return Err(modal.unknown_start(context.span, axis));
         }
     }
     let clockwise = modal.motion == MotionKind::Clockwise;

@@ -18,7 +18,8 @@ pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Bl
         let span = word.span;
         match word.address {
             Address::Extended(b'R', index) => {
-                let list = assigned(loaded, channel, word)?;
+                let list = assigned(loaded, channel, word);
+                let list = list.map_err(|found| found.leaves_unset(format!("R{index}")))?;
                 channel.variables.set_parameters(i64::from(index), list, span)?;
             }
             Address::Name(name) if channel.variables.has(name, loaded.program.names.text(name)) => {

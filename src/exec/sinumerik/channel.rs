@@ -55,7 +55,7 @@ impl<'a> Channel<'a> {
         let mut channel = Channel {
             machine,
             modal: Modal::new(options.start, machine),
-            variables: Variables::new(machine),
+            variables: Variables::new(machine, options.strict),
             system: System::new(options.strict, machine),
             outlet: Outlet::new(machine, options.tells_compensation),
             splines: Splines::default(),
@@ -135,6 +135,7 @@ impl<'a> Channel<'a> {
             return Ok(());
         }
         self.tool(gathered)?;
+        self.check_edge(gathered, span);
         if let Some(at) = gathered.dwell {
             self.dwell(gathered, at)?;
             self.comment(comment);
@@ -236,7 +237,10 @@ impl<'a> Channel<'a> {
             && plane != self.modal.plane
         {
             self.modal.plane = plane;
+            let known = self.modal.known;
             self.refresh_setup();
+            let lost = known.difference(self.modal.known);
+            self.modal.moved_by_plane = self.modal.moved_by_plane.union(lost);
         }
         Ok(())
     }
@@ -317,6 +321,7 @@ impl<'a> Channel<'a> {
         for axis in LINEAR_AXES.into_iter().take(3) {
             if setup.tool_mm[axis.slot()] != self.setup.tool_mm[axis.slot()] {
                 self.modal.known.remove(axis);
+                self.modal.moved_by_plane.remove(axis);
             }
         }
         let (old, new) = (&self.setup.frame, &setup.frame);

@@ -7,12 +7,12 @@ use super::gathered::{Gathered, NamedValue};
 use super::modal::MotionKind;
 use crate::diagnostic::Code;
 use crate::exec::contour::{
-    Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish,
+    Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish, unstated,
 };
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::Path;
-use crate::geometry::AxisSet;
 use crate::snc::Element;
+use crate::source::Span;
 use crate::syntax::sinumerik::DimensionFunction;
 use crate::units::MM_PER_INCH;
 
@@ -118,6 +118,15 @@ impl Channel<'_> {
             self.soft = Some(self.soft_words(gathered, form, retracts)?);
         }
         Ok(())
+    }
+
+    /// The radius of G41 and G42 is that of a cutting edge that the program has named.
+    pub(super) fn check_edge(&mut self, gathered: &Gathered, span: Span) {
+        let code = gathered.contour.iter().find(|word| matches!(**word, "G41" | "G42"));
+        let Some(code) = code.filter(|_| self.strict && !self.modal.edge_stated) else { return };
+        let message = format!("{code} and no D: the radius is that of the tool of an earlier program");
+        let help = "program T, M6 where the machine needs it, and D before it";
+        self.outlet.warnings.push(fault(Code::BAD_COMPENSATION, span, message, help));
     }
 
     fn feed_scale(&self) -> f64 {
@@ -265,16 +274,8 @@ impl Channel<'_> {
                 "program the feed with G94 or G95",
             ));
         }
-        let needs_start = wish.corner.is_some() || wish.soft.is_some() || wish.modal.approach != Approach::Norm;
-        let known = if needs_start { path.start_known.intersection(path.motion.known) } else { path.motion.known };
-        let axes: AxisSet = self.modal.plane.axes().into_iter().take(2).collect();
-        if let Some(axis) = axes.difference(known).iter().next().filter(|_| self.strict) {
-            self.outlet.warnings.push(fault(
-                Code::UNKNOWN_START,
-                wish.span,
-                format!("the way of the tool center depends on {axis}, and the program has not stated where that is"),
-                "begin with an absolute position of this axis, or give --start",
-            ));
+        if self.strict {
+            self.outlet.warnings.extend(unstated(path, wish, self.modal.plane));
         }
     }
 

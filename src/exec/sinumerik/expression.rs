@@ -83,7 +83,23 @@ impl Scope<'_> {
 
     /// The value as a whole number.
     pub(super) fn whole(&self, id: ExprId) -> Result<i64, Fault> {
-        self.value(id)?.whole().ok_or_else(|| self.type_fault(id))
+        let value = self.value(id)?;
+        value.whole().ok_or_else(|| self.no_int(&[(&value, id)], id))
+    }
+
+    /// The first of these values that is no INT, in words; where it is no number at all its type is wrong.
+    fn no_int(&self, values: &[(&Value, ExprId)], whole: ExprId) -> Fault {
+        let is_int = |value: &Value| value.whole().is_some_and(is_int);
+        let found = values.iter().find(|(value, _)| !is_int(value));
+        match found.and_then(|(value, id)| Some((value.number()?, id))) {
+            Some((number, id)) => fault(
+                Code::TYPE_MISMATCH,
+                self.program.expr(*id).span,
+                format!("a whole number (INT) is needed here, and this is {number}"),
+                "round it with ROUND or TRUNC; DIV, MOD, bit operators and indices take whole numbers, / divides REAL",
+            ),
+            None => self.type_fault(whole),
+        }
     }
 
     pub(super) fn type_fault(&self, id: ExprId) -> Fault {
@@ -158,7 +174,9 @@ impl Scope<'_> {
                 _ => None,
             },
         };
-        value.ok_or_else(|| self.type_fault(id))
+        let takes_int =
+            matches!(operator, Operator::Div | Operator::Mod | Operator::BitAnd | Operator::BitXor | Operator::BitOr);
+        value.ok_or_else(|| if takes_int { self.no_int(&[(&a, left), (&b, right)], id) } else { self.type_fault(id) })
     }
 
     fn function(&self, name: &str, arguments: &[Value], id: ExprId) -> Result<Value, Fault> {

@@ -212,6 +212,7 @@ impl<'a> Interpreter<'a> {
             }
             None => Ok(Action::Next),
         };
+        self.channel.note_looks();
         let warnings = std::mem::take(&mut self.channel.outlet.warnings);
         for warning in warnings {
             self.report(warning.in_file(file));

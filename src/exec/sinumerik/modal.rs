@@ -5,8 +5,10 @@ use super::save::Stated;
 use super::spline::End;
 use super::swivel::Swivelled;
 use super::transform::Transform;
+use crate::diagnostic::Code;
 use crate::exec::contour::ContourModal;
-use crate::geometry::{AxisSet, AxisVector, Frame, Plane, Vector};
+use crate::exec::fault::{Fault, fault};
+use crate::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
 use crate::machine::Machine;
 use crate::snc::{FeedUnit, Setup, ThreadCode, WordValue};
 use crate::source::Span;
@@ -121,6 +123,8 @@ pub(super) struct Modal {
     /// In the spindle.
     pub(super) active: Option<WordValue>,
     pub(super) edge: u32,
+    /// Whether the program has said which, by D or a tool change.
+    pub(super) edge_stated: bool,
     /// Lengths L1, L2, L3 in force, mm.
     pub(super) length_mm: [f64; 3],
     /// Radius in force, mm.
@@ -137,6 +141,8 @@ pub(super) struct Modal {
     pub(super) transform: Transform,
     /// Axes whose position the program has stated, in the frame in force.
     pub(super) known: AxisSet,
+    /// Axes that are unknown because another plane has taken the tool length to or from them.
+    pub(super) moved_by_plane: AxisSet,
     /// Axes whose last programmed value belongs to a frame that was turned, scaled or mirrored otherwise.
     pub(super) stale: AxisSet,
 }
@@ -169,6 +175,7 @@ impl Modal {
             selected: None,
             active: None,
             edge: 0,
+            edge_stated: false,
             length_mm: [0.0; 3],
             radius_mm: 0.0,
             contour: ContourModal::default(),
@@ -177,6 +184,7 @@ impl Modal {
             stale: AxisSet::EMPTY,
             spline_ends: [End::Natural; 2],
             transform: Transform::default(),
+            moved_by_plane: AxisSet::EMPTY,
             known: if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY },
         }
     }
@@ -227,6 +235,7 @@ impl Modal {
         self.selected.clone_from(&left.selected);
         self.active.clone_from(&left.active);
         self.edge = left.edge;
+        self.edge_stated = left.edge_stated;
         self.length_mm = left.length_mm;
         self.radius_mm = left.radius_mm;
         self.tool_assumed = left.tool_assumed;
@@ -253,7 +262,23 @@ impl Modal {
             lost = axes.union(AxisSet::XYZ);
         }
         self.known = self.known.difference(lost);
+        self.moved_by_plane = self.moved_by_plane.difference(lost);
         self.tangent = None;
         lost
+    }
+
+    /// The finding about an axis whose place the program has not stated.
+    pub(super) fn unknown_start(&self, span: Span, axis: Axis) -> Fault {
+        if !self.moved_by_plane.contains(axis) {
+            return super::motion::unknown_start(span, axis);
+        }
+        let message = format!(
+            "the program has not stated where {axis} is since G{} was selected, which moves the tool length to another axis",
+            self.plane.number()
+        );
+        let help = format!(
+            "set control.tool_length_plane = 17 in the machine file where the length stays along Z in every plane (SD42940), else state {axis} behind the change of the plane"
+        );
+        fault(Code::UNKNOWN_START, span, message, help)
     }
 }

@@ -7,7 +7,7 @@ use super::modal::{Modal, MotionKind};
 use super::{arc, polar, polynomial, positioning, rotary, spatial, thread};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
-use crate::exec::grid::Meeting;
+use crate::exec::grid::{Meeting, on_grid};
 use crate::exec::path::{Path, Shape};
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
 use crate::machine::{Control, Machine};
@@ -135,9 +135,12 @@ fn target(
         };
         let unit = if axis.is_rotary() { 1_f64.to_radians() } else { modal.scale() };
         let value = gathered.axes[axis] * unit;
+        // The control rounds what it reads, and increments add up what it has rounded.
+        let per_mm = context.control.increments_per_mm.filter(|_| !axis.is_rotary());
+        let value = per_mm.map_or(value, |per_mm| on_grid(value, per_mm));
         let span = gathered.axis_spans[axis.slot()];
         if incremental && context.strict && !modal.known.contains(axis) {
-            return Err(unknown_start(span, axis));
+            return Err(modal.unknown_start(span, axis));
         }
         let is_stale = modal.stale.contains(axis) && !suppressed;
         let traverses = context.control.incremental_traverses_frame_change;

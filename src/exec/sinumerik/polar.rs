@@ -5,7 +5,7 @@ use super::channel::Channel;
 use super::frames::shares_its_block;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::Modal;
-use super::motion::{MotionContext, unknown_start};
+use super::motion::MotionContext;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::geometry::{AxisSet, Plane};
@@ -141,7 +141,7 @@ impl Channel<'_> {
             PoleBase::Position => {
                 let unknown = [abscissa, ordinate].into_iter().find(|&axis| !modal.known.contains(axis));
                 if let Some(axis) = unknown.filter(|_| self.strict) {
-                    return Err(unknown_start(span, axis));
+                    return Err(modal.unknown_start(span, axis));
                 }
                 let here = modal.setup().programmed(&modal.command);
                 [here[abscissa], here[ordinate]]

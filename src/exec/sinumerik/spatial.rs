@@ -3,7 +3,7 @@
 use super::address::Named;
 use super::gathered::{Gathered, NamedValue};
 use super::modal::{Modal, MotionKind};
-use super::motion::{MotionContext, unknown_start};
+use super::motion::MotionContext;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, fault};
 use crate::exec::path::Shape;
@@ -35,7 +35,7 @@ pub(super) fn circle(
     if context.strict
         && let Some(axis) = AxisSet::XYZ.difference(modal.known).iter().next()
     {
-        return Err(unknown_start(context.span, axis));
+        return Err(modal.unknown_start(context.span, axis));
     }
     let (from, to) = (context.setup.programmed(start), context.setup.programmed(target));
     let chord = to.xyz() - from.xyz();

@@ -12,7 +12,7 @@ use super::value::Value;
 use super::{Interpreter, scope_of};
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, fault};
-use crate::exec::tilted_plane::{tilting_axis, turned_frame, workpiece_normal};
+use crate::exec::tilted_plane::{tilting_axis, turned_frame, unknown_places, workpiece_normal};
 use crate::geometry::{AXES, Axis, AxisSet, AxisVector, Frame, Matrix, ROTARY_AXES, RotationOrder, Vector, about};
 use crate::machine::Kinematics;
 use crate::snc::{FrameKind, FrameStatement, FrameWords, Way};
@@ -148,9 +148,12 @@ impl Channel<'_> {
                     "_DIR 0 on a machine that swivels: what turns the axes is not known".to_owned(),
                 ));
             }
-            let unknown = AxisSet::XYZ.iter().chain(kinematics.rotary_axes()).find(|&axis| !self.is_stated(axis));
-            if let Some(axis) = unknown.filter(|_| self.strict) {
-                return Err(super::motion::unknown_start(span, axis));
+            let all = AxisSet::XYZ.iter().chain(kinematics.rotary_axes());
+            let unknown: AxisSet = all.filter(|&axis| !self.is_stated(axis)).collect();
+            if self.strict && !unknown.is_empty() {
+                // The plane comes into force all the same, so that one cause is not found again in every block behind it.
+                self.outlet.warnings.push(unknown_places(span, unknown, "SUPA G0"));
+                self.modal.known = self.modal.known.union(unknown);
             }
             let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
             let turned = self.choose(&kinematics, &normal, request)?;

@@ -29,10 +29,12 @@ impl Channel<'_> {
         }
         if changed.is_some() || gathered.tool_change {
             self.modal.edge = self.machine.control.edge_after_tool_change;
+            self.modal.edge_stated = true;
             self.modal.forget_position();
         }
         if let Some((edge, span)) = gathered.edge {
             self.modal.edge = edge;
+            self.modal.edge_stated = true;
             changed = Some(span);
             let value = WordValue::Number(f64::from(edge));
             gathered.before.insert(0, Word { letter: b'D', extension: None, value });

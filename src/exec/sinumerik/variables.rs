@@ -66,6 +66,10 @@ impl Locals {
 /// All variables that a block can see.
 pub(super) struct Variables {
     parameters: Vec<f64>,
+    /// Which of them the machine file, saved data or the program have set: the others have what an earlier program left in them.
+    stated: Vec<bool>,
+    /// Whether those must not be read.
+    strict: bool,
     locals: Locals,
     globals: HashMap<String, Cells>,
     global_elements: usize,
@@ -75,21 +79,27 @@ pub(super) struct Variables {
 
 impl Variables {
     /// Global variables and R parameters have the values that the machine gives.
-    pub(super) fn new(machine: &Machine) -> Self {
+    pub(super) fn new(machine: &Machine, strict: bool) -> Self {
         let presets = &machine.gud;
-        let mut parameters = vec![0.0; PARAMETERS];
-        for (&index, &value) in &machine.parameters {
-            if let Some(place) = slot(index).and_then(|slot| parameters.get_mut(slot)) {
-                *place = value;
-            }
-        }
         let mut variables = Variables {
-            parameters,
+            parameters: vec![0.0; PARAMETERS],
+            stated: vec![false; PARAMETERS],
+            strict,
             locals: Locals::default(),
             globals: HashMap::new(),
             global_elements: 0,
             presets: presets.clone(),
         };
+        // One that is no R parameter of this control concerns nobody.
+        for (&index, &value) in &machine.parameters {
+            let _ = variables.set_parameter(index, value, Span::default());
+        }
+        for (key, setting) in &machine.system {
+            let index = key.strip_prefix("$R[").and_then(|rest| rest.strip_suffix(']')?.parse().ok());
+            if let (Some(index), Some(value)) = (index, system::value_of(setting).and_then(|value| value.number())) {
+                let _ = variables.set_parameter(index, value, Span::default());
+            }
+        }
         for (name, setting) in presets {
             let (kind, dimensions) = kind_of(setting);
             let shape = Shape { kind, string: None, dimensions: &dimensions };
@@ -99,9 +109,10 @@ impl Variables {
         variables
     }
 
-    /// R parameters that are not 0.
+    /// R parameters that were set.
     pub(super) fn parameters_in_use(&self) -> impl Iterator<Item = (i64, f64)> + '_ {
-        (0..).zip(self.parameters.iter().copied()).filter(|(_, value)| *value != 0.0)
+        let set = self.parameters.iter().copied().zip(self.stated.iter().copied());
+        (0..).zip(set).filter(|(_, (_, is_stated))| *is_stated).map(|(index, (value, _))| (index, value))
     }
 
     /// Puts the variables of another level in place and gives back those that were there.
@@ -128,8 +139,15 @@ impl Variables {
         Some(self.locals.given >> place & 1 == 1)
     }
 
-    /// An R parameter.
+    /// An R parameter. One that nothing has set keeps what an earlier program has made of it.
     pub(super) fn parameter(&self, index: i64, span: Span) -> Result<f64, Fault> {
+        if self.strict && slot(index).and_then(|slot| self.stated.get(slot)) == Some(&false) {
+            let message = format!("R{index} keeps its value from program to program, and this program has not set it");
+            let help = format!(
+                "set it in the program, add \"$R[{index}]\" = … to [system] of the machine file, or give --setup the R parameters that the control has saved"
+            );
+            return Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(format!("R{index}")));
+        }
         slot(index).and_then(|slot| self.parameters.get(slot)).copied().ok_or_else(|| bad_parameter(index, span))
     }
 
@@ -138,6 +156,9 @@ impl Variables {
         let place =
             slot(index).and_then(|slot| self.parameters.get_mut(slot)).ok_or_else(|| bad_parameter(index, span))?;
         *place = value;
+        if let Some(is_stated) = slot(index).and_then(|slot| self.stated.get_mut(slot)) {
+            *is_stated = true;
+        }
         Ok(())
     }
 
