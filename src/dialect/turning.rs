@@ -64,6 +64,8 @@ struct Search<'a> {
     has_m6: bool,
     has_plane: bool,
     has_own_feed: bool,
+    /// G95: a mill drills and bores with it too.
+    has_turn_feed: bool,
     /// Where a block was G92 with X and Z, and nothing else yet.
     set_place: Option<(usize, u32)>,
 }
@@ -84,6 +86,7 @@ impl<'a> Search<'a> {
             has_m6: false,
             has_plane: false,
             has_own_feed: false,
+            has_turn_feed: false,
             set_place: None,
         }
     }
@@ -117,7 +120,8 @@ impl<'a> Search<'a> {
         self.has_length |= code(430) && block.has(b'H');
         self.has_m6 |= block.has_m(6.0);
         self.has_plane |= code(180) || code(190);
-        self.has_own_feed |= code(930) || code(950) || code(840) || code(740) && block.has(b'R');
+        self.has_turn_feed |= code(950);
+        self.has_own_feed |= code(930) || code(840) || code(740) && block.has(b'R');
         let is_drilling = block.codes().any(|code| (810..=890).contains(&code) || matches!(code, 730 | 740 | 760));
         self.has_cycle |= is_drilling && block.has_any(b"ZR");
         self.words(block, place);
@@ -223,8 +227,8 @@ impl<'a> Search<'a> {
     /// What only the whole program tells.
     fn whole(mut self) -> Vec<Mark> {
         let is_flat = !self.has_y && self.has_depth;
-        let (has_m6, has_cycle, has_own_feed, is_fanuc) =
-            (self.has_m6, self.has_cycle, self.has_own_feed, self.is_fanuc);
+        let (has_m6, has_cycle, has_own_feed, has_turn_feed, is_fanuc) =
+            (self.has_m6, self.has_cycle, self.has_own_feed, self.has_turn_feed, self.is_fanuc);
         let several = self.tools.is_some_and(|(_, others)| others);
         self.marks.retain_mut(|mark| match mark.what {
             "T with station and offset" => {
@@ -233,7 +237,10 @@ impl<'a> Search<'a> {
             }
             MODAL_THREAD => is_flat,
             "G99 without a canned cycle" => !has_cycle,
-            "a feed of one turn" => is_flat && !has_own_feed,
+            "a feed of one turn" => {
+                mark.weight = if has_turn_feed { 3 } else { 4 };
+                is_flat && !has_own_feed
+            }
             _ => true,
         });
         if is_flat

@@ -237,10 +237,9 @@ impl<'a> Channel<'a> {
             && plane != self.modal.plane
         {
             self.modal.plane = plane;
-            let known = self.modal.known;
+            let stated = self.modal.known.union(self.modal.moved_by_plane);
             self.refresh_setup();
-            let lost = known.difference(self.modal.known);
-            self.modal.moved_by_plane = self.modal.moved_by_plane.union(lost);
+            self.modal.moved_by_plane = stated.difference(self.modal.known);
         }
         Ok(())
     }
