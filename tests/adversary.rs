@@ -5,7 +5,7 @@
 
 use std::time::Duration;
 
-use ncfix::feed::{Ended, Journal, PROFILES, PROTOCOLS, Patience, Profile, Sender, read_journal};
+use ncfix::feed::{Bound, Ended, Journal, PROFILES, PROTOCOLS, Patience, Profile, Sender, read_journal};
 use ncfix::source::{FileId, Source};
 
 use super::controls::liar::{Liar, Lies};
@@ -23,6 +23,12 @@ fn scripts() -> u64 {
 fn profile(name: &str) -> Profile {
     let (_, text) = PROFILES.iter().find(|(known, _)| *known == name).unwrap();
     Profile::read(&Source::new(FileId(0), name, text.as_bytes().to_vec()).unwrap()).unwrap()
+}
+
+/// The same where its user has stated how many blocks the planner holds: what was taken before as many counts as carried out, if it was taken.
+fn bounded(profile: &Profile, is_bounded: bool) -> Profile {
+    let bound = Bound { at_most: 15, source: "the planner of the double".to_owned() };
+    Profile { depth: is_bounded.then_some(bound), ..profile.clone() }
 }
 
 /// What a script was about, and how it ended.
@@ -230,6 +236,7 @@ fn grbl_that_lies() {
         let is_blind = !tells_sizes && lies.most_surplus > 2 && lies.doubled + lies.echoed + lies.forged > 0.0;
         lies.swallowed = is_silent.then_some(b"Grbl");
         let locks = random.unit() < 0.5;
+        let profile = bounded(&profile, random.unit() < 0.5);
         let told = run(&profile, (seed, &mut random), lies, (true, 0.0), |busy_s| {
             let mut control = Grbl::new(&faults, busy_s);
             if !tells_sizes {
@@ -321,6 +328,7 @@ fn marlin_that_lies() {
         }
         lies.swallowed = is_silent.then_some(b"start");
         let (says_ok, numbers_ok) = (random.unit() < 0.5, random.unit() < 0.4);
+        let profile = bounded(&profile, random.unit() < 0.5);
         let told = run(&profile, (seed, &mut random), lies, (true, 0.0), |busy_s| {
             let mut control = Marlin::new(&faults, busy_s);
             (control.says_ok, control.numbers_ok) = (says_ok, numbers_ok);

@@ -235,7 +235,7 @@ fn every_row_with_words_and_a_group_is_told_with_them_or_not_at_all() {
                 assert_eq!(told_in(language, &[&block]).tool.as_deref(), Some("T3"));
                 continue;
             }
-            let told = found.iter().find(|line| line.split(' ').next() == Some(first));
+            let told = found.iter().find(|line| line.split(' ').any(|word| word == first));
             let told = told.unwrap_or_else(|| panic!("{language}: {block} is not told again: {found:?}"));
             // A speed of the spindle is told with the spindle.
             let is_told = |word: &String| {
