@@ -11,8 +11,8 @@ use crate::source::Source;
 
 use super::condition::file::PLAUSIBLE_C;
 use super::zero_offset::{check_name, read_zero_offsets};
-use super::{ActiveTables, AxisData, Control, Lever, Machine, Spindle, Tool, ToolChange, Topology};
-use super::{active, opaque, orientation, servo, setting, strain};
+use super::{ActiveTables, AxisData, Control, Lever, Machine, Spindle, ToolChange, Topology};
+use super::{active, opaque, orientation, servo, setting, strain, tool};
 
 pub use super::document::Document as MachineFile;
 pub use super::section::{Section, nearest};
@@ -57,7 +57,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
     let known = head.topology.as_ref().map(|(topology, _)| topology.axis_set());
     let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
     let zero_offsets = read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
-    let tools = read_tools(&mut root, &mut findings);
+    let tools = tool::read(&mut root, &mut findings);
     let sensor_references_c = read_sensors(root.section("sensor"), &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);
@@ -92,6 +92,7 @@ pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
         control,
         zero_offsets,
         tools,
+        radius_wear_mm: BTreeMap::new(),
         base_frames: BTreeMap::new(),
         parameters: BTreeMap::new(),
         system,
@@ -132,7 +133,7 @@ pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
     let mut findings = Vec::new();
     let mut root = file.root();
     let zero_offsets = read_zero_offsets(&mut root, machine.topology.axis_set(), &machine.controller, &mut findings);
-    let tools = read_tools(&mut root, &mut findings);
+    let tools = tool::read(&mut root, &mut findings);
     let system = setting::read(root.section("system"), true, &mut findings);
     let gud = setting::read(root.section("gud"), false, &mut findings);
     root.finish(&mut findings);
@@ -372,26 +373,6 @@ fn read_control(section: Option<Section<'_>>, controller: &str, findings: &mut V
     control
 }
 
-fn read_tools(root: &mut Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<Tool> {
-    let mut tools: Vec<Tool> = Vec::new();
-    for mut section in root.sections("tool") {
-        let number = section.required("number", "1", Section::integer);
-        let name = section.text("name").map(str::to_owned);
-        let edge = section.integer("edge").unwrap_or(1);
-        let length_mm = section.required("length_mm", "120.0", Section::number_or_three);
-        let radius_mm = section.number_where("radius_mm", "a number that is not negative", |radius| radius >= 0.0);
-        if let (Some(number), Some(length_mm)) = (number, length_mm) {
-            if tools.iter().any(|tool| (tool.number, tool.edge) == (number, edge)) {
-                let message = format!("tool {number} with edge {edge} stands in the file twice");
-                let help = "give the second one another number or edge, or remove it";
-                section.report(Code::BAD_VALUE, section.place_of("number"), message, help);
-            }
-            tools.push(Tool { number, name, edge, length_mm, radius_mm: radius_mm.unwrap_or(0.0) });
-        }
-        section.finish(findings);
-    }
-    tools
-}
 /// The plane of 17, 18 or 19.
 fn plane_of(number: f64) -> Option<Plane> {
     [Plane::XY, Plane::ZX, Plane::YZ].into_iter().find(|plane| f64::from(plane.number()) == number)

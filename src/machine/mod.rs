@@ -26,6 +26,7 @@ mod servo;
 mod setting;
 mod state;
 mod strain;
+mod tool;
 mod travel;
 mod zero_offset;
 
@@ -44,6 +45,7 @@ pub use servo::{AxisServo, Servo};
 pub use setting::Setting;
 pub use state::State;
 pub use strain::StrainGauge;
+pub use tool::Tool;
 
 use std::collections::BTreeMap;
 
@@ -72,6 +74,8 @@ pub struct Machine {
     pub zero_offsets: BTreeMap<String, FrameParts>,
     /// Tools by number and edge.
     pub tools: Vec<Tool>,
+    /// Wear in the radii of tools, by number and edge, where the control tells it apart, mm.
+    pub radius_wear_mm: BTreeMap<(u32, u32), f64>,
     /// Base frames that are active when a program starts: those of the control from number 0 on, those of the channel from 16 on.
     pub base_frames: BTreeMap<i64, FrameParts>,
     /// R parameters that are not 0 when a program starts.
@@ -270,21 +274,6 @@ pub enum ToolChange {
     T,
 }
 
-/// A cutting edge of a tool.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tool {
-    /// T number.
-    pub number: u32,
-    /// T name, where it has one.
-    pub name: Option<String>,
-    /// D number.
-    pub edge: u32,
-    /// Lengths L1, L2, L3 (in G17 along Z, Y, X), wear and base included, mm.
-    pub length_mm: [f64; 3],
-    /// Radius, mm.
-    pub radius_mm: f64,
-}
-
 impl Default for Control {
     fn default() -> Self {
         Control {
@@ -365,22 +354,6 @@ impl Machine {
     #[must_use]
     pub fn axis(&self, axis: Axis) -> Option<&AxisData> {
         self.axes[axis.slot()].as_ref()
-    }
-
-    /// The edge of a tool.
-    #[must_use]
-    pub fn tool(&self, number: u32, edge: u32) -> Option<&Tool> {
-        self.tools.iter().find(|tool| tool.number == number && tool.edge == edge)
-    }
-
-    /// Adds tools; those of the same number and edge are replaced.
-    pub fn set_tools(&mut self, tools: impl IntoIterator<Item = Tool>) {
-        for tool in tools {
-            match self.tools.iter_mut().find(|old| (old.number, old.edge) == (tool.number, tool.edge)) {
-                Some(old) => *old = tool,
-                None => self.tools.push(tool),
-            }
-        }
     }
 
     /// The tool vector as the rotary axes of the tool side turn it at an axis command, along F's directions, mm.
