@@ -24,7 +24,9 @@ mod verify;
 mod work;
 
 pub(super) use calibrate::CalibrateArguments;
-pub(super) use correction::{ArcChoice, CorrectionChoice, FiveAxisChoice, FrameChoice, RapidChoice, RotaryChoice};
+pub(super) use correction::{
+    ArcChoice, CompensationChoice, CorrectionChoice, FiveAxisChoice, FrameChoice, RapidChoice, RotaryChoice,
+};
 pub(super) use decompose::DecomposeArguments;
 pub(super) use diagnose::DiagnoseArguments;
 pub(super) use diff::DiffArguments;
@@ -255,6 +257,12 @@ pub(super) struct FixArguments {
     #[command(flatten)]
     /// How it is corrected.
     pub(super) correction: CorrectionChoice,
+    /// Radius compensation
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) compensation: CompensationChoice,
+    /// With --compensation wear: the wear, to both sides, that the control must be able to follow, with its unit
+    #[arg(long, value_name = "LENGTH", default_value = "0.2mm", value_parser = value::positive_length_mm)]
+    pub(super) largest_wear: f64,
     /// Lower feeds where the axes would leave the tool further off its path than this, with its unit, as the servo loops of the machine file predict it (docs/servo.md)
     #[arg(long, value_name = "LENGTH", value_parser = value::positive_length_mm)]
     pub(super) feed_limit: Option<f64>,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::panic::resume_unwind;
 use std::time::Instant;
 
-use super::arguments::{DiffArguments, FixArguments};
+use super::arguments::{CompensationChoice, DiffArguments, FixArguments};
 use super::diff;
 use super::exit_code::ExitCode;
 use super::findings::Findings;
@@ -17,11 +17,11 @@ use super::state;
 use super::stop::Stop;
 use super::together::Together;
 use super::writing::Writing;
-use super::{feed_limit, pages, print, tell};
+use super::{feed_limit, pages, print, tell, wear};
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::Language;
 use crate::emit::{self, NumberSet};
-use crate::exec::RapidOrder;
+use crate::exec::{Options, Radius};
 use crate::geometry::{AXES, Axis};
 use crate::path::{self, Prediction};
 use crate::report::correction::Correction;
@@ -118,6 +118,12 @@ impl<'a> Job<'a> {
         if arguments.feed_limit.is_some() && feed_limit::servo(&chosen.machine, findings).is_none() {
             return Ok(());
         }
+        if let Some(found) =
+            wear::refusal(&arguments.correction).filter(|_| arguments.compensation == CompensationChoice::Wear)
+        {
+            findings.add(found, &[]);
+            return Ok(());
+        }
         if let Some(increment_mm) = arguments.correction.increment {
             chosen.machine.control.increment_mm = increment_mm;
         }
@@ -134,7 +140,10 @@ impl<'a> Job<'a> {
         let Some(opened) = opened.filter(|_| !findings.has_errors()) else { return Ok(()) };
         program::keep_unit(&self.source, opened.dialect, false, &mut chosen.machine);
         let mut spool = Spool::new(self.target.clone())?;
-        self.write((opened, hash), &chosen, (&mut spool, threads), findings, report)?;
+        let has_wear = self.write((opened, hash), &chosen, (&mut spool, threads), findings, report)?;
+        if has_wear && !findings.has_errors() {
+            wear::try_both(&self.text(&mut spool)?, arguments, &chosen, findings)?;
+        }
         if findings.has_errors() {
             // Numbers of an output that does not exist would be taken for its numbers.
             *report = Correction { machine: std::mem::take(&mut report.machine), ..Correction::default() };
@@ -186,6 +195,12 @@ impl<'a> Job<'a> {
         }
     }
 
+    /// The text that was written.
+    fn text(&self, spool: &mut Spool) -> Result<Source, Stop> {
+        Source::new(self.source.id(), &self.target_name, spool.text()?)
+            .map_err(|_| Stop::Usage(format!("{} is too long to be read again", self.target_name)))
+    }
+
     /// Executes both programs as they were read and will be written, and gives the page about what was changed.
     fn review(
         &self,
@@ -203,9 +218,7 @@ impl<'a> Job<'a> {
         }
         let original = kept.unwrap_or_else(|| arguments.input.clone());
         let corrected = arguments.output.clone().unwrap_or_else(|| arguments.input.clone());
-        let text = Source::new(self.source.id(), &self.target_name, spool.text()?)
-            .map_err(|_| Stop::Usage(format!("{} is too long for a review", self.target_name)))?;
-        let sources = [self.source.clone(), text];
+        let sources = [self.source.clone(), self.text(spool)?];
         let comparison = DiffArguments::of_fix(arguments, original, corrected);
         let allowed_um = um_from_mm(arguments.correction.max_correction);
         let limit = |trace: &Trace| {
@@ -225,7 +238,8 @@ impl<'a> Job<'a> {
         Ok(Some(text))
     }
 
-    /// Executes, corrects and writes. Behind the first error nothing more is written, but all findings are gathered.
+    /// Executes, corrects and writes. Behind the first error nothing more is written, but all findings are gathered. Whether the control
+    /// compensates radii by wear.
     fn write(
         &self,
         (opened, hash): (Opened, String),
@@ -233,17 +247,23 @@ impl<'a> Job<'a> {
         (spool, threads): (&mut Spool, usize),
         findings: &mut Findings,
         report: &mut Correction,
-    ) -> Result<(), Stop> {
+    ) -> Result<bool, Stop> {
         let arguments = self.arguments;
         let machine = &chosen.machine;
         let model = chosen.model();
         let start = arguments.program.start;
         let (correction, bytes) = (&arguments.correction, (self.source.bytes(), hash));
         let limits_feed = arguments.feed_limit.is_some();
-        let writing = Writing::new(correction, start, opened.dialect.name, chosen, bytes, limits_feed)?;
+        let keeps_wear = arguments.compensation == CompensationChoice::Wear;
+        let mut writing = Writing::new(correction, start, opened.dialect.name, chosen, bytes, limits_feed)?;
+        if keeps_wear {
+            writing.keep_wear();
+        }
         let mut writer = writing.writer()?;
         writer.keep_free(numbers_of(&opened.program));
-        let mut running = Running::start(opened, &arguments.input, &arguments.program, machine, true, RapidOrder::All);
+        let radius = if keeps_wear { Radius::Beside(0.0) } else { Radius::Whole };
+        let options = Options { strict: true, tells_compensation: true, radius, keeps_wear, ..Options::default() };
+        let mut running = Running::start_as(opened, &arguments.input, &arguments.program, machine, options);
         let feed_limit = arguments.feed_limit.zip(machine.servo.as_ref());
         let lanes = Lanes { machine, model: &model, options: &writing.options, feed_limit };
         let passed = lanes.pass(&mut running, writer.as_mut(), spool.writer(), threads);
@@ -251,6 +271,7 @@ impl<'a> Job<'a> {
         if let Some((limit, limited)) = arguments.feed_limit.zip(passed.limited) {
             report.feed_limit = Some(feed_limit::report(limit, &limited));
         }
+        let has_wear = passed.found.iter().any(|found| found.code == Code::WEAR_ALONE);
         findings.extend(passed.found, running.sources());
         if !running.moves() && !findings.has_errors() {
             findings.add(program::without_motion(&self.source, Code::NO_MOTION), running.sources());
@@ -269,7 +290,7 @@ impl<'a> Job<'a> {
         }
         let left = path::remaining(machine, &chosen.errors, &chosen.condition, &passed.poses);
         report.remaining = left.iter().map(remaining).collect();
-        Ok(())
+        Ok(has_wear)
     }
 }
 

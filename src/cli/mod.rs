@@ -78,6 +78,7 @@ mod value;
 mod verify;
 mod voice;
 mod watch;
+mod wear;
 mod writing;
 
 pub use exit_code::ExitCode;

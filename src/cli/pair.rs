@@ -13,10 +13,10 @@ use super::machine_choice::{self, Chosen};
 use super::program::{self, Running};
 use super::relay::{Filler, Taker, relay};
 use super::stop::Stop;
-use super::{differences, stamp_check, state};
+use super::{differences, stamp_check, state, wear};
 use crate::diagnostic::Diagnostic;
 use crate::emit;
-use crate::exec::RapidOrder;
+use crate::exec::{Options, Radius, RapidOrder};
 use crate::geometry::{Axis, AxisVector};
 use crate::machine::Kinematics;
 use crate::path::{self, Difference, Feeds, Follow, Grouping};
@@ -91,10 +91,14 @@ impl<'p> Pair<'p> {
         findings: &mut Findings,
         see: &mut dyn FnMut(Follow<'_>),
     ) -> Option<Outcome> {
+        let is_wear_alone = wear::is_alone(&sources[1]);
         let start = |opened: program::Opened, path: &'p Path| {
             let is_stamped = emit::is_stamped(opened.source.bytes());
             let rapid_order = if is_stamped { RapidOrder::None } else { RapidOrder::Stated };
-            Running::start(opened, path, self.program, &chosen.machine, false, rapid_order)
+            // Where the control has the wear, the original has none.
+            let radius = if is_wear_alone && !is_stamped { Radius::Beside(0.0) } else { Radius::Whole };
+            let options = Options { rapid_order, radius, ..Options::default() };
+            Running::start_as(opened, path, self.program, &chosen.machine, options)
         };
         let promise = stamp_check::promise(sources, chosen, self.promised, findings);
         let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());

@@ -15,9 +15,10 @@ use super::progress::Progress;
 use super::recognition;
 use super::stop::Stop;
 use super::voice;
+use super::wear;
 use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::dialect::{self, Dialect, Language};
-use crate::exec::{Execution, Library, NoLibrary, Options, RapidOrder};
+use crate::exec::{Execution, Library, NoLibrary, Options, Radius, RapidOrder};
 use crate::machine::Machine;
 use crate::machine::file::nearest;
 use crate::snc::{Element, Kind};
@@ -236,15 +237,27 @@ impl<'a> Running<'a> {
         is_strict: bool,
         rapid_order: RapidOrder,
     ) -> Running<'a> {
+        // In a correction the control loses radius compensation.
+        let options = Options { strict: is_strict, tells_compensation: is_strict, rapid_order, ..Options::default() };
+        Running::start_as(opened, path, choice, machine, options)
+    }
+
+    /// The same as options say. A program that leaves wear to the control is read with the radius that its registers have: none.
+    pub(super) fn start_as(
+        opened: Opened,
+        path: &Path,
+        choice: &ProgramChoice,
+        machine: &'a Machine,
+        options: Options,
+    ) -> Running<'a> {
         let (library, loaded) = library_of((!is_standard_stream(path)).then_some(path), &machine.control.search_path);
+        let is_wear_alone = wear::is_alone(&opened.source) && options.radius == Radius::Whole;
         let options = Options {
             skip_levels: choice.skip.unwrap_or_default(),
             max_blocks: choice.max_blocks,
             start: choice.start,
-            strict: is_strict,
-            // In a correction the control loses it.
-            tells_compensation: is_strict,
-            rapid_order,
+            radius: if is_wear_alone { Radius::Alone(0.0) } else { options.radius },
+            ..options
         };
         let length = opened.source.bytes().len();
         let execution = Execution::new(opened.program, machine, library, options);

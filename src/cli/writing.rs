@@ -66,6 +66,11 @@ impl Writing {
         Ok(Writing { options, dialect, entry, writer })
     }
 
+    /// The stamp says that the control has the wear of tools.
+    pub(super) fn keep_wear(&mut self) {
+        self.writer.stamp.promise.keeps_wear = true;
+    }
+
     /// A writer at the beginning of the program.
     ///
     /// # Errors

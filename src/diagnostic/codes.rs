@@ -262,6 +262,12 @@ stand between two contour elements. The radius may change in a straight block th
 "With G41 or G42 the tool cannot follow the contour here: an inner arc is narrower than the tool, or an element is so short that the ways
 of the tool center before and behind it do not meet, even if up to control.compensation_look_ahead elements (Sinumerik MD20240) are left
 out. With CDON also: the tool would cut into another element than the one it follows. Use a smaller tool, or change the contour.";
+    NO_WEAR = "E0234" "wear cannot be left to the control here"
+"With --compensation wear the control compensates the way of the tool center by the wear alone. What would go wrong with that is refused: a change of side, radius or register while
+compensation is on; an end of the program with it on; G43 and G44 of Grundig; G41.1 and G42.1, whose diameter stands in the program; --frame machine and --five-axis axes,
+where G41 is not allowed; --rapids all and a --step below 10 mm, which cut the motion to the contour into pieces; and a written program that the control could not follow, or not in full, with a wear of plus or minus --largest-wear: inner arcs of the
+way of the tool center that are smaller, elements that are shorter, such as the few micrometers that a correction or a backlash adds across the way. Change the program as the
+message says, give a smaller --largest-wear, or correct it without the option: then wear goes into the machine file.";
     NO_ORIENTATION = "E0240" "tool direction out of reach"
 "Under TRAORI the rotary axes cannot turn the tool to the programmed direction, or not within their travel: a table that tilts to one
 side only, an axis at its limit. Check the direction (A3, B3, C3 run from the tip to the spindle) and axis.….travel_deg.";
@@ -535,6 +541,12 @@ corrected by a few thousandths of a degree, which may decide for the other way. 
 does not look at its own radius any more: another radius, and wear that is entered at the control, have no effect on this program. After a change
 of radius or wear put the new value into the machine file or a set-up file ([[tool]] radius_mm, wear included; --setup takes the tool table of the
 control) and correct the program again. The lengths of tools and their wear are not concerned.";
+    WEAR_ALONE = "W0237" "radius compensation at the control is for wear alone"
+"The program was corrected with --compensation wear: it has the way of the tool center, for the radius that the machine file gives the tool, and G41 or G42 on top of it, so that
+wear which is entered at the control keeps its effect. The control must therefore have the radius 0 for these tools, plus the wear: where it still has the radius
+of the tool, it moves the tool away by it a second time, outside too far from the part, inside into the wall or onto an alarm. Set the radius in the
+register (D number) to 0 before this program runs and enter wear alone; put it back before any other program uses that register, or give this program a register
+of its own. The machine file needs the real radius. See docs/output.md.";
     MOVES_NOTHING = "W0238" "no axis is moved"
 "The program was understood and executed, and no axis has moved: a correction of it would be refused (E0223). For a file of definitions or of subprograms that is as it should be.
 Else its blocks may stand behind the end of the program (M30), in a subprogram that nothing calls, behind skip blocks, or the file is cut off.";

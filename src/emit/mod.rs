@@ -90,6 +90,12 @@ pub fn writer(dialect: &str, options: &WriterOptions) -> Option<Box<dyn Writer>>
     (entry(dialect)?.create)(options)
 }
 
+/// Whether words begin or end radius compensation at the control. They act on the motion behind them.
+fn is_compensation(text: &[u8]) -> bool {
+    let first = text.split(|&byte| byte == b' ').next().unwrap_or_default();
+    [b"G40", b"G41", b"G42"].iter().any(|word| *word == first)
+}
+
 /// Bytes after which the buffer is handed on.
 const CHUNK: usize = 64 * 1024;
 

@@ -38,6 +38,7 @@ fn promise_text(promise: &Promise) -> String {
         ("rapids", promise.leaves_rapids),
         ("limited", promise.limits_feed),
         ("axes", promise.in_axes),
+        ("wear", promise.keeps_wear),
     ];
     let made: Vec<&str> = ways.into_iter().filter(|(_, is_so)| *is_so).map(|(name, _)| name).collect();
     if !made.is_empty() {
@@ -64,6 +65,7 @@ fn promise_of(line: &str) -> Option<Promise> {
         leaves_rapids: has("rapids"),
         limits_feed: has("limited"),
         in_axes: has("axes"),
+        keeps_wear: has("wear"),
     })
 }
 
@@ -86,8 +88,9 @@ impl Stamp {
         let version = env!("CARGO_PKG_VERSION");
         let (model, source, promise) = (self.model_and_state(), &self.source, promise_text(&self.promise));
         let warning = if self.is_demo { " DEMO MACHINE: not for a real machine" } else { "" };
+        let wear = if self.promise.keeps_wear { ", tool radius at the control: 0 plus wear" } else { "" };
         with_check(&format!(
-            "{MARK}{version} machine=\"{machine}\" model={model} source={source} {promise} {EPHEMERAL}: {ONLY}{warning}"
+            "{MARK}{version} machine=\"{machine}\" model={model} source={source} {promise} {EPHEMERAL}: {ONLY}{wear}{warning}"
         ))
     }
 
@@ -98,8 +101,9 @@ impl Stamp {
         let version = env!("CARGO_PKG_VERSION");
         let (model, source, promise) = (self.model_and_state(), &self.source, promise_text(&self.promise));
         let warning = if self.is_demo { " - DEMO MACHINE NOT FOR A REAL MACHINE" } else { "" };
+        let wear = if self.promise.keeps_wear { " - TOOL RADIUS AT THE CONTROL = 0 PLUS WEAR" } else { "" };
         with_check(&format!(
-            "{MARK}{version} machine={machine} model={model} source={source} {promise} {EPHEMERAL} - {ONLY}{warning}"
+            "{MARK}{version} machine={machine} model={model} source={source} {promise} {EPHEMERAL} - {ONLY}{wear}{warning}"
         ))
         .to_ascii_uppercase()
     }

@@ -17,6 +17,7 @@ mod ledger;
 mod library;
 mod outlet;
 mod path;
+mod radius;
 mod resolve;
 mod rollover;
 mod sagitta;
@@ -24,6 +25,7 @@ mod sinumerik;
 mod tilted_plane;
 
 pub use library::{Library, NoLibrary};
+pub use radius::Radius;
 
 use std::collections::VecDeque;
 
@@ -59,6 +61,10 @@ pub struct Options {
     pub strict: bool,
     /// Say at the end where radius compensation has become the way of the tool center (`W0236`).
     pub tells_compensation: bool,
+    /// Which radius G41 and G42 work with.
+    pub radius: Radius,
+    /// Leave the control the words that begin and end radius compensation, for wear alone (`W0237`).
+    pub keeps_wear: bool,
     /// Which rapid moves are taken apart, where the control orders its axes.
     pub rapid_order: RapidOrder,
 }

@@ -5,6 +5,7 @@
 
 use std::collections::VecDeque;
 
+use super::Options;
 use super::contour::{Contour, Item, Moving, Wish};
 use super::fault::{Fault, fault};
 use super::path::{Path, Shape};
@@ -16,6 +17,9 @@ use crate::source::FileId;
 
 /// Blocks that begin radius compensation and are named at the end of a correction, at most.
 const MOST_NOTED: usize = 20;
+
+/// Registers of tools that are named there, at most.
+const MOST_REGISTERS: usize = 1000;
 
 /// Where an executor puts what its blocks do.
 pub(super) struct Outlet<'a> {
@@ -35,24 +39,30 @@ pub(super) struct Outlet<'a> {
     /// Blocks in which radius compensation began, and whether it is on.
     compensated: Vec<Origin>,
     compensates: bool,
+    /// Registers of the control whose radius these have.
+    registers: Vec<String>,
+    /// The control has the wear, and the words that begin and end compensation.
+    pub(super) keeps_wear: bool,
     tells_compensation: bool,
 }
 
 impl<'a> Outlet<'a> {
-    pub(super) fn new(machine: &'a Machine, tells_compensation: bool) -> Outlet<'a> {
+    pub(super) fn new(machine: &'a Machine, options: &Options) -> Outlet<'a> {
         Outlet {
             machine,
             kinematics: None,
             queue: VecDeque::with_capacity(16),
             warnings: Vec::new(),
             origin: Origin::default(),
-            contour: Contour::new(&machine.control),
+            contour: Contour::new(&machine.control, options.keeps_wear),
             released: Vec::new(),
             number: None,
             starts_block: false,
             compensated: Vec::new(),
             compensates: false,
-            tells_compensation,
+            registers: Vec::new(),
+            keeps_wear: options.keeps_wear,
+            tells_compensation: options.tells_compensation,
         }
     }
 
@@ -135,13 +145,13 @@ impl<'a> Outlet<'a> {
     /// Puts a motion into the stream through the contour stage. The kind of the element is a placeholder.
     pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Wish) {
         self.note_compensation(&element, &wish);
-        self.through_contour(Item::Path(Box::new(Moving { path, element, wish })));
+        self.through_contour(Item::Path(Box::new(Moving::new(path, element, wish))));
     }
 
     /// Holds a motion back until [`Self::close`] says where it ends.
     pub(super) fn open(&mut self, path: Path, element: Element, wish: Wish) {
         self.note_compensation(&element, &wish);
-        self.contour.open(Box::new(Moving { path, element, wish }));
+        self.contour.open(Box::new(Moving::new(path, element, wish)));
     }
 
     /// The end of the motion of [`Self::open`], or that it has none.
@@ -168,13 +178,33 @@ impl<'a> Outlet<'a> {
         let tells = self.tells_compensation && is_written;
         let Some(first) = self.compensated.first().filter(|_| tells) else { return };
         let lines: Vec<String> = self.compensated.iter().map(|origin| origin.line.to_string()).collect();
-        let message = format!(
-            "radius compensation becomes the way of the tool center (line{} {}): another radius and wear that are entered at the control have no effect any more",
-            if lines.len() == 1 { "" } else { "s" },
-            lines.join(", ")
-        );
-        let help = "after a change put radius and wear into [[tool]] of the machine file, or give --setup the tool table, and correct the program again";
-        self.warnings.push(fault(Code::WEAR_WITHOUT_EFFECT, first.span, message, help).of_file(first.file));
+        let lines = format!("line{} {}", if lines.len() == 1 { "" } else { "s" }, lines.join(", "));
+        let (code, message, help) = if self.keeps_wear {
+            let message = format!(
+                "radius compensation at the control is for wear alone ({lines}): the radius of {} must be 0 there, plus wear",
+                self.registers.join(", ")
+            );
+            let help = "a control that has the radius of the tool there moves the tool away by it a second time; where it has the lengths of the tool too, they stay";
+            (Code::WEAR_ALONE, message, help)
+        } else {
+            let message = format!(
+                "radius compensation becomes the way of the tool center ({lines}): another radius and wear that are entered at the control have no effect any more"
+            );
+            let help = "after a change put radius and wear into [[tool]] of the machine file, or give --setup the tool table, and correct the program again; or correct it with ncfix fix --compensation wear";
+            (Code::WEAR_WITHOUT_EFFECT, message, help)
+        };
+        self.warnings.push(fault(code, first.span, message, help).of_file(first.file));
+    }
+
+    /// Before a motion that begins radius compensation: where the control has the radius.
+    pub(super) fn name_register(&mut self, wish: &Wish, name: impl FnOnce() -> String) {
+        if !self.keeps_wear || !wish.compensates() || self.compensates {
+            return;
+        }
+        let name = name();
+        if self.registers.len() < MOST_REGISTERS && !self.registers.contains(&name) {
+            self.registers.push(name);
+        }
     }
 
     /// Ends what is held back.
@@ -200,14 +230,44 @@ impl<'a> Outlet<'a> {
         self.release(released);
     }
 
+    /// Resolves a motion; where it begins or ends compensation at the control, with the words for that.
+    fn moved(&mut self, moving: Box<Moving>) {
+        let Some(words) = moving.switch_words() else {
+            self.resolve(&moving.path, moving.element);
+            return;
+        };
+        let (before, mut switching, behind) = moving.parted();
+        let is_further = before.is_some();
+        if let Some(before) = before {
+            self.resolve(&before.path, before.element);
+        }
+        let element = &mut switching.element;
+        let kind = Kind::Verbatim(words.into_bytes());
+        self.queue.push_back(Element { kind, ..element.clone() });
+        (element.starts_block, element.number) = (false, None);
+        if is_further {
+            self.queue.push_back(Element { kind: further_line(), ..element.clone() });
+        }
+        self.resolve(&switching.path, switching.element);
+        if let Some(behind) = behind {
+            self.queue.push_back(Element { kind: further_line(), starts_block: true, ..behind.element.clone() });
+            self.resolve(&behind.path, behind.element);
+        }
+    }
+
     fn release(&mut self, mut released: Vec<Item>) {
         for item in released.drain(..) {
             match item {
                 Item::Element(element) => self.queue.push_back(element),
-                Item::Path(moving) => self.resolve(&moving.path, moving.element),
+                Item::Path(moving) => self.moved(moving),
             }
         }
         self.released = released;
         self.warnings.append(&mut self.contour.findings);
     }
+}
+
+/// The comment of lines that carry on with the motion of the line before, as the output has it.
+fn further_line() -> Kind {
+    Kind::Comment(b";+".to_vec())
 }

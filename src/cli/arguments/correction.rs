@@ -49,6 +49,16 @@ pub(in crate::cli) enum FiveAxisChoice {
     Axes,
 }
 
+/// Radius compensation in the output of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum CompensationChoice {
+    /// The way of the tool center: radius and wear at the control have no effect
+    #[default]
+    Center,
+    /// The way of the tool center with G41 and G42 for wear: the control must have the radius 0 plus wear
+    Wear,
+}
+
 /// Rotary axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum RotaryChoice {

@@ -10,13 +10,13 @@ use std::collections::HashSet;
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{AXIS_COUNT, Axis};
 use crate::path::{Centers, Feeds, Output, OutputFrame, Piece, Turns};
-use crate::snc::{BlockNumber, FeedUnit, Origin};
+use crate::snc::{BlockNumber, FeedUnit, Kind, Origin};
 
 use super::block_number::BlockNumbers;
 use super::line::Line;
 use super::number::{AxisNumbers, push_value, to_digits};
 use super::stops::{StopWords, Stops};
-use super::{Writer, WriterEntry, WriterOptions};
+use super::{Writer, WriterEntry, WriterOptions, is_compensation};
 
 /// What the output takes for granted: absolute coordinates. Written before the first motion where the program does not say it.
 const ASSUMED: &str = "G90";
@@ -93,8 +93,9 @@ impl Writer for Sinumerik {
                 self.piece(piece);
             }
             Output::Element(element) => {
-                if element.starts_block {
-                    self.begin(true, (&element.origin, element.number), out);
+                let switches = matches!(&element.kind, Kind::Verbatim(text) if is_compensation(text));
+                if element.starts_block || switches && self.line.has_motion {
+                    self.begin(element.starts_block, (&element.origin, element.number), out);
                 }
                 self.element(element, out);
             }

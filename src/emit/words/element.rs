@@ -1,6 +1,7 @@
 //! Words without motion: modal codes, offsets, tools, auxiliary functions, dwells, comments.
 
 use super::super::comment::in_parentheses;
+use super::super::is_compensation;
 use super::super::number::push_value;
 use super::{Language, Words};
 use crate::diagnostic::Diagnostic;
@@ -111,7 +112,15 @@ impl Words {
             Kind::Verbatim(text) => {
                 let first = text.split(|&byte| byte == b' ').next().unwrap_or_default();
                 self.stops.note(std::str::from_utf8(first).unwrap_or_default());
+                let is_alone = self.flavour.language == Language::Grundig && is_compensation(text);
+                // A block of its own, as the postprocessors of these controls write it.
+                if is_alone && self.line.has_words() {
+                    self.line.end(out);
+                }
                 self.line.word(text);
+                if is_alone {
+                    self.line.end(out);
+                }
                 self.has_p = self.flavour.language == Language::Rs274 && text.windows(2).any(|pair| pair == b" P");
                 // It may have selected another motion or feed.
                 self.motion = "";

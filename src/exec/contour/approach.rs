@@ -7,6 +7,7 @@ use super::corner::{NO_WAY_MM, first_of};
 use super::curve::{Curve, Flat, SAME_MM, add, angle_between, cross, distance, dot, left, scaled, sub, unit};
 use super::link::{Link, Role};
 use super::moving::{Item, Moving, own_of};
+use super::switch::Switch;
 use super::wish::Approach;
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
@@ -141,6 +142,9 @@ impl Active {
         let line = Curve::Line { start: self.basis.flat(&self.position), end: target };
         let mut last = moving.along(&line, self.basis, self.position);
         last.path.motion.target = moving.path.motion.target;
+        if limits.keeps_wear {
+            last.switch = Switch::Off;
+        }
         out.push(Item::Path(Box::new(last)));
     }
 

@@ -25,7 +25,7 @@ impl Bench {
     }
 
     pub(super) fn run(&self, text: &str) -> (Vec<String>, Vec<String>) {
-        let mut stage = Contour::new(&self.control);
+        let mut stage = Contour::new(&self.control, false);
         let mut modal = self.modal;
         let mut place = position(self.start);
         let (mut motion, mut feed) = (1, 0.0);
@@ -101,7 +101,7 @@ impl Bench {
             };
             let wish = Wish::of(modal, self.radius_mm, path.span, FileId(0));
             place = target;
-            let moving = Moving { path, element: element(Kind::Empty), wish };
+            let moving = Moving::new(path, element(Kind::Empty), wish);
             if modal.is_plain() && !stage.is_holding() {
                 out.push(Item::Path(Box::new(moving)));
             } else {

@@ -10,6 +10,7 @@ use super::guard::Guard;
 use super::link::{Link, Role, release_items};
 use super::moving::{Item, Moving, blocks_between, own_of};
 use super::rules::Rules;
+use super::switch::Switch;
 use super::tracking::Tracking;
 use super::unknown;
 use super::wish::Approach;
@@ -37,15 +38,18 @@ pub(super) struct Limits {
     pub(super) flat_rad: f64,
     pub(super) blocks_between: usize,
     pub(super) look_ahead: usize,
+    /// Whether the control compensates the way of the tool center again, by wear.
+    pub(super) keeps_wear: bool,
 }
 
 impl Limits {
-    pub(super) fn new(control: &Control) -> Limits {
+    pub(super) fn new(control: &Control, keeps_wear: bool) -> Limits {
         Limits {
             corner_rad: control.compensation_corner_rad,
             flat_rad: control.compensation_flat_rad,
             blocks_between: control.compensation_blocks_between as usize,
             look_ahead: control.compensation_look_ahead as usize,
+            keeps_wear,
         }
     }
 
@@ -85,8 +89,8 @@ pub(super) struct Active {
 }
 
 impl Compensation {
-    pub(super) fn new(control: &Control) -> Compensation {
-        Compensation { limits: Limits::new(control), active: None, tracking: None, reached: None }
+    pub(super) fn new(control: &Control, keeps_wear: bool) -> Compensation {
+        Compensation { limits: Limits::new(control, keeps_wear), active: None, tracking: None, reached: None }
     }
 
     /// Whether what comes must wait, or begins elsewhere than it says.
@@ -95,7 +99,7 @@ impl Compensation {
     }
 
     /// Whether the tool is beside the contour.
-    fn is_on(&self) -> bool {
+    pub(super) fn is_on(&self) -> bool {
         self.active.is_some() || self.tracking.is_some()
     }
 
@@ -106,6 +110,7 @@ impl Compensation {
         {
             findings.extend(unknown::under_compensation(element));
         }
+        let item = if self.limits.keeps_wear { self.told(item, findings) } else { item };
         let Some(item) = self.track(item, out, findings) else { return };
         let Some(item) = self.reach(item, out, findings) else { return };
         let moving = match item {
@@ -149,7 +154,7 @@ impl Compensation {
         }
     }
 
-    fn begin(&mut self, moving: Box<Moving>, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
+    fn begin(&mut self, mut moving: Box<Moving>, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
         if moving.wish.soft.is_some_and(|soft| soft.retracts) {
             findings.push(soft_alone(&moving));
         }
@@ -177,6 +182,9 @@ impl Compensation {
         if moving.wish.modal.approach == Approach::Polynomial {
             findings.push(polynomial(&moving));
         }
+        if self.limits.keeps_wear {
+            moving.switch = Switch::On;
+        }
         self.active = Some(Box::new(Active {
             basis: moving.path.basis,
             position: moving.path.start,
@@ -193,6 +201,7 @@ impl Compensation {
     /// Compensation by the rules of RS274/NGC has ended and nothing leads back to the contour: gives what is held, and where the tool
     /// center is if it is beside the contour.
     pub(super) fn settle(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) -> Option<AxisVector> {
+        self.no_wear_at_end(findings);
         let mut tracking = self.tracking.take()?;
         tracking.finish(out, findings);
         Some(tracking.position)
@@ -200,6 +209,7 @@ impl Compensation {
 
     /// Gives everything that is held: the program has ended, or waits here.
     pub(super) fn finish(&mut self, out: &mut Vec<Item>, findings: &mut Vec<Fault>) {
+        self.no_wear_at_end(findings);
         if let Some(tracking) = &mut self.tracking {
             tracking.finish(out, findings);
         }

@@ -25,6 +25,7 @@ mod rules;
 mod soft;
 #[cfg(test)]
 mod stage_tests;
+mod switch;
 mod tracking;
 mod transition;
 mod unknown;
@@ -33,6 +34,7 @@ mod wish;
 pub(super) use angle::crossing;
 pub(super) use moving::{Item, Moving};
 pub(super) use rules::Reach;
+pub(super) use switch::Shown;
 pub(super) use unknown::unstated;
 pub(super) use wish::{
     Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish,
@@ -58,11 +60,12 @@ pub(super) struct Contour {
 }
 
 impl Contour {
-    pub(super) fn new(control: &Control) -> Contour {
+    /// With `keeps_wear` motions that begin and end compensation are marked for the control.
+    pub(super) fn new(control: &Control, keeps_wear: bool) -> Contour {
         Contour {
             open: None,
             transitions: Transitions::default(),
-            compensation: Compensation::new(control),
+            compensation: Compensation::new(control, keeps_wear),
             between: Vec::new(),
             findings: Vec::new(),
         }

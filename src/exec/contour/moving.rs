@@ -1,6 +1,7 @@
 //! A motion in the stage: its curve in plane coordinates, and what becomes of it when the curve changes.
 
 use super::curve::{Curve, Flat, SAME_MM, distance};
+use super::switch::Switch;
 use super::wish::Wish;
 use crate::diagnostic::Code;
 use crate::exec::fault::{Fault, fault};
@@ -15,6 +16,8 @@ pub(in crate::exec) struct Moving {
     pub(in crate::exec) path: Path,
     pub(in crate::exec) element: Element,
     pub(in crate::exec) wish: Wish,
+    /// What it tells the control.
+    pub(in crate::exec) switch: Switch,
 }
 
 /// What waits in the stage, and what leaves it.
@@ -32,6 +35,11 @@ const RAPID_CHORD_MM: f64 = 1e-3;
 const SAME_PLANE: f64 = 1e-9;
 
 impl Moving {
+    /// A motion as its block has it.
+    pub(in crate::exec) fn new(path: Path, element: Element, wish: Wish) -> Moving {
+        Moving { path, element, wish, switch: Switch::None }
+    }
+
     /// Whether it moves in the working plane.
     pub(super) fn is_plane_motion(&self) -> bool {
         match self.path.shape {
@@ -103,6 +111,7 @@ impl Moving {
         out.element.starts_block = false;
         out.element.number = None;
         out.path.motion.feed_named = false;
+        out.switch = Switch::None;
         out
     }
 

@@ -10,6 +10,7 @@ use super::compensation::Compensation;
 use super::curve::{Curve, SAME_MM, add, cross, distance, dot, left, scaled, sub, unit};
 use super::moving::{Item, Moving, same_plane};
 use super::rules::Rules;
+use super::switch::Switch;
 use super::tracking::{Held, Next, Piece, Tracking, Way, sign};
 use crate::diagnostic::Code;
 use crate::exec::fault::Fault;
@@ -53,6 +54,10 @@ impl Compensation {
                 tracking.position
             }
         };
+        let mut moving = moving;
+        if self.limits.keeps_wear {
+            moving.switch = if is_beside(&moving) { Switch::On } else { Switch::Off };
+        }
         if is_beside(&moving) {
             self.tracking = Tracking::begin(moving, place, out, findings);
         } else {

@@ -1,6 +1,7 @@
 //! What the program wants of the contour: modal codes, and what one motion asks of the stage.
 
 use super::rules::{Reach, Rules};
+use super::switch::Shown;
 use crate::source::{FileId, Span};
 
 /// G40, G41, G42.
@@ -77,6 +78,10 @@ pub(in crate::exec) struct ContourModal {
     pub(in crate::exec) reach: Reach,
     /// How often compensation has been switched on.
     pub(in crate::exec) activation: u32,
+    /// The number of the register that holds the radius, where it stands beside G41 and G42: D.
+    pub(in crate::exec) register: Option<u32>,
+    /// The plane as the output shows it.
+    pub(in crate::exec) shown: Shown,
     /// G40 I J: the direction in the plane in which the contour seems to go on behind its end.
     pub(in crate::exec) leaves_along: Option<[f64; 2]>,
 }

@@ -1,5 +1,6 @@
 //! The channel: executes the words of one block in their fixed order and puts elements into the stream.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::contour_words::Open;
@@ -7,12 +8,13 @@ use super::expression::Parameters;
 use super::gathered::Gathered;
 use super::modal::Modal;
 use super::tables::Tables;
+use super::tool::place;
 use crate::diagnostic::Code;
 use crate::dialect::CodeTable;
 use crate::exec::contour::{Corner, Soft};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::outlet::Outlet;
-use crate::exec::{Options, RapidOrder};
+use crate::exec::{Options, Radius, RapidOrder};
 use crate::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Vector};
 use crate::machine::{Machine, Tool};
 use crate::snc::{Dwell, Kind, Setup, Word, WordValue};
@@ -34,12 +36,16 @@ pub(super) struct Channel<'a> {
     pub(super) codes: &'static CodeTable,
     pub(super) tools: Vec<Tool>,
     pub(super) strict: bool,
+    /// Which radius G41 and G42 work with.
+    radius: Radius,
+    /// Wear in the radii of the tools, mm.
+    radius_wear: BTreeMap<(u32, u32), f64>,
     /// Which rapid moves are taken apart.
     rapid_order: RapidOrder,
     /// All that lies between programmed positions and axis commands.
     pub(super) setup: Arc<Setup>,
     /// The part of it that the output keeps.
-    shown: Arc<Setup>,
+    pub(super) shown: Arc<Setup>,
     shown_changed: bool,
     /// Whether the block has moved already.
     pub(super) has_moved: bool,
@@ -65,12 +71,14 @@ impl<'a> Channel<'a> {
     pub(super) fn new(machine: &'a Machine, options: &Options, codes: &'static CodeTable) -> Self {
         let mut channel = Channel {
             machine,
-            outlet: Outlet::new(machine, options.tells_compensation),
+            outlet: Outlet::new(machine, options),
             modal: Modal::new(options.start, machine),
             parameters: Parameters::new(machine),
             codes,
             tools: machine.tools.clone(),
             strict: options.strict,
+            radius: options.radius,
+            radius_wear: machine.radius_wear_mm.clone(),
             rapid_order: options.rapid_order,
             setup: Arc::default(),
             shown: Arc::default(),
@@ -339,8 +347,16 @@ impl<'a> Channel<'a> {
         shown.known_across(own.known_across(axes, false), true)
     }
 
+    /// The radius that G41 and G42 work with, mm.
+    pub(super) fn radius_mm(&self) -> f64 {
+        let tool = &self.modal.tool;
+        let wear = tool.number.and_then(|number| self.radius_wear.get(&place(number)));
+        self.radius.of(tool.whole_radius_mm(), wear.copied().unwrap_or(0.0))
+    }
+
     /// Takes tables of the control that stand beside the program.
     pub(super) fn take_tables(&mut self, tables: Tables) {
+        self.radius_wear.extend(tables.radius_wear);
         self.modal.frames.table.extend(tables.offsets);
         for tool in tables.tools {
             self.tools.retain(|known| (known.number, known.edge) != (tool.number, tool.edge));

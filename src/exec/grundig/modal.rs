@@ -37,6 +37,8 @@ pub(super) struct Point {
 pub(super) struct ActiveTool {
     /// T word that waits for M6, M66 or M67.
     pub(super) selected: Option<f64>,
+    /// T word of the tool in the spindle.
+    pub(super) number: Option<f64>,
     /// Length in force, mm.
     pub(super) length_mm: f64,
     /// Radius in force, mm.

@@ -7,7 +7,7 @@ use super::gathered::Gathered;
 use super::modal::MotionKind;
 use super::target::Target;
 use crate::diagnostic::Code;
-use crate::exec::contour::{Wish, unstated};
+use crate::exec::contour::{Shown, Wish, unstated};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::{Path, Shape};
 use crate::geometry::{Axis, AxisSet, AxisVector, PlaneBasis};
@@ -192,17 +192,23 @@ impl Channel<'_> {
 
     /// Puts a motion into the stream, through the contour stage where it must.
     fn put(&mut self, path: Path) {
-        let (contour, corner, soft) = (self.modal.contour, self.corner.take(), self.soft.take().map(|(soft, _)| soft));
+        let (mut contour, corner, soft) =
+            (self.modal.contour, self.corner.take(), self.soft.take().map(|(soft, _)| soft));
         let is_free = corner.is_none() && soft.is_none() && !self.is_open;
         if is_free && contour.is_plain() && !self.outlet.is_holding() {
             self.outlet.pass_plain(&path);
             return;
         }
-        let wish = Wish::of(contour, self.modal.tool.whole_radius_mm(), path.span, self.outlet.origin.file);
+        if self.outlet.keeps_wear && contour.compensates() {
+            contour.shown = Shown::of(&path.basis, &self.shown.frame, self.modal.plane);
+        }
+        let wish = Wish::of(contour, self.radius_mm(), path.span, self.outlet.origin.file);
         let wish = Wish { corner, soft, ..wish };
         if self.strict {
             self.outlet.warnings.extend(unstated(&path, &wish, self.modal.plane));
         }
+        let tool = self.modal.tool.number;
+        self.outlet.name_register(&wish, || tool.map_or_else(|| "the tool".to_owned(), |tool| format!("T{tool}")));
         let element = self.outlet.element(Kind::Empty);
         if self.is_open {
             self.outlet.open(path, element, wish);

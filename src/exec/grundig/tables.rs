@@ -20,6 +20,8 @@ const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
 pub(super) struct Tables {
     pub(super) offsets: Vec<(String, FrameParts)>,
     pub(super) tools: Vec<Tool>,
+    /// Wear in their radii by number and edge, mm.
+    pub(super) radius_wear: Vec<((u32, u32), f64)>,
     pub(super) parameters: Vec<(usize, f64)>,
     pub(super) points: Vec<(u32, Point)>,
     /// Lines that say nothing.
@@ -103,7 +105,12 @@ pub(super) fn read(program: &Program) -> Tables {
         for block in program.blocks.range(part.blocks.clone()) {
             let line = Line::of(program, block);
             let is_read = match part.kind {
-                PartKind::Tools => line.tool().map(|tool| tables.tools.push(tool)).is_some(),
+                PartKind::Tools => {
+                    let tool = line.tool();
+                    let wear = |tool: &Tool| ((tool.number, tool.edge), line.get(b'R', Some(4)).unwrap_or(0.0));
+                    tables.radius_wear.extend(tool.as_ref().map(wear));
+                    tool.map(|tool| tables.tools.push(tool)).is_some()
+                }
                 PartKind::ZeroOffsets => line.offset(block).map(|offset| tables.offsets.push(offset)).is_some(),
                 PartKind::Points => line.point().map(|point| tables.points.push(point)).is_some(),
                 PartKind::Parameters => {
@@ -143,6 +150,7 @@ pub(in crate::exec) fn apply(
         ));
     }
     machine.set_tools(tables.tools);
+    machine.radius_wear_mm.extend(tables.radius_wear);
     machine.zero_offsets.extend(tables.offsets);
     for (number, value) in tables.parameters {
         if let Ok(number) = i64::try_from(number) {

@@ -59,6 +59,7 @@ impl Channel<'_> {
             self.outlet.warnings.push(fault(Code::TOOL_ASSUMED, span, message, "program T before it"));
             return Ok(());
         };
+        self.modal.tool.number = Some(selected);
         let (number, edge) = place(selected);
         let data = self.tools.iter().find(|tool| tool.number == number && tool.edge == edge);
         let size = data.map(|tool: &Tool| (tool.length_mm[0], tool.radius_mm));

@@ -17,10 +17,10 @@ use super::state::SavedState;
 use super::variables::Variables;
 use crate::diagnostic::Code;
 use crate::dialect::{Dialect, Language};
-use crate::exec::Options;
 use crate::exec::contour::Corner;
 use crate::exec::fault::{Fault, fault};
 use crate::exec::outlet::Outlet;
+use crate::exec::{Options, Radius};
 use crate::geometry::{AxisSet, AxisVector, FrameParts, LINEAR_AXES, Plane, Vector};
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, Kind, Origin, Setup, Word};
@@ -52,6 +52,8 @@ pub(super) struct Channel<'a> {
     /// What the motion to come wants of the contour stage.
     pub(super) corner: Option<Corner>,
     pub(super) strict: bool,
+    /// Which radius G41 and G42 work with.
+    pub(super) radius: Radius,
     pub(super) variables: Variables,
     pub(super) loops: Loops,
     /// Calls of G66 in force, the last one the innermost.
@@ -80,7 +82,7 @@ impl<'a> Channel<'a> {
             machine,
             language,
             axes: machine.axis_set(),
-            outlet: Outlet::new(machine, options.tells_compensation),
+            outlet: Outlet::new(machine, options),
             modal: Modal::new(options.start, machine, language),
             offsets: BTreeMap::new(),
             tools: BTreeMap::new(),
@@ -92,6 +94,7 @@ impl<'a> Channel<'a> {
             after: Vec::new(),
             corner: None,
             strict: options.strict,
+            radius: options.radius,
             variables: Variables::new(language, machine),
             loops: Loops::default(),
             modal_calls: Vec::new(),

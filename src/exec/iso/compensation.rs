@@ -5,7 +5,7 @@ use super::codes::{Group, name_of};
 use super::gather::whole;
 use super::gathered::Gathered;
 use crate::diagnostic::Code;
-use crate::exec::contour::{Side, Wish, unstated};
+use crate::exec::contour::{Shown, Side, Wish, unstated};
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::Path;
 use crate::geometry::{AxisVector, Plane, PlaneBasis};
@@ -39,6 +39,7 @@ impl Channel<'_> {
                 return Err(fault(Code::BAD_COMPENSATION, span, message, help));
             };
             self.modal.radius_mm = self.radius_of(number, span)?;
+            self.modal.contour.register = Some(number);
         } else {
             if self.modal.contour.compensates() {
                 let message = "radius compensation is on already";
@@ -48,6 +49,7 @@ impl Channel<'_> {
                 let message = "radius compensation in G19";
                 return Err(fault(Code::BAD_COMPENSATION, span, message, "select G17 or G18"));
             }
+            self.modal.contour.register = None;
             self.modal.radius_mm = match code {
                 411 | 421 => match self.length(gathered, b'D')? {
                     Some(diameter) => diameter / 2.0,
@@ -72,6 +74,7 @@ impl Channel<'_> {
                         None => self.modal.active.unwrap_or(0),
                     };
                     self.modal.d = Some(number);
+                    self.modal.contour.register = Some(number);
                     self.radius_of(number, span)?
                 }
             };
@@ -111,6 +114,7 @@ impl Channel<'_> {
             self.modal.d = Some(number);
             if self.modal.contour.compensates() {
                 self.modal.radius_mm = self.radius_of(number, gathered.span_of(b'D'))?;
+                self.modal.contour.register = Some(number);
             }
         }
         Ok(())
@@ -122,7 +126,7 @@ impl Channel<'_> {
             return Ok(0.0);
         }
         if let Some(offset) = self.tool_offset(number) {
-            return Ok(offset.radius_mm + offset.radius_wear_mm);
+            return Ok(self.radius.of(offset.radius_mm + offset.radius_wear_mm, offset.radius_wear_mm));
         }
         let message = format!("offset {number} has no radius in the machine file");
         let help = "add a [[tool]] entry of this number there or in a file given with --setup";
@@ -145,17 +149,26 @@ impl Channel<'_> {
     /// Puts a motion into the stream, through the contour stage where it must.
     #[inline]
     pub(super) fn pass(&mut self, path: Path) {
-        let modal = self.modal.contour;
+        let mut modal = self.modal.contour;
         let corner = self.corner.take();
         if corner.is_none() && modal.is_plain() && !self.outlet.is_holding() {
             self.outlet.pass_plain(&path);
             return;
+        }
+        if self.outlet.keeps_wear && modal.compensates() {
+            modal.shown = Shown::of(&path.basis, &self.shown.frame, self.modal.plane);
         }
         let file = self.outlet.file();
         let wish = Wish { corner, ..Wish::of(modal, self.modal.radius_mm, path.span, file) };
         if self.strict {
             self.outlet.warnings.extend(unstated(&path, &wish, self.modal.plane));
         }
+        let (number, tool) = (modal.register, self.modal.active);
+        self.outlet.name_register(&wish, || match (number, tool) {
+            (Some(number), Some(tool)) if tool != number => format!("D{number} (T{tool})"),
+            (Some(number), _) => format!("D{number}"),
+            (None, _) => "the tool".to_owned(),
+        });
         let element = self.outlet.element(Kind::Empty);
         self.outlet.pass_path(path, element, wish);
     }

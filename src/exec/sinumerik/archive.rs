@@ -78,6 +78,7 @@ pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> 
     machine.zero_offsets.extend(frames.written_settable().map(|(number, parts)| (settable_code(number), parts)));
     machine.base_frames.extend(frames.written_bases());
     machine.set_tools(channel.system.tools.tools());
+    machine.radius_wear_mm.extend(channel.system.tools.radius_wear());
     machine.system.extend(data.system);
     machine.parameters.extend(channel.variables.parameters_in_use());
     machine.gud.extend(data.globals.into_iter().map(|(name, elements)| (name, nested(&elements))));

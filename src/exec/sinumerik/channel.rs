@@ -13,10 +13,10 @@ use super::system::System;
 use super::variables::Variables;
 use crate::diagnostic::Code;
 use crate::dialect::CodeTable;
-use crate::exec::Options;
 use crate::exec::contour::{Corner, Soft};
 use crate::exec::fault::{Fault, fault};
 use crate::exec::outlet::Outlet;
+use crate::exec::{Options, Radius};
 use crate::geometry::{Axis, AxisSet, Frame, LINEAR_AXES, Plane};
 use crate::machine::Machine;
 use crate::snc::{BlockNumber, FeedUnit, Kind, Manner, Origin, Setup, Word, WordValue};
@@ -42,6 +42,8 @@ pub(super) struct Channel<'a> {
     /// A motion whose end the next one tells.
     pub(super) open_angle: Option<OpenAngle>,
     pub(super) strict: bool,
+    /// Which radius G41 and G42 work with.
+    pub(super) radius: Radius,
     pub(super) setup: Arc<Setup>,
     setup_changed: bool,
     /// Line of the first length or feed that was programmed before any unit code.
@@ -57,7 +59,7 @@ impl<'a> Channel<'a> {
             modal: Modal::new(options.start, machine),
             variables: Variables::new(machine, options.strict),
             system: System::new(options.strict, machine),
-            outlet: Outlet::new(machine, options.tells_compensation),
+            outlet: Outlet::new(machine, options),
             splines: Splines::default(),
             corner: None,
             corner_feed: None,
@@ -66,6 +68,7 @@ impl<'a> Channel<'a> {
             codes,
             has_moved: false,
             strict: options.strict,
+            radius: options.radius,
             setup: Arc::default(),
             setup_changed: true,
             unitless: None,

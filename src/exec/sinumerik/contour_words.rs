@@ -11,7 +11,7 @@ use crate::exec::contour::{
 };
 use crate::exec::fault::{Fault, bad_value, fault};
 use crate::exec::path::Path;
-use crate::snc::Element;
+use crate::snc::{Element, WordValue};
 use crate::source::Span;
 use crate::syntax::sinumerik::DimensionFunction;
 use crate::units::MM_PER_INCH;
@@ -256,6 +256,12 @@ impl Channel<'_> {
     /// Puts a motion into the stream through the contour stage.
     pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Wish) {
         self.check_known(&path, &wish);
+        let (tool, edge) = (&self.modal.active, self.modal.edge);
+        self.outlet.name_register(&wish, || match tool {
+            Some(WordValue::Number(number)) => format!("D{edge} of T{number}"),
+            Some(WordValue::Name(name)) => format!("D{edge} of T=\"{}\"", String::from_utf8_lossy(name)),
+            None => format!("D{edge}"),
+        });
         if self.open_angle.is_some() {
             self.outlet.open(path, element, wish);
         } else {

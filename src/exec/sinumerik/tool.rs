@@ -48,7 +48,8 @@ impl Channel<'_> {
     /// Puts the length of the active tool's edge in force, and says where it is not known.
     fn activate_edge(&mut self, span: Span) -> Result<(), Fault> {
         let is_off = self.modal.edge == 0 || self.modal.active == Some(WordValue::Number(0.0));
-        let size = self.active_tool().map(|tool| (tool.length_mm, tool.radius_mm));
+        let wear_mm = || self.active_wear_mm();
+        let size = self.active_tool().map(|tool| (tool.length_mm, self.radius.of(tool.radius_mm, wear_mm())));
         (self.modal.length_mm, self.modal.radius_mm) = size.filter(|_| !is_off).unwrap_or_default();
         self.modal.tool_assumed = !is_off && size.is_none();
         self.refresh_setup();

@@ -10,6 +10,9 @@ const MAX_EDGES: usize = 10_000;
 /// Parameters of an edge: `$TC_DP1` to `$TC_DP35`.
 const PARAMETERS: usize = 36;
 
+/// `$TC_DP15`.
+const RADIUS_WEAR: usize = 15;
+
 /// An edge whose data the run has written.
 #[derive(Clone, Debug)]
 struct Edge {
@@ -25,12 +28,14 @@ pub(super) struct ToolData {
     names: Vec<(u32, String)>,
 }
 
-/// The parameters that a tool of the machine file gives; its wear and base are in its lengths.
-fn parameters_of(tool: &Tool) -> [Option<f64>; PARAMETERS] {
+/// The parameters that a tool of the machine file gives; wear and base of its lengths are in them.
+fn parameters_of(tool: &Tool, machine: &Machine) -> [Option<f64>; PARAMETERS] {
     let mut out = [None; PARAMETERS];
     let [first, second, third] = tool.length_mm;
-    let known = [(3, first), (4, second), (5, third), (6, tool.radius_mm)];
-    let zero = [12, 13, 14, 15, 21, 22, 23].map(|number| (number, 0.0));
+    let wear = machine.radius_wear_mm.get(&(tool.number, tool.edge)).copied().unwrap_or(0.0);
+    let radius = if wear == 0.0 { tool.radius_mm } else { ((tool.radius_mm - wear) * 1e9).round() / 1e9 };
+    let known = [(3, first), (4, second), (5, third), (6, radius), (RADIUS_WEAR, wear)];
+    let zero = [12, 13, 14, 21, 22, 23].map(|number| (number, 0.0));
     for (number, value) in known.into_iter().chain(zero) {
         out[number] = Some(value);
     }
@@ -87,7 +92,7 @@ impl ToolData {
     pub(super) fn parameter(&self, machine: &Machine, number: usize, tool: u32, edge: u32) -> Option<f64> {
         match self.written(tool, edge) {
             Some(known) => known.parameters.get(number).copied().flatten(),
-            None => parameters_of(machine.tool(tool, edge)?).get(number).copied().flatten(),
+            None => parameters_of(machine.tool(tool, edge)?, machine).get(number).copied().flatten(),
         }
     }
 
@@ -99,7 +104,7 @@ impl ToolData {
             None if self.edges.len() >= MAX_EDGES => return false,
             None => {
                 let known = machine.tool(tool, edge).cloned();
-                let parameters = known.as_ref().map_or([None; PARAMETERS], parameters_of);
+                let parameters = known.as_ref().map_or([None; PARAMETERS], |tool| parameters_of(tool, machine));
                 let empty = Tool { number: tool, name: None, edge, length_mm: [0.0; 3], radius_mm: 0.0 };
                 self.edges.push(Edge { tool: known.unwrap_or(empty), parameters });
                 self.edges.len() - 1
@@ -123,6 +128,12 @@ impl ToolData {
         })
     }
 
+    /// Wear in the radii of the edges that were written, mm.
+    pub(super) fn radius_wear(&self) -> impl Iterator<Item = ((u32, u32), f64)> + '_ {
+        let of = |edge: &Edge| ((edge.tool.number, edge.tool.edge), edge.parameters[RADIUS_WEAR].unwrap_or(0.0));
+        self.edges.iter().map(of)
+    }
+
     /// Sets `$TC_TP2[t]`.
     pub(super) fn set_name(&mut self, tool: u32, name: String) {
         self.names.retain(|(known, _)| *known != tool);
@@ -143,5 +154,13 @@ impl Channel<'_> {
     /// The edge in force; none for T0 and D0.
     pub(super) fn active_tool(&self) -> Option<&Tool> {
         self.modal.tool_in(&self.system.tools, self.machine)
+    }
+
+    /// The wear in the radius of the edge in force, mm.
+    pub(super) fn active_wear_mm(&self) -> f64 {
+        let Some(tool) = self.active_tool() else { return 0.0 };
+        let place = (tool.number, tool.edge);
+        let written = self.system.tools.radius_wear().find(|(edge, _)| *edge == place).map(|(_, wear)| wear);
+        written.or_else(|| self.machine.radius_wear_mm.get(&place).copied()).unwrap_or(0.0)
     }
 }

@@ -17,6 +17,8 @@ pub struct Promise {
     pub limits_feed: bool,
     /// Whether positions of the axes are written instead of those of the tip.
     pub in_axes: bool,
+    /// Whether the control compensates the radius of tools again, by their wear.
+    pub keeps_wear: bool,
 }
 
 impl Default for Promise {
@@ -36,6 +38,7 @@ impl Promise {
             leaves_rapids: options.rapids == Rapids::None,
             limits_feed: false,
             in_axes: options.five_axis == FiveAxis::Axes,
+            keeps_wear: false,
         }
     }
 }

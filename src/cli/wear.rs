@@ -1,0 +1,61 @@
+//! `--compensation wear`: what it does not go together with, and whether the control could follow what was written with wear.
+
+use super::arguments::{CorrectionChoice, FiveAxisChoice, FixArguments, FrameChoice, ProgramChoice, RapidChoice};
+use super::findings::Findings;
+use super::machine_choice::Chosen;
+use super::program::{self, Running};
+use super::stop::Stop;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::emit;
+use crate::exec::{Options, Radius, RapidOrder};
+use crate::source::Source;
+
+/// A motion to the contour up to this long is one block, mm: twice the part in which the control is told.
+const SHORTEST_STEP_MM: f64 = 10.0;
+
+/// Whether the control is to have nothing but wear in the registers of a program's tools: its stamp says so.
+pub(super) fn is_alone(source: &Source) -> bool {
+    emit::stamped_promise(source.bytes()).is_some_and(|promise| promise.keeps_wear)
+}
+
+/// The finding about an output in which G41 is not allowed, or does not lead straight to the contour.
+pub(super) fn refusal(choice: &CorrectionChoice) -> Option<Diagnostic> {
+    let message = if (choice.frame, choice.five_axis) != (FrameChoice::Work, FiveAxisChoice::Tcp) {
+        "--compensation wear with --frame machine or --five-axis axes: controls compensate no radius in blocks with machine coordinates"
+    } else if choice.rapids == RapidChoice::All || choice.step.is_some_and(|step_mm| step_mm < SHORTEST_STEP_MM) {
+        "--compensation wear with --rapids all or a --step below 10 mm: the motion to the contour would be several pieces, with a corner between the first one, where the control begins with the wear, and the contour"
+    } else {
+        return None;
+    };
+    Some(Diagnostic::nowhere(Code::NO_WEAR, message, "leave out one of them"))
+}
+
+/// Executes a written program as the control would with the largest wear to either side.
+///
+/// # Errors
+/// Where it cannot be opened.
+pub(super) fn try_both(
+    text: &Source,
+    arguments: &FixArguments,
+    chosen: &Chosen,
+    findings: &mut Findings,
+) -> Result<(), Stop> {
+    let choice = ProgramChoice { max_blocks: None, ..arguments.program.clone() };
+    for wear_mm in [arguments.largest_wear, -arguments.largest_wear] {
+        let mut own = Findings::default();
+        let Some(opened) = program::open(text, &choice, Some(chosen), &mut own)? else {
+            findings.absorb(own);
+            return Ok(());
+        };
+        let options = Options { radius: Radius::Alone(wear_mm), rapid_order: RapidOrder::None, ..Options::default() };
+        let mut running = Running::start_as(opened, &arguments.input, &choice, &chosen.machine, options).silent();
+        // That the way of the tool center is no wall of the part does not matter.
+        let is_other = |found: &Diagnostic| found.is_error() || found.code == Code::ELEMENT_LEFT_OUT;
+        let Some(found) = running.find_map(|item| item.err().filter(is_other)) else { continue };
+        let message = format!("with a wear of {wear_mm:+} mm the control could not follow this: {}", found.message);
+        let help = "give the largest wear that will be entered with --largest-wear, or leave out --compensation wear; heights under compensation that the correction moves aside go better before G41 or behind G40";
+        let finding = Diagnostic { place: found.place, ..Diagnostic::nowhere(Code::NO_WEAR, message, help) };
+        findings.add(finding, running.sources());
+    }
+    Ok(())
+}
