@@ -182,6 +182,7 @@ mod undefined;
 mod unknown_sense;
 mod unreadable;
 mod variables;
+mod wear;
 mod words;
 mod words_hostile;
 mod worse_than_none;
