@@ -4,6 +4,7 @@
 Modes (--mode):
   snc        the flat stream of `ncfix snc` against the moves of the interpreter
   roundtrip  `ncfix IN -o OUT` with a model without errors: the interpreter must make the same of OUT as of IN
+  wear       `ncfix IN -o OUT --compensation wear`: with wear alone in the tool table OUT goes where IN goes with the whole radius
   model      the same with a constant and a linear error: what changes must be what the model asks for
 """
 
@@ -30,6 +31,10 @@ BULGE = 1.5
 """How much more than estimated (`bulges`) a spline may be off the interpreter's pieces: those of generate.py are up to 1.1 times as far."""
 LEAST_RATES = (0.1, 2.54)
 """mm/min in G93: a tenth of a millimeter, a tenth of an inch."""
+WEARS = (0.05, -0.03)
+"""mm."""
+WEAR_TOLERANCE = 2.5e-3
+"""mm: the rounding of the output at both ends of elements."""
 NO_END = "ended with no percent sign"
 PATIENCE = 20.0
 """Seconds without a sign of life."""
@@ -585,7 +590,71 @@ def check_model(path, setup):
     return check_corrected(path, setup, MODEL)
 
 
-CHECKS = {"snc": check_snc, "roundtrip": check_roundtrip, "model": check_model}
+def way_of(answer, text):
+    """Straight pieces of the moves: start, end, and whether they lie between the block of G41 or G42 and that of G40."""
+    inside, is_on = {}, False
+    for number, line in enumerate(text.decode("ascii", "replace").upper().splitlines(), 1):
+        inside[number] = is_on and "G40" not in line
+        is_on = bool(re.search("G4[12]", line)) or is_on and "G40" not in line
+    pieces, place = [], None
+    for step in judge_steps(answer):
+        if step.kind not in ("G0", "G1", "ARC"):
+            continue
+        points = sampled(step, place, 2e-4) if step.kind == "ARC" else [step.place]
+        for point in points:
+            if place:
+                pieces.append((place[:3], point[:3], inside.get(step.line, False)))
+            place = point
+    return pieces
+
+
+def off_way(one, other, wear):
+    """The first point of the pieces that is too far off other ones, and how far. The way onto the contour and off it may differ by the wear."""
+    was_inside = False
+    for start, end, inside in one:
+        count = max(1, math.ceil(math.dist(start, end) / 0.2))
+        for k in range(count):
+            point = [a + (b - a) * k / count for a, b in zip(start, end)]
+            near_by = (piece for piece in other if min(piece[0][0], piece[1][0]) - 0.1 < point[0] < max(piece[0][0], piece[1][0]) + 0.1)
+            off = min((distance(point, *piece[:2]) for piece in near_by), default=math.inf)
+            allowed = WEAR_TOLERANCE
+            if not inside or k == 0 and not was_inside:
+                allowed += abs(wear)
+            elif k == 0 and wear < 0:
+                # Around its inner corner the tool goes by an arc of the wear.
+                allowed += 0.42 * abs(wear)
+            if off > allowed:
+                return f"{show(point)} is {off:.4f} mm off the other way"
+        was_inside = inside
+    return None
+
+
+def check_wear(path, setup):
+    """With --compensation wear and wear alone in the tool table the interpreter goes where it goes with the whole radius and the original."""
+    with tempfile.TemporaryDirectory() as folder:
+        out, table = os.path.join(folder, os.path.basename(path)), os.path.join(folder, "tools.json")
+        command = [setup.ncfix, path, "-o", out, "--dialect", "rs274", "--machine", setup.machine, "--compensation", "wear", "--largest-wear", "0.06mm"]
+        done = run(command, setup.seconds)
+        if done is None or done.returncode != 0:
+            return Verdict(path, *refused(done))
+        for wear in WEARS:
+            ways = []
+            for text, share in ((path, 1.0), (out, 0.0)):
+                with open(table, "w", encoding="utf-8") as file:
+                    json.dump([{**tool, "diameter_mm": share * tool["diameter_mm"] + 2 * wear} for tool in tools()], file)
+                answer = ask_judge(text, setup._replace(tool_file=table))
+                if answer["error"]:
+                    return Verdict(path, "differs", f"wear {wear}, line {answer['error']['line']}: {answer['error']['text']}")
+                with open(text, "rb") as file:
+                    ways.append(way_of(answer, file.read()))
+            for one, other in (ways, ways[::-1]):
+                difference = off_way(one, other, wear)
+                if difference:
+                    return Verdict(path, "differs", f"wear {wear}: {difference}")
+    return Verdict(path, "agrees", "")
+
+
+CHECKS = {"snc": check_snc, "roundtrip": check_roundtrip, "model": check_model, "wear": check_wear}
 
 Setup = collections.namedtuple("Setup", "ncfix machine tool_file seconds")
 

@@ -34,6 +34,7 @@ compare() {
 compare 100 snc samples/programs/rs274 tests/oracle/programs
 compare 100 roundtrip samples/programs/rs274
 compare 100 model samples/programs/rs274
+compare 100 wear tests/oracle/wear
 compare 99 snc "$folder/any"
 compare 99 roundtrip "$folder/correctable"
 compare 99 model "$folder/correctable"
