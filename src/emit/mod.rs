@@ -73,6 +73,8 @@ pub struct WriterEntry {
     pub feeds: Feeds,
     /// Whether every motion can be written in machine coordinates.
     pub has_machine_frame: bool,
+    /// Words that stand in every program before its first move, in millimeters: what the coordinates mean.
+    pub assumed: &'static str,
 }
 
 /// All dialects that can be written.

@@ -39,6 +39,7 @@ fn promise_text(promise: &Promise) -> String {
         ("limited", promise.limits_feed),
         ("axes", promise.in_axes),
         ("wear", promise.keeps_wear),
+        ("rotary", promise.corrects_rotary),
     ];
     let made: Vec<&str> = ways.into_iter().filter(|(_, is_so)| *is_so).map(|(name, _)| name).collect();
     if !made.is_empty() {
@@ -66,6 +67,7 @@ fn promise_of(line: &str) -> Option<Promise> {
         limits_feed: has("limited"),
         in_axes: has("axes"),
         keeps_wear: has("wear"),
+        corrects_rotary: has("rotary"),
     })
 }
 

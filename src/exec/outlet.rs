@@ -73,9 +73,11 @@ impl<'a> Outlet<'a> {
         self.starts_block = true;
     }
 
-    /// A new line of the output for the same block.
+    /// A new line of the output for the same block; the first has the number of the block.
     pub(super) fn begin_line(&mut self) {
-        self.number = None;
+        if !self.starts_block {
+            self.number = None;
+        }
         self.starts_block = true;
     }
 

@@ -39,8 +39,8 @@ mod volume;
 mod way;
 
 pub use compare::{
-    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Difference, Follow, Grouping, How, ON_THE_SPOT, Promise,
-    What, compare, compare_seeing,
+    CONTINUES, CONTINUES_ON_THE_SPOT, Comparison, Course, Difference, Follow, Grouping, How, ON_THE_SPOT, Parting,
+    Promise, What, compare, compare_seeing,
 };
 pub use corrector::Corrector;
 pub use increment::Increments;
@@ -265,6 +265,15 @@ pub struct Piece {
     pub is_corrected: bool,
     /// Axes without a word stay where they are, though that is not their corrected place.
     pub others_stay: bool,
+}
+
+impl Piece {
+    /// Whether it is a further piece of its move that moves nothing.
+    #[must_use]
+    pub fn stands_still(&self) -> bool {
+        let is_further = !self.starts_block && !self.first && !self.feed_named;
+        is_further && self.words.is_empty() && self.arc.is_none() && self.manner == Manner::Path
+    }
 }
 
 /// How the position of a rotary axis is written.

@@ -36,6 +36,7 @@ pub(super) const ENTRY: WriterEntry = WriterEntry {
     centers: Centers::OnBisector,
     feeds: Feeds::OfLinear,
     has_machine_frame: true,
+    assumed: ASSUMED,
 };
 
 /// The writer of the dialect.
@@ -82,6 +83,8 @@ struct Sinumerik {
 impl Writer for Sinumerik {
     fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
         match output {
+            // Nothing moves: the line above ends the move, and stops where the program does.
+            Output::Piece(piece) if piece.stands_still() && !self.needs_feed(piece) => {}
             Output::Piece(piece) => {
                 // What a contour has held back may come behind the feed of the next block.
                 let has_other_feed = self.line.has_feed && self.needs_feed(piece);

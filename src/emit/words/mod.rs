@@ -73,6 +73,7 @@ impl Flavour {
             centers: self.centers,
             feeds: self.feeds,
             has_machine_frame: false,
+            assumed: self.assumed,
         }
     }
 }
@@ -137,6 +138,8 @@ struct Words {
 impl Writer for Words {
     fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
         match output {
+            // Nothing moves: the line above ends the move, and stops where the program does.
+            Output::Piece(piece) if piece.stands_still() && !self.needs_feed(piece) => Ok(()),
             Output::Piece(piece) => {
                 if piece.starts_block {
                     self.begin_block(&piece.origin, piece.number, out);
