@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::exit_code::ExitCode;
 use super::{progress, voice};
-use crate::diagnostic::{Code, Diagnostic, Place};
+use crate::diagnostic::{Code, Diagnostic, Place, Severity};
 use crate::report::{json, terminal};
 use crate::source::Source;
 
@@ -111,6 +111,16 @@ impl Findings {
     /// Whether anything forbids output.
     pub(super) fn has_errors(&self) -> bool {
         self.errors > 0
+    }
+
+    /// The errors, with the line of each where it is in one of these files.
+    pub(super) fn errors_in(&self, sources: &[Source]) -> impl Iterator<Item = (Code, Option<usize>)> {
+        let line = |one: &Diagnostic, source: &Option<Source>| {
+            let source = source.as_ref().filter(|source| sources.iter().any(|one| one.name() == source.name()))?;
+            Some(source.line_column(one.place?.span.start).0)
+        };
+        let errors = self.kept.iter().filter(|(one, _)| one.severity() == Severity::Error);
+        errors.map(move |(one, source)| (one.code, line(one, source)))
     }
 
     /// Whether so many errors were met that more would help nobody.

@@ -28,6 +28,7 @@ mod figures;
 mod findings;
 mod fingerprint;
 mod fix;
+mod header;
 mod identifiable;
 mod input;
 mod lanes;

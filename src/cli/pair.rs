@@ -9,19 +9,20 @@ use super::arguments::{MachineChoice, ProgramChoice, StateChoice, VerifyArgument
 use super::at_feed::Driven;
 use super::feed_limit;
 use super::findings::Findings;
+use super::header::Header;
 use super::machine_choice::{self, Chosen};
 use super::program::{self, Running};
 use super::relay::{Filler, Taker, relay};
 use super::stop::Stop;
 use super::{differences, stamp_check, state, wear};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::emit;
 use crate::exec::{Options, Radius, RapidOrder};
 use crate::geometry::{Axis, AxisVector};
 use crate::machine::Kinematics;
 use crate::path::{self, Difference, Feeds, Follow, Grouping};
 use crate::report::json::AtFeed;
-use crate::snc::Element;
+use crate::snc::{Element, Origin};
 use crate::source::{FileId, Source};
 
 /// Two programs and how they are executed.
@@ -100,11 +101,19 @@ impl<'p> Pair<'p> {
             let options = Options { rapid_order, radius, ..Options::default() };
             Running::start_as(opened, path, self.program, &chosen.machine, options)
         };
-        let promise = stamp_check::promise(sources, chosen, self.promised, findings);
+        let mut promise = stamp_check::promise(sources, chosen, self.promised, findings);
+        if let Some(promise) = &mut promise {
+            // The increment of a program in inches is another one.
+            let mut machine = chosen.machine.clone();
+            machine.control.increment_mm = promise.increment_mm.unwrap_or(machine.control.increment_mm);
+            program::keep_unit(&sources[0], original.dialect, false, &mut machine);
+            promise.increment_mm = Some(path::Increments::new(&machine.control).linear_mm);
+        }
         let is_marked = emit::is_stamped(sources[1].bytes()) && !emit::is_stamped(sources[0].bytes());
         let grouping = if is_marked { Grouping::ByMarks } else { Grouping::ByPlace };
         let feeds = [&original, &corrected]
             .map(|opened| emit::entry(opened.dialect.name).map_or(Feeds::default(), |entry| entry.feeds));
+        let assumed = emit::entry(corrected.dialect.name).map_or("", |entry| entry.assumed);
         let (filler, ahead) = relay();
         std::thread::scope(|scope| {
             // One core executes the corrected program ahead, the other one the original, and compares.
@@ -115,6 +124,7 @@ impl<'p> Pair<'p> {
                 of_path: path::How { grouping, feeds, promise },
                 at_feed: self.at_feed,
                 start: self.program.start,
+                assumed: if is_marked { assumed } else { "" },
             };
             walk((original, ahead), &how, chosen, findings, see, || {
                 thread.join().unwrap_or_else(|fault| resume_unwind(fault))
@@ -141,6 +151,8 @@ struct How {
     of_path: path::How,
     at_feed: bool,
     start: Option<AxisVector>,
+    /// What the corrected program states before its first move.
+    assumed: &'static str,
 }
 
 /// Compares two running programs; `files` ends the corrected one and gives its files.
@@ -176,9 +188,15 @@ fn walk(
     let options = path::Options { start: how.start, ..path::Options::default() };
     let servo = chosen.machine.servo.as_ref().filter(|_| how.at_feed);
     let driven = || servo.map(|servo| Driven::new(&chosen.machine, servo, &model, &options));
-    let (result, driven) = {
-        let mut original = Clean { items, findings: &shared, mark: 0, driven: driven() };
-        let mut corrected = Clean { items: corrected, findings: &shared, mark: OF_CORRECTED, driven: driven() };
+    let (result, driven, headers) = {
+        let mut original = Clean { items, findings: &shared, mark: 0, driven: driven(), header: Header::default() };
+        let mut corrected = Clean {
+            items: corrected,
+            findings: &shared,
+            mark: OF_CORRECTED,
+            driven: driven(),
+            header: Header::default(),
+        };
         let result = path::compare_seeing(
             &mut original,
             &mut corrected,
@@ -187,7 +205,7 @@ fn walk(
             &model,
             (&mut see, &mut differ),
         );
-        (result, [original.driven, corrected.driven])
+        (result, [original.driven, corrected.driven], [original.header, corrected.header])
     };
     let sources = [original.sources().to_vec(), files()];
     let source = |marked: FileId| {
@@ -197,7 +215,6 @@ fn walk(
     };
     let max_at = result.as_ref().ok().and_then(|comparison| comparison.max_at);
     let max_at = max_at.and_then(|origin| Some((origin.line, source(origin.file)?.name().to_owned())));
-    let source = result.as_ref().err().and_then(|diagnostic| diagnostic.place).and_then(|place| source(place.file));
     *findings = shared.into_inner();
     let mut told = Vec::new();
     for mut one in differences {
@@ -206,6 +223,11 @@ fn walk(
     }
     if let Some(corrected) = sources[1].first().filter(|source| emit::is_stamped(source.bytes())) {
         told.extend(differences::skipped(corrected));
+        if !how.assumed.is_empty() {
+            told.extend(differences::assigned(corrected));
+        }
+        let lacks = headers[1].lacks(&headers[0], how.assumed, corrected);
+        told.extend(lacks.into_iter().map(|word| differences::unstated(word, corrected)));
     }
     match result {
         Ok(comparison) => {
@@ -225,18 +247,37 @@ fn walk(
             Some(Outcome { comparison, max_at, sources, increments, beyond, machine, at_feed: fed, differences: told })
                 .filter(|_| !findings.has_errors())
         }
-        // Where a program could not be executed to its end, that it does not match the other one is no news.
-        Err(_) if findings.has_errors() => None,
-        Err(mut diagnostic) => {
-            findings.extend(told, &sources[1]);
-            if let (Some(place), Some(source)) = (&mut diagnostic.place, &source) {
-                place.file = source.id();
+        Err(mut partings) => {
+            // Where a program could not be executed to its end, that it does not match the other one is no news; that it parts before that is, and a line
+            // that is missing leaves an arc that cannot be.
+            if findings.has_errors() {
+                let line =
+                    partings.first().and_then(|parting| parting.corrected).map_or(0, |origin| origin.line as usize);
+                let is_later = |(code, place): (Code, Option<usize>)| {
+                    place.is_some_and(|place| place >= line || ARCS.contains(&code))
+                };
+                if line == 0 || !findings.errors_in(&sources[1]).all(is_later) {
+                    return None;
+                }
+                partings.truncate(1);
             }
-            findings.add(diagnostic, source.as_slice());
+            findings.extend(told, &sources[1]);
+            for parting in partings {
+                let name = |origin: &Origin| differences::line(origin, source(origin.file).as_ref());
+                let mut diagnostic = parting.diagnostic(name);
+                let source = diagnostic.place.and_then(|place| source(place.file));
+                if let (Some(place), Some(source)) = (&mut diagnostic.place, &source) {
+                    place.file = source.id();
+                }
+                findings.add(diagnostic, source.as_slice());
+            }
             None
         }
     }
 }
+
+/// Arcs that cannot be.
+const ARCS: &[Code] = &[Code::ARC_OFF_CIRCLE, Code::RADIUS_TOO_SMALL];
 
 /// What a comparison found.
 pub(super) struct Outcome {
@@ -275,6 +316,7 @@ struct Clean<'f, 'm, I> {
     findings: &'f RefCell<Findings>,
     mark: u16,
     driven: Option<Driven<'m>>,
+    header: Header,
 }
 
 impl<I: Iterator<Item = Item>> Iterator for Clean<'_, '_, I> {
@@ -287,6 +329,7 @@ impl<I: Iterator<Item = Item>> Iterator for Clean<'_, '_, I> {
                     if let Some(driven) = &mut self.driven {
                         driven.element(&element);
                     }
+                    self.header.see(&element);
                     element.origin.file.0 ^= self.mark;
                     return Some(element);
                 }

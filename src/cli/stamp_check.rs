@@ -26,6 +26,9 @@ pub(super) fn promise(
     };
     if !emit::is_stamped(bytes) {
         if bytes == original.bytes() {
+            let message =
+                format!("{name} carries no stamp, and is the same as {}: nothing was corrected", original.name());
+            warn(Code::NO_STAMP, message, "compare a program with what ncfix fix has made from it");
             return promised.map(|_| assumed());
         }
         let message =
@@ -34,9 +37,11 @@ pub(super) fn promise(
         warn(Code::NO_STAMP, message, help);
         return Some(assumed());
     }
-    if emit::is_stamp_changed(bytes) == Some(true) {
+    let is_changed = emit::is_stamp_changed(bytes);
+    if is_changed == Some(true) {
         let message = format!("the stamp of {name} was changed since it was written");
-        warn(Code::NO_STAMP, message, "do not trust what it says; correct the program again");
+        let help = "what it promises is not believed, 1 µm or --promised counts; correct the program again";
+        warn(Code::NO_STAMP, message, help);
     }
     if let Some(model) = emit::stamped_model(bytes).filter(|model| *model != chosen.hash) {
         let message = format!("{name} was corrected for the model {model}, and is compared on {}", chosen.hash);
@@ -66,13 +71,13 @@ pub(super) fn promise(
             "give the program that it was made from; where that has changed, correct it again",
         );
     }
-    if let Some(promise) = emit::stamped_promise(bytes) {
+    if let Some(promise) = emit::stamped_promise(bytes).filter(|_| is_changed == Some(false)) {
         return Some(promised.map_or(promise, |tolerance_mm| Promise { tolerance_mm, ..promise }));
     }
     let promise = assumed();
     if promised.is_none() {
         let message = format!(
-            "the stamp of {name} does not say its tolerance; {} µm are assumed",
+            "the stamp of {name} does not say its tolerance in a way that can be believed; {} µm are assumed",
             um_from_mm(promise.tolerance_mm)
         );
         warn(Code::PROMISE_ASSUMED, message, "say it with --promised, or correct the program again");

@@ -9,7 +9,8 @@ use super::pages::{Pages, input};
 use super::pair::{Outcome, Pair};
 use super::stop::Stop;
 use super::{fix, print, program};
-use crate::path::Follow;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::path::{Follow, Promise};
 use crate::report::correction::{error_rows, feed_rows};
 use crate::report::page::verification::verification;
 use crate::report::review::Review;
@@ -36,8 +37,19 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Stop> {
     };
     // Both are read before anything else: a file that is missing is the first thing to know.
     let sources = [program::read(&arguments.original)?, program::read(&arguments.corrected)?];
+    let is_itself = sources[0].bytes() == sources[1].bytes();
     let pair = Pair::from(arguments);
     let outcome = if findings.has_errors() { None } else { pair.compare(sources, &mut findings, &mut see)? };
+    if let Some(outcome) = outcome.as_ref().filter(|_| is_itself) {
+        let most_um = um_from_mm(outcome.comparison.after.max_mm);
+        let promised_um = um_from_mm(arguments.promised.unwrap_or(Promise::default().tolerance_mm));
+        if most_um > promised_um {
+            let message = format!(
+                "nothing was corrected: the tool is up to {most_um:.2} µm off its place, and a correction leaves {promised_um:.2} µm"
+            );
+            findings.add(Diagnostic::nowhere(Code::OFF_PROMISE, message, "correct the program with ncfix fix"), &[]);
+        }
+    }
     if let Some(outcome) = &outcome {
         findings.extend(outcome.differences.iter().cloned(), &outcome.sources[1]);
     }

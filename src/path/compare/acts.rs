@@ -3,6 +3,7 @@
 //! Both programs are executed, so that values are values and cycles, calls and loops have become what they do. Words that only say how coordinates
 //! are to be read have no place here: what they mean is seen in the motion.
 
+use super::same_text::is_same_text;
 use crate::machine::Machine;
 use crate::snc::{Dwell, Element, FrameWords, Kind, Origin, Word, WordValue};
 
@@ -31,6 +32,9 @@ const ONCE: &str = "G9";
 /// What lines of a block say that are not its last, where the program stops exactly at the end of each block.
 const RUNNING: [&str; 2] = ["G64", "G61"];
 const EXACT: [&str; 3] = ["G60", "G61", "G61.1"];
+
+/// Comments that do something in RS274/NGC.
+const ACTIVE_COMMENTS: [&str; 7] = ["MSG", "DEBUG", "PRINT", "LOG", "LOGOPEN", "LOGAPPEND", "PROBEOPEN"];
 
 /// Something that is done.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,6 +101,19 @@ impl Acts {
                 let text = String::from_utf8_lossy(text).trim().to_owned();
                 if !STOPS.contains(&first_word(&text)) && !text.is_empty() {
                     self.0.push(Act::new(origin, "statement", text));
+                }
+            }
+            Kind::Header(text) => {
+                if let Some(number) = program_number(text) {
+                    self.0.push(Act::new(origin, "program number", number));
+                }
+            }
+            Kind::Comment(text) if machine.controller.eq_ignore_ascii_case("rs274") => {
+                let text = String::from_utf8_lossy(text).trim().to_owned();
+                let inner = text.strip_prefix('(').unwrap_or_default().trim_start().to_ascii_uppercase();
+                let word = inner.split([',', ')']).next().unwrap_or_default().trim_end();
+                if inner.contains(',') && ACTIVE_COMMENTS.contains(&word) {
+                    self.0.push(Act::new(origin, "message", text));
                 }
             }
             Kind::Message(text) => {
@@ -293,6 +310,15 @@ fn is_of_coordinates(word: &str, machine: &Machine) -> bool {
     OF_COORDINATES.contains(&word) || OF_FEEDS.contains(&word) || is_along_axis || is_of_transform
 }
 
+/// What a control finds a program by: the `O1000` of `O1000 (PLATE)`, `%PM9010`, `%_N_PLATE_MPF`; `None` for other lines of a header.
+fn program_number(line: &[u8]) -> Option<String> {
+    let text = String::from_utf8_lossy(line.trim_ascii()).to_ascii_uppercase();
+    let word = text.split([' ', '(', ';']).next().unwrap_or_default();
+    let rest = word.trim_start_matches(['%', 'O', ':']);
+    let is_number = rest.len() < word.len() && !rest.is_empty();
+    is_number.then(|| word.to_owned())
+}
+
 /// Its first word: `G64` of `G64 P0.01`, `ADIS` of `ADIS=0.5`.
 fn first_word(text: &str) -> &str {
     text.split([' ', '=', '(', '[']).next().unwrap_or_default()
@@ -302,50 +328,6 @@ fn first_word(text: &str) -> &str {
 fn shown(number: f64) -> String {
     let rounded = (number * 1e6).round() / 1e6;
     if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() }
-}
-
-/// Whether two texts are the same but for blanks, capitals and the way numbers are written.
-fn is_same_text(one: &str, other: &str) -> bool {
-    let mut sides = [Pieces(one), Pieces(other)];
-    loop {
-        let [one, other] = &mut sides;
-        match (one.next(), other.next()) {
-            (None, None) => return true,
-            (Some(Piece::Number(one)), Some(Piece::Number(other))) => {
-                if (one - other).abs() > (SAME_NUMBER[0] * one.abs()).max(SAME_NUMBER[0]) {
-                    return false;
-                }
-            }
-            (Some(Piece::Sign(one)), Some(Piece::Sign(other))) if one == other => {}
-            _ => return false,
-        }
-    }
-}
-
-/// A number, or any other character but a blank.
-enum Piece {
-    Number(f64),
-    Sign(char),
-}
-
-struct Pieces<'a>(&'a str);
-
-impl Iterator for Pieces<'_> {
-    type Item = Piece;
-
-    fn next(&mut self) -> Option<Piece> {
-        self.0 = self.0.trim_start();
-        let digits = self.0.bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
-        if digits > 0
-            && let Ok(number) = self.0[..digits].parse()
-        {
-            self.0 = &self.0[digits..];
-            return Some(Piece::Number(number));
-        }
-        let sign = self.0.chars().next()?;
-        self.0 = &self.0[sign.len_utf8()..];
-        Some(Piece::Sign(sign.to_ascii_uppercase()))
-    }
 }
 
 #[cfg(test)]
@@ -379,18 +361,5 @@ mod tests {
         assert_eq!(found("M8", "M5"), ["M8>-", "->M5"]);
         // A control whose speeds are whole numbers.
         assert_eq!(found("S1234.4", "S1234"), [""; 0]);
-    }
-
-    #[test]
-    fn texts_are_the_same_however_their_numbers_are_written() {
-        for (one, other, is_same) in [
-            ("ADIS=0.50", "ADIS=0.5", true),
-            ("G64 P0.01", "g64p0.010", true),
-            ("G64 P0.01", "G64 P0.02", false),
-            ("CYCLE832(0.01,1)", "CYCLE832( 0.01 , 1 )", true),
-            ("A", "AB", false),
-        ] {
-            assert_eq!(is_same_text(one, other), is_same, "{one} {other}");
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! Something in which a corrected program differs from its original, other than by its correction.
 
+use crate::geometry::Axis;
 use crate::snc::{FeedUnit, Origin};
 
 /// A difference, with its places in both programs; where the one program has nothing there, its next move or its last.
@@ -39,6 +40,20 @@ pub enum What {
         tilt_rad: f64,
         /// How far it may be.
         limit_rad: f64,
+    },
+    /// A piece of a move that is judged at its end only, a rapid one for instance, is beside the straight way of the move, mm.
+    Detour {
+        /// How far.
+        off_mm: f64,
+        /// How far it may be.
+        limit_mm: f64,
+    },
+    /// A piece of such a move turns an axis beyond both of its ends.
+    Turned {
+        /// The axis.
+        axis: Axis,
+        /// How far, rad.
+        beyond_rad: f64,
     },
     /// A move has another feed: its number and unit in both, and the feed as a share of what it was, where that can be said.
     Feed {

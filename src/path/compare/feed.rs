@@ -55,8 +55,9 @@ impl Step {
 }
 
 impl Group<'_> {
-    /// The feed of a piece as a share of that of its move. A step on the spot covers nothing of the move, so that only its number can be compared.
-    pub(super) fn feed_share(&self, course: &Course<'_>, stands: bool) -> Option<f64> {
+    /// The feed of a piece as a share of that of its move. A step on the spot covers nothing of the move, so that only its number can be compared. Both
+    /// ends of a piece are rounded by up to `rounding_mm`.
+    pub(super) fn feed_share(&self, course: &Course<'_>, stands: bool, rounding_mm: f64) -> Option<f64> {
         let (step, piece) = (self.step, course.piece);
         let is_comparable = ![step.unit, piece.unit].contains(&FeedUnit::InverseTime)
             && step.feeds == piece.feeds
@@ -74,8 +75,10 @@ impl Group<'_> {
         // A curve that turns an axis beside it has no time here.
         let Some((wanted, taken)) = times else { return of_numbers };
         let share = wanted / taken;
-        // The place on the move is known to what the tip is off.
-        let same = SAME_TIME + 2.0 * ON_THE_SPOT_MM / way_mm;
+        // The place on the move is known to what the tip is off. The way of the tip may be far less than that of the axes.
+        let is_timed = step.unit == FeedUnit::InverseTime;
+        let counted_mm = if is_timed { way_mm } else { way_mm.min(wanted * step.feed) };
+        let same = SAME_TIME + 2.0 * (ON_THE_SPOT_MM + rounding_mm) / counted_mm.max(ON_THE_SPOT_MM);
         let is_near = |ratio: f64| ratio > 1.0 / (1.0 + same) && ratio < 1.0 + same;
         match of_numbers {
             // Both numbers are for the same way.

@@ -1,15 +1,13 @@
 //! The corrected moves of one original move: which they are, and what they leave.
 
-use std::iter::Peekable;
-
-use crate::diagnostic::Diagnostic;
 use crate::geometry::{AXES, Axis, AxisSet, AxisVector, ROTARY_AXES, Vector};
 use crate::machine::Kinematics;
 use crate::model::Model;
-use crate::snc::Element;
 
+use super::ahead::Ahead;
 use super::judge::{At, Judge, Seen};
-use super::step::{Step, Walk};
+use super::parting::Parting;
+use super::step::Step;
 use super::{Course, Follow, Grouping, ON_THE_SPOT_MM, SAME_END_MM};
 use crate::path::Prediction;
 use crate::path::prediction::{sample_count, sample_place};
@@ -21,7 +19,7 @@ const SAME_END_SHARE: f64 = 1e-3;
 /// A further move belongs to the group only if it comes nearer by more than rounding does, mm.
 const NEARER_MM: f64 = 0.002;
 /// An end that is off by this may still be meant, where the next move leads away from it, mm.
-const MEANT_END_MM: f64 = 0.5;
+pub(super) const MEANT_END_MM: f64 = 0.5;
 /// A group at least this long, as a share of the original move, may be complete; a full circle begins at its end.
 const LEAST_SHARE: f64 = 0.5;
 /// A group this much longer than the original move is another path.
@@ -76,6 +74,8 @@ pub(super) struct Group<'a> {
     length_mm: f64,
     /// Whether a move of the group was taken.
     has_begun: bool,
+    /// Whether what is done before the move was compared.
+    pub(super) is_judged: bool,
     /// How far the original move is covered.
     parameter: f64,
 }
@@ -88,24 +88,24 @@ impl<'a> Group<'a> {
         step: &'a Step,
         carried: Offset,
     ) -> Group<'a> {
-        let (length_mm, has_begun, parameter) = (0.0, false, 0.0);
-        Group { model, grouping, kinematics, step, has_backlash, carried, length_mm, has_begun, parameter }
+        let (length_mm, has_begun, is_judged, parameter) = (0.0, false, false, 0.0);
+        Group { model, grouping, kinematics, step, has_backlash, carried, length_mm, has_begun, is_judged, parameter }
     }
 }
 
 impl Group<'_> {
     /// Takes the moves of the group and adds their errors; gives the offset at its end.
-    pub(super) fn follow<I: Iterator<Item = Element>>(
+    pub(super) fn follow<I: Iterator<Item = Step>>(
         &mut self,
-        corrected: &mut Peekable<Walk<'_, I>>,
+        corrected: &mut Ahead<I>,
         prediction: &mut Prediction,
         see: &mut dyn FnMut(Follow<'_>),
         judge: &mut Judge<'_>,
-    ) -> Result<Offset, Diagnostic> {
+    ) -> Result<Offset, Parting> {
         let whole_mm = self.step.route.size_mm();
         loop {
             let Some(piece) = corrected.next() else {
-                return Err(self.step.mismatch("the corrected program ends before this move of the original"));
+                return Err(Parting::alone(self.step, "the corrected program ends before this move of the original"));
             };
             let is_first = !self.has_begun;
             let is_torn = self.grouping == Grouping::ByMarks && piece.continues != self.has_begun;
@@ -114,9 +114,15 @@ impl Group<'_> {
             let is_another =
                 piece.rapid != self.step.rapid && !(piece.rapid && piece.continues && self.step.is_uncut());
             if is_torn || is_another || self.length_mm > MOST_SHARE * whole_mm + MEANT_END_MM {
-                return Err(self
-                    .step
-                    .mismatch_at(&piece, "the corrected program does not follow this move of the original"));
+                let why = match (is_torn, is_another, piece.rapid) {
+                    (true, ..) => "is marked as a further piece of a move that has ended",
+                    (_, true, true) => "goes at rapid where this move of the original has a feed",
+                    (_, true, false) => "has a feed where this move of the original goes at rapid",
+                    _ => "does not follow this move of the original",
+                };
+                let parting = self.parting(&piece, why, corrected.peek());
+                corrected.put_back(piece);
+                return Err(parting);
             }
             self.length_mm += piece.route.size_mm();
             let offset = self.offset(&piece, 1.0);
@@ -127,6 +133,12 @@ impl Group<'_> {
             if !stands || is_complete {
                 self.parameter = if is_complete { 1.0 } else { self.nearest(&piece) };
             }
+            if is_complete && self.off_mm(&offset) > MEANT_END_MM {
+                let why = "does not end this move of the original where it ends";
+                let parting = self.parting(&piece, why, corrected.peek());
+                corrected.put_back(piece);
+                return Err(parting);
+            }
             let course = Course {
                 step: self.step,
                 piece: &piece,
@@ -136,20 +148,27 @@ impl Group<'_> {
             };
             let (errors_mm, seen) = self.sample(&course, stands && !is_complete, prediction);
             let length_mm = whole_mm * (self.parameter - before);
-            let feed_share = self.feed_share(&course, stands);
+            let feed_share = self.feed_share(&course, stands, judge.rounding_mm());
             judge.piece(self, &course, At { is_first, is_last: is_complete, stands }, &seen, feed_share);
+            self.is_judged = true;
             see(Follow { errors_mm, length_mm, feed_share, ..self.seen(course, is_first, stands) });
-            if is_complete && self.off_mm(&offset) > MEANT_END_MM {
-                return Err(self.step.mismatch_at(
-                    &piece,
-                    "the corrected program does not end this move of the original where it ends",
-                ));
-            }
             if is_complete {
                 judge.end(self.step);
                 return Ok(offset);
             }
         }
+    }
+
+    /// What is known where the programs part at a piece; `next` is the one behind it.
+    fn parting(&self, piece: &Step, why: &str, next: Option<&Step>) -> Parting {
+        let is_new = next.is_some_and(|next| next.rapid == self.step.rapid && self.ends_at(next));
+        let words = [&self.step.route.end, &piece.route.end].map(|end| piece.programmed(end, self.kinematics));
+        Parting::at(self.step, piece, why, words, is_new)
+    }
+
+    /// Whether a piece ends where the original move does.
+    pub(super) fn ends_at(&self, piece: &Step) -> bool {
+        self.off_mm(&self.offset(piece, 1.0)) <= MEANT_END_MM
     }
 
     /// A piece that has covered the original move up to the parameter.

@@ -2,12 +2,14 @@
 
 use crate::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
 use crate::machine::Machine;
-use crate::snc::Origin;
+use crate::snc::{Origin, Turning};
 
-use super::acts::{Act, differences};
+use super::acts::{Act, Pairing, differences};
 use super::course::Course;
+use super::detour::Detour;
 use super::difference::{Difference, What};
 use super::group::Group;
+use super::manner;
 use super::promise::Promise;
 use super::step::Step;
 use crate::path::Increments;
@@ -66,6 +68,9 @@ pub(super) struct Judge<'d> {
     /// Planes and transformations of both, where they were said to differ.
     setups: Option<[String; 2]>,
     last: [Origin; 2],
+    detour: Detour,
+    /// Whether the end of the move belongs to a curve that goes on.
+    runs_on: bool,
 }
 
 impl<'d> Judge<'d> {
@@ -75,11 +80,11 @@ impl<'d> Judge<'d> {
             increments.linear_mm = increment_mm;
         }
         let tolerance_mm = promise.map_or(0.0, |promise| promise.tolerance_mm);
-        let limit = |rounding_mm: f64| (1.0 + BETWEEN_SAMPLES) * tolerance_mm.max(rounding_mm);
-        let limit_mm = limit((1.0 + BEND_SHARE) * increments.rounding_mm());
-        // A center is rounded by half an increment in each of two directions.
+        let rounding_mm = increments.rounding_mm();
+        let limit_mm = (1.0 + BETWEEN_SAMPLES) * tolerance_mm.max(rounding_mm) + BEND_SHARE * rounding_mm;
+        // A center is rounded by half an increment in each of two directions, when the arc has been fitted already.
         let center_mm = 0.5 * 2.0_f64.sqrt() * increments.linear_mm;
-        let arc_limit_mm = limit(increments.rounding_mm() + center_mm).max(limit_mm);
+        let arc_limit_mm = limit_mm + center_mm;
         let last = [Origin::default(); 2];
         let turns = ROTARY_AXES.into_iter().any(|axis| machine.axis_set().contains(axis));
         let tool_axis = turns.then_some(machine.spindle.axis);
@@ -96,6 +101,26 @@ impl<'d> Judge<'d> {
             passing: None,
             setups: None,
             last,
+            detour: Detour::default(),
+            runs_on: false,
+        }
+    }
+
+    /// What rounding moves the tip by, mm.
+    pub(super) fn rounding_mm(&self) -> f64 {
+        self.increments.rounding_mm()
+    }
+
+    /// Another move of the original begins; `runs_on` where no stop can stand at its end.
+    pub(super) fn begin(&mut self, runs_on: bool) {
+        self.runs_on = runs_on;
+    }
+
+    /// A move of the original has no end in the corrected program.
+    pub(super) fn part(&mut self, step: &Step) {
+        (self.off, self.tilt, self.feed) = (None, None, None);
+        if let Some((what, corrected)) = self.detour.broken() {
+            (self.differ)(Difference { original: step.origin, corrected, what });
         }
     }
 
@@ -111,11 +136,17 @@ impl<'d> Judge<'d> {
         let (step, piece) = (group.step, course.piece);
         self.last = [step.origin, piece.origin];
         self.acts(if at.is_first { &step.acts } else { &[] }, &piece.acts);
-        self.passing(step, piece, at.is_last);
+        if at.is_first {
+            self.manner(step, piece);
+        }
+        self.passing(step, piece, at.is_last && !self.runs_on);
         self.setups(step, piece);
         self.feed(step, piece, feed_share);
         if self.promise.is_some() && step.is_counted && !step.rapid && !at.stands {
             self.tilt(group, course);
+        }
+        if self.promise.is_some() {
+            self.detour(group, course, at, seen);
         }
         if self.promise.is_some() && step.is_counted {
             let off_mm = self.off_mm(group, course, at, seen);
@@ -141,6 +172,26 @@ impl<'d> Judge<'d> {
         }
     }
 
+    /// The pieces of a move that are judged at its end only.
+    fn detour(&mut self, group: &Group<'_>, course: &Course<'_>, at: At, seen: &Seen) {
+        let (step, piece) = (group.step, course.piece);
+        if at.is_last {
+            if let Some((what, corrected)) = self.detour.end(course) {
+                (self.differ)(Difference { original: step.origin, corrected, what });
+            }
+        } else if step.rapid || step.is_uncut() || piece.rapid || !step.is_counted {
+            self.detour.see(group, course, seen);
+        }
+    }
+
+    /// A thread has its lead, and a probing motion stays one.
+    fn manner(&mut self, step: &Step, piece: &Step) {
+        if let Some([before, after]) = manner::difference(&step.manner, &piece.manner) {
+            let what = What::Act { subject: "thread", before: Some(before), after: Some(after) };
+            (self.differ)(Difference { original: step.origin, corrected: piece.origin, what });
+        }
+    }
+
     /// The direction of the tool at the end of a piece: a correction makes it better, or leaves it.
     fn tilt(&mut self, group: &Group<'_>, course: &Course<'_>) {
         let Some(tool_axis) = self.tool_axis else { return };
@@ -158,13 +209,24 @@ impl<'d> Judge<'d> {
         }
     }
 
-    /// What is done behind the last moves.
-    pub(super) fn tail(&mut self, original: &[Act], corrected: &[Act]) {
+    /// What is done behind the last moves, or where programs have parted.
+    pub(super) fn rest(&mut self, original: &[Act], corrected: &[Act]) {
         self.acts(original, corrected);
     }
 
+    /// What is known of moves that do not follow each other, where the comparison ends: what is missing or new there may only stand elsewhere.
+    pub(super) fn lose(&mut self, step: &Step, piece: &Step) {
+        self.setups(step, piece);
+        let pairs = differences(&step.acts, &piece.acts);
+        self.differ(pairs.into_iter().filter(|(before, after)| before.is_some() && after.is_some()));
+    }
+
     fn acts(&mut self, original: &[Act], corrected: &[Act]) {
-        for (before, after) in differences(original, corrected) {
+        self.differ(differences(original, corrected));
+    }
+
+    fn differ<'a>(&mut self, pairs: impl IntoIterator<Item = Pairing<'a>>) {
+        for (before, after) in pairs {
             let [own, other] = [before, after].map(|act| act.map(|act| act.origin));
             let what = What::Act {
                 subject: before.or(after).map_or("", |act| act.subject),
@@ -200,13 +262,24 @@ impl<'d> Judge<'d> {
     fn setups(&mut self, step: &Step, piece: &Step) {
         let in_axes = self.promise.is_some_and(|promise| promise.in_axes) && piece.setup.transform.is_none();
         let is_transformed = |one: &Step| one.setup.transform.is_some() && !in_axes;
-        if step.setup.plane == piece.setup.plane && is_transformed(step) == is_transformed(piece) {
+        let is_same = !is_transformed(step)
+            || in_axes
+            || step.transformation == piece.transformation && step.setup.transform == piece.setup.transform;
+        if step.setup.plane == piece.setup.plane && is_transformed(step) == is_transformed(piece) && is_same {
             self.setups = None;
             return;
         }
         let shown = |one: &Step| {
-            let transform = if is_transformed(one) { " with" } else { " without" };
-            format!("G{}{transform} a transformation", one.setup.plane.number())
+            let plane = one.setup.plane.number();
+            let way = match one.setup.transform {
+                Some(Turning::Axes) => "rotary axes in proportion",
+                _ => "the tool on a great circle",
+            };
+            match (is_transformed(one), one.transformation) {
+                (false, _) => format!("G{plane} without a transformation"),
+                (true, "") => format!("G{plane} with a transformation, {way}"),
+                (true, word) => format!("G{plane} with {word}, {way}"),
+            }
         };
         let both = [shown(step), shown(piece)];
         if self.setups.as_ref() == Some(&both) {
@@ -278,7 +351,8 @@ impl<'d> Judge<'d> {
             let stands = (written[axis] - before[axis]).abs() <= SAME_WORD;
             // A rotary axis at its programmed angle leaves nothing that the linear axes do not make good, where their words turn with it.
             let in_machine = step.in_machine_frame || piece.in_machine_frame;
-            let is_idle = axis.is_rotary() && is_nominal && !in_machine && step.setup.transform.is_none();
+            let turns = self.promise.is_some_and(|promise| promise.corrects_rotary);
+            let is_idle = axis.is_rotary() && is_nominal && !in_machine && !turns && step.setup.transform.is_none();
             if is_idle || !is_nominal && !stands {
                 continue;
             }

@@ -7,15 +7,20 @@
 //! to carry them ([`Grouping::ByMarks`]), they decide instead.
 
 mod acts;
+mod ahead;
 mod course;
+mod detour;
 mod difference;
 mod feed;
 mod group;
 mod judge;
+mod manner;
+mod parting;
 mod promise;
+mod same_text;
 mod step;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Code, Diagnostic};
 use crate::geometry::{AXES, AxisVector};
 use crate::machine::{Kinematics, Machine};
 use crate::model::Model;
@@ -23,11 +28,13 @@ use crate::snc::{Element, Origin, WordValue};
 
 pub use course::Course;
 pub use difference::{Difference, What};
+pub use parting::Parting;
 pub use promise::Promise;
 
+use ahead::{Ahead, rejoin};
 use group::{Group, Offset};
 use judge::Judge;
-use step::Walk;
+use step::{Step, Walk};
 
 use super::prediction::Pair;
 use super::{Feeds, Prediction, Spread};
@@ -130,13 +137,21 @@ pub fn compare(
     model: &Model,
 ) -> Result<Comparison, Diagnostic> {
     let how = How { grouping, feeds: [Feeds::default(); 2], promise: None };
-    compare_seeing(original, corrected, how, machine, model, (&mut |_| {}, &mut |_| {}))
+    let found = compare_seeing(original, corrected, how, machine, model, (&mut |_| {}, &mut |_| {}));
+    found.map_err(|partings| {
+        let line = |origin: &Origin| format!("line {} of the corrected program", origin.line);
+        let first = partings.first().map(|parting| parting.diagnostic(line));
+        first.unwrap_or_else(|| Diagnostic::nowhere(Code::CANNOT_ALIGN, "the programs part", "compare them by eye"))
+    })
 }
+
+/// Places at which programs part before it is said that they have nothing to do with each other.
+const MOST_PARTINGS: usize = 20;
 
 /// The same; every piece of the corrected program is shown on the way, and every difference that is no correction.
 ///
 /// # Errors
-/// `E0311` where the moves of the one do not follow those of the other.
+/// The places at which the moves of the one do not follow those of the other; behind each the comparison goes on where both have the same block again.
 pub fn compare_seeing(
     original: impl Iterator<Item = Element>,
     corrected: impl Iterator<Item = Element>,
@@ -144,30 +159,65 @@ pub fn compare_seeing(
     machine: &Machine,
     model: &Model,
     (see, differ): (See<'_>, Differ<'_>),
-) -> Result<Comparison, Diagnostic> {
+) -> Result<Comparison, Vec<Parting>> {
     let has_backlash = AXES.into_iter().any(|axis| model.features(axis).backlash);
     let original = Walk::new(original, machine, feeds[0], has_backlash);
     let corrected = Walk::new(corrected, machine, feeds[1], has_backlash);
     let tails = [original.tail(), corrected.tail()];
-    let mut corrected = corrected.peekable();
+    let (mut original, mut corrected) = (Ahead::new(original), Ahead::new(corrected));
     let kinematics = Kinematics::new(machine);
     let mut prediction = Prediction::default();
     let mut judge = Judge::new(promise, machine, differ);
     let mut carried = Offset::default();
-    for step in original {
+    let mut partings: Vec<Parting> = Vec::new();
+    while let Some(mut step) = original.next() {
         let mut group = Group::new(model, grouping, (&kinematics, has_backlash), &step, carried);
-        carried = group.follow(&mut corrected, &mut prediction, see, &mut judge)?;
+        judge.begin(original.peek().is_some_and(|next| step.runs_into(next)));
+        match group.follow(&mut corrected, &mut prediction, see, &mut judge) {
+            Ok(offset) => carried = offset,
+            Err(mut parting) => {
+                let is_judged = group.is_judged;
+                judge.part(&step);
+                let ends = |step: &Step, piece: &Step| {
+                    let of = (&kinematics, has_backlash);
+                    Group::new(model, grouping, of, step, Offset::default()).ends_at(piece)
+                };
+                if let (Some(next), Some(piece)) = (original.peek(), corrected.peek())
+                    && parting.corrected == Some(piece.origin)
+                    && ends(next, piece)
+                {
+                    parting.lacks_a_move();
+                }
+                partings.push(parting);
+                if is_judged {
+                    step.acts.clear();
+                }
+                original.put_back(step);
+                let passed = (partings.len() < MOST_PARTINGS).then(|| rejoin(&mut original, &mut corrected, ends));
+                let Some(passed) = passed.flatten() else {
+                    if let (Some(step), Some(piece)) = (original.peek(), corrected.peek()) {
+                        judge.lose(step, piece);
+                    }
+                    return Err(partings);
+                };
+                let [own, other] = passed.map(|steps| steps.into_iter().flat_map(|step| step.acts).collect::<Vec<_>>());
+                judge.rest(&own, &other);
+                carried = Offset::default();
+            }
+        }
     }
     let mut rest = Vec::new();
-    for step in &mut corrected {
+    while let Some(step) = corrected.next() {
         if step.route.size_mm() > SAME_END_MM {
-            return Err(step.mismatch("the corrected program goes on behind the end of the original"));
+            let why = "moves on behind the end of the original";
+            partings.push(Parting::at(&step, &step, why, [step.route.end; 2], false));
+            return Err(partings);
         }
         rest.extend(step.acts);
     }
     rest.append(&mut tails[1].borrow_mut());
-    judge.tail(&tails[0].borrow(), &rest);
-    Ok(prediction.counted().into())
+    judge.rest(&tails[0].borrow(), &rest);
+    if partings.is_empty() { Ok(prediction.counted().into()) } else { Err(partings) }
 }
 
 impl From<&Pair> for Comparison {

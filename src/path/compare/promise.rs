@@ -1,6 +1,6 @@
 //! What a correction promises of the program that it writes, for those who compare it with its source.
 
-use super::super::{FiveAxis, Options, Rapids, Subdivision};
+use super::super::{FiveAxis, Options, Rapids, Rotary, Subdivision};
 
 /// See above.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +19,8 @@ pub struct Promise {
     pub in_axes: bool,
     /// Whether the control compensates the radius of tools again, by their wear.
     pub keeps_wear: bool,
+    /// Whether all rotary axes take part, so that the words of others are those beside a corrected angle even where that is not written.
+    pub corrects_rotary: bool,
 }
 
 impl Default for Promise {
@@ -39,6 +41,7 @@ impl Promise {
             limits_feed: false,
             in_axes: options.five_axis == FiveAxis::Axes,
             keeps_wear: false,
+            corrects_rotary: options.rotary == Rotary::Correct,
         }
     }
 }

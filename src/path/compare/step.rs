@@ -9,15 +9,21 @@ use super::super::way::counts_turns;
 use super::super::{Feeds, lost_axes};
 use super::acts::{Act, Acts, Passing};
 use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT};
-use crate::diagnostic::{Code, Diagnostic, Place};
 use crate::geometry::{AXES, AxisSet, AxisVector, Vector};
 use crate::machine::{Kinematics, Machine, State};
-use crate::snc::{Element, FeedUnit, Kind, Manner, Origin, Setup, WordValue};
+use crate::snc::{BlockNumber, Element, FeedUnit, Kind, Manner, Origin, Setup, WordValue};
 
 /// What rounding the center of an arc moves an axis by at its turning point is less: e²/2r for a center that is off by e.
 const QUIET_MM: f64 = 5e-5;
 /// Turning points of one arc that are looked at.
 const MOST_PLACES: usize = 4096;
+
+/// Share of a move over which the direction at its end is looked at.
+const NEAR_END: f64 = 1e-4;
+/// mm per rad where directions of rotary axes count beside those of linear ones.
+const TURN_ARM_MM: f64 = 100.0;
+/// The cosine of the angle up to which pieces of a curve go on in one direction: 60°; the chords of curves turn by far less, reversals and corners by more.
+const SAME_WAY: f64 = 0.5;
 
 /// A move of one of the programs.
 #[derive(Clone, Debug)]
@@ -54,6 +60,10 @@ pub(super) struct Step {
     pub(super) acts: Vec<Act>,
     /// How its end is passed.
     pub(super) passing: Passing,
+    /// The number of its block, on the first move of that.
+    pub(super) number: Option<BlockNumber>,
+    /// The word of the five-axis transformation in force, empty where there is none.
+    pub(super) transformation: &'static str,
 }
 
 impl Step {
@@ -124,15 +134,17 @@ impl Step {
         }
     }
 
-    /// A finding about it that names the line of the corrected program too.
-    pub(super) fn mismatch_at(&self, piece: &Step, message: &str) -> Diagnostic {
-        self.mismatch(&format!("{message} (line {} of the corrected program)", piece.origin.line))
-    }
-
-    pub(super) fn mismatch(&self, message: &str) -> Diagnostic {
-        let place = Place { file: self.origin.file, span: self.origin.span };
-        let help = "compare a program with what was made from it, on the same machine";
-        Diagnostic::at(Code::CANNOT_ALIGN, place, message, help)
+    /// Whether the control goes on from it into a move of the same block in its direction, as the pieces of a curve follow each other: no exact stop
+    /// stands between them.
+    pub(super) fn runs_into(&self, next: &Step) -> bool {
+        let way = |route: &Route, [from, to]: [f64; 2]| {
+            let step = route.at(to) - route.at(from);
+            AXES.map(|axis| if axis.is_rotary() { TURN_ARM_MM * step[axis] } else { step[axis] })
+        };
+        let ways = [way(&self.route, [1.0 - NEAR_END, 1.0]), way(&next.route, [0.0, NEAR_END])];
+        let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+        let sizes = ways.map(|way| dot(&way, &way).sqrt());
+        next.continues && next.rapid == self.rapid && dot(&ways[0], &ways[1]) > SAME_WAY * sizes[0] * sizes[1]
     }
 }
 
@@ -156,6 +168,8 @@ pub(super) struct Walk<'a, I> {
     has_moved: bool,
     acts: Acts,
     passing: Passing,
+    number: Option<BlockNumber>,
+    transformation: &'static str,
     tail: Tail,
 }
 
@@ -182,6 +196,8 @@ impl<'a, I> Walk<'a, I> {
             has_moved: false,
             acts: Acts::default(),
             passing: Passing::default(),
+            number: None,
+            transformation: "",
             tail: Tail::default(),
         }
     }
@@ -208,6 +224,8 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 self.continues = false;
                 self.on_the_spot = false;
                 self.has_moved = false;
+                // A further line of a block has none, and is no other block.
+                self.number = element.number.or(self.number);
             }
             let lost = lost_axes(&element, self.machine);
             self.known = self.known.difference(lost);
@@ -227,6 +245,10 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 }
                 Kind::Tool(word) => {
                     self.tool = Some(Arc::new(word));
+                    continue;
+                }
+                Kind::Keep(word) if word.starts_with("TRA") => {
+                    self.transformation = if word.starts_with("TRAORI") { word } else { "" };
                     continue;
                 }
                 Kind::Verbatim(text) => {
@@ -259,6 +281,8 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 off_curve_mm: motion.off_curve_mm,
                 acts: std::mem::take(&mut self.acts.0),
                 passing: self.passing.clone(),
+                number: self.number.take(),
+                transformation: self.transformation,
             };
             if self.has_backlash {
                 self.state = step.state_at(1.0);

@@ -1,0 +1,87 @@
+//! The moves of a program with a look ahead of them, and where two programs that part come together again.
+
+use std::collections::VecDeque;
+
+use super::step::Step;
+
+/// Moves of each program among which the same block is looked for, where they part.
+const LOOK: usize = 500;
+
+/// Moves that can be looked at before they are taken.
+pub(super) struct Ahead<I> {
+    moves: I,
+    queue: VecDeque<Step>,
+}
+
+impl<I: Iterator<Item = Step>> Ahead<I> {
+    pub(super) fn new(moves: I) -> Ahead<I> {
+        Ahead { moves, queue: VecDeque::new() }
+    }
+
+    /// The next move, which stays.
+    pub(super) fn peek(&mut self) -> Option<&Step> {
+        if self.queue.is_empty() {
+            self.queue.push_back(self.moves.next()?);
+        }
+        self.queue.front()
+    }
+
+    /// Puts a move back that was taken.
+    pub(super) fn put_back(&mut self, step: Step) {
+        self.queue.push_front(step);
+    }
+
+    /// Takes so many moves.
+    fn take(&mut self, count: usize) -> Vec<Step> {
+        let count = count.min(self.queue.len());
+        self.queue.drain(..count).collect()
+    }
+
+    fn look(&mut self) {
+        while self.queue.len() < LOOK
+            && let Some(step) = self.moves.next()
+        {
+            self.queue.push_back(step);
+        }
+    }
+}
+
+impl<I: Iterator<Item = Step>> Iterator for Ahead<I> {
+    type Item = Step;
+
+    fn next(&mut self) -> Option<Step> {
+        self.queue.pop_front().or_else(|| self.moves.next())
+    }
+}
+
+/// Goes on in both behind the next move that has the same block number in both and the same end, as `meets` says; the moves that were passed over, `None`
+/// where there is no such move.
+pub(super) fn rejoin<I, J>(
+    original: &mut Ahead<I>,
+    corrected: &mut Ahead<J>,
+    meets: impl Fn(&Step, &Step) -> bool,
+) -> Option<[Vec<Step>; 2]>
+where
+    I: Iterator<Item = Step>,
+    J: Iterator<Item = Step>,
+{
+    original.look();
+    corrected.look();
+    let mut best: Option<[usize; 2]> = None;
+    for (at, step) in original.queue.iter().enumerate() {
+        if best.is_some_and(|[own, other]| at >= own + other) {
+            break;
+        }
+        let Some(number) = step.number.filter(|_| step.origin.calls == 0) else { continue };
+        let Some(start) = corrected.queue.iter().position(|piece| piece.number == Some(number)) else { continue };
+        // The last piece of that move.
+        let more = corrected.queue.iter().skip(start + 1).take_while(|piece| piece.continues).count();
+        let end = start + more;
+        let is_nearer = best.is_none_or(|[own, other]| at + end < own + other);
+        if is_nearer && corrected.queue.get(end).is_some_and(|piece| meets(step, piece)) {
+            best = Some([at, end]);
+        }
+    }
+    let [own, other] = best?;
+    Some([original.take(own + 1), corrected.take(other + 1)])
+}
