@@ -20,12 +20,17 @@ fn a_corrected_program_is_better() {
 }
 
 #[test]
-fn a_program_compared_with_itself_is_the_same() {
+fn a_program_compared_with_itself_is_the_same_and_not_corrected() {
     let shop = Shop::new().copy("samples/programs/sinumerik/seal_groove.mpf");
-    let run =
-        shop.run(["verify", "seal_groove.mpf", "seal_groove.mpf", "--machine", &machine("demo"), "--json"]).exits(0);
+    let verify = ["verify", "seal_groove.mpf", "seal_groove.mpf", "--machine", &machine("demo"), "--json"];
+    let run = shop.run(verify).exits(4);
     let json = run.json();
     assert_eq!(json["before"], json["after"]);
+    for text in ["nothing was corrected", "E0320", "W0314"] {
+        assert!(run.stdout.contains(text), "{text}: {}", run.stdout);
+    }
+    // Where nothing is to be corrected that is no fault.
+    shop.run(verify.into_iter().chain(["--promised", "100um"])).exits(0);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fs;
 use crate::support::{Shop, machine, repository};
 
 /// At least so many edits are read.
-const LEAST_EDITS: usize = 100;
+const LEAST_EDITS: usize = 150;
 /// Codes that name a difference, or a stamp that is not as it should be.
 const NAMING: &[&str] = &["E0311", "E0319", "E0320", "E0321", "W0306", "W0314", "W0315"];
 
@@ -71,7 +71,7 @@ fn edited(text: &str, edit: &str) -> String {
     let words: Vec<&str> = edit.split_whitespace().collect();
     if let Some((from, to)) = edit.split_once(" => ") {
         let at = find(&lines, from);
-        lines[at] = lines[at].replacen(from, to, 1);
+        lines[at] = lines[at].replacen(from, &to.replace(" // ", "\n"), 1);
     } else if let Some(what) = edit.strip_prefix("drop line ") {
         lines.remove(find(&lines, what));
     } else if let Some(what) = edit.strip_prefix("drop ") {
@@ -166,6 +166,76 @@ fn every_edit_is_found_and_named() {
         }
     }
     assert!(problems.is_empty(), "{} problems:\n{}", problems.len(), problems.join("\n"));
+}
+
+/// An edited program, and what is named where the stamp is taken off as well.
+fn unstamped(machine_name: &str, ending: &str, program: &str, [from, to]: [&str; 2]) -> Vec<String> {
+    let machine = machine(machine_name);
+    let (part, out, bad) = (format!("part.{ending}"), format!("out.{ending}"), format!("bad.{ending}"));
+    let mut shop = Shop::new().file(&part, program);
+    shop.run(["fix", &part, "-o", &out, "--machine", &machine]).exits(0);
+    let text = shop.text(&out);
+    assert!(text.contains(from), "no {from} in\n{text}");
+    let is_stamp = |line: &&str| line.to_ascii_lowercase().contains("ncfix");
+    let lines: Vec<&str> = text.lines().filter(|line| !is_stamp(line)).collect();
+    shop = shop.file(&bad, lines.join("\n").replacen(from, to, 1) + "\n");
+    named(&shop.run(["verify", &part, &bad, "--machine", &machine, "--json"]).exits(4).json())
+}
+
+#[test]
+fn a_rapid_move_that_dives_is_found_without_marks_and_stamp() {
+    let mill = "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S300 M3\nN40 G0 X10 Y10\nN50 Z50\nN60 Z2\nN70 G1 Z-4 F200\nN80 X60\nN90 G0 Z50\nN100 M30\n";
+    let iso = "%\nO1\nN10 G21 G17 G90 G40 G49 G80 G94\nN20 T9 M6\nN30 G54 G0 X0. Y0. S300 M3\nN40 G43 H9 Z50.\nN50 Z2.\nN60 G1 Z-4. F200.\nN70 X60.\nN80 G0 Z50.\nN90 G53 G0 Z0.\nN100 M30\n%\n";
+    let ngc =
+        "G21 G17 G90 G40 G49 G80 G94\nT3 M6\nG43 H3\nS3500 M3\nG54 G0 X0 Y0 Z20\nG1 Z-0.5 F400\nX60\nG0 Z20\nM2\n";
+    let grundig = "%PM9010\nN9010 (PLATE)\nN1 G17 G71 G90 G40\nN2 G54\nN3 T1 M6\nN4 G0 X-40 Y10 Z60 S800 M3\nN5 G0 Z2\nN6 G1 Z-1 F800\nN7 X40\nN8 G0 Z60\nN9 M30\n";
+    for (name, ending, program, edit) in [
+        ("demo", "mpf", mill, ["N90 G0 Z50", "N90 G0 Z-40\nZ50"]),
+        // Where the axis was is not known to the program, and so its way is its end alone.
+        ("demo", "mpf", mill, ["N50 G0 Z50", "N50 G0 Z-40\nZ50"]),
+        ("vmc", "nc", iso, ["N80 G0 Z50.", "N80 G0 Z-40.\nG0 Z50."]),
+        ("vmc", "nc", iso, ["N90 G53 G0 Z0.", "N90 G0 Z-40.\nG53 G0 Z0."]),
+        ("knee_mill", "ngc", ngc, ["G0 Z20\n", "G0 Z-20\nG0 Z20\n"]),
+        ("universal_mill", "pm", grundig, ["N8 G0 Z60", "N8 G0 Z-40\nN80 G0 Z60"]),
+    ] {
+        let found = unstamped(name, ending, program, edit);
+        let is_named =
+            |one: &String| one.starts_with("E0320") && one.contains("beside the way") || one.starts_with("E0311");
+        assert!(found.iter().any(is_named), "{edit:?}: {found:?}");
+    }
+}
+
+#[test]
+fn behind_an_edit_others_are_found_too() {
+    let part = "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S300 M3\nN40 G0 X10 Y10\nN50 Z50\nN60 Z2\nN70 G1 Z-4 F200\nN80 X60\nN90 Y60\nN100 X10\nN110 G0 Z50\nN120 M30\n";
+    let demo = machine("demo");
+    let mut shop = Shop::new().file("part.mpf", part);
+    shop.run(["fix", "part.mpf", "-o", "out.mpf", "--machine", &demo]).exits(0);
+    let edits = ["drop line N80", "last X 0.05 before N110", "M30 => M17"];
+    let text = edits.iter().fold(shop.text("out.mpf"), |text, edit| edited(&text, edit));
+    shop = shop.file("bad.mpf", text);
+    for command in ["verify", "diff"] {
+        let found = named(&shop.run([command, "part.mpf", "bad.mpf", "--machine", &demo, "--json"]).exits(4).json());
+        for part in ["E0311 line 9 of bad.mpf", "N90", "may be missing", "E0320 the tool is 49.98", "M30", "M17"] {
+            assert!(found.iter().any(|one| one.contains(part)), "{command} {part}: {found:?}");
+        }
+        assert_eq!(found.len(), 3, "{found:?}");
+    }
+}
+
+#[test]
+fn a_stamp_that_was_changed_promises_nothing() {
+    let part = "N10 G17 G90 G71 G94 G54\nN20 T2 M6\nN30 D1 S300 M3\nN40 G0 X10 Y10 Z50\nN50 G1 Z-4 F200\nN60 X60\nN70 G0 Z50\nN80 M30\n";
+    let demo = machine("demo");
+    let mut shop = Shop::new().file("part.mpf", part);
+    shop.run(["fix", "part.mpf", "-o", "out.mpf", "--machine", &demo]).exits(0);
+    for edit in ["tolerance=0.001 => tolerance=0.1", "drop check="] {
+        let edits = [edit, "last Z -0.05 before N70"];
+        let text = edits.iter().fold(shop.text("out.mpf"), |text, edit| edited(&text, edit));
+        shop = shop.file("bad.mpf", text);
+        let found = named(&shop.run(["verify", "part.mpf", "bad.mpf", "--machine", &demo, "--json"]).exits(4).json());
+        assert!(found.iter().any(|one| one.starts_with("E0320") && one.contains("promised 1.07")), "{edit}: {found:?}");
+    }
 }
 
 /// What ncfix itself writes is no difference, whatever its options.

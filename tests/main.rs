@@ -181,6 +181,7 @@ mod tutorial;
 mod undefined;
 mod unknown_sense;
 mod unreadable;
+mod untouched;
 mod variables;
 mod wear;
 mod words;
