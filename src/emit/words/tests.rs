@@ -392,5 +392,5 @@ fn a_long_comment_does_not_lengthen_a_line_with_words() {
 fn a_piece_that_moves_nothing_writes_nothing() {
     let still = Piece { words: AxisSet::EMPTY, ..further(line(&[])) };
     let stream = [piece(line(&[(X, 1)])), piece(still), more(Kind::After(words(&[(b'M', 30.0)])))];
-    assert_eq!(body("fanuc", &stream), ["G1 X0.001 F500.", "M30"]);
+    assert_eq!(body("fanuc", &stream), ["G1 X0.001 F500. M30"]);
 }
