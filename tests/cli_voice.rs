@@ -126,7 +126,9 @@ fn on_a_terminal(shop: &Shop, words: &[&str]) -> Option<(String, Duration)> {
 #[test]
 fn long_work_shows_that_it_goes_on_where_somebody_sees_it() {
     // Long enough on any computer: a loop grows until it takes more than a second.
-    let program = |turns: u64| format!("N10 R1=0\nN20 WHILE R1<{turns}\nN30 R1=R1+1\nN40 ENDWHILE\nN50 G90 G71 G0 X0 Y0 Z50\nN60 M30\n");
+    let program = |turns: u64| {
+        format!("N10 R1=0\nN20 WHILE R1<{turns}\nN30 R1=R1+1\nN40 ENDWHILE\nN50 G90 G71 G0 X0 Y0 Z50\nN60 M30\n")
+    };
     let demo = machine("demo");
     let words = ["check", "loop.mpf", "--max-blocks", "1000000000", "--machine", &demo];
     let mut turns = 200_000;

@@ -69,7 +69,8 @@ fn moves(program: &str, setups: &[(&str, &str)], expected: &[&str]) {
 fn tools_are_read_as_the_control_saves_them() {
     let program =
         "T=\"MILL_10\" M6\nD1\nG90 G0 X=$P_TOOLL[1] Y=$TC_DP6[5,1] Z=$P_TOOLR\nX=$TC_MPP6[1,3] Y=$TC_TP1[5] Z0\nM30";
-    moves(program, &[("to.toa", TOOLS)], &["G0 X100 Y5.1 Z5.1", "G0 X5 Y1 Z0"]);
+    // $TC_DP6 is the radius without its wear of 0.1 mm, which $TC_DP15 has; $P_TOOLR is both.
+    moves(program, &[("to.toa", TOOLS)], &["G0 X100 Y5 Z5.1", "G0 X5 Y1 Z0"]);
 }
 
 #[test]

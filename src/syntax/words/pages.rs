@@ -58,6 +58,7 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> 
     }
     program.pages = Some(Arc::new(pages));
     program.ensure(0);
+    program.take_unread_out();
     Some((program, findings))
 }
 
@@ -88,8 +89,13 @@ impl Program {
         parser.open_part(PartKind::Program, None);
         parser.read((start.offset, start.lines), end);
         *self = Program { parts, ..parser.program };
-        // A program with faults is not executed, so that a block that cannot be read stands behind its end: there it is none.
-        for number in start.first[0]..self.blocks.next() {
+        self.take_unread_out();
+    }
+
+    /// A program with faults is not executed, so that a block that cannot be read stands behind its end: there it is none.
+    fn take_unread_out(&mut self) {
+        let last = self.blocks.next();
+        for number in last - self.blocks.iter().len()..last {
             if let Some(block) = self.blocks.get_mut(number)
                 && block.body == Body::Faulty
             {
