@@ -98,7 +98,7 @@ fn other_letters_are_no_matter() {
 #[test]
 fn snc_shows_names_of_tools() {
     // A byte of Latin-1 is no UTF-8: it comes as \xf6, and is read again as that.
-    let shop = Shop::new().file("part.mpf", b"N10 G90 G54 T=\"FR\xf6SER 10\"\nN20 G0 X1 Y2 Z3\nN30 M30\n".to_vec());
+    let shop = Shop::new().file("part.mpf", b"N10 G90 G54 T=\"FR\xf6SER 10\"\nN20 G0 X1 Y2 Z3\nN30 M30\n");
     let demo = machine("demo");
     let run = shop.run(["snc", "part.mpf", "--machine", demo.as_str()]);
     assert!(run.stdout.contains("T=\"FR\\xf6SER 10\""), "{}{}", run.stdout, run.stderr);
@@ -180,9 +180,9 @@ fn the_ranges_of_the_documentation_are_those_of_the_program() {
         })
         .collect();
     if std::env::var_os("NCFIX_WRITE_DOCS").is_some() {
-        for [keys, least, most, reason] in &known {
-            println!("| {keys} | {least} | {most} | {reason} |");
-        }
+        let lines =
+            known.iter().map(|[keys, least, most, reason]| format!("| {keys} | {least} | {most} | {reason} |\n"));
+        panic!("the rows are\n{}", lines.collect::<String>());
     }
     assert_eq!(written, known);
 }

@@ -207,7 +207,7 @@ pub fn compare_seeing(
         }
     }
     let mut rest = Vec::new();
-    while let Some(step) = corrected.next() {
+    for step in corrected {
         if step.route.size_mm() > SAME_END_MM {
             let why = "moves on behind the end of the original";
             partings.push(Parting::at(&step, &step, why, [step.route.end; 2], false));

@@ -52,7 +52,8 @@ pub(super) fn parse(
     }
     parser.end();
     let (mut program, findings) = parser.finish();
-    if program.sections.len() != 1 || !(does_something || !findings.is_empty()) {
+    let is_empty = !does_something && findings.is_empty();
+    if program.sections.len() != 1 || is_empty {
         return None;
     }
     program.pages = Some(Arc::new(pages));

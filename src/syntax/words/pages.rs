@@ -53,7 +53,8 @@ pub(super) fn parse(source: &Source, dialect: &'static Dialect, page: usize) -> 
     }
     parser.close_part();
     let (mut program, findings) = parser.finish();
-    if program.parts.len() != 1 || !(does_something || !findings.is_empty()) {
+    let is_empty = !does_something && findings.is_empty();
+    if program.parts.len() != 1 || is_empty {
         return None;
     }
     program.pages = Some(Arc::new(pages));
