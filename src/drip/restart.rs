@@ -5,7 +5,7 @@
 //! goes on with the rapid move that follows. So nothing that is added moves rapidly below that height, and nothing begins at the depth of a cut, which may
 //! never have been made: the tool may have broken long before. What was carried out behind the place is carried out again.
 //!
-//! What the control must know at the place is read from the lines before ([`super::told`]). Frames and words of unknown effect cannot be rebuilt; behind
+//! What the control must know at the place is read from the lines before (`told`). Frames and words of unknown effect cannot be rebuilt; behind
 //! them only the beginning is left, and that only where the stated height can be reached before its first move, or is, with that move.
 
 use super::heights::{Heights, SAME_MM, is_height_known};

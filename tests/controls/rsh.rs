@@ -35,6 +35,8 @@ pub(crate) struct Rsh {
     has_failed: bool,
     errors: VecDeque<String>,
     was_broken: bool,
+    /// A line was broken off while the spindle stood: nothing that can be asked for shows it.
+    pub(crate) unseen: bool,
     was_stopped: bool,
     busy_s: f64,
     out: Vec<u8>,
@@ -65,6 +67,7 @@ impl Rsh {
             // Left there by somebody.
             errors: VecDeque::from(["joint 0 following error".to_owned()]),
             was_broken: false,
+            unseen: false,
             was_stopped: false,
             busy_s,
             out: Vec::new(),
@@ -216,6 +219,7 @@ impl Control for Rsh {
     fn tick(&mut self, now_s: f64) {
         if self.faults.broken_off_s.is_some_and(|at| now_s >= at) && !self.was_broken {
             self.was_broken = true;
+            self.unseen = !self.turns;
             self.break_off();
         }
         if self.taken_over_s.is_some_and(|at| now_s >= at) {

@@ -11,7 +11,7 @@ pub(super) struct Words {
     pub(super) ends: bool,
     /// M3 or M4.
     pub(super) starts_spindle: bool,
-    /// Any other M: it may stop the spindle.
+    /// Any other M than those and the coolant: it may stop the spindle.
     pub(super) has_other_m: bool,
 }
 
@@ -26,6 +26,8 @@ pub(super) fn words(text: &[u8]) -> Words {
         (b'M', Some(value)) if [0.0, 1.0, 60.0].contains(&value) => words.stops = true,
         (b'M', Some(value)) if [2.0, 30.0].contains(&value) => words.ends = true,
         (b'M', Some(value)) if [3.0, 4.0].contains(&value) => words.starts_spindle = true,
+        // The coolant leaves the spindle alone.
+        (b'M', Some(value)) if [7.0, 8.0, 9.0].contains(&value) => {}
         (b'M', _) => words.has_other_m = true,
         _ => {}
     };
@@ -60,5 +62,6 @@ mod tests {
         assert!(of("M 00").stops && of("G0 X1 m1").stops && of("M60").stops && !of("M6").stops && !of("G1 X60").stops);
         assert!(of("M02").ends && of("m30").ends && !of("M3").ends);
         assert!(of("S500 M3").starts_spindle && of("M4S1").starts_spindle && of("M5").has_other_m);
+        assert!(!of("M8").has_other_m && of("M8 M5").has_other_m && of("M19").has_other_m);
     }
 }
