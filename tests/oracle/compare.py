@@ -360,6 +360,17 @@ def same_place(wanted, real, model, nominal, tolerance=None):
     return True
 
 
+def is_left(real, end, wanted, nominal, actual):
+    """Whether a rapid move that is no approach to a cut ends well: each axis corrected, or as programmed, or where it stood if the program does not move it."""
+    tolerance = POSITION_TOLERANCE + 1e-4
+    return all(
+        abs(real[k] - wanted[k]) <= tolerance
+        or abs(real[k] - end[k]) <= tolerance
+        or (abs(end[k] - nominal[k]) < 1e-9 and abs(real[k] - actual[k]) <= tolerance)
+        for k in range(min(len(real), len(end)))
+    )
+
+
 def swept(points, plane, center):
     first, second = {17: (0, 1), 18: (2, 0), 19: (1, 2)}[plane]
     angles = [math.atan2(p[second] - center[second], p[first] - center[first]) for p in points]
@@ -413,6 +424,12 @@ def stands_at(step, nominal, model):
         return False
     wanted, real = command_for(nominal, model), axis_command(step)
     return near(real, wanted, 2.5e-4) or same_place(wanted, real, model, nominal)
+
+
+def leads_to_a_cut(steps, following):
+    """Whether the next move is one with feed."""
+    kinds = (step.kind for step in steps[following:] if step.kind != "DWELL")
+    return next(kinds, "G0") != "G0"
 
 
 def differ_corrected(before, after, model, source_lines, inverse_time):
@@ -480,6 +497,8 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
             seconds += 60 * length_of(path[count - 1 :]) / step.feed if step.feed else 0.0
             # A closed spline is where it ends from its start.
             done = same_place(wanted, path[-1], model, end) and not (spline and travel < 0.98 * length - CURVE_TOLERANCE)
+            if theirs.kind == "G0" and model and not done and not leads_to_a_cut(before, next_i):
+                done = is_left(path[-1], end, wanted, nominal, actual)
             if theirs.kind == "ARC" and done:
                 center = [v + t for v, t in zip(theirs.center, theirs.tool)]
                 done = swept([place_at(point, model) for point in path], theirs.plane, center) > sweep - 0.05
