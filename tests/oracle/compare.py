@@ -426,10 +426,16 @@ def stands_at(step, nominal, model):
     return near(real, wanted, 2.5e-4) or same_place(wanted, real, model, nominal)
 
 
-def leads_to_a_cut(steps, following):
-    """Whether the next move is one with feed."""
-    kinds = (step.kind for step in steps[following:] if step.kind != "DWELL")
-    return next(kinds, "G0") != "G0"
+CHANGE = re.compile(rb"[TM]\s*\d|G\s*(43|49|10|92|52|5[3-9]|17|18|19|28|30)", re.I)
+
+
+def leads_to_a_cut(steps, following, source_lines):
+    """Whether the next move is one with feed, with the same tool, zero and plane."""
+    step = next((step for step in steps[following:] if step.kind != "DWELL"), None)
+    if step is None or step.kind == "G0":
+        return False
+    first, last = sorted((steps[following - 1].line, step.line))
+    return not any(CHANGE.search(line) for line in source_lines[first:last])
 
 
 def differ_corrected(before, after, model, source_lines, inverse_time):
@@ -497,7 +503,7 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
             seconds += 60 * length_of(path[count - 1 :]) / step.feed if step.feed else 0.0
             # A closed spline is where it ends from its start.
             done = same_place(wanted, path[-1], model, end) and not (spline and travel < 0.98 * length - CURVE_TOLERANCE)
-            if theirs.kind == "G0" and model and not done and not leads_to_a_cut(before, next_i):
+            if theirs.kind == "G0" and model and not done and not leads_to_a_cut(before, next_i, source_lines):
                 done = is_left(path[-1], end, wanted, nominal, actual)
             if theirs.kind == "ARC" and done:
                 center = [v + t for v, t in zip(theirs.center, theirs.tool)]
