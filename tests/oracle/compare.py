@@ -443,6 +443,7 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
     before, after = moving(before), moving(after)
     i = j = 0
     nominal, actual = [0.0] * 9, [0.0] * 9
+    unstated = set()
     while i < len(before) and j < len(after):
         theirs, mine = before[i], after[j]
         straight = theirs.kind in ("G0", "G1")
@@ -505,6 +506,13 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
             done = same_place(wanted, path[-1], model, end) and not (spline and travel < 0.98 * length - CURVE_TOLERANCE)
             if theirs.kind == "G0" and model and not done and not leads_to_a_cut(before, next_i, source_lines):
                 done = is_left(path[-1], end, wanted, nominal, actual)
+                # Behind a tool change the program has not stated where these axes are; they stay there until it moves them.
+                follows = next((step for step in before[next_i:] if step.kind != "DWELL"), None)
+                if done and follows and follows.kind != "G0":
+                    unstated = {k for k, one in enumerate(path[-1]) if not near([one], [wanted[k]], POSITION_TOLERANCE + 1e-4)}
+            elif unstated and model and not done:
+                unstated = {k for k in unstated if abs(end[k] - nominal[k]) < 1e-9}
+                done = same_place([end[k] if k in unstated else one for k, one in enumerate(wanted)], path[-1], model, end)
             if theirs.kind == "ARC" and done:
                 center = [v + t for v, t in zip(theirs.center, theirs.tool)]
                 done = swept([place_at(point, model) for point in path], theirs.plane, center) > sweep - 0.05
@@ -515,11 +523,12 @@ def differ_corrected(before, after, model, source_lines, inverse_time):
             wanted_seconds = 60 * length / theirs.feed
             if abs(seconds - wanted_seconds) > 0.02 * wanted_seconds + 0.001:
                 return f"{seconds:.6g} s instead of {wanted_seconds:.6g} s: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
-        if theirs.kind != "G0" and not (any(abs(v) < 1e-9 for v in actual[:3]) and model):
+        if theirs.kind != "G0" and not unstated and not (any(abs(v) < 1e-9 for v in actual[:3]) and model):
             reals = [place_at(point, model)[:3] for point in path]
             off = beside(points, reals, 0.003 + unequal_radii(theirs, points[0])) if not spline else not polylines_agree(points, reals, 5e-4)
             if off:
                 return f"{'spline' if spline else f'{off:.6f} mm'} off the path: line {theirs.line}: {theirs.text} | output line {mine.line}: {mine.text}"
+        unstated = {k for k in unstated if theirs.kind == "G0" or abs(end[k] - nominal[k]) < 1e-9}
         nominal, actual = end, path[-1]
         i, j = next_i, next_j
     while j < len(after) and stands_at(after[j], nominal, model):
