@@ -349,7 +349,7 @@ fn read_control(section: Option<Section<'_>>, controller: &str, findings: &mut V
     orientation::read(&mut section, &mut control);
     super::contour_control::read(&mut section, &mut control);
     super::iso_control::read(&mut section, &mut control.iso);
-    super::output_control::check_grid(&mut section, &control, controller);
+    super::output_control::keep_to_grid(&mut control, controller);
     super::macro_control::read(&mut section, &mut control.macros);
     super::grundig_control::read(&mut section, &mut control);
     if let Some(value) = section.number_where("chord_tolerance_mm", "a number above 0", |value| value > 0.0) {

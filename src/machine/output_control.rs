@@ -2,7 +2,6 @@
 
 use super::Control;
 use super::section::Section;
-use crate::diagnostic::Code;
 
 /// Sets what follows from the language of the control, before the file has its say.
 pub(super) fn of_controller(controller: &str) -> Control {
@@ -38,16 +37,11 @@ pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
     }
 }
 
-/// Refuses words that are finer than what the control reads.
-pub(super) fn check_grid(section: &mut Section<'_>, control: &Control, controller: &str) {
-    for (key, is_finer) in ["increment_mm", "increment_deg"].into_iter().zip(control.is_finer_than_read(controller)) {
-        if is_finer {
-            let step = 1.0 / control.iso.increment_system.per_unit();
-            let message =
-                format!("{key} is finer than {step}, the grid on which the control puts the words that it reads");
-            let help = "state the increment_system of the control (\"IS-C\" reads 0.0001, parameter 1013), or write no finer than it reads";
-            section.report(Code::BAD_VALUE, section.place_of(key), message, help);
-        }
+/// Nothing is written finer than the control reads it: it would round that, and stand elsewhere than was said.
+pub(super) fn keep_to_grid(control: &mut Control, controller: &str) {
+    if let Some([linear_mm, rotary_rad]) = control.word_grid(controller) {
+        control.increment_mm = control.increment_mm.max(linear_mm);
+        control.increment_rad = control.increment_rad.max(rotary_rad);
     }
 }
 
