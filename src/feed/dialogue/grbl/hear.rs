@@ -135,16 +135,16 @@ impl Grbl {
     /// Which line was refused is sure when all that were sent were taken and have one answer each.
     pub(super) fn refused(&mut self, is_taken: bool, events: &mut Vec<Event>) {
         let (number, said) = std::mem::take(&mut self.refusal);
+        let what = "the axes are held; cycle start (~) would carry out the lines behind it, a reset (Ctrl-X) throws them away";
         if is_taken && self.surplus == 0 && self.in_flight.is_empty() && number != NO_LINE {
             self.state = State::Over;
             // Those behind it were answered, too; what was refused was not done.
             self.acknowledged = self.acknowledged.min(number.saturating_sub(1));
             self.confirm(events);
-            let what = "the axes are held; cycle start (~) would carry out the lines behind it, a reset (Ctrl-X) throws them away";
             events.push(Event::Refused(number, format!("{said}; {what}")));
         } else {
             let first = number.saturating_sub(self.surplus.max(1));
-            self.lost(&format!("the control has refused line {number}, or one from {first} on, with {said}; not every line has one answer"), events);
+            self.lost(&format!("the control has refused line {number}, or one from {first} on, with {said}; not every line has one answer; {what}"), events);
         }
     }
 
