@@ -135,7 +135,8 @@ impl Grbl {
     /// Which line was refused is sure when all that were sent were taken and have one answer each.
     pub(super) fn refused(&mut self, is_taken: bool, events: &mut Vec<Event>) {
         let (number, said) = std::mem::take(&mut self.refusal);
-        let what = "the axes are held; cycle start (~) would carry out the lines behind it, a reset (Ctrl-X) throws them away";
+        let what =
+            "the axes are held; cycle start (~) would carry out the lines behind it, a reset (Ctrl-X) throws them away";
         if is_taken && self.surplus == 0 && self.in_flight.is_empty() && number != NO_LINE {
             self.state = State::Over;
             // Those behind it were answered, too; what was refused was not done.
