@@ -4,6 +4,8 @@ use crate::geometry::{AXES, AXIS_COUNT};
 use crate::machine::Machine;
 
 use super::MotionError;
+use super::motion::Function;
+use super::motion::table::Table;
 
 /// Length over which an axis without error functions is called smooth, mm.
 const LINEAR_LENGTH_MM: f64 = 500.0;
@@ -24,9 +26,18 @@ pub struct Features {
     pub knots: Vec<f64>,
     /// Whether a function depends on the sense of motion of the axis.
     pub backlash: bool,
+    /// The lost motion of the axis along its command, mm or rad: entries add up, each with the factor of its direction. Where the sum is negative
+    /// the control adds more than the axis loses.
+    lost: Vec<(f64, Table)>,
 }
 
 impl Features {
+    /// How far the command must go behind a reversal until the body follows, mm or rad.
+    #[must_use]
+    pub fn lost_motion(&self, command: f64) -> f64 {
+        self.lost.iter().map(|(factor, reversal)| factor * reversal.value(command)).sum::<f64>().max(0.0)
+    }
+
     pub(super) fn note_length(&mut self, length: f64) {
         self.length = self.length.min(length);
     }
@@ -60,7 +71,7 @@ pub(super) fn of(machine: &Machine, motion: &[MotionError]) -> [Features; AXIS_C
         let unlimited = if axis.is_rotary() { std::f64::consts::TAU } else { 2.0 * LINEAR_LENGTH_MM };
         travel.map_or(unlimited, |[low, high]| high - low)
     });
-    let mut features = limit.map(|length| Features { length, knots: Vec::new(), backlash: false });
+    let mut features = limit.map(|length| Features { length, knots: Vec::new(), backlash: false, lost: Vec::new() });
     if let Some(active) = &machine.active_tables.control {
         for axis in AXES {
             let own = &mut features[axis.slot()];
@@ -71,6 +82,14 @@ pub(super) fn of(machine: &Machine, motion: &[MotionError]) -> [Features; AXIS_C
     for error in motion.iter().filter(|error| !error.function.is_zero()) {
         if let Some(axis) = error.name.axis() {
             error.function.note_features(axis, &travels, &mut features);
+            let own = axis.dimension() + if axis.is_rotary() { 3 } else { 0 };
+            if let (Function::Backlash(backlash), Some(data)) = (&error.function, machine.axis(axis))
+                && error.name.direction.index() == own
+            {
+                // A body that lags behind is where it was: against the sense of the command.
+                let factor = -data.direction[axis.dimension()];
+                features[axis.slot()].lost.push((factor, backlash.reversal.clone()));
+            }
         }
     }
     for (axis, feature) in AXES.into_iter().zip(&mut features) {

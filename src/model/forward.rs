@@ -119,6 +119,24 @@ impl Model {
         &self.features[axis.slot()]
     }
 
+    /// How far the command of an axis must go behind a reversal until its body follows, mm or rad: what the axis loses without what the tables of
+    /// the control add there.
+    #[must_use]
+    pub fn lost_motion(&self, axis: Axis, command: &AxisVector) -> f64 {
+        let lost = self.features[axis.slot()].lost_motion(command[axis]);
+        match &self.active {
+            Some(active) if lost > 0.0 && active.has_senses(axis) => {
+                let [behind, ahead] = [-1, 1].map(|sense| {
+                    let mut state = State::default();
+                    state.direction[axis.slot()] = sense;
+                    active.correction(command, &Vector::zeros(), &state)[axis]
+                });
+                (lost - (ahead - behind)).max(0.0)
+            }
+            _ => lost,
+        }
+    }
+
     /// Pose of the tool in the workpiece without errors. `tool_mm` runs from the spindle gauge point to the tip, in F at the zero pose.
     #[must_use]
     pub fn nominal(&self, command: &AxisVector, tool_mm: &Vector) -> Pose {

@@ -9,6 +9,7 @@
 mod accumulator;
 mod body;
 mod cyclic;
+mod dead_band;
 mod features;
 pub mod file;
 mod forward;
@@ -27,6 +28,7 @@ pub mod write;
 
 pub use accumulator::Accumulator;
 pub use body::Pose;
+pub use dead_band::{DeadBand, Room};
 pub use features::Features;
 pub use forward::{Model, Twist};
 pub use inverse::{NotConverged, Solve};

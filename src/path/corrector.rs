@@ -2,13 +2,14 @@
 
 mod between;
 mod clamps;
+mod dead_band;
 mod pace;
 mod write;
 
 use std::collections::VecDeque;
 
 use crate::diagnostic::Diagnostic;
-use crate::geometry::{AxisSet, AxisVector};
+use crate::geometry::{AXIS_COUNT, AxisSet};
 use crate::machine::Machine;
 use crate::model::Model;
 use crate::snc::{BlockNumber, Element, Manner, Move, Origin};
@@ -18,6 +19,7 @@ use super::check::Sampler;
 use super::cut::{fit_arc, fit_line, next_step};
 use super::extend::Reach;
 use super::findings::{Findings, placing_axes};
+use super::lead::Lead;
 use super::place::Placer;
 use super::poses::Poses;
 use super::route::Route;
@@ -38,6 +40,8 @@ pub struct Corrector<'a, I> {
     options: Options,
     placer: Placer<'a>,
     sampler: Sampler,
+    lead: Lead<'a>,
+    cut: dead_band::Cut,
     placing: AxisSet,
     clamps: Clamps,
     standing: Standing,
@@ -79,6 +83,8 @@ struct Active {
     as_chords: bool,
     /// Whether its error counts in the prediction.
     is_counted: bool,
+    /// As in [`Bench::settled`].
+    settled: [i8; AXIS_COUNT],
 }
 
 impl<'a, I> Corrector<'a, I>
@@ -104,7 +110,9 @@ where
             clamps: Clamps::new(machine),
             machine,
             placer: Placer::new(machine, model, &options),
+            lead: Lead::new(model, machine),
             sampler: Sampler::new(model).with_rounding(&Increments::new(&machine.control), options.tolerance_mm),
+            cut: dead_band::Cut::default(),
             placing: placing_axes(machine),
             standing,
             ever_named: AxisSet::EMPTY,
@@ -162,6 +170,8 @@ where
             (treatment, named)
         };
         self.fix(motion, moving);
+        self.note_cut(motion);
+        let settled = self.settling(motion, treatment, moving);
         let route = Route::new(self.standing.nominal, motion.target, motion.arc);
         let feed = self.placer.feed(&self.standing.nominal, motion);
         self.prediction.moves += 1;
@@ -182,6 +192,7 @@ where
             unwritten: 0.0,
             as_chords: self.options.arcs == Arcs::Chords,
             is_counted: starts_at_known && self.ever_named.difference(known).is_empty(),
+            settled,
         };
         self.active = Some(match self.idle.take() {
             Some(mut idle) => {
@@ -194,7 +205,8 @@ where
 
     /// Makes the next piece of the move.
     fn advance(&mut self, mut active: Box<Active>) -> Option<Piece> {
-        let trial = self.next_piece(&mut active);
+        let mut trial = self.next_piece(&mut active);
+        self.overshoot(&active, &mut trial);
         let piece = self.accept(&mut active, &trial);
         if active.parameter < 1.0 {
             self.active = Some(active);
@@ -211,6 +223,7 @@ where
         let bench = Bench {
             placer: &self.placer,
             sampler: &self.sampler,
+            lead: &self.lead,
             control: &self.machine.control,
             route,
             samples: active.samples,
@@ -218,6 +231,7 @@ where
             tolerance_mm: self.options.tolerance_mm,
             takes_up: active.treatment == Treatment::Way && active.motion.manner == Manner::Path,
             limits_turns: active.treatment == Treatment::Way,
+            settled: active.settled,
         };
         let (standing, scratch) = (&self.standing, &mut self.scratch);
         let from = active.parameter;
@@ -287,13 +301,20 @@ where
         let frame = &self.placer.setup.frame;
         let known = active.motion.known;
         let stated = if self.placer.is_parallel() { known } else { frame.known_across(known, false) };
-        if let Some(start) = &trial.take_up {
+        let bands = self.bands(trial, stated);
+        if let Some(start) = &trial.overshoot {
+            let end = active.route.end;
+            let step = self.write(active, start, None, (0.0, &end), false);
+            self.pending.extend(step.map(|piece| Ok(Output::Piece(Piece { take_up: false, ..piece }))));
+        }
+        for start in [&trial.ready, &trial.take_up].into_iter().flatten() {
             let way = Route::new(self.standing.command, start.command, None);
             let piece = (&active.route, from);
             self.findings.check(&active.origin, stated, piece, &way, &self.placer.setup.tool_mm);
             // Such a step takes the time that its length takes on the way.
             let share = way.size_mm() / active.route.size_mm();
-            let step = self.write(active, start, None, share, false);
+            let at = active.route.at(from);
+            let step = self.write(active, start, None, (share, &at), false);
             self.pending.extend(step.map(|piece| Ok(Output::Piece(piece))));
         }
         let nominal = active.route.at(to);
@@ -307,16 +328,19 @@ where
             let is_cut = active.motion.manner == Manner::Path;
             self.findings.tolerance_missed(&active.origin, is_cut, trial.deviation_mm, self.options.tolerance_mm);
         }
-        let piece = self.write(active, &trial.end, Some(trial), to - from, is_last);
-        if !self.sampler.backlash.is_empty() {
-            let sensed = self.standing.sensed;
-            self.standing.nominal_state.note_stated(sensed, &active.route.at(from), &nominal);
-            if !active.motion.rapid {
-                self.check_sense(&active.origin, &nominal, trial);
-            }
+        let mut piece = self.write(active, &trial.end, Some(trial), (to - from, &nominal), is_last);
+        if let Some(piece) = &mut piece {
+            piece.take_up |= trial.overshoot.is_some();
         }
+        let has_backlash = !self.sampler.backlash.is_empty();
+        self.check_sense(active, &bands, trial);
         if active.is_counted && self.prediction.wants(active.motion.rapid) {
-            self.predict(active, trial);
+            self.predict(active, trial, &bands);
+        }
+        if has_backlash {
+            let sensed = self.standing.sensed;
+            self.lead.along(&mut self.standing.nominal_band, &active.route, sensed, [from, to]);
+            self.standing.band = bands.end;
         }
         self.prediction.note_correction(&nominal, &trial.end.command);
         if active.treatment.leaves_others() {
@@ -330,32 +354,11 @@ where
         let standing = &mut self.standing;
         standing.nominal = nominal;
         standing.correction = trial.end.command - nominal;
-        standing.state.direction = trial.sense;
+        standing.state.direction = if has_backlash { standing.band.direction() } else { trial.sense };
         standing.is_doubtful = trial.is_torn;
         active.parameter = to;
         active.length = to - from;
         piece
-    }
-}
-
-impl<'a, I> Corrector<'a, I>
-where
-    I: Iterator<Item = Result<Element, Diagnostic>>,
-{
-    /// Points at an axis that cuts while nobody knows from which side it came to its place, if its backlash matters.
-    fn check_sense(&mut self, origin: &Origin, nominal: &AxisVector, trial: &Trial) {
-        let tool_mm = &self.placer.setup.tool_mm;
-        for axis in self.sampler.backlash.iter().filter(|&axis| trial.state().direction(axis) == 0) {
-            let [one, other] = [1, -1].map(|sense| {
-                let mut state = trial.state();
-                state.direction[axis.slot()] = sense;
-                self.placer.model.tip_error_mm(nominal, &trial.end.command, tool_mm, &state)
-            });
-            let half_mm = 0.5 * (one - other).norm();
-            if half_mm > self.options.tolerance_mm {
-                self.findings.sense_unknown(origin, axis, half_mm);
-            }
-        }
     }
 }
 

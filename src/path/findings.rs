@@ -155,8 +155,10 @@ impl<'a> Findings<'a> {
             "from which side {axis} came to where it cuts here is unknown: its backlash leaves up to {}",
             micrometers(half_mm)
         );
-        let help = format!("let the program move {axis} once more before it cuts, or give --start");
-        self.report(origin, Code::SENSE_UNKNOWN, message, help);
+        let help = format!("let the program move {axis} by more than that before it cuts, or give --start");
+        // One for each axis, also where they are in the same line.
+        let place = Place { file: origin.file, span: origin.span };
+        self.new.push(Diagnostic::at(Code::SENSE_UNKNOWN, place, message, help));
     }
 
     /// Says that a feed would be that of the correction.

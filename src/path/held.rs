@@ -47,15 +47,16 @@ impl Bench<'_, '_> {
                 let start = if moves { free } else { hold(free, &standing.command, &nominal[0], sense) };
                 take_up = Some(start).filter(|start| distance_mm(&start.command, &standing.command) > SAME_PLACE_MM);
             }
+            let ready = take_up.and_then(|start| self.ready(standing, &start, sense));
             let start = take_up.map_or(standing.command, |placed| placed.command);
             let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal[0]);
             let end = hold(place(&nominal[1], &correction), &start, &nominal[1], sense);
-            let mut state = standing.state;
-            state.note_stated(standing.sensed, &standing.command, &start);
-            state.note_stated(standing.sensed, &start, &end.command);
+            let first = ready.map_or(standing.command, |placed| placed.command);
+            let state = self.led(standing, &[standing.command, first, start, end.command]);
             let is_found = self.same_sense(&state, sense);
             let begins_off = take_up.is_none() && (standing.is_doubtful || !self.same_sense(&state, &standing.state));
-            ends = Some(Ends { take_up, start, end, sense: state.direction, is_torn: true, begins_off });
+            let sense = state.direction;
+            ends = Some(Ends { ready, take_up, start, end, sense, is_torn: true, begins_off });
             if is_found {
                 break;
             }

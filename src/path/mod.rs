@@ -18,6 +18,7 @@ mod extend;
 mod findings;
 mod held;
 mod increment;
+mod lead;
 mod live;
 mod moves;
 mod place;

@@ -2,6 +2,7 @@
 
 use crate::geometry::{AXIS_COUNT, AxisSet, AxisVector};
 use crate::machine::State;
+use crate::model::DeadBand;
 
 /// Where program and machine stand between two pieces.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,10 +18,11 @@ pub(super) struct Standing {
     pub(super) known: AxisSet,
     /// Axes of the machine whose place was known when the move began: in which sense the others move is not.
     pub(super) sensed: AxisSet,
-    /// Sense of motion of the emitted commands.
+    /// Sense of motion of the emitted commands, as far as it is known.
     pub(super) state: State,
-    /// Sense of motion of the program.
-    pub(super) nominal_state: State,
+    /// Where the axes are within their dead bands, by the emitted commands and by those of the program.
+    pub(super) band: DeadBand,
+    pub(super) nominal_band: DeadBand,
     /// Last correction, as a guess for the next.
     pub(super) correction: AxisVector,
     /// The machine may stand off the corrected path: an uncorrected move, another tool.

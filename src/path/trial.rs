@@ -5,6 +5,7 @@ use crate::machine::{Control, State};
 
 use super::PieceArc;
 use super::check::Sampler;
+use super::lead::Lead;
 use super::place::{Placed, Placer, SHORT_MM};
 use super::route::{Route, distance_mm};
 use super::standing::Standing;
@@ -27,6 +28,7 @@ pub(super) const SAME_PLACE_MM: f64 = 1e-9;
 pub(super) struct Bench<'a, 'm> {
     pub(super) placer: &'a Placer<'m>,
     pub(super) sampler: &'a Sampler,
+    pub(super) lead: &'a Lead<'m>,
     pub(super) control: &'a Control,
     pub(super) route: &'a Route,
     /// Samples that the whole route needs.
@@ -37,6 +39,8 @@ pub(super) struct Bench<'a, 'm> {
     pub(super) takes_up: bool,
     /// Whether rotary corrections change by little in a piece near a singularity.
     pub(super) limits_turns: bool,
+    /// Axes that come to their end in this sense whatever was before, by slot: behind an overshoot.
+    pub(super) settled: [i8; AXIS_COUNT],
 }
 
 /// A piece that was tried.
@@ -44,8 +48,12 @@ pub(super) struct Bench<'a, 'm> {
 pub(super) struct Trial {
     /// Parameters of the move at its ends.
     pub(super) between: [f64; 2],
+    /// Where to go before that, so that bodies come to it from the right side.
+    pub(super) ready: Option<Placed>,
     /// Where to go first, on the spot.
     pub(super) take_up: Option<Placed>,
+    /// Where to go first so that the axes come to the end in a known sense.
+    pub(super) overshoot: Option<Placed>,
     pub(super) end: Placed,
     /// Sense of motion of each axis along the piece, as in [`State::direction`].
     pub(super) sense: [i8; AXIS_COUNT],
@@ -65,6 +73,7 @@ pub(super) struct Trial {
 
 /// The ends of a piece.
 pub(super) struct Ends {
+    pub(super) ready: Option<Placed>,
     pub(super) take_up: Option<Placed>,
     pub(super) start: AxisVector,
     pub(super) end: Placed,
@@ -79,6 +88,12 @@ pub(super) struct Ends {
 impl Trial {
     pub(super) fn fits(&self) -> bool {
         self.deviation_mm <= self.allowed_mm
+    }
+
+    /// The parameter of the move at a share of the piece.
+    pub(super) fn parameter(&self, share: f64) -> f64 {
+        let [from, to] = self.between;
+        if share < 1.0 { from + (to - from) * share } else { to }
     }
 
     /// What the errors along the piece depend on besides the commands.
@@ -111,10 +126,10 @@ impl Bench<'_, '_> {
 
     /// The whole move straight to an end that was not made for the whole pose.
     fn unplaced(&self, standing: &Standing, end: Placed) -> Trial {
-        let mut state = standing.state;
-        state.note_stated(standing.sensed, &standing.command, &end.command);
+        let state = self.led(standing, &[standing.command, end.command]);
         let emitted = Route::new(standing.command, end.command, None);
         let ends = Ends {
+            ready: None,
             take_up: None,
             start: standing.command,
             end,
@@ -135,21 +150,23 @@ impl Bench<'_, '_> {
     /// The piece as a straight one.
     pub(super) fn straight(&self, standing: &Standing, between: [f64; 2], scratch: &mut Vec<f64>) -> Trial {
         let mut trial = self.unmeasured(standing, between);
-        self.measure(&mut trial, scratch);
+        self.measure(standing, &mut trial, scratch);
         trial
     }
 
     /// The piece as an arc; `None` where the ends, rounded, allow none.
     pub(super) fn arc(&self, standing: &Standing, between: [f64; 2], scratch: &mut Vec<f64>) -> Option<Trial> {
         let mut trial = self.unmeasured_arc(standing, between)?;
-        self.measure(&mut trial, scratch);
+        self.measure(standing, &mut trial, scratch);
         Some(trial)
     }
 
     pub(super) fn trial(&self, between: [f64; 2], ends: Ends, emitted: Route, circle: Option<PieceArc>) -> Trial {
         Trial {
             between,
+            ready: ends.ready,
             take_up: ends.take_up,
+            overshoot: None,
             end: ends.end,
             sense: ends.sense,
             is_torn: ends.is_torn,
@@ -172,11 +189,20 @@ impl Bench<'_, '_> {
         if self.sampler.backlash.is_empty() && !standing.is_doubtful {
             let end = place(&nominal_end, &standing.state, &standing.correction);
             let sense = standing.state.direction;
-            return Ends { take_up: None, start: standing.command, end, sense, is_torn: false, begins_off: false };
+            return Ends {
+                ready: None,
+                take_up: None,
+                start: standing.command,
+                end,
+                sense,
+                is_torn: false,
+                begins_off: false,
+            };
         }
         let nominal_start = self.route.at(between[0]);
         let mut sense = standing.state;
         sense.note_stated(standing.sensed, &nominal_start, &nominal_end);
+        self.settle(&mut sense);
         let mut tries = 0;
         let mut enough_mm = SAMPLED_SHARE * self.tolerance_mm;
         loop {
@@ -191,17 +217,20 @@ impl Bench<'_, '_> {
                     take_up = Some(start);
                 }
             }
+            let ready = take_up.and_then(|start| self.ready(standing, &start, &sense));
             let start = take_up.map_or(standing.command, |placed| placed.command);
             let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal_start);
             let end = place(&nominal_end, &sense, &correction);
             // What the machine will do: an axis that does not move keeps the sense that it has, not the one that was guessed.
-            let mut state = standing.state;
-            state.note_stated(standing.sensed, &standing.command, &start);
-            state.note_stated(standing.sensed, &start, &end.command);
+            let first = ready.map_or(standing.command, |placed| placed.command);
+            let mut led = self.led(standing, &[standing.command, first, start, end.command]);
+            self.settle(&mut led);
+            let mut state = led;
+            self.turn(standing, &mut state, &sense, &end.command);
             tries += 1;
             let is_torn = !self.same_sense(&state, &sense);
             let begins_off = take_up.is_none() && (standing.is_doubtful || !self.same_sense(&state, &standing.state));
-            let ends = Ends { take_up, start, end, sense: state.direction, is_torn, begins_off };
+            let ends = Ends { ready, take_up, start, end, sense: led.direction, is_torn, begins_off };
             if !is_torn || tries == 2 * MOST_TRIES {
                 return ends;
             }
@@ -214,6 +243,67 @@ impl Bench<'_, '_> {
                 enough_mm = READY_SHARE * self.tolerance_mm;
             }
             sense = state;
+        }
+    }
+
+    /// Where bodies are led on the spot that a step to `start` would leave within their dead bands: from there they come to it in these senses. None
+    /// is moved beyond its place by that.
+    pub(super) fn ready(&self, standing: &Standing, start: &Placed, sense: &State) -> Option<Placed> {
+        let axes = self.lead.axes.intersection(standing.sensed);
+        let led = self.led(standing, &[standing.command, start.command]);
+        let mut ready = start.command;
+        let mut changes = false;
+        for axis in axes.iter().filter(|&axis| led.direction(axis) != sense.direction(axis)) {
+            let lost = self.lead.model.lost_motion(axis, &start.command);
+            ready[axis] -= lost * f64::from(sense.direction(axis));
+            changes |= lost > 0.0 && sense.direction(axis) != 0;
+        }
+        changes.then(|| self.placer.round(&ready, self.known))
+    }
+
+    /// On which sides the bodies of axes are behind straight ways through these commands.
+    pub(super) fn led(&self, standing: &Standing, commands: &[AxisVector]) -> State {
+        if self.lead.axes.is_empty() {
+            let mut state = standing.state;
+            for way in commands.windows(2) {
+                state.note_stated(standing.sensed, &way[0], &way[1]);
+            }
+            return state;
+        }
+        let mut band = standing.band;
+        for way in commands.windows(2) {
+            self.lead.along(&mut band, &Route::new(way[0], way[1], None), standing.sensed, [0.0, 1.0]);
+        }
+        band.state()
+    }
+
+    /// A body that would be left within its dead band has another side for which it would not, perhaps: that is tried next. `sense` is what the end was placed for.
+    fn turn(&self, standing: &Standing, state: &mut State, sense: &State, end: &AxisVector) {
+        for axis in self.lead.axes.intersection(standing.sensed).iter() {
+            if state.direction(axis) != 0 {
+                continue;
+            }
+            let guess = sense.direction(axis);
+            let step = end[axis] - standing.command[axis];
+            let side = match guess {
+                0 if step > 0.0 => 1,
+                0 => -1,
+                guess => -guess,
+            };
+            // A step on the spot leads it to either side.
+            let is_free = self.takes_up || self.lead.is_known(&standing.band, axis, end);
+            if step != 0.0 && (is_free || self.lead.is_reached(&standing.band, (axis, side), (end, step), guess)) {
+                state.direction[axis.slot()] = side;
+            }
+        }
+    }
+
+    /// The senses that an overshoot gives.
+    fn settle(&self, state: &mut State) {
+        for (sense, &settled) in state.direction.iter_mut().zip(&self.settled) {
+            if settled != 0 {
+                *sense = settled;
+            }
         }
     }
 
@@ -240,7 +330,7 @@ impl Bench<'_, '_> {
     }
 
     /// Measures the deviation at all places that matter.
-    fn measure(&self, trial: &mut Trial, scratch: &mut Vec<f64>) {
+    fn measure(&self, standing: &Standing, trial: &mut Trial, scratch: &mut Vec<f64>) {
         let [from, to] = trial.between;
         let state = trial.state();
         self.sampler.fractions((self.route, self.samples), trial.between, &trial.emitted, scratch);
@@ -249,9 +339,29 @@ impl Bench<'_, '_> {
             // way between deviates most anywhere.
             scratch.extend((0..=BESIDE_ENDS).map(|k| f64::from(k) / f64::from(BESIDE_ENDS)));
         }
+        // Bodies go through their dead bands on the way.
+        let lags = (trial.begins_off || trial.is_torn) && !self.lead.axes.is_empty();
+        let mut first = standing.band;
+        if lags {
+            let mut last = standing.command;
+            for step in [trial.ready, trial.take_up].into_iter().flatten() {
+                let way = Route::new(last, step.command, None);
+                self.lead.along(&mut first, &way, standing.sensed, [0.0, 1.0]);
+                last = step.command;
+            }
+        }
         for &fraction in &*scratch {
             let nominal = self.route.at(from + (to - from) * fraction);
-            let deviation = self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &state);
+            let command = trial.emitted.at(fraction);
+            let deviation = if lags {
+                let mut band = first;
+                self.lead.along(&mut band, &trial.emitted, standing.sensed, [0.0, fraction]);
+                let at = trial.parameter(fraction);
+                let way = (at < 1.0).then_some((self.route, at));
+                self.lead.error_mm(&band, (&nominal, &command), &self.placer.setup.tool_mm, way).0.norm()
+            } else {
+                self.placer.tip_error_mm(&nominal, &command, &state)
+            };
             trial.deviation_mm = trial.deviation_mm.max(deviation);
             if fraction == 0.5 {
                 trial.middle_mm = Some(deviation);

@@ -31,13 +31,9 @@ const MOST_PIECES: usize = 1000;
 impl Detour {
     /// A piece that is not the last of its move.
     pub(super) fn see(&mut self, group: &Group<'_>, course: &Course<'_>, seen: &Seen) {
-        let (step, piece) = (course.step, course.piece);
-        let error_mm = |place: f64| {
-            let nominal = step.route.at(place);
-            group.model.tip_error_mm(&nominal, &nominal, &step.tool_mm, &step.state).norm()
-        };
-        let most_mm =
-            [0.0, course.to, 1.0].map(error_mm).into_iter().fold(BESIDE_MM, |most, one| most.max(BESIDE_MM + one));
+        let piece = course.piece;
+        let errors_mm = [0.0, course.to, 1.0].map(|place| group.before_mm(place));
+        let most_mm = errors_mm.into_iter().fold(BESIDE_MM, |most, one| most.max(BESIDE_MM + one));
         let off_mm = seen.end.norm();
         if off_mm > most_mm && self.off.is_none_or(|(most, ..)| off_mm > most) {
             self.off = Some((off_mm, most_mm, piece.origin));

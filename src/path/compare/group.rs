@@ -10,6 +10,7 @@ use super::parting::Parting;
 use super::step::Step;
 use super::{Course, Follow, Grouping, ON_THE_SPOT_MM, SAME_END_MM};
 use crate::path::Prediction;
+use crate::path::lead::Lead;
 use crate::path::prediction::{sample_count, sample_place};
 
 /// Distance of the samples along the path, mm.
@@ -67,7 +68,7 @@ pub(super) struct Group<'a> {
     grouping: Grouping,
     pub(super) kinematics: &'a Kinematics,
     pub(super) step: &'a Step,
-    pub(super) has_backlash: bool,
+    lead: Lead<'a>,
     /// Offset at which the group began: an uncorrected program carries its errors along.
     carried: Offset,
     /// Length of the corrected moves so far, mm.
@@ -84,12 +85,12 @@ impl<'a> Group<'a> {
     pub(super) fn new(
         model: &'a Model,
         grouping: Grouping,
-        (kinematics, has_backlash): (&'a Kinematics, bool),
+        (kinematics, lead): (&'a Kinematics, Lead<'a>),
         step: &'a Step,
         carried: Offset,
     ) -> Group<'a> {
         let (length_mm, has_begun, is_judged, parameter) = (0.0, false, false, 0.0);
-        Group { model, grouping, kinematics, step, has_backlash, carried, length_mm, has_begun, is_judged, parameter }
+        Group { model, grouping, kinematics, step, lead, carried, length_mm, has_begun, is_judged, parameter }
     }
 }
 
@@ -146,7 +147,11 @@ impl Group<'_> {
                 from: before,
                 to: self.parameter,
             };
-            let (errors_mm, seen) = self.sample(&course, stands && !is_complete, prediction);
+            let (errors_mm, mut seen) = self.sample(&course, stands && !is_complete, prediction);
+            if stands && corrected.peek().is_some_and(|next| next.continues && next.on_the_spot) {
+                // It leads bodies to where the next one takes them up: as far as their play.
+                seen.end = self.beyond_play(&piece, seen.end);
+            }
             let length_mm = whole_mm * (self.parameter - before);
             let feed_share = self.feed_share(&course, stands, judge.rounding_mm());
             judge.piece(self, &course, At { is_first, is_last: is_complete, stands }, &seen, feed_share);
@@ -171,15 +176,17 @@ impl Group<'_> {
         self.off_mm(&self.offset(piece, 1.0)) <= MEANT_END_MM
     }
 
+    /// The largest error of the original at a parameter, mm.
+    pub(super) fn before_mm(&self, parameter: f64) -> f64 {
+        let (nominal, band) = (self.step.route.at(parameter), self.step.band_at(parameter, &self.lead));
+        self.lead.error_mm(&band, (&nominal, &nominal), &self.step.tool_mm, None).1
+    }
+
     /// A piece that has covered the original move up to the parameter.
     fn seen<'p>(&self, course: Course<'p>, is_first: bool, on_the_spot: bool) -> Follow<'p> {
         let piece = course.piece;
         let nominal = self.step.route.at(self.parameter);
         let [nominal, written] = [&nominal, &piece.route.end].map(|command| piece.programmed(command, self.kinematics));
-        let error_mm = |nominal: &AxisVector| {
-            let state = if self.has_backlash { self.step.state_at(self.parameter) } else { self.step.state };
-            self.model.tip_error_mm(nominal, nominal, &self.step.tool_mm, &state).norm()
-        };
         // Only for what is left as it was does anybody ask why.
         let is_left = (written - nominal).max_abs(&AXES) < SAME_MM;
         Follow {
@@ -190,7 +197,7 @@ impl Group<'_> {
             on_the_spot,
             nominal,
             written,
-            error_mm: if is_left { error_mm(&self.step.route.at(self.parameter)) } else { 0.0 },
+            error_mm: if is_left { self.before_mm(self.parameter) } else { 0.0 },
             errors_mm: None,
             length_mm: 0.0,
             is_stated: self.step.is_counted,
@@ -225,9 +232,9 @@ impl Group<'_> {
     /// How far the tool is from the place of the original move at `parameter` when a piece has ended.
     fn offset(&self, piece: &Step, parameter: f64) -> Offset {
         let command = piece.route.end;
-        let state = if self.has_backlash { piece.state_at(1.0) } else { piece.state };
         let nominal = self.step.route.at(parameter);
-        let tip = self.model.tip_error_mm(&nominal, &command, &piece.tool_mm, &state);
+        let band = piece.band_at(1.0, &self.lead);
+        let (tip, _) = self.lead.error_mm(&band, (&nominal, &command), &piece.tool_mm, None);
         let turned = ROTARY_AXES.map(|axis| ROTARY_ARM_MM * (command[axis] - nominal[axis]));
         Offset { tip, turned: Vector::from(turned) }
     }
@@ -260,10 +267,10 @@ impl Group<'_> {
     /// The offset at the end of a step on the spot or of a rapid move, which make ready for the sides of backlash to which the next piece leads: for the
     /// sides that fit best.
     fn on_either_side(&self, piece: &Step, nominal: &AxisVector, end: Vector) -> Vector {
-        let played: Vec<Axis> = AXES.into_iter().filter(|&axis| self.model.features(axis).backlash).collect();
+        let played: Vec<Axis> = self.lead.axes.iter().collect();
         let mut best = end;
         for sides in 0..1_u32 << played.len() {
-            let mut state = piece.state;
+            let mut state = piece.band.state();
             for (k, axis) in played.iter().enumerate() {
                 state.direction[axis.slot()] = if (sides >> k) & 1 == 0 { 1 } else { -1 };
             }
@@ -275,13 +282,41 @@ impl Group<'_> {
         best
     }
 
+    /// What of an offset is more than what bodies may lag behind at the end of a piece.
+    fn beyond_play(&self, piece: &Step, offset: Vector) -> Vector {
+        let command = piece.route.end;
+        let played = self.lead.axes.iter().map(|axis| {
+            let on_side = |sense: i8| {
+                let mut state = piece.band.state();
+                state.direction[axis.slot()] = sense;
+                self.model.tip_error_mm(&command, &command, &piece.tool_mm, &state)
+            };
+            (on_side(1) - on_side(-1)).norm()
+        });
+        let off_mm = offset.norm();
+        let play_mm: f64 = played.sum();
+        if off_mm > play_mm { offset * (1.0 - play_mm / off_mm) } else { Vector::zeros() }
+    }
+
     /// Adds the errors of a piece: the largest of the original and of the corrected program, where they count, and what is seen of the latter. Its end
     /// is looked at in any case. One that `waits` covers nothing of the move.
     fn sample(&self, course: &Course<'_>, waits: bool, prediction: &mut Prediction) -> (Option<[f64; 2]>, Seen) {
         let (piece, [from, to]) = (course.piece, [course.from, course.to]);
+        let errors_at = |fraction: f64| {
+            let parameter = if fraction < 1.0 { from + (to - from) * fraction } else { to };
+            let nominal = self.step.route.at(parameter);
+            let command = piece.route.at(fraction);
+            let before_mm = self.before_mm(parameter);
+            let after = piece.band_at(fraction, &self.lead);
+            // On its way the tool may wait for a body, at the end it must be there.
+            let way = (parameter < 1.0).then_some((&self.step.route, parameter));
+            let (middle, after_mm) = self.lead.error_mm(&after, (&nominal, &command), &piece.tool_mm, way);
+            [before_mm, after_mm, middle.norm()]
+        };
         let end = self.offset(piece, to).tip;
-        let mut seen = Seen { end, most_mm: end.norm() };
-        if (waits || self.step.rapid) && self.has_backlash {
+        let [_, end_mm, end_middle_mm] = errors_at(1.0);
+        let mut seen = Seen { end, most_mm: end_middle_mm };
+        if (waits || self.step.rapid) && !self.lead.axes.is_empty() {
             seen.end = self.on_either_side(piece, &self.step.route.at(to), end);
         }
         let size_mm = self.step.route.size_mm() * (to - from);
@@ -290,22 +325,9 @@ impl Group<'_> {
         if !counts {
             return (None, seen);
         }
-        let errors_at = |fraction: f64| {
-            let parameter = from + (to - from) * fraction;
-            let nominal = self.step.route.at(parameter);
-            let command = piece.route.at(fraction);
-            let (before, after) = if self.has_backlash {
-                (self.step.state_at(parameter), piece.state_at(fraction))
-            } else {
-                (self.step.state, piece.state)
-            };
-            let before_mm = self.model.tip_error_mm(&nominal, &nominal, &self.step.tool_mm, &before).norm();
-            let after_mm = self.model.tip_error_mm(&nominal, &command, &piece.tool_mm, &after).norm();
-            [before_mm, after_mm]
-        };
         let chord_mm = self.step.off_curve_mm;
-        let mut largest = [0.0, end.norm()];
-        let mut note = |errors: [f64; 2]| largest = [0, 1].map(|k| f64::max(largest[k], errors[k]));
+        let mut largest = [0.0, end_mm, end_middle_mm];
+        let mut note = |errors: [f64; 3]| largest = [0, 1, 2].map(|k| f64::max(largest[k], errors[k]));
         let count = sample_count(size_mm, SAMPLE_MM);
         for k in 0..count {
             let errors = errors_at(sample_place(k, count));
@@ -319,11 +341,14 @@ impl Group<'_> {
             if place >= 1.0 {
                 break;
             }
-            note([0.0, errors_at(place)[1]]);
+            let [_, after_mm, middle_mm] = errors_at(place);
+            note([0.0, after_mm, middle_mm]);
         }
-        seen.most_mm = largest[1];
-        largest[1] += chord_mm;
-        prediction.note_after(self.step.rapid, largest[1], &self.step.origin);
-        (Some(largest), seen)
+        let [before_mm, mut after_mm, middle_mm] = largest;
+        // Where nobody knows on which side an axis is, the place for one of them is what was promised.
+        seen.most_mm = middle_mm;
+        after_mm += chord_mm;
+        prediction.note_after(self.step.rapid, after_mm, &self.step.origin);
+        (Some([before_mm, after_mm]), seen)
     }
 }

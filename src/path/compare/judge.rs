@@ -199,7 +199,7 @@ impl<'d> Judge<'d> {
         let (nominal, tool_mm) = (step.route.at(course.to), &piece.tool_mm);
         let ideal = group.model.nominal(&nominal, tool_mm);
         let tilt = |command: &AxisVector| {
-            let turn = ideal.turn_to(&group.model.actual(command, tool_mm, &piece.state));
+            let turn = ideal.turn_to(&group.model.actual(command, tool_mm, &piece.band.state()));
             (turn - tool_axis * turn.dot(&tool_axis)).norm()
         };
         let tilt_rad = tilt(&piece.route.end);
@@ -339,7 +339,7 @@ impl<'d> Judge<'d> {
             [&place, &piece.route.start, &piece.route.end].map(|command| piece.programmed(command, kinematics));
         let tip = |words: &AxisVector| {
             let command = piece.commanded(words, kinematics)?;
-            Some(group.model.tip_error_mm(&place, &command, &piece.tool_mm, &piece.state))
+            Some(group.model.tip_error_mm(&place, &command, &piece.tool_mm, &piece.band.state()))
         };
         let Some(here) = tip(&written) else { return end.norm() };
         let mut rest = *end;

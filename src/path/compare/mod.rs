@@ -21,7 +21,7 @@ mod same_text;
 mod step;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::geometry::{AXES, AxisVector};
+use crate::geometry::AxisVector;
 use crate::machine::{Kinematics, Machine};
 use crate::model::Model;
 use crate::snc::{Element, Origin, WordValue};
@@ -36,6 +36,7 @@ use group::{Group, Offset};
 use judge::Judge;
 use step::{Step, Walk};
 
+use super::lead::Lead;
 use super::prediction::Pair;
 use super::{Feeds, Prediction, Spread};
 
@@ -160,9 +161,9 @@ pub fn compare_seeing(
     model: &Model,
     (see, differ): (See<'_>, Differ<'_>),
 ) -> Result<Comparison, Vec<Parting>> {
-    let has_backlash = AXES.into_iter().any(|axis| model.features(axis).backlash);
-    let original = Walk::new(original, machine, feeds[0], has_backlash);
-    let corrected = Walk::new(corrected, machine, feeds[1], has_backlash);
+    let lead = Lead::new(model, machine);
+    let original = Walk::new(original, machine, feeds[0], lead);
+    let corrected = Walk::new(corrected, machine, feeds[1], lead);
     let tails = [original.tail(), corrected.tail()];
     let (mut original, mut corrected) = (Ahead::new(original), Ahead::new(corrected));
     let kinematics = Kinematics::new(machine);
@@ -171,7 +172,7 @@ pub fn compare_seeing(
     let mut carried = Offset::default();
     let mut partings: Vec<Parting> = Vec::new();
     while let Some(mut step) = original.next() {
-        let mut group = Group::new(model, grouping, (&kinematics, has_backlash), &step, carried);
+        let mut group = Group::new(model, grouping, (&kinematics, lead), &step, carried);
         judge.begin(original.peek().is_some_and(|next| step.runs_into(next)));
         match group.follow(&mut corrected, &mut prediction, see, &mut judge) {
             Ok(offset) => carried = offset,
@@ -179,7 +180,7 @@ pub fn compare_seeing(
                 let is_judged = group.is_judged;
                 judge.part(&step);
                 let ends = |step: &Step, piece: &Step| {
-                    let of = (&kinematics, has_backlash);
+                    let of = (&kinematics, lead);
                     Group::new(model, grouping, of, step, Offset::default()).ends_at(piece)
                 };
                 if let (Some(next), Some(piece)) = (original.peek(), corrected.peek())

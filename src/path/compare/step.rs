@@ -4,19 +4,16 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::super::lead::Lead;
 use super::super::route::Route;
 use super::super::way::counts_turns;
 use super::super::{Feeds, lost_axes};
 use super::acts::{Act, Acts, Passing};
 use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT};
 use crate::geometry::{AXES, AxisSet, AxisVector, Vector};
-use crate::machine::{Kinematics, Machine, State};
+use crate::machine::{Kinematics, Machine};
+use crate::model::DeadBand;
 use crate::snc::{BlockNumber, Element, FeedUnit, Kind, Manner, Origin, Setup, WordValue};
-
-/// What rounding the center of an arc moves an axis by at its turning point is less: e²/2r for a center that is off by e.
-const QUIET_MM: f64 = 5e-5;
-/// Turning points of one arc that are looked at.
-const MOST_PLACES: usize = 4096;
 
 /// Share of a move over which the direction at its end is looked at.
 const NEAR_END: f64 = 1e-4;
@@ -43,8 +40,8 @@ pub(super) struct Step {
     pub(super) tool_mm: Vector,
     /// The tool word that stands above it.
     pub(super) tool: Option<Arc<WordValue>>,
-    /// Sense of motion before the move.
-    pub(super) state: State,
+    /// Where the axes are within their dead bands before the move.
+    pub(super) band: DeadBand,
     /// Axes that were stated before it.
     pub(super) stated: AxisSet,
     pub(super) is_counted: bool,
@@ -67,38 +64,11 @@ pub(super) struct Step {
 }
 
 impl Step {
-    /// Sense of motion at a parameter: that of the last motion of each axis that is more than what rounding makes of the turning points of an arc.
-    pub(super) fn state_at(&self, parameter: f64) -> State {
-        let mut state = self.state;
-        let route = &self.route;
-        if route.arc().is_none() {
-            state.note_stated(self.stated, &route.start, &route.end);
-            return state;
-        }
-        // Where the arc turns an axis around, and where it is now.
-        let mut places = vec![0.0];
-        let mut own = 0;
-        let mut next = 0.0;
-        while next < 1.0 && places.len() < MOST_PLACES {
-            next = route.next_turning(AxisSet::XYZ, next);
-            if own == 0 && next >= parameter {
-                places.push(parameter.clamp(0.0, 1.0));
-                own = places.len() - 1;
-            }
-            places.push(next);
-        }
-        let ends: Vec<AxisVector> = places.iter().map(|&place| route.at(place)).collect();
-        let (mut from, mut to) = (route.start, route.start);
-        for axis in AXES {
-            let moves = |pair: &&[AxisVector]| (pair[1][axis] - pair[0][axis]).abs() > QUIET_MM;
-            // Before it has moved it is about to.
-            let last = ends[..=own].windows(2).rfind(moves).or_else(|| ends[own..].windows(2).find(moves));
-            if let Some(pair) = last {
-                (from[axis], to[axis]) = (pair[0][axis], pair[1][axis]);
-            }
-        }
-        state.note_stated(self.stated, &from, &to);
-        state
+    /// Where the axes are within their dead bands at a parameter.
+    pub(super) fn band_at(&self, parameter: f64, lead: &Lead<'_>) -> DeadBand {
+        let mut band = self.band;
+        lead.along(&mut band, &self.route, self.stated, [0.0, parameter]);
+        band
     }
 
     /// An axis command as this program would write it here: coordinates of the frame in force, of the tip in the workpiece under a transformation.
@@ -154,12 +124,12 @@ pub(super) struct Walk<'a, I> {
     machine: &'a Machine,
     feeds: Feeds,
     counts_turns: bool,
-    has_backlash: bool,
+    lead: Lead<'a>,
     position: AxisVector,
     tool_mm: Vector,
     tool: Option<Arc<WordValue>>,
     setup: Arc<Setup>,
-    state: State,
+    band: DeadBand,
     known: AxisSet,
     ever_named: AxisSet,
     continues: bool,
@@ -177,18 +147,18 @@ pub(super) struct Walk<'a, I> {
 pub(super) type Tail = Rc<RefCell<Vec<Act>>>;
 
 impl<'a, I> Walk<'a, I> {
-    pub(super) fn new(elements: I, machine: &'a Machine, feeds: Feeds, has_backlash: bool) -> Self {
+    pub(super) fn new(elements: I, machine: &'a Machine, feeds: Feeds, lead: Lead<'a>) -> Self {
         Walk {
             elements,
             machine,
             feeds,
             counts_turns: false,
-            has_backlash,
+            lead,
             position: AxisVector::ZERO,
             tool_mm: Vector::zeros(),
             tool: None,
             setup: Arc::default(),
-            state: State::default(),
+            band: DeadBand::default(),
             known: AxisSet::EMPTY,
             ever_named: AxisSet::EMPTY,
             continues: false,
@@ -229,7 +199,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
             }
             let lost = lost_axes(&element, self.machine);
             self.known = self.known.difference(lost);
-            self.state.forget(lost);
+            self.band.forget(lost);
             let motion = match element.kind {
                 Kind::Comment(text) => {
                     let text = text.strip_prefix(b";").or_else(|| text.strip_prefix(b"(")?.strip_suffix(b")"));
@@ -270,7 +240,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 feeds: if self.counts_turns { Feeds::OfAll } else { self.feeds },
                 tool_mm: self.tool_mm,
                 tool: self.tool.clone(),
-                state: self.state,
+                band: self.band,
                 stated: self.known,
                 is_counted: motion.named.difference(self.known).is_empty()
                     && self.ever_named.difference(motion.known).is_empty(),
@@ -284,9 +254,7 @@ impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
                 number: self.number.take(),
                 transformation: self.transformation,
             };
-            if self.has_backlash {
-                self.state = step.state_at(1.0);
-            }
+            self.lead.along(&mut self.band, &step.route, self.known, [0.0, 1.0]);
             self.position = motion.target;
             self.known = motion.known;
             return Some(step);

@@ -40,7 +40,8 @@ where
         self.standing.known = self.standing.known.difference(axes);
         self.standing.written = self.standing.written.difference(axes);
         self.standing.state.forget(axes);
-        self.standing.nominal_state.forget(axes);
+        self.standing.band.forget(axes);
+        self.standing.nominal_band.forget(axes);
     }
 
     /// From here on coordinates mean something else; the machine stands where it stood.

@@ -1,9 +1,10 @@
 //! Makes pieces for the output of those that were tried, and samples the error along them.
 
 use crate::diagnostic::Diagnostic;
-use crate::geometry::AxisSet;
+use crate::geometry::{Axis, AxisSet, AxisVector};
 use crate::snc::Element;
 
+use super::dead_band::Bands;
 use super::{Active, Corrector};
 use crate::path::Piece;
 use crate::path::place::Placed;
@@ -16,14 +17,14 @@ impl<I> Corrector<'_, I>
 where
     I: Iterator<Item = Result<Element, Diagnostic>>,
 {
-    /// A piece for the output: of a trial, or a step on the spot. `share` is its share of the time of the move. `None` where it is shorter
-    /// than an increment.
+    /// A piece for the output: of a trial, or a step on the spot; with its share of the time of the move, and the commands that the program asks
+    /// for at its end. `None` where it is shorter than an increment.
     pub(super) fn write(
         &mut self,
         active: &mut Active,
         placed: &Placed,
         trial: Option<&Trial>,
-        share: f64,
+        (share, nominal): (f64, &AxisVector),
         is_last: bool,
     ) -> Option<Piece> {
         let standing = &mut self.standing;
@@ -33,7 +34,8 @@ where
         // The others stay, and what is not written yet is written by a later move.
         let others_stay = active.treatment.leaves_others();
         if others_stay {
-            words = active.moving;
+            let changes = |axis: &Axis| placed.counts[axis.slot()] != standing.counts[axis.slot()];
+            words = if first { active.moving } else { active.moving.iter().filter(changes).collect() };
         }
         let stated = if others_stay { AxisSet::EMPTY } else { motion.known };
         for axis in stated.iter() {
@@ -77,7 +79,7 @@ where
             in_machine_frame: motion.in_machine_frame,
             manner: motion.manner,
             command: placed.command,
-            nominal: active.route.at(trial.map_or(active.parameter, |trial| trial.between[1])),
+            nominal: *nominal,
             known: motion.known,
             is_corrected: active.treatment != Treatment::Programmed,
             others_stay,
@@ -85,30 +87,53 @@ where
     }
 
     /// Samples the error along a piece, unless it is short and near the last sample.
-    pub(super) fn predict(&mut self, active: &Active, trial: &Trial) {
+    pub(super) fn predict(&mut self, active: &Active, trial: &Trial, bands: &Bands) {
         let [from, to] = trial.between;
         let size_mm = active.route.size_mm() * (to - from);
         let (rapid, sample_mm) = (active.motion.rapid, self.options.sample_mm);
         // What is written is a chord of the way that the program asks for.
         let chord_mm = active.motion.off_curve_mm;
-        let end_mm = self.placer.tip_error_mm(&active.route.at(to), &trial.end.command, &trial.state());
-        if let Some(middle_mm) = trial.middle_mm
+        let (lead, placer) = (&self.lead, &self.placer);
+        let tool_mm = &placer.setup.tool_mm;
+        let after_mm = |share: f64| {
+            let at = trial.parameter(share);
+            let (nominal, command) = (active.route.at(at), trial.emitted.at(share));
+            // Where the axes move on as they were placed, the errors depend on nothing else.
+            if bands.are_led {
+                return placer.tip_error_mm(&nominal, &command, &trial.state());
+            }
+            let mut band = bands.at(lead, trial, share);
+            if share == 0.0 {
+                lead.put(&mut band, &trial.sense, &command);
+            }
+            lead.error_mm(&band, (&nominal, &command), tool_mm, active.way_at(at)).1
+        };
+        let middle_mm = trial.middle_mm.filter(|_| bands.are_led);
+        let mut ends_mm = after_mm(1.0);
+        if let Some(middle_mm) = middle_mm
             && self.prediction.passes(rapid, size_mm, sample_mm)
         {
-            self.prediction.note_after(rapid, middle_mm.max(end_mm) + chord_mm, &active.origin);
+            self.prediction.note_after(rapid, middle_mm.max(ends_mm) + chord_mm, &active.origin);
             return;
+        }
+        if !bands.are_led {
+            ends_mm = ends_mm.max(after_mm(0.0));
         }
         let count = sample_count(size_mm, sample_mm);
         for k in 0..count {
-            let fraction = sample_place(k, count);
-            let nominal = active.route.at(from + (to - from) * fraction);
-            let before_mm = self.placer.tip_error_mm(&nominal, &nominal, &self.standing.nominal_state);
-            let after_mm = match trial.middle_mm {
-                Some(middle_mm) if count == 1 => middle_mm,
-                _ => self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &trial.state()),
+            let share = sample_place(k, count);
+            let at = trial.parameter(share);
+            let nominal = active.route.at(at);
+            let before_mm = if lead.axes.is_empty() {
+                placer.tip_error_mm(&nominal, &nominal, &self.standing.state)
+            } else {
+                let mut before = self.standing.nominal_band;
+                lead.along(&mut before, &active.route, self.standing.sensed, [from, at]);
+                lead.error_mm(&before, (&nominal, &nominal), tool_mm, None).1
             };
+            let after_mm = middle_mm.filter(|_| count == 1).unwrap_or_else(|| after_mm(share));
             self.prediction.add(rapid, before_mm, after_mm + chord_mm, &active.origin);
         }
-        self.prediction.note_after(rapid, end_mm + chord_mm, &active.origin);
+        self.prediction.note_after(rapid, ends_mm + chord_mm, &active.origin);
     }
 }

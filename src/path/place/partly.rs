@@ -1,7 +1,7 @@
 //! Positions to which only some axes of the output go: rapid moves that are no approach to a cut.
 
 use super::{Placed, Placer, SHORT_MM};
-use crate::geometry::{AXES, Axis, AxisSet, AxisVector};
+use crate::geometry::{AXES, Axis, AxisSet, AxisVector, Vector};
 use crate::path::standing::Standing;
 
 impl Placer<'_> {
@@ -42,6 +42,18 @@ impl Placer<'_> {
         let [start, end] = [start, end].map(|command| self.programmed(command));
         let changes = |&axis: &Axis| known.contains(axis) && (end[axis] - start[axis]).abs() > SHORT_MM;
         AXES.into_iter().filter(changes).collect::<AxisSet>().union(named)
+    }
+
+    /// By how much the tip is higher at one command than at another, along the tool, mm.
+    pub(in crate::path) fn height_mm(&self, from: &AxisVector, to: &AxisVector) -> f64 {
+        let tip = |command: &AxisVector| self.kinematics.tip_mm(command, &self.setup.tool_mm);
+        (tip(to) - tip(from)).dot(&self.kinematics.direction(to))
+    }
+
+    /// The direction of the tool at a command, from the tip to the spindle in the workpiece, and how high its tip is along it, mm.
+    pub(in crate::path) fn height_at(&self, command: &AxisVector) -> (Vector, f64) {
+        let direction = self.kinematics.direction(command);
+        (direction, self.kinematics.tip_mm(command, &self.setup.tool_mm).dot(&direction))
     }
 
     /// Whether a rapid move that moves these axes of the output goes along the tool.
