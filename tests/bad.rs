@@ -60,7 +60,7 @@ const COVERED_ELSEWHERE: &[(&str, &str)] = &[
     ("W0604", "cli_calibrate: a_poor_model_is_pointed_out"),
     ("W0601", "strain: places_that_the_signals_do_not_tell_are_assumed"),
     ("W0602", "strain: the_command_writes_a_state_file"),
-    ("W0308", "unknown_sense: the_first_cut_has_the_mean_of_both_sides_and_a_warning"),
+    ("W0308", "unknown_sense: without_room_the_side_stays_unknown_and_is_told"),
     ("E0901", "cli_tables: active_tables_that_cannot_be_read_forbid_the_program"),
     ("E0902", "cli_tables: what_does_not_fit_is_refused_and_nothing_is_written"),
     ("E0903", "worse_than_none: tables_that_make_it_worse_are_not_written"),

@@ -120,7 +120,8 @@ fn a_cubic_spline_of_rs274_is_chords() {
 /// Reversals within arcs and beside their rounded ends: fix and verify say the same of them.
 #[test]
 fn backlash_in_arcs_is_one_number() {
-    let program = "G21 G90 G54 G17\nS1000 M3\nG0 X100 Y90 Z5\nG0 X100 Y100\nG1 Z-1 F500\nG1 X171.604 Y298.625\nG3 X249.634 Y337.295 I43.532 J10.221\n\
+    // The first rapid move comes from anywhere; the second one leads X and Y through their play.
+    let program = "G21 G90 G54 G17\nS1000 M3\nG0 X90 Y90 Z5\nG0 X100 Y100\nG1 Z-1 F500\nG1 X171.604 Y298.625\nG3 X249.634 Y337.295 I43.532 J10.221\n\
                    G3 X318.873 Y394.174 I21.239 J44.727\nG3 X313.621 Y397.118 I-3.823 J-0.663\nG0 Z5\nM2\n";
     for increment in ["0.001", "0.0001"] {
         for value in ["20", "-20"] {

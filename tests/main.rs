@@ -54,6 +54,7 @@ mod condition_log;
 mod controls;
 mod correction;
 mod cycles;
+mod dead_band;
 mod decompose;
 mod definitions;
 mod diagnose;

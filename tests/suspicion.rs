@@ -25,7 +25,7 @@ use ncfix::source::{FileId, Source};
 use ncfix::syntax;
 
 use self::draw::{Pair, Random};
-use self::judge::{Judge, Senses};
+use self::judge::{Judge, Sides};
 
 /// Pairs of a short run.
 const PAIRS: u64 = 100;
@@ -320,7 +320,10 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
         _ => true,
     });
     let is_coarse = is_coarse && found.iter().any(|finding| finding.code == Code::TOLERANCE_NOT_REACHED);
-    let mut senses = Senses::new(&pair.machine);
+    // Where nobody knows on which side of its play an axis is, a finding says by how much a cut may be off, or that is within the tolerance.
+    let is_unknown = found.iter().any(|finding| finding.code == Code::SENSE_UNKNOWN);
+    let mut sides = Sides::new(pair);
+    let mut known = AxisSet::EMPTY;
     let has_rotary = pair.machine.axis_set().iter().any(Axis::is_rotary);
     for (number, ways) in &emitted {
         let nominal = &original[number];
@@ -333,11 +336,12 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
         for way in nominal {
             for k in 0..=8 {
                 let command = way.at(f64::from(k) / 8.0);
-                let error_mm = (judge.actual(&command, &senses.certain) - judge.ideal(&command)).norm();
+                let error_mm = (judge.actual(&command, &sides.middle()) - judge.ideal(&command)).norm();
                 largest_error_mm = largest_error_mm.max(error_mm);
             }
         }
         if *number < pair.first_move {
+            known = ways.last().unwrap().motion.known;
             continue;
         }
         let first = *number == draw::FIRST_MOVE;
@@ -348,14 +352,19 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
                 Rapids::All if !first => false,
                 _ => stays_at_the_end_of_travel(pair, nominal, ways),
             };
-        for way in ways {
+        for (index, way) in ways.iter().enumerate() {
             let mut last = way.start;
+            // It goes beyond its place to come back from a certain side.
+            let is_beyond = rapid && ways.get(index + 1).is_some_and(|next| next.is_on_the_spot);
             for k in 1..=PLACES {
                 let fraction = k as f64 / PLACES as f64;
                 let command = way.at(fraction);
-                if !first {
-                    // From which side the first move comes nobody knows.
-                    senses.note(&last, &command);
+                // From where an axis comes whose place the program had not stated nobody knows.
+                for axis in AXES {
+                    match known.contains(axis) {
+                        true => sides.note(axis, &last, &command),
+                        false => sides.forget(axis),
+                    }
                 }
                 last = command;
                 // The first move comes from anywhere.
@@ -371,15 +380,17 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
                         "pair {seed}: travel\n{context}"
                     );
                 }
-                if way.is_on_the_spot || !is_known || missed || rapid && !is_approach {
+                if way.is_on_the_spot || is_beyond || !is_known || missed || rapid && !is_approach {
                     continue;
                 }
                 // Chords of a fixed step would leave the circle.
                 let is_cut = has_arc || matches!(pair.options.subdivision, Subdivision::Adaptive);
+                let middle = sides.middle();
+                let open_mm = if rapid || is_unknown { judge.open_mm(&command, &sides) } else { 0.0 };
                 let (property, bound_mm) = if is_left_alone {
                     // It is left as it is.
-                    let turned_mm = judge.rotary_rounding_mm(&command, &senses.certain);
-                    let backlash_mm = judge.backlash_mm(&command, &senses.certain, AXES.into_iter());
+                    let turned_mm = judge.rotary_rounding_mm(&command, &middle);
+                    let backlash_mm = judge.backlash_mm(&command, &middle, AXES.into_iter());
                     // It may begin at a place that is corrected.
                     let error_mm = 2.0 * largest_error_mm + backlash_mm;
                     ("rapid left alone", error_mm + rounding_mm + turned_mm + NOISE_MM)
@@ -387,18 +398,19 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
                     // Between ends that are right the tool is off by what the errors change on the way.
                     ("rapid", 2.0 * largest_error_mm + bound_mm)
                 } else if is_cut {
-                    ("tolerance", bound_mm + if is_coarse { owed_mm(&judge, way, &senses.certain) } else { 0.0 })
+                    ("tolerance", bound_mm + if is_coarse { owed_mm(&judge, way, &middle) } else { 0.0 })
                 } else if at_end && !pair.is_transformed {
                     // Under a transformation a control goes on by chords of its own.
-                    let owed_mm = owed_mm(&judge, way, &senses.certain);
+                    let owed_mm = owed_mm(&judge, way, &middle);
                     ("ends of fixed steps", rounding_mm + NOISE_MM + owed_mm)
                 } else {
                     continue;
                 };
-                let possible = senses.possible(&way.turning(&command, increment_mm));
+                let bound_mm = bound_mm + open_mm;
+                let possible = sides.possible(&way.turning(&command, increment_mm));
                 let away_mm = possible.iter().map(|sense| ideal.distance_mm(&judge.actual(&command, sense), bound_mm));
                 let away_mm = away_mm.fold(f64::INFINITY, f64::min);
-                let what = format_args!("N{number} to {:?}, {fraction} of it\n{context}", way.motion.target);
+                let what = format_args!("N{number} to {:?}, {fraction} of it, {sides:?}\n{context}", way.motion.target);
                 worst.note(property, away_mm, bound_mm, seed, &what);
                 if is_cut && !is_left_alone && !has_rotary {
                     // Where the tip is, the axes would stand without errors.
@@ -408,6 +420,7 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
                     worst.note("correction on the way", correction.xyz().amax(), limit_mm, seed, &what);
                 }
             }
+            known = way.motion.known;
         }
         let (from, to) = (nominal.last().unwrap(), ways.last().unwrap());
         let correction = to.motion.target - from.motion.target;
@@ -432,13 +445,20 @@ fn judge(pair: &Pair, worst: &mut Worst, warned: &mut BTreeMap<String, u64>) -> 
         }
         if !is_left_alone && is_known && !missed && (!rapid || is_approach) {
             let place = judge.ideal(&from.motion.target);
-            let possible = senses.possible(&to.turning(&to.motion.target, increment_mm));
+            let open_mm = if rapid || is_unknown { judge.open_mm(&to.motion.target, &sides) } else { 0.0 };
+            let possible = sides.possible(&to.turning(&to.motion.target, increment_mm));
             let away_mm = possible.iter().map(|sense| (judge.actual(&to.motion.target, sense) - place).norm());
             let away_mm = away_mm.fold(f64::INFINITY, f64::min);
             // Rapid moves and fixed steps are not cut where that would help.
             let is_cut = !rapid && (has_arc || matches!(pair.options.subdivision, Subdivision::Adaptive));
-            let owed_mm = if is_cut && !is_coarse { 0.0 } else { owed_mm(&judge, to, &senses.certain) };
-            worst.note("end of the block", away_mm, bound_mm + owed_mm, seed, &format_args!("N{number}\n{context}"));
+            let owed_mm = if is_cut && !is_coarse { 0.0 } else { owed_mm(&judge, to, &sides.middle()) };
+            worst.note(
+                "end of the block",
+                away_mm,
+                bound_mm + owed_mm + open_mm,
+                seed,
+                &format_args!("N{number}, {sides:?}\n{context}"),
+            );
         }
         if !rapid && !first {
             check_feed(&judge, pair, [nominal, ways], worst, &context);
@@ -490,18 +510,18 @@ fn narrow(pair: &mut Pair) {
 
 /// What axes may owe to their backlash, mm: one that either sense asks to move the other way is as far off as that, or stays where it is. It
 /// stands then, or moves by less than its backlash and what the rounding of rotary axes asks of it.
-fn owed_mm(judge: &Judge, way: &Way, sense: &[i8; 9]) -> f64 {
+fn owed_mm(judge: &Judge, way: &Way, sides: &[f64; 9]) -> f64 {
     let target = &way.motion.target;
-    let rounding_mm = 2.0 * (judge.increment_mm() + judge.rotary_rounding_mm(target, sense));
+    let rounding_mm = 2.0 * (judge.increment_mm() + judge.rotary_rounding_mm(target, sides));
     let owed = AXES.into_iter().map(|axis| {
-        let backlash_mm = judge.backlash_mm(target, sense, std::iter::once(axis));
+        let backlash_mm = judge.backlash_mm(target, sides, std::iter::once(axis));
         let way = (target[axis] - way.start[axis]).abs();
         let is_torn = if axis.is_rotary() { way < 1e-9 } else { way <= backlash_mm + rounding_mm };
         if is_torn { backlash_mm } else { 0.0 }
     });
     let owed_mm: f64 = owed.sum();
     // One that stays is off by what its correction changes along the piece.
-    let error = |command: &AxisVector| judge.actual(command, sense) - judge.ideal(command);
+    let error = |command: &AxisVector| judge.actual(command, sides) - judge.ideal(command);
     if owed_mm > 0.0 { owed_mm + (error(target) - error(&way.start)).norm() } else { 0.0 }
 }
 

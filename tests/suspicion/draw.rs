@@ -62,7 +62,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    pub(super) fn value(&self, position: f64, sense: i8) -> f64 {
+    pub(super) fn value(&self, position: f64, sense: f64) -> f64 {
         match self {
             Shape::Powers(factors) => {
                 factors.iter().zip(0..).map(|(factor, power)| factor * position.powi(power)).sum()
@@ -79,7 +79,7 @@ impl Shape {
                 values[next - 1] * (1.0 - share) + values[next] * share
             }
             Shape::Wave { amplitude, period, phase } => amplitude * (TAU * position / period + phase).sin(),
-            Shape::Reversal(size) => 0.5 * size * f64::from(sense),
+            Shape::Reversal(size) => 0.5 * size * sense,
         }
     }
 

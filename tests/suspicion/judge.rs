@@ -4,11 +4,11 @@
 //! an axis is L D(e0) M D(e) L⁻¹, or L D(e0) D(e) M L⁻¹ where the lever is fixed. The spindle is D(e0) at its gauge point.
 
 use ncfix::geometry::{AXES, Axis, AxisVector, Vector};
-use ncfix::machine::{AxisData, Lever, Machine, State};
+use ncfix::machine::{AxisData, Lever, State};
 use ncfix::model::Model;
 use ncfix::path::Increments;
 
-use super::draw::{Pair, Random};
+use super::draw::{Pair, Random, Shape};
 
 /// The judge of one machine.
 pub(super) struct Judge<'a> {
@@ -65,62 +65,101 @@ struct Link<'a> {
     location: Rigid,
 }
 
-/// In which senses the axes have moved last.
-pub(super) struct Senses {
-    /// The sense of each axis as far as it is certain, by slot.
-    pub(super) certain: [i8; 9],
-    /// The furthest that each axis has gone in its sense, or where it stood first.
+/// On which sides of their play the bodies of the axes are: −1 behind a motion in the negative sense, 1 behind one in the positive.
+#[derive(Debug)]
+pub(super) struct Sides {
+    /// Between which sides each body is, by slot; one place where that is certain. Without play along the axis the least motion turns it.
+    between: [[f64; 2]; 9],
+    /// How far the command must go from the one side to the other, mm or rad, by slot.
+    play: [f64; 9],
+    /// The furthest that each axis without play has gone in its sense, or where it stood first.
     furthest: AxisVector,
     has_begun: [bool; 9],
-    /// Axes that have gone back, or gone at all, by less than an increment: a control may see a turn there or none.
+    /// Axes without play that have gone back, or gone at all, by less than an increment: a control may see a turn there or none.
     unsure: Vec<Axis>,
     increments: Increments,
 }
 
-impl Senses {
-    pub(super) fn new(machine: &Machine) -> Senses {
-        let increments = Increments::new(&machine.control);
-        Senses { certain: [0; 9], furthest: AxisVector::ZERO, has_begun: [false; 9], unsure: Vec::new(), increments }
+impl Sides {
+    pub(super) fn new(pair: &Pair) -> Sides {
+        let increments = Increments::new(&pair.machine.control);
+        let mut play = [0.0; 9];
+        for data in pair.machine.axes.iter().flatten() {
+            let own = data.axis.dimension() + if data.axis.is_rotary() { 3 } else { 0 };
+            for (component, shape) in &pair.errors.motion[data.axis.slot()] {
+                if let (true, Shape::Reversal(size)) = (*component == own, shape) {
+                    // A body that stays behind is off against the way that a positive command leads it.
+                    play[data.axis.slot()] -= data.direction[data.axis.dimension()] * size;
+                }
+            }
+        }
+        let play = play.map(|play| play.max(0.0));
+        let (furthest, has_begun) = (AxisVector::ZERO, [false; 9]);
+        Sides { between: [[-1.0, 1.0]; 9], play, furthest, has_begun, unsure: Vec::new(), increments }
     }
 
-    /// Notes a short way.
-    pub(super) fn note(&mut self, from: &AxisVector, to: &AxisVector) {
-        for axis in AXES {
-            let certain = &mut self.certain[axis.slot()];
-            if !std::mem::replace(&mut self.has_begun[axis.slot()], true) {
-                self.furthest[axis] = from[axis];
+    /// Something has moved an axis that nobody knows.
+    pub(super) fn forget(&mut self, axis: Axis) {
+        self.between[axis.slot()] = [-1.0, 1.0];
+        self.has_begun[axis.slot()] = false;
+        self.unsure.retain(|&other| other != axis);
+    }
+
+    /// Notes a short way of an axis.
+    pub(super) fn note(&mut self, axis: Axis, from: &AxisVector, to: &AxisVector) {
+        let (between, play) = (&mut self.between[axis.slot()], self.play[axis.slot()]);
+        if play > 0.0 {
+            let turned = 2.0 * (to[axis] - from[axis]) / play;
+            *between = between.map(|side| (side + turned).clamp(-1.0, 1.0));
+            return;
+        }
+        if !std::mem::replace(&mut self.has_begun[axis.slot()], true) {
+            self.furthest[axis] = from[axis];
+        }
+        let gone = to[axis] - self.furthest[axis];
+        // The noise of a turned frame moves nothing.
+        let has_moved = gone.abs() > 1e-9;
+        let is_further = between[0] == between[1] && gone * between[0] >= -1e-9;
+        if has_moved && !is_further && self.increments.ratio(axis, gone).abs() < 1.0 - 1e-6 {
+            if !self.unsure.contains(&axis) {
+                self.unsure.push(axis);
             }
-            let gone = to[axis] - self.furthest[axis];
-            // The noise of a turned frame moves nothing.
-            let has_moved = gone.abs() > 1e-9;
-            let is_further = *certain != 0 && gone * f64::from(*certain) >= -1e-9;
-            if has_moved && !is_further && self.increments.ratio(axis, gone).abs() < 1.0 - 1e-6 {
-                if !self.unsure.contains(&axis) {
-                    self.unsure.push(axis);
-                }
-                continue;
-            }
-            self.unsure.retain(|&other| other != axis);
-            if has_moved {
-                *certain = if gone > 0.0 { 1 } else { -1 };
-                self.furthest[axis] = to[axis];
-            }
+            return;
+        }
+        self.unsure.retain(|&other| other != axis);
+        if has_moved {
+            *between = [gone.signum(); 2];
+            self.furthest[axis] = to[axis];
         }
     }
 
-    /// All senses that the axes may have now, where `turning` are about to turn.
-    pub(super) fn possible(&self, turning: &[Axis]) -> Vec<[i8; 9]> {
-        let mut possible = vec![self.certain];
-        let others = turning.iter().filter(|axis| !self.unsure.contains(axis) && self.certain[axis.slot()] != 0);
+    /// The middle of what is possible.
+    pub(super) fn middle(&self) -> [f64; 9] {
+        self.between.map(|[low, high]| 0.5 * (low + high))
+    }
+
+    /// Axes of whose bodies nobody knows where they are, with both ends of what is possible.
+    pub(super) fn open(&self) -> impl Iterator<Item = (Axis, [f64; 2])> {
+        let between = |axis: Axis| self.between[axis.slot()];
+        AXES.into_iter().map(move |axis| (axis, between(axis))).filter(|(_, [low, high])| high - low > 1e-9)
+    }
+
+    /// What a control may see where axes without play have turned by less than an increment, or `turning` are about to turn: either side.
+    pub(super) fn possible(&self, turning: &[Axis]) -> Vec<[f64; 9]> {
+        let mut possible = vec![self.middle()];
+        let is_certain = |axis: Axis| self.between[axis.slot()][0] == self.between[axis.slot()][1];
+        let others = turning
+            .iter()
+            .filter(|&&axis| self.play[axis.slot()] == 0.0 && !self.unsure.contains(&axis) && is_certain(axis));
         for axis in self.unsure.iter().chain(others) {
             for k in 0..possible.len() {
-                let others: &[i8] = match possible[k][axis.slot()] {
-                    0 => &[-1, 1],
-                    sense => &[-sense],
+                let others: &[f64] = match possible[k][axis.slot()] {
+                    0.0 => &[-1.0, 1.0],
+                    side => &[-side],
                 };
-                for &sense in others {
+                for &side in others {
                     let mut other = possible[k];
-                    other[axis.slot()] = sense;
+                    other[axis.slot()] = side;
                     possible.push(other);
                 }
             }
@@ -163,8 +202,8 @@ impl<'a> Judge<'a> {
     }
 
     /// The same with errors.
-    pub(super) fn actual(&self, command: &AxisVector, sense: &[i8; 9]) -> Vector {
-        self.tip(command, Some(sense))
+    pub(super) fn actual(&self, command: &AxisVector, side: &[f64; 9]) -> Vector {
+        self.tip(command, Some(side))
     }
 
     pub(super) fn increment_mm(&self) -> f64 {
@@ -172,37 +211,51 @@ impl<'a> Judge<'a> {
     }
 
     /// What the backlash of some axes is at the tip, mm, together.
-    pub(super) fn backlash_mm(&self, command: &AxisVector, sense: &[i8; 9], axes: impl Iterator<Item = Axis>) -> f64 {
+    pub(super) fn backlash_mm(&self, command: &AxisVector, side: &[f64; 9], axes: impl Iterator<Item = Axis>) -> f64 {
         let owed = axes.map(|axis| {
-            let [one, other] = [1, -1].map(|turned| {
-                let mut sense = *sense;
-                sense[axis.slot()] = turned;
-                self.actual(command, &sense)
+            let [one, other] = [1.0, -1.0].map(|turned| {
+                let mut side = *side;
+                side[axis.slot()] = turned;
+                self.actual(command, &side)
             });
-            // From an unknown sense it is half of that, which is less.
+            // From an unknown side it is half of that, which is less.
             (one - other).norm()
         });
         owed.sum()
     }
 
+    /// What the tip is moved by between the ends of what is possible of axes, mm, together.
+    pub(super) fn open_mm(&self, command: &AxisVector, sides: &Sides) -> f64 {
+        let middle = sides.middle();
+        let moved = sides.open().map(|(axis, ends)| {
+            let [one, other] = ends.map(|side| {
+                let mut all = middle;
+                all[axis.slot()] = side;
+                self.actual(command, &all)
+            });
+            (one - other).norm()
+        });
+        moved.sum()
+    }
+
     /// What half an increment of each rotary axis moves the tip by, mm, together.
-    pub(super) fn rotary_rounding_mm(&self, command: &AxisVector, sense: &[i8; 9]) -> f64 {
+    pub(super) fn rotary_rounding_mm(&self, command: &AxisVector, side: &[f64; 9]) -> f64 {
         let half = Increments::new(&self.pair.machine.control).rotary_deg.to_radians() / 2.0;
         let rotary = self.pair.machine.axis_set().iter().filter(|axis| axis.is_rotary());
         let moved = rotary.map(|axis| {
             let mut rounded = *command;
             rounded[axis] += half;
-            (self.actual(&rounded, sense) - self.actual(command, sense)).norm()
+            (self.actual(&rounded, side) - self.actual(command, side)).norm()
         });
         moved.sum()
     }
 
     /// From the tip inwards to the foundation, and outwards to the workpiece by the inverse of its chain.
-    fn tip(&self, command: &AxisVector, sense: Option<&[i8; 9]>) -> Vector {
+    fn tip(&self, command: &AxisVector, side: Option<&[f64; 9]>) -> Vector {
         let [workpiece, tool] = &self.chains;
-        let tip = self.tips[usize::from(sense.is_some())];
-        let on_foundation = tool.iter().rev().fold(tip, |point, link| self.through(link, point, command, sense, false));
-        workpiece.iter().fold(on_foundation, |point, link| self.through(link, point, command, sense, true))
+        let tip = self.tips[usize::from(side.is_some())];
+        let on_foundation = tool.iter().rev().fold(tip, |point, link| self.through(link, point, command, side, false));
+        workpiece.iter().fold(on_foundation, |point, link| self.through(link, point, command, side, true))
     }
 
     /// A point behind an axis as it is before it, or the inverse of that.
@@ -211,7 +264,7 @@ impl<'a> Judge<'a> {
         link: &Link,
         point: Vector,
         command: &AxisVector,
-        sense: Option<&[i8; 9]>,
+        side: Option<&[f64; 9]>,
         is_inverse: bool,
     ) -> Vector {
         let data = link.data;
@@ -220,14 +273,14 @@ impl<'a> Judge<'a> {
         let motion =
             if data.axis.is_rotary() { Rigid::new(way, Vector::zeros()) } else { Rigid::new(Vector::zeros(), way) };
         let at_place = point - data.point_mm;
-        let Some(sense) = sense else {
+        let Some(side) = side else {
             let moved = if is_inverse { motion.unapply(at_place) } else { motion.apply(at_place) };
             return moved + data.point_mm;
         };
         let slot = data.axis.slot();
         let mut components = [0.0; 6];
         for (component, shape) in &self.pair.errors.motion[slot] {
-            components[*component] += shape.value(position, sense[slot]);
+            components[*component] += shape.value(position, side[slot]);
         }
         let error = displacement(components);
         let [outer, inner] = match data.lever {
@@ -250,15 +303,15 @@ pub(super) fn check_forward(pair: &Pair) {
     let mut random = Random(pair.seed ^ 0x5eed);
     for _ in 0..3 {
         let mut command = AxisVector::ZERO;
-        let mut sense = [0; 9];
+        let mut side = [0.0; 9];
         for data in pair.machine.axes.iter().flatten() {
             let [low, high] = data.travel.unwrap();
             command[data.axis] = random.between(low, high);
-            sense[data.axis.slot()] = [-1, 0, 1][random.below(3)];
+            side[data.axis.slot()] = [-1.0, 0.0, 1.0][random.below(3)];
         }
-        let state = State { direction: sense, ..State::default() };
+        let state = State { direction: side.map(|side| side as i8), ..State::default() };
         let expected = model.actual(&command, &pair.tool_mm, &state).translation;
-        let away_mm = (judge.actual(&command, &sense) - expected).norm();
+        let away_mm = (judge.actual(&command, &side) - expected).norm();
         assert!(away_mm < 1e-9, "pair {}: judge and model differ by {away_mm:e} mm", pair.seed);
         let away_mm = (judge.ideal(&command) - model.nominal(&command, &pair.tool_mm).translation).norm();
         assert!(away_mm < 1e-9, "pair {}: {away_mm:e} mm without errors", pair.seed);
