@@ -121,9 +121,10 @@ impl DeadBand {
         })
     }
 
-    /// Gives an axis without a dead band its side.
-    pub(crate) fn turn(&mut self, axis: Axis, sense: i8) {
-        (self.ahead[axis], self.back[axis]) = (0.0, 0.0);
+    /// Puts the body of an axis that loses so much on a side, or, for 0, in the middle.
+    pub(crate) fn put(&mut self, axis: Axis, sense: i8, lost: f64) {
+        let back = 0.5 * lost * (1.0 + f64::from(sense));
+        (self.ahead[axis], self.back[axis]) = (lost - back, back);
         self.direction[axis.slot()] = sense;
     }
 

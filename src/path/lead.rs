@@ -11,6 +11,9 @@ const QUIET_MM: f64 = 5e-5;
 /// Half the step over which the direction of a way is looked at, as a parameter, and the shortest way that has one, mm.
 const DIRECTION_STEP: f64 = 1e-4;
 const SHORTEST_MM: f64 = 1e-9;
+/// What an overshoot goes beyond the lost motion, as a share of it, and at least so many increments.
+const BIT_SHARE: f64 = 0.25;
+const BIT_INCREMENTS: f64 = 5.0;
 /// Turning points of one arc that are looked at.
 const MOST_PLACES: usize = 4096;
 
@@ -59,12 +62,18 @@ impl<'a> Lead<'a> {
             for axis in waiting.iter() {
                 let step = place[axis] - at[axis];
                 if step.abs() > quiet {
-                    band.turn(axis, if step > 0.0 { 1 } else { -1 });
+                    band.put(axis, if step > 0.0 { 1 } else { -1 }, 0.0);
                     waiting = waiting.difference(std::iter::once(axis).collect());
                 }
             }
             (from, at) = (next, place);
         }
+    }
+
+    /// How far an overshoot leads that settles on which side an axis is, mm.
+    pub(super) fn beyond_mm(&self, axis: Axis, command: &AxisVector, increment_mm: f64) -> f64 {
+        let lost_mm = self.model.lost_motion(axis, command);
+        lost_mm + (BIT_SHARE * lost_mm).max(BIT_INCREMENTS * increment_mm)
     }
 
     /// Whether it is known where the body of an axis is.
@@ -76,7 +85,7 @@ impl<'a> Lead<'a> {
     pub(super) fn put(&self, band: &mut DeadBand, sides: &[i8; AXIS_COUNT], command: &AxisVector) {
         for axis in self.axes.iter().filter(|axis| sides[axis.slot()] != 0) {
             if self.model.lost_motion(axis, command) == 0.0 {
-                band.turn(axis, sides[axis.slot()]);
+                band.put(axis, sides[axis.slot()], 0.0);
             }
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! A rapid move may be corrected at its end only, so that its pieces keep no tolerance; but none of them leads anywhere else.
 
-use crate::geometry::{AxisSet, AxisVector, ROTARY_AXES};
+use crate::geometry::{Axis, AxisSet, AxisVector, ROTARY_AXES};
 use crate::snc::Origin;
 
 use super::course::Course;
@@ -49,20 +49,27 @@ impl Detour {
         self.off.take().map(|(off_mm, limit_mm, origin)| (What::Detour { off_mm, limit_mm }, origin))
     }
 
-    /// What is wrong with the pieces of a move, when its last one is known, and where.
-    pub(super) fn end(&mut self, last: &Course<'_>) -> Option<(What, Origin)> {
+    /// What is wrong with the pieces of a move, when its last one is known, and where; `beyond_mm` is how far beyond its end an axis may go.
+    pub(super) fn end(
+        &mut self,
+        last: &Course<'_>,
+        beyond_mm: impl Fn(Axis, &AxisVector) -> f64,
+    ) -> Option<(What, Origin)> {
         let turned = std::mem::take(&mut self.turned);
         let (step, piece) = (last.step, last.piece);
         if let Some(found) = self.broken() {
             return Some(found);
         }
         let ends = [step.route.start, step.route.end, piece.route.end];
-        // Where nobody has said where an axis was, it has no way but to its end.
-        let unstated: Vec<_> = AxisSet::XYZ.iter().filter(|&axis| !step.stated.contains(axis)).collect();
+        // Where nobody has said where an axis was, it has no way but to its end, and beyond that as far as settles the side of its backlash.
+        let unstated: AxisSet = AxisSet::XYZ.iter().filter(|&axis| !step.stated.contains(axis)).collect();
         for (place, origin) in turned {
-            let off_mm = (place - piece.route.end).max_abs(&unstated);
-            if off_mm > BESIDE_MM {
-                return Some((What::Detour { off_mm, limit_mm: BESIDE_MM }, origin));
+            for axis in unstated.iter() {
+                let off_mm = (place[axis] - piece.route.end[axis]).abs();
+                let limit_mm = BESIDE_MM.max(beyond_mm(axis, &piece.route.end));
+                if off_mm > limit_mm {
+                    return Some((What::Detour { off_mm, limit_mm }, origin));
+                }
             }
             for axis in ROTARY_AXES {
                 let least = ends.iter().map(|end| end[axis]).fold(f64::INFINITY, f64::min);

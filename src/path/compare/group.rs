@@ -1,6 +1,6 @@
 //! The corrected moves of one original move: which they are, and what they leave.
 
-use crate::geometry::{AXES, Axis, AxisSet, AxisVector, ROTARY_AXES, Vector};
+use crate::geometry::{AXES, AxisSet, AxisVector, ROTARY_AXES, Vector};
 use crate::machine::Kinematics;
 use crate::model::Model;
 
@@ -32,6 +32,8 @@ const ROTARY_ARM_MM: f64 = 10.0;
 const TIP_DECIDES: f64 = 0.1;
 /// A piece whose end differs by less than arithmetic does is left as it was, mm and rad.
 const SAME_MM: f64 = 1e-8;
+/// A step that leads a body through its lost motion goes by that, but for rounding: an axis that goes by less than this share of it is not led.
+const LED_SHARE: f64 = 0.5;
 /// Half the step over which a way is looked at, as a parameter.
 const SENSE_STEP: f64 = 1e-4;
 /// Turning points of one arc that are looked at.
@@ -68,7 +70,7 @@ pub(super) struct Group<'a> {
     grouping: Grouping,
     pub(super) kinematics: &'a Kinematics,
     pub(super) step: &'a Step,
-    lead: Lead<'a>,
+    pub(super) lead: Lead<'a>,
     /// Offset at which the group began: an uncorrected program carries its errors along.
     carried: Offset,
     /// Length of the corrected moves so far, mm.
@@ -148,9 +150,8 @@ impl Group<'_> {
                 to: self.parameter,
             };
             let (errors_mm, mut seen) = self.sample(&course, stands && !is_complete, prediction);
-            if stands && corrected.peek().is_some_and(|next| next.continues && next.on_the_spot) {
-                // It leads bodies to where the next one takes them up: as far as their play.
-                seen.end = self.beyond_play(&piece, seen.end);
+            if stands && let Some(next) = corrected.peek().filter(|next| next.continues && next.on_the_spot) {
+                seen.end = self.beyond_play(&piece, next, seen.end);
             }
             let length_mm = whole_mm * (self.parameter - before);
             let feed_share = self.feed_share(&course, stands, judge.rounding_mm());
@@ -264,17 +265,31 @@ impl Group<'_> {
         parameter
     }
 
-    /// The offset at the end of a step on the spot or of a rapid move, which make ready for the sides of backlash to which the next piece leads: for the
-    /// sides that fit best.
+    /// The offset at the end of a step on the spot, or of a rapid move, as near as the play allows. A body without a dead band may be on either side,
+    /// for that to which the next piece leads it; where a rapid move leaves a body within its dead band, it waits for a step there that leads it out.
     fn on_either_side(&self, piece: &Step, nominal: &AxisVector, end: Vector) -> Vector {
-        let played: Vec<Axis> = self.lead.axes.iter().collect();
+        let command = piece.route.end;
+        let band = piece.band_at(1.0, &self.lead);
         let mut best = end;
-        for sides in 0..1_u32 << played.len() {
-            let mut state = piece.band.state();
-            for (k, axis) in played.iter().enumerate() {
-                state.direction[axis.slot()] = if (sides >> k) & 1 == 0 { 1 } else { -1 };
+        let mut bands = vec![band];
+        for axis in self.lead.axes.iter() {
+            let lost = self.model.lost_motion(axis, &command);
+            let sides: &[i8] = match band.direction()[axis.slot()] {
+                _ if lost == 0.0 => &[1, -1],
+                0 if piece.rapid => &[1, 0, -1],
+                _ => continue,
+            };
+            let before = std::mem::take(&mut bands);
+            for band in before {
+                bands.extend(sides.iter().map(|&side| {
+                    let mut other = band;
+                    other.put(axis, side, lost);
+                    other
+                }));
             }
-            let other = self.model.tip_error_mm(nominal, &piece.route.end, &piece.tool_mm, &state);
+        }
+        for band in bands {
+            let (other, _) = self.lead.error_mm(&band, (nominal, &command), &piece.tool_mm, None);
             if other.norm() < best.norm() {
                 best = other;
             }
@@ -282,20 +297,27 @@ impl Group<'_> {
         best
     }
 
-    /// What of an offset is more than what bodies may lag behind at the end of a piece.
-    fn beyond_play(&self, piece: &Step, offset: Vector) -> Vector {
-        let command = piece.route.end;
-        let played = self.lead.axes.iter().map(|axis| {
-            let on_side = |sense: i8| {
+    /// What of the offset behind a step that makes ready is more than what the play allows. `next` leads bodies from the one side to the other on the
+    /// spot: until then the tip is aside by the play that they have across their way.
+    fn beyond_play(&self, piece: &Step, next: &Step, offset: Vector) -> Vector {
+        let (from, to) = (piece.route.end, next.route.end);
+        let aside = self.lead.axes.iter().map(|axis| {
+            let (lost, way) = (self.model.lost_motion(axis, &to), to[axis] - from[axis]);
+            if lost == 0.0 || way.abs() < LED_SHARE * lost {
+                return 0.0;
+            }
+            let mut led = from;
+            led[axis] += lost.copysign(way);
+            let tip = |command: &AxisVector, side: i8| {
                 let mut state = piece.band.state();
-                state.direction[axis.slot()] = sense;
-                self.model.tip_error_mm(&command, &command, &piece.tool_mm, &state)
+                state.direction[axis.slot()] = side;
+                self.model.tip_error_mm(&from, command, &piece.tool_mm, &state)
             };
-            (on_side(1) - on_side(-1)).norm()
+            let side = if way > 0.0 { 1 } else { -1 };
+            (tip(&led, side) - tip(&from, -side)).norm()
         });
-        let off_mm = offset.norm();
-        let play_mm: f64 = played.sum();
-        if off_mm > play_mm { offset * (1.0 - play_mm / off_mm) } else { Vector::zeros() }
+        let (off_mm, aside_mm) = (offset.norm(), aside.sum::<f64>());
+        if off_mm > aside_mm { offset * (1.0 - aside_mm / off_mm) } else { Vector::zeros() }
     }
 
     /// Adds the errors of a piece: the largest of the original and of the corrected program, where they count, and what is seen of the latter. Its end

@@ -176,7 +176,10 @@ impl<'d> Judge<'d> {
     fn detour(&mut self, group: &Group<'_>, course: &Course<'_>, at: At, seen: &Seen) {
         let (step, piece) = (group.step, course.piece);
         if at.is_last {
-            if let Some((what, corrected)) = self.detour.end(course) {
+            // The last digit of both ends is rounded.
+            let linear_mm = self.increments.linear_mm;
+            let beyond_mm = |axis, end: &AxisVector| group.lead.beyond_mm(axis, end, linear_mm) + linear_mm;
+            if let Some((what, corrected)) = self.detour.end(course, beyond_mm) {
                 (self.differ)(Difference { original: step.origin, corrected, what });
             }
         } else if step.rapid || step.is_uncut() || piece.rapid || !step.is_counted {

@@ -16,9 +16,6 @@ use crate::path::route::Route;
 use crate::path::treatment::Treatment;
 use crate::path::trial::Trial;
 
-/// What an overshoot goes beyond the lost motion, as a share of it, and at least so many increments.
-const BIT_SHARE: f64 = 0.25;
-const BIT_INCREMENTS: f64 = 5.0;
 /// An axis that lifts the tool by more than this share of its way goes along the tool, one that lifts it by less than the other across.
 const ALONG: f64 = 0.99;
 const ACROSS: f64 = 0.01;
@@ -204,8 +201,7 @@ where
 
     /// How far an overshoot leads, mm.
     fn beyond_mm(&self, axis: Axis, command: &AxisVector) -> f64 {
-        let lost_mm = self.placer.model.lost_motion(axis, command);
-        lost_mm + (BIT_SHARE * lost_mm).max(BIT_INCREMENTS * self.placer.increments.linear_mm)
+        self.lead.beyond_mm(axis, command, self.placer.increments.linear_mm)
     }
 
     /// Whether the travel of an axis allows a step beyond a place, its correction included.
