@@ -17,6 +17,17 @@ const ACROSS: f64 = 0.01;
 /// Shares of a dead band nearer than this are one place.
 const SAME_SHARE: f64 = 1e-6;
 
+/// What the tip is off, mm, as far as it is known on which sides the axes are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Off {
+    /// With the bodies of which nobody knows where they are in the middle of what is possible: the place that a correction aims at.
+    pub middle: Vector,
+    /// As near to the nominal place as the possible sides allow.
+    pub nearest: Vector,
+    /// The largest distance that they allow.
+    pub most_mm: f64,
+}
+
 /// Where the axes are within their dead bands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeadBand {
@@ -41,7 +52,9 @@ impl Room {
         Room { linear_mm: ROUNDED * control.increment_mm, rotary_rad: ROUNDED * control.increment_rad }
     }
 
-    fn of_axis(&self, axis: Axis, lost: f64) -> f64 {
+    /// That of an axis that loses so much.
+    #[must_use]
+    pub fn of_axis(&self, axis: Axis, lost: f64) -> f64 {
         ACROSS * lost + if axis.is_rotary() { self.rotary_rad } else { self.linear_mm }
     }
 }
@@ -85,7 +98,7 @@ impl DeadBand {
                 continue;
             }
             let lost = model.lost_motion(axis, to);
-            let [ahead, back] = [self.ahead[axis], self.back[axis]].map(|way| way.min(lost));
+            let [ahead, back] = self.ways(model, axis, to);
             let (ahead, back) = if step > 0.0 {
                 ((ahead - step).max(0.0), (back + step).min(lost))
             } else {
@@ -106,6 +119,13 @@ impl DeadBand {
             }
         }
         moved
+    }
+
+    /// How far an axis must still go in the positive sense, and in the negative one, until its body follows for certain, mm or rad.
+    #[must_use]
+    pub fn ways(&self, model: &Model, axis: Axis, command: &AxisVector) -> [f64; 2] {
+        let lost = model.lost_motion(axis, command);
+        [self.ahead[axis], self.back[axis]].map(|way| way.min(lost))
     }
 
     /// Whether the bodies of these axes are where a motion in these senses, by slot, leaves them.
@@ -178,8 +198,7 @@ impl DeadBand {
         (within, state)
     }
 
-    /// The tip at `command` from the nominal tip at `nominal`, mm: as near as the sides of the axes allow, and the largest distance that they
-    /// allow. Where a body is within its dead band the tool waits on its way: what it is off along the direction `along` does not count then.
+    /// The tip at `command` from the nominal tip at `nominal`. Where a body is within its dead band the tool waits on its way: what it is off along the direction `along` does not count then.
     /// The one function of correction, prediction and comparison for axes whose errors depend on the sense.
     #[must_use]
     pub fn error_mm(
@@ -189,11 +208,11 @@ impl DeadBand {
         (nominal, command): (&AxisVector, &AxisVector),
         tool_mm: &Vector,
         along: impl FnOnce() -> Option<Vector>,
-    ) -> (Vector, f64) {
+    ) -> Off {
         let (within, mut state) = self.within(model, axes, command);
         let mut middle = model.tip_error_mm(nominal, command, tool_mm, &state);
         if within.is_empty() {
-            return (middle, middle.norm());
+            return Off { middle, nearest: middle, most_mm: middle.norm() };
         }
         let mut corners = [Vector::zeros(); 1 << OPEN_AXES];
         corners[0] = middle;
@@ -210,14 +229,15 @@ impl DeadBand {
         }
         let along = along();
         let corners = corners.iter().take(count).map(|corner| across(*corner, along));
-        let (mut best, mut most_mm) = (across(middle, along), 0.0_f64);
+        let middle = across(middle, along);
+        let mut off = Off { middle, nearest: middle, most_mm: 0.0 };
         for corner in corners {
-            most_mm = most_mm.max(corner.norm());
-            if corner.norm() < best.norm() {
-                best = corner;
+            off.most_mm = off.most_mm.max(corner.norm());
+            if corner.norm() < off.nearest.norm() {
+                off.nearest = corner;
             }
         }
-        (best, most_mm)
+        off
     }
 
     /// The largest distance of the tip from its nominal place that an unknown side of one axis allows, as far as it comes from that, mm.

@@ -28,7 +28,7 @@ pub mod write;
 
 pub use accumulator::Accumulator;
 pub use body::Pose;
-pub use dead_band::{DeadBand, Room};
+pub use dead_band::{DeadBand, Off, Room};
 pub use features::Features;
 pub use forward::{Model, Twist};
 pub use inverse::{NotConverged, Solve};

@@ -41,7 +41,7 @@ impl Bench<'_, '_> {
             let mut take_up = None;
             if self.takes_up
                 && (standing.is_doubtful || !self.same_sense(sense, &standing.state))
-                && self.placer.tip_error_mm(&nominal[0], &standing.command, sense) > SAMPLED_SHARE * self.tolerance_mm
+                && self.turning_mm(standing, &nominal[0], sense) > SAMPLED_SHARE * self.tolerance_mm
             {
                 let free = place(&nominal[0], &standing.correction);
                 let start = if moves { free } else { hold(free, &standing.command, &nominal[0], sense) };

@@ -2,7 +2,7 @@
 
 use crate::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
 use crate::machine::Machine;
-use crate::model::{DeadBand, Model, Room};
+use crate::model::{DeadBand, Model, Off, Room};
 
 use super::route::Route;
 
@@ -33,8 +33,8 @@ impl<'a> Lead<'a> {
         Lead { model, axes, room: Room::of(&machine.control) }
     }
 
-    /// Notes a way between two parameters; axes turn on it where an arc does. An axis without a dead band is at once on the side to which it is
-    /// about to go.
+    /// Notes a way between two parameters; axes turn on it where an arc does. An axis without a dead band, or with one of about an increment, is
+    /// at once on the side to which it is about to go.
     pub(super) fn along(&self, band: &mut DeadBand, route: &Route, stated: AxisSet, [from, to]: [f64; 2]) {
         if self.axes.is_empty() {
             return;
@@ -51,7 +51,7 @@ impl<'a> Lead<'a> {
                 break;
             }
         }
-        let about_to = |axis: &Axis| self.model.lost_motion(*axis, &at) == 0.0;
+        let about_to = |axis: &Axis| self.is_quick(*axis, &at);
         let mut waiting: AxisSet = self.axes.difference(moved).intersection(stated).iter().filter(about_to).collect();
         for _ in 0..MOST_PLACES {
             if waiting.is_empty() || from >= 1.0 {
@@ -62,12 +62,18 @@ impl<'a> Lead<'a> {
             for axis in waiting.iter() {
                 let step = place[axis] - at[axis];
                 if step.abs() > quiet {
-                    band.put(axis, if step > 0.0 { 1 } else { -1 }, 0.0);
+                    band.put(axis, if step > 0.0 { 1 } else { -1 }, self.model.lost_motion(axis, &at));
                     waiting = waiting.difference(std::iter::once(axis).collect());
                 }
             }
             (from, at) = (next, place);
         }
+    }
+
+    /// Whether the least motion leads the body of an axis along: its dead band is no wider than what rounding moves its command by.
+    pub(super) fn is_quick(&self, axis: Axis, command: &AxisVector) -> bool {
+        let lost = self.model.lost_motion(axis, command);
+        lost <= self.room.of_axis(axis, lost)
     }
 
     /// How far an overshoot leads that settles on which side an axis is, mm.
@@ -81,11 +87,17 @@ impl<'a> Lead<'a> {
         band.is_known(self.model, axis, command)
     }
 
-    /// Puts axes without dead bands on these sides, by slot.
+    /// The commands at which the body of an axis begins to follow for certain, in the positive sense and in the negative one.
+    pub(super) fn edges(&self, band: &DeadBand, axis: Axis, command: &AxisVector) -> [f64; 2] {
+        let [ahead, back] = band.ways(self.model, axis, command);
+        [command[axis] + ahead, command[axis] - back]
+    }
+
+    /// Puts axes that the least motion turns on these sides, by slot.
     pub(super) fn put(&self, band: &mut DeadBand, sides: &[i8; AXIS_COUNT], command: &AxisVector) {
         for axis in self.axes.iter().filter(|axis| sides[axis.slot()] != 0) {
-            if self.model.lost_motion(axis, command) == 0.0 {
-                band.put(axis, sides[axis.slot()], 0.0);
+            if self.is_quick(axis, command) {
+                band.put(axis, sides[axis.slot()], self.model.lost_motion(axis, command));
             }
         }
     }
@@ -116,7 +128,7 @@ impl<'a> Lead<'a> {
         places: (&AxisVector, &AxisVector),
         tool_mm: &Vector,
         way: Option<(&Route, f64)>,
-    ) -> (Vector, f64) {
+    ) -> Off {
         let along = || way.and_then(|(route, at)| self.direction(route, at, tool_mm));
         band.error_mm(self.model, self.axes, places, tool_mm, along)
     }

@@ -28,6 +28,7 @@ mod reach;
 mod remaining;
 mod rotary_word;
 mod route;
+mod sides;
 mod singularity;
 mod slope;
 mod standing;

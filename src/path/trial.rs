@@ -210,7 +210,7 @@ impl Bench<'_, '_> {
             let turns = !self.same_sense(&sense, &standing.state);
             if self.takes_up
                 && (standing.is_doubtful || turns)
-                && self.placer.tip_error_mm(&nominal_start, &standing.command, &sense) > enough_mm
+                && self.turning_mm(standing, &nominal_start, &sense) > enough_mm
             {
                 let start = place(&nominal_start, &sense, &standing.correction);
                 if distance_mm(&start.command, &standing.command) > SAME_PLACE_MM {
@@ -246,67 +246,6 @@ impl Bench<'_, '_> {
         }
     }
 
-    /// Where bodies are led on the spot that a step to `start` would leave within their dead bands: from there they come to it in these senses. None
-    /// is moved beyond its place by that.
-    pub(super) fn ready(&self, standing: &Standing, start: &Placed, sense: &State) -> Option<Placed> {
-        let axes = self.lead.axes.intersection(standing.sensed);
-        let led = self.led(standing, &[standing.command, start.command]);
-        let mut ready = start.command;
-        let mut changes = false;
-        for axis in axes.iter().filter(|&axis| led.direction(axis) != sense.direction(axis)) {
-            let lost = self.lead.model.lost_motion(axis, &start.command);
-            ready[axis] -= lost * f64::from(sense.direction(axis));
-            changes |= lost > 0.0 && sense.direction(axis) != 0;
-        }
-        changes.then(|| self.placer.round(&ready, self.known))
-    }
-
-    /// On which sides the bodies of axes are behind straight ways through these commands.
-    pub(super) fn led(&self, standing: &Standing, commands: &[AxisVector]) -> State {
-        if self.lead.axes.is_empty() {
-            let mut state = standing.state;
-            for way in commands.windows(2) {
-                state.note_stated(standing.sensed, &way[0], &way[1]);
-            }
-            return state;
-        }
-        let mut band = standing.band;
-        for way in commands.windows(2) {
-            self.lead.along(&mut band, &Route::new(way[0], way[1], None), standing.sensed, [0.0, 1.0]);
-        }
-        band.state()
-    }
-
-    /// A body that would be left within its dead band has another side for which it would not, perhaps: that is tried next. `sense` is what the end was placed for.
-    fn turn(&self, standing: &Standing, state: &mut State, sense: &State, end: &AxisVector) {
-        for axis in self.lead.axes.intersection(standing.sensed).iter() {
-            if state.direction(axis) != 0 {
-                continue;
-            }
-            let guess = sense.direction(axis);
-            let step = end[axis] - standing.command[axis];
-            let side = match guess {
-                0 if step > 0.0 => 1,
-                0 => -1,
-                guess => -guess,
-            };
-            // A step on the spot leads it to either side.
-            let is_free = self.takes_up || self.lead.is_known(&standing.band, axis, end);
-            if step != 0.0 && (is_free || self.lead.is_reached(&standing.band, (axis, side), (end, step), guess)) {
-                state.direction[axis.slot()] = side;
-            }
-        }
-    }
-
-    /// The senses that an overshoot gives.
-    fn settle(&self, state: &mut State) {
-        for (sense, &settled) in state.direction.iter_mut().zip(&self.settled) {
-            if settled != 0 {
-                *sense = settled;
-            }
-        }
-    }
-
     /// An axis whose word does not change is not written and does not move, though a new frame has another grid. Where the frame turns or
     /// scales, a word is no axis; the grids differ by noise only then.
     pub(super) fn unmoved(&self, standing: &Standing, mut placed: Placed) -> Placed {
@@ -323,10 +262,6 @@ impl Bench<'_, '_> {
             }
         }
         placed
-    }
-
-    pub(super) fn same_sense(&self, a: &State, b: &State) -> bool {
-        self.sampler.backlash.iter().all(|axis| a.direction(axis) == b.direction(axis))
     }
 
     /// Measures the deviation at all places that matter.
@@ -349,6 +284,11 @@ impl Bench<'_, '_> {
                 self.lead.along(&mut first, &way, standing.sensed, [0.0, 1.0]);
                 last = step.command;
             }
+            for axis in self.lead.axes.iter() {
+                for place in self.lead.edges(&first, axis, &trial.emitted.start) {
+                    trial.emitted.crossings(axis, place, [0.0, 1.0], scratch);
+                }
+            }
         }
         for &fraction in &*scratch {
             let nominal = self.route.at(from + (to - from) * fraction);
@@ -358,7 +298,7 @@ impl Bench<'_, '_> {
                 self.lead.along(&mut band, &trial.emitted, standing.sensed, [0.0, fraction]);
                 let at = trial.parameter(fraction);
                 let way = (at < 1.0).then_some((self.route, at));
-                self.lead.error_mm(&band, (&nominal, &command), &self.placer.setup.tool_mm, way).0.norm()
+                self.lead.error_mm(&band, (&nominal, &command), &self.placer.setup.tool_mm, way).middle.norm()
             } else {
                 self.placer.tip_error_mm(&nominal, &command, &state)
             };

@@ -180,7 +180,7 @@ impl Group<'_> {
     /// The largest error of the original at a parameter, mm.
     pub(super) fn before_mm(&self, parameter: f64) -> f64 {
         let (nominal, band) = (self.step.route.at(parameter), self.step.band_at(parameter, &self.lead));
-        self.lead.error_mm(&band, (&nominal, &nominal), &self.step.tool_mm, None).1
+        self.lead.error_mm(&band, (&nominal, &nominal), &self.step.tool_mm, None).most_mm
     }
 
     /// A piece that has covered the original move up to the parameter.
@@ -235,7 +235,7 @@ impl Group<'_> {
         let command = piece.route.end;
         let nominal = self.step.route.at(parameter);
         let band = piece.band_at(1.0, &self.lead);
-        let (tip, _) = self.lead.error_mm(&band, (&nominal, &command), &piece.tool_mm, None);
+        let tip = self.lead.error_mm(&band, (&nominal, &command), &piece.tool_mm, None).nearest;
         let turned = ROTARY_AXES.map(|axis| ROTARY_ARM_MM * (command[axis] - nominal[axis]));
         Offset { tip, turned: Vector::from(turned) }
     }
@@ -265,7 +265,7 @@ impl Group<'_> {
         parameter
     }
 
-    /// The offset at the end of a step on the spot, or of a rapid move, as near as the play allows. A body without a dead band may be on either side,
+    /// The offset at the end of a step on the spot, or of a rapid move, as near as the play allows. A body that the least motion leads along may be on either side,
     /// for that to which the next piece leads it; where a rapid move leaves a body within its dead band, it waits for a step there that leads it out.
     fn on_either_side(&self, piece: &Step, nominal: &AxisVector, end: Vector) -> Vector {
         let command = piece.route.end;
@@ -275,7 +275,7 @@ impl Group<'_> {
         for axis in self.lead.axes.iter() {
             let lost = self.model.lost_motion(axis, &command);
             let sides: &[i8] = match band.direction()[axis.slot()] {
-                _ if lost == 0.0 => &[1, -1],
+                _ if self.lead.is_quick(axis, &command) => &[1, -1],
                 0 if piece.rapid => &[1, 0, -1],
                 _ => continue,
             };
@@ -289,7 +289,7 @@ impl Group<'_> {
             }
         }
         for band in bands {
-            let (other, _) = self.lead.error_mm(&band, (nominal, &command), &piece.tool_mm, None);
+            let other = self.lead.error_mm(&band, (nominal, &command), &piece.tool_mm, None).nearest;
             if other.norm() < best.norm() {
                 best = other;
             }
@@ -332,12 +332,12 @@ impl Group<'_> {
             let after = piece.band_at(fraction, &self.lead);
             // On its way the tool may wait for a body, at the end it must be there.
             let way = (parameter < 1.0).then_some((&self.step.route, parameter));
-            let (middle, after_mm) = self.lead.error_mm(&after, (&nominal, &command), &piece.tool_mm, way);
-            [before_mm, after_mm, middle.norm()]
+            let after = self.lead.error_mm(&after, (&nominal, &command), &piece.tool_mm, way);
+            [before_mm, after.most_mm, after.nearest.norm()]
         };
         let end = self.offset(piece, to).tip;
-        let [_, end_mm, end_middle_mm] = errors_at(1.0);
-        let mut seen = Seen { end, most_mm: end_middle_mm };
+        let [_, end_mm, nearest_mm] = errors_at(1.0);
+        let mut seen = Seen { end, most_mm: nearest_mm };
         if (waits || self.step.rapid) && !self.lead.axes.is_empty() {
             seen.end = self.on_either_side(piece, &self.step.route.at(to), end);
         }
@@ -348,7 +348,7 @@ impl Group<'_> {
             return (None, seen);
         }
         let chord_mm = self.step.off_curve_mm;
-        let mut largest = [0.0, end_mm, end_middle_mm];
+        let mut largest = [0.0, end_mm, nearest_mm];
         let mut note = |errors: [f64; 3]| largest = [0, 1, 2].map(|k| f64::max(largest[k], errors[k]));
         let count = sample_count(size_mm, SAMPLE_MM);
         for k in 0..count {
@@ -363,12 +363,12 @@ impl Group<'_> {
             if place >= 1.0 {
                 break;
             }
-            let [_, after_mm, middle_mm] = errors_at(place);
-            note([0.0, after_mm, middle_mm]);
+            let [_, after_mm, nearest_mm] = errors_at(place);
+            note([0.0, after_mm, nearest_mm]);
         }
-        let [before_mm, mut after_mm, middle_mm] = largest;
+        let [before_mm, mut after_mm, nearest_mm] = largest;
         // Where nobody knows on which side an axis is, the place for one of them is what was promised.
-        seen.most_mm = middle_mm;
+        seen.most_mm = nearest_mm;
         after_mm += chord_mm;
         prediction.note_after(self.step.rapid, after_mm, &self.step.origin);
         (Some([before_mm, after_mm]), seen)

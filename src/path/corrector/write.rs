@@ -106,7 +106,7 @@ where
             if share == 0.0 {
                 lead.put(&mut band, &trial.sense, &command);
             }
-            lead.error_mm(&band, (&nominal, &command), tool_mm, active.way_at(at)).1
+            lead.error_mm(&band, (&nominal, &command), tool_mm, active.way_at(at)).most_mm
         };
         let middle_mm = trial.middle_mm.filter(|_| bands.are_led);
         let mut ends_mm = after_mm(1.0);
@@ -129,7 +129,7 @@ where
             } else {
                 let mut before = self.standing.nominal_band;
                 lead.along(&mut before, &active.route, self.standing.sensed, [from, at]);
-                lead.error_mm(&before, (&nominal, &nominal), tool_mm, None).1
+                lead.error_mm(&before, (&nominal, &nominal), tool_mm, None).most_mm
             };
             let after_mm = middle_mm.filter(|_| count == 1).unwrap_or_else(|| after_mm(share));
             self.prediction.add(rapid, before_mm, after_mm + chord_mm, &active.origin);
