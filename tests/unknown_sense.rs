@@ -39,6 +39,37 @@ fn the_approach_settles_the_side_above_the_work() {
 }
 
 #[test]
+fn an_approach_whose_height_nobody_stated_settles_it_too() {
+    // X and Y first, as behind most tool changes: Z is where the change or a person left it, and the next move goes along the tool.
+    let (text, codes) = corrected("T1 M6\nD1\nG0 X100 Y0\nG0 Z10\nG1 Z-5 F500\nY50\nM30\n", &[]);
+    assert!(text.contains("G0 X99.9955 Y0\nX100.003 ;+~\n"), "{text}");
+    assert!(codes.is_empty(), "{codes:?}");
+    // One that goes on across the tool may be beside the work.
+    let (text, codes) = corrected("T1 M6\nD1\nG0 X100 Y0\nG1 Y50 F500\nM30\n", &[]);
+    assert!(!text.contains("99.9955"), "{text}");
+    assert_eq!(codes, ["W0308"]);
+}
+
+/// The control adds more to Y than it loses, and the plunge leaves its body where it is off by nearly the tolerance.
+const BROUGHT: &str = "[machine]\nname = \"m\"\ntopology = \"wFYXZSt\"\ncontroller = \"sinumerik\"\n[axis.X]\ndirection = [1, 0, 0]\n\
+    [axis.Y]\ndirection = [0, 1, 0]\n[axis.Z]\ndirection = [0, 0, 1]\n[location]\nEC0X = -7.04\nEB0Z = -4.82\nEA0Z = 4.04\n\
+    [[motion]]\ncomponent = \"EAX\"\nkind = \"polynomial\"\ncoefficients = [0, 1.0451109831940796e-08, 5.204280334802149e-12]\n\
+    [[motion]]\ncomponent = \"EYZ\"\nkind = \"polynomial\"\ncoefficients = [0, 0, 1.3329897838289897e-08]\n\
+    [[motion]]\ncomponent = \"EYY\"\nkind = \"backlash\"\npositions_mm = [-50, 150]\nvalues_um = [3.0, 0.912]\n\
+    [zero_offset.G54]\nX_mm = -37.5\nZ_mm = -400.5\n[[tool]]\nnumber = 3\nlength_mm = 80.5\nradius_mm = 4\n";
+
+#[test]
+fn what_no_cut_makes_smaller_costs_no_blocks() {
+    let program = "G17 G90 G54\nT3 M6\nG0 X30 Y40\nG1 Z-1 F800\nG3 X32.614 Y42.52 I0.725 J1.864\nG0 Z100\nG0 X30 Y63.333\nG0 Z20\nG1 Z-3 F300\n";
+    let shop = Shop::new().file("m.toml", BROUGHT).file("p.mpf", program);
+    let run = shop.run(["p.mpf", "-o", "out.mpf", "--machine", "m.toml"]).exits(0);
+    assert!(run.stderr.contains("W0305"), "{}", run.stderr);
+    // Pieces of 0.01 mm would be 2,300.
+    let lines = shop.text("out.mpf").lines().count();
+    assert!(lines < 40, "{lines} lines\n{}", shop.text("out.mpf"));
+}
+
+#[test]
 fn without_room_the_side_stays_unknown_and_is_told() {
     // The tool is at its depth already: nobody knows what stands beside it.
     let (text, codes) = corrected("G0 X100 Y0 Z0\nG1 Y50 F500\nX150\nM30\n", &[]);

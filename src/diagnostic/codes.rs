@@ -360,7 +360,7 @@ and ncfix diff compare it one by one, and name what is changed, missing or new w
     OFF_PROMISE = "E0320" "tool further off than the correction promised"
 "The stamp of a corrected program says how far a piece may be from its exactly corrected path (--tolerance). At the ends of pieces, between them and where arcs turn
 an axis around, the tool of this program is further off on the error model: it was edited, was corrected for another machine or state, or ncfix fix has warned that the
-tolerance was not reached (W0305, W0307).";
+tolerance was not reached (W0305, W0307), or that the side of a backlash is unknown (W0308).";
     OTHER_FEED = "E0321" "corrected program has another feed"
 "The pieces of a move have the feed of the move: the same number where both count the same way, else the same time within 5 %. Only --feed-limit lowers feeds, and the
 stamp says so.";
@@ -559,7 +559,7 @@ Else its blocks may stand behind the end of the program (M30), in a subprogram t
 it, so the embedded demo machine was used. The output is good for looking at, not for a real machine.";
     TOLERANCE_NOT_REACHED = "W0305" "tolerance not reached"
 "At some place the pieces became as short as 0.01 mm, or as fine as the increment, and still deviate by more than --tolerance. The
-tolerance is below what the increment can express, or the error model has a step there.";
+tolerance is below what the increment can express, or the error model has a step there, or the increment leaves an axis within its backlash.";
     OTHER_STAMP = "W0306" "corrected for another machine or model"
 "The stamp of the corrected program names another model than the one it is compared on. Each correction is good for one machine in one
 state: the numbers say what this program would do on the machine that was given.";

@@ -3,7 +3,7 @@
 use super::extend::{Reach, longest};
 use super::route::Route;
 use super::standing::Standing;
-use super::trial::{Bench, Trial};
+use super::trial::{BEND_SHARE, Bench, Trial};
 
 /// Arcs that are no full circle turn by at most this in one piece, rad: near a full turn, rounding could swap start and end.
 const MOST_SWEEP: f64 = 330.0 * std::f64::consts::PI / 180.0;
@@ -65,7 +65,17 @@ pub(super) fn fit_line(
     mut first: Option<Trial>,
     scratch: &mut Vec<f64>,
 ) -> Option<Trial> {
-    let found = longest(reach, |between| first.take().or_else(|| Some(bench.straight(standing, between, scratch))))?;
+    let mut found =
+        longest(reach, |between| first.take().or_else(|| Some(bench.straight(standing, between, scratch))))?;
+    if !found.fits() {
+        // The shortest piece leaves as much as it does for another reason than its length: one that leaves hardly more is as good.
+        let enough_mm = (1.0 + BEND_SHARE) * found.deviation_mm;
+        let reach = Reach { guess: reach.limit - reach.from, ..reach };
+        found = longest(reach, |between| {
+            let trial = bench.straight(standing, between, scratch);
+            Some(Trial { allowed_mm: trial.allowed_mm.max(enough_mm), ..trial })
+        })?;
+    }
     let mut shorter = found;
     for _ in 0..MOST_HALVINGS {
         let half = 0.5 * (shorter.between[1] - reach.from);

@@ -58,7 +58,7 @@ fn search(reach: Reach, attempt: &mut impl FnMut([f64; 2]) -> Option<Trial>) -> 
         // A rest that is hardly longer goes along: exactly to the limit.
         let to = if length >= most * (1.0 - 1e-9) { reach.limit } else { reach.from + length };
         let trial = attempt([reach.from, to]);
-        let share = trial.map_or(f64::INFINITY, |trial| trial.deviation_mm / trial.allowed_mm);
+        let share = trial.map_or(f64::INFINITY, |trial| trial.share());
         if share <= 1.0 {
             best = trial;
             if to >= reach.limit || share >= GOOD_ENOUGH || length * CLOSE_ENOUGH >= too_long {

@@ -4,6 +4,9 @@ use crate::geometry::Axis;
 use crate::machine::Control;
 use crate::units::MM_PER_INCH;
 
+/// What a bend may add to rounding, as a share of it.
+const BEND_SHARE: f64 = 0.25;
+
 /// The increments of a control: mm for linear axes, degrees for rotary ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increments {
@@ -33,6 +36,14 @@ impl Increments {
     #[must_use]
     pub fn rounding_mm(&self) -> f64 {
         0.5 * 3.0_f64.sqrt() * self.linear_mm
+    }
+
+    /// How far the tip may be off where a tolerance was promised, mm: where rounding is all that is left, the bend of a piece, or the rounded center of an
+    /// arc, adds a share of it.
+    #[must_use]
+    pub fn allowed_mm(&self, tolerance_mm: f64) -> f64 {
+        let rounding_mm = self.rounding_mm();
+        tolerance_mm.max(rounding_mm) + BEND_SHARE * rounding_mm
     }
 
     /// The nearest whole number of increments to a position of an axis (mm, rad).

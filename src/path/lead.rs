@@ -87,10 +87,15 @@ impl<'a> Lead<'a> {
         band.is_known(self.model, axis, command)
     }
 
-    /// The commands at which the body of an axis begins to follow for certain, in the positive sense and in the negative one.
-    pub(super) fn edges(&self, band: &DeadBand, axis: Axis, command: &AxisVector) -> [f64; 2] {
-        let [ahead, back] = band.ways(self.model, axis, command);
-        [command[axis] + ahead, command[axis] - back]
+    /// Adds the parameters of a way at which bodies begin to follow for certain.
+    pub(super) fn edges(&self, band: &DeadBand, way: &Route, parameters: &mut Vec<f64>) {
+        for axis in self.axes.iter() {
+            let from = way.start[axis];
+            let [ahead, back] = band.ways(self.model, axis, &way.start);
+            for place in [from + ahead, from - back] {
+                way.crossings(axis, place, [0.0, 1.0], parameters);
+            }
+        }
     }
 
     /// Puts axes that the least motion turns on these sides, by slot.

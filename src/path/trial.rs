@@ -13,7 +13,7 @@ use super::standing::Standing;
 /// Share of the tolerance that the samples may use; the rest is for what lies between them.
 pub(super) const SAMPLED_SHARE: f64 = 0.97;
 /// What a bend may add where rounding alone exceeds the tolerance, as a share of it.
-const BEND_SHARE: f64 = 0.1;
+pub(super) const BEND_SHARE: f64 = 0.1;
 /// Guesses of the sense of motion before an axis that is asked to go both ways is held.
 const MOST_TRIES: u32 = 3;
 /// Share of the tolerance that an axis which was asked to go both ways may be off by before a step on the spot.
@@ -59,7 +59,7 @@ pub(super) struct Trial {
     pub(super) sense: [i8; AXIS_COUNT],
     /// As in [`Ends`].
     pub(super) is_torn: bool,
-    begins_off: bool,
+    pub(super) begins_off: bool,
     pub(super) circle: Option<PieceArc>,
     /// What the machine will do.
     pub(super) emitted: Route,
@@ -67,6 +67,8 @@ pub(super) struct Trial {
     pub(super) deviation_mm: f64,
     /// Largest deviation allowed, mm.
     pub(super) allowed_mm: f64,
+    /// What of the deviation bodies bring along that are within their dead bands at the start, mm: no length makes it smaller.
+    pub(super) brought_mm: f64,
     /// Deviation at the middle, where it was looked for, mm.
     pub(super) middle_mm: Option<f64>,
 }
@@ -88,6 +90,15 @@ pub(super) struct Ends {
 impl Trial {
     pub(super) fn fits(&self) -> bool {
         self.deviation_mm <= self.allowed_mm
+    }
+
+    /// The share of what its length may deviate that it does; above 1 it does not fit.
+    pub(super) fn share(&self) -> f64 {
+        if self.fits() && self.brought_mm < self.allowed_mm {
+            (self.deviation_mm - self.brought_mm).max(0.0) / (self.allowed_mm - self.brought_mm)
+        } else {
+            self.deviation_mm / self.allowed_mm
+        }
     }
 
     /// The parameter of the move at a share of the piece.
@@ -175,6 +186,7 @@ impl Bench<'_, '_> {
             emitted,
             deviation_mm: 0.0,
             allowed_mm: SAMPLED_SHARE * self.tolerance_mm,
+            brought_mm: 0.0,
             middle_mm: None,
         }
     }
@@ -284,23 +296,23 @@ impl Bench<'_, '_> {
                 self.lead.along(&mut first, &way, standing.sensed, [0.0, 1.0]);
                 last = step.command;
             }
-            for axis in self.lead.axes.iter() {
-                for place in self.lead.edges(&first, axis, &trial.emitted.start) {
-                    trial.emitted.crossings(axis, place, [0.0, 1.0], scratch);
-                }
-            }
+            self.lead.edges(&first, &trial.emitted, scratch);
         }
+        let of_bodies = |trial: &Trial, fraction: f64| {
+            let mut band = first;
+            self.lead.along(&mut band, &trial.emitted, standing.sensed, [0.0, fraction]);
+            let at = trial.parameter(fraction);
+            let way = (at < 1.0).then_some((self.route, at));
+            let places = (&self.route.at(at), &trial.emitted.at(fraction));
+            self.lead.error_mm(&band, places, &self.placer.setup.tool_mm, way).middle.norm()
+        };
+        trial.brought_mm = if lags { of_bodies(trial, 0.0) } else { 0.0 };
         for &fraction in &*scratch {
-            let nominal = self.route.at(from + (to - from) * fraction);
-            let command = trial.emitted.at(fraction);
             let deviation = if lags {
-                let mut band = first;
-                self.lead.along(&mut band, &trial.emitted, standing.sensed, [0.0, fraction]);
-                let at = trial.parameter(fraction);
-                let way = (at < 1.0).then_some((self.route, at));
-                self.lead.error_mm(&band, (&nominal, &command), &self.placer.setup.tool_mm, way).middle.norm()
+                of_bodies(trial, fraction)
             } else {
-                self.placer.tip_error_mm(&nominal, &command, &state)
+                let nominal = self.route.at(from + (to - from) * fraction);
+                self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &state)
             };
             trial.deviation_mm = trial.deviation_mm.max(deviation);
             if fraction == 0.5 {
@@ -316,7 +328,7 @@ impl Bench<'_, '_> {
             if trial.is_torn {
                 end = end.min(self.placer.increments.rounding_mm());
             }
-            let ends = at(from, &trial.emitted.start).max(end);
+            let ends = at(from, &trial.emitted.start).max(end).max(trial.brought_mm);
             if ends > SAMPLED_SHARE * self.tolerance_mm {
                 trial.allowed_mm = SAMPLED_SHARE * (1.0 + BEND_SHARE) * ends;
             }

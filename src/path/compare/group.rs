@@ -356,6 +356,12 @@ impl Group<'_> {
             prediction.add(self.step.rapid, errors[0], errors[1] + chord_mm, &self.step.origin);
             note(errors);
         }
+        let mut edges = Vec::new();
+        self.lead.edges(&piece.band, &piece.route, &mut edges);
+        for place in edges {
+            let [_, after_mm, nearest_mm] = errors_at(place);
+            note([0.0, after_mm, nearest_mm]);
+        }
         // Where an arc turns an axis around, rounding shows most.
         let mut place = 0.0;
         for _ in 0..MOST_TURNINGS {

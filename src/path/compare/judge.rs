@@ -14,9 +14,8 @@ use super::promise::Promise;
 use super::step::Step;
 use crate::path::Increments;
 
-/// What lies between samples, and what the bend of a piece and the rounded center of an arc may add where rounding is all that is left, as shares.
+/// What lies between samples, as a share.
 const BETWEEN_SAMPLES: f64 = 0.05;
-const BEND_SHARE: f64 = 0.25;
 /// A feed that differs by a smaller share is the same: feeds are written with few digits.
 const SAME_FEED: f64 = 1e-4;
 /// A word nearer to what it was is not written, mm and rad.
@@ -80,8 +79,8 @@ impl<'d> Judge<'d> {
             increments.linear_mm = increment_mm;
         }
         let tolerance_mm = promise.map_or(0.0, |promise| promise.tolerance_mm);
-        let rounding_mm = increments.rounding_mm();
-        let limit_mm = (1.0 + BETWEEN_SAMPLES) * tolerance_mm.max(rounding_mm) + BEND_SHARE * rounding_mm;
+        let limit_mm =
+            increments.allowed_mm(tolerance_mm) + BETWEEN_SAMPLES * tolerance_mm.max(increments.rounding_mm());
         // A center is rounded by half an increment in each of two directions, when the arc has been fitted already.
         let center_mm = 0.5 * 2.0_f64.sqrt() * increments.linear_mm;
         let arc_limit_mm = limit_mm + center_mm;

@@ -170,9 +170,14 @@ where
         if open.is_empty() {
             return settled;
         }
+        // A way across at a height that nobody has stated leads from a place where the tool was changed, or from where a person left it; if the next one
+        // goes along the tool, it goes to the work.
+        let is_height_known = AxisSet::XYZ
+            .iter()
+            .all(|axis| motion.known.contains(axis) || self.rise_of(axis, &motion.target).abs() < ACROSS);
         let goes_down = match self.elements.next() {
-            Next::Move(next) if self.is_above_cuts(&motion.target) => {
-                self.placer.height_mm(&motion.target, &next.target) < 0.0 && {
+            Next::Move(next) if !is_height_known || self.is_above_cuts(&motion.target) => {
+                (!is_height_known || self.placer.height_mm(&motion.target, &next.target) < 0.0) && {
                     let ends = [&motion.target, &next.target];
                     let moving = self.placer.moving(next.named, motion.known, ends);
                     self.placer.is_along_tool(moving, ends)

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::geometry::{Axis, AxisSet, AxisVector};
-use crate::snc::Element;
+use crate::snc::{Element, Manner};
 
 use super::dead_band::Bands;
 use super::{Active, Corrector};
@@ -95,29 +95,34 @@ where
         let chord_mm = active.motion.off_curve_mm;
         let (lead, placer) = (&self.lead, &self.placer);
         let tool_mm = &placer.setup.tool_mm;
-        let after_mm = |share: f64| {
+        let off_at = |share: f64| {
             let at = trial.parameter(share);
             let (nominal, command) = (active.route.at(at), trial.emitted.at(share));
             // Where the axes move on as they were placed, the errors depend on nothing else.
             if bands.are_led {
-                return placer.tip_error_mm(&nominal, &command, &trial.state());
+                return [placer.tip_error_mm(&nominal, &command, &trial.state()); 2];
             }
             let mut band = bands.at(lead, trial, share);
             if share == 0.0 {
                 lead.put(&mut band, &trial.sense, &command);
             }
-            lead.error_mm(&band, (&nominal, &command), tool_mm, active.way_at(at)).most_mm
+            let off = lead.error_mm(&band, (&nominal, &command), tool_mm, active.way_at(at));
+            [off.most_mm, off.nearest.norm()]
         };
         let middle_mm = trial.middle_mm.filter(|_| bands.are_led);
-        let mut ends_mm = after_mm(1.0);
+        let mut largest = off_at(1.0);
         if let Some(middle_mm) = middle_mm
             && self.prediction.passes(rapid, size_mm, sample_mm)
         {
-            self.prediction.note_after(rapid, middle_mm.max(ends_mm) + chord_mm, &active.origin);
+            self.prediction.note_after(rapid, middle_mm.max(largest[0]) + chord_mm, &active.origin);
             return;
         }
+        let mut note = |off: [f64; 2]| largest = [0, 1].map(|k| f64::max(largest[k], off[k]));
         if !bands.are_led {
-            ends_mm = ends_mm.max(after_mm(0.0));
+            note(off_at(0.0));
+            self.scratch.clear();
+            lead.edges(&bands.start, &trial.emitted, &mut self.scratch);
+            self.scratch.iter().for_each(|&share| note(off_at(share)));
         }
         let count = sample_count(size_mm, sample_mm);
         for k in 0..count {
@@ -131,9 +136,17 @@ where
                 lead.along(&mut before, &active.route, self.standing.sensed, [from, at]);
                 lead.error_mm(&before, (&nominal, &nominal), tool_mm, None).most_mm
             };
-            let after_mm = middle_mm.filter(|_| count == 1).unwrap_or_else(|| after_mm(share));
-            self.prediction.add(rapid, before_mm, after_mm + chord_mm, &active.origin);
+            let off = middle_mm.filter(|_| count == 1).map_or_else(|| off_at(share), |middle_mm| [middle_mm; 2]);
+            note(off);
+            self.prediction.add(rapid, before_mm, off[0] + chord_mm, &active.origin);
         }
-        self.prediction.note_after(rapid, ends_mm + chord_mm, &active.origin);
+        let [most_mm, nearest_mm] = largest;
+        self.prediction.note_after(rapid, most_mm + chord_mm, &active.origin);
+        // Bodies that the rounding of their commands leaves within their dead bands were placed for where they are not.
+        let tolerance_mm = self.options.tolerance_mm;
+        if !bands.are_led && !rapid && nearest_mm > placer.increments.allowed_mm(tolerance_mm) {
+            let is_cut = active.motion.manner == Manner::Path;
+            self.findings.tolerance_missed(&active.origin, is_cut, nearest_mm, tolerance_mm);
+        }
     }
 }
