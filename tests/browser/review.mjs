@@ -451,7 +451,7 @@ test('a million lines', { skip: NCFIX_BROWSER_SHORT ? 'the short run' : false },
     const [angle, radius] = [k / 80, 60 + 40 * Math.sin(k / 900)];
     lines.push(`N${5 + k} X${(radius * Math.cos(angle)).toFixed(3)} Y${(radius * Math.sin(angle)).toFixed(3)} Z${(-k / 50000).toFixed(3)}`);
   }
-  const own = review('million.mpf', DEMO, `${lines.join('\n')}\nN9 M30\n`, []);
+  const own = review('million.mpf', DEMO, `${lines.join('\n')}\nN2000000 M30\n`, []);
   const bytes = fs.statSync(own.page).size;
   assert.ok(bytes <= 20e6, `${bytes} bytes`);
   let best = Infinity;
@@ -469,7 +469,7 @@ test('a million lines', { skip: NCFIX_BROWSER_SHORT ? 'the short run' : false },
   await page.locator('#lines').focus();
   await page.keyboard.press('End');
   await page.waitForTimeout(100);
-  assert.equal(await page.locator('.scroller .row.selected span').nth(4).textContent(), 'N9 M30');
+  assert.equal(await page.locator('.scroller .row.selected span').nth(4).textContent(), 'N2000000 M30');
   const corrected = linesOf(own.corrected);
   await page.keyboard.press('n');
   const { selected } = await state();
