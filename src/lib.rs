@@ -18,36 +18,37 @@
 //!
 //! Everything streams: no stage holds the path, so an endless program can be fed and memory is bounded by the program text.
 //!
-//! # Rooms
+//! # Crates and rooms
 //!
-//! In the order in which data passes. `tests/architecture.rs` holds the table of who may name whom.
+//! In the order in which data passes. Each crate is a folder below `crates/` of its name without `ncfix-`; what it may name stands in its `Cargo.toml`, and
+//! `tests/architecture.rs` says which rooms of one crate may name each other. `ncfix` itself has the command line and the names below.
 //!
-//! | room | what it is | must never know |
-//! | --- | --- | --- |
-//! | [`source`], [`diagnostic`], [`units`], [`csv`] | bytes and spans; findings as plain data; the edge of units; tables of text | NC, machines |
-//! | [`geometry`] | axis vectors, frames, arcs: values that evaluate themselves | machines, programs |
-//! | [`dialect`] | one value per control language: code table from `grammars/`, switches | syntax, execution |
-//! | [`syntax`] | nom parsers and trees, one family per family of languages: what was written | what a code means |
-//! | [`machine`] | chain of bodies, axes, travel, tools, zero offsets, control; the TOML file | errors |
-//! | [`snc`] | elements of the flat stream, their text form, provenance | dialects, the model |
-//! | [`exec`] | one executor per family of languages (modal state, variables, flow, frames, cycles) over one outlet (contours, transformation) → SNC | the error model |
-//! | [`model`] | error functions, forward kinematics with errors, the inverse | programs, instruments |
-//! | [`measure`] | measurements of all kinds, test plans, measurement mode, what load made a strain | the text of programs |
-//! | [`numeric`] | least squares, statistics: plain arithmetic | machine tools |
-//! | [`calibrate`] | fit of parameters and set-up unknowns, what the data cannot tell, quality | causes |
-//! | [`diagnose`] | what the model lacks: causes, search, gates, verdict, what extends the machine file | programs, files |
-//! | [`decompose`] | errors at speed by source: delays, servo loops, links, motion, drift, what gives way under acceleration | programs, files |
-//! | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
-//! | [`servo`] | follows a path at feed: look-ahead, smoothing, loops of the axes, contouring error; lowers feeds | text |
-//! | [`tables`] | compensation tables of controls: what they do, schemes that fill them, formats | programs |
-//! | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
-//! | [`feed`] | links as data, dialogues as pure machines, window, dosing | G-code, kinematics |
-//! | [`sense`] | live sensors: sources in threads, what is believed of their values | programs, models |
-//! | [`drip`] | from corrected pieces to lines of a link: second step, dosing, text | links, files |
-//! | [`realtime`] | kernel on tables, cycle of a control, dosing, handover, rings in shared memory, why set-points are compensated | programs, files |
-//! | [`review`] | what changed between a program and its corrected one: rows, what they add up to, words of a line | files |
-//! | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
-//! | [`cli`] | one file per command; the only room that opens files, but for the sources of sensors | — |
+//! | crate | room | what it is | must never know |
+//! | --- | --- | --- | --- |
+//! | `ncfix-base` | [`source`], [`diagnostic`], [`units`], [`csv`] | bytes and spans; findings as plain data; the edge of units; tables of text | NC, machines |
+//! | | [`geometry`] | axis vectors, frames, arcs: values that evaluate themselves | machines, programs |
+//! | | [`numeric`] | least squares, statistics: plain arithmetic | machine tools |
+//! | `ncfix-dialect` | [`dialect`] | one value per control language: code table from `grammars/`, switches. A crate of its own: executors read it, and writers, which know no executor | syntax, execution |
+//! | `ncfix-machine` | [`machine`] | chain of bodies, axes, travel, tools, zero offsets, control; the TOML file | errors |
+//! | | [`snc`] | elements of the flat stream, their text form, provenance | dialects, the model |
+//! | `ncfix-language` | [`syntax`] | nom parsers and trees, one family per family of languages: what was written | what a code means |
+//! | | [`exec`] | one executor per family of languages (modal state, variables, flow, frames, cycles) over one outlet (contours, transformation) → SNC | the error model |
+//! | `ncfix-model` | [`model`] | error functions, forward kinematics with errors, the inverse | programs, instruments |
+//! | `ncfix-path` | [`path`] | subdivision, correction, arc fitting, the error that is left along the path | text |
+//! | | [`servo`] | follows a path at feed: look-ahead, smoothing, loops of the axes, contouring error; lowers feeds | text |
+//! | | [`emit`] | numbers, blocks, stamp; one writer per dialect | syntax, the model |
+//! | | [`review`] | what changed between a program and its corrected one: rows, what they add up to, words of a line | files |
+//! | `ncfix-metrology` | [`measure`] | measurements of all kinds, test plans, measurement mode, what load made a strain | the text of programs |
+//! | | [`calibrate`] | fit of parameters and set-up unknowns, what the data cannot tell, quality | causes |
+//! | | [`diagnose`] | what the model lacks: causes, search, gates, verdict, what extends the machine file | programs, files |
+//! | | [`decompose`] | errors at speed by source: delays, servo loops, links, motion, drift, what gives way under acceleration | programs, files |
+//! | `ncfix-tables` | [`tables`] | compensation tables of controls: what they do, schemes that fill them, formats | programs |
+//! | | [`realtime`] | kernel on tables, cycle of a control, dosing, handover, rings in shared memory, why set-points are compensated | programs, files |
+//! | `ncfix-dnc` | [`feed`] | links as data, dialogues as pure machines, window, dosing | G-code, kinematics |
+//! | | [`sense`] | live sensors: sources in threads, what is believed of their values | programs, models |
+//! | | [`drip`] | from corrected pieces to lines of a link: second step, dosing, text | links, files |
+//! | `ncfix-report` | [`report`] | draws plain data: findings, the table of a correction, JSON | files |
+//! | `ncfix` | [`cli`] | one file per command; the only room that opens files, but for the sources of sensors | — |
 //!
 //! # To add something
 //!
@@ -83,30 +84,15 @@
 //! the moving body, also on the workpiece side; a correction is what is added to a command. `docs/theory.md` has the formulas with their
 //! sources, `docs/limits.md` what is too much.
 
-pub mod calibrate;
 pub mod cli;
-pub mod csv;
-pub mod decompose;
-pub mod diagnose;
-pub mod diagnostic;
-pub mod dialect;
-pub mod drip;
-pub mod emit;
-pub mod exec;
-pub mod feed;
-pub mod geometry;
-pub mod machine;
-pub mod measure;
-pub mod model;
-pub mod numeric;
-pub mod path;
-pub mod realtime;
-pub mod report;
-pub mod review;
-pub mod sense;
-pub mod servo;
-pub mod snc;
-pub mod source;
-pub mod syntax;
-pub mod tables;
-pub mod units;
+
+pub use ncfix_base::{csv, diagnostic, geometry, numeric, source, units};
+pub use ncfix_dialect as dialect;
+pub use ncfix_dnc::{drip, feed, sense};
+pub use ncfix_language::{exec, syntax};
+pub use ncfix_machine::{machine, snc};
+pub use ncfix_metrology::{calibrate, decompose, diagnose, measure};
+pub use ncfix_model as model;
+pub use ncfix_path::{emit, path, review, servo};
+pub use ncfix_report as report;
+pub use ncfix_tables::{realtime, tables};

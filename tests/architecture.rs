@@ -1,77 +1,55 @@
-//! The house rules that a compiler does not check: who may know whom, what every file opens with, how long files get,
+//! The house rules that a compiler does not check: who may know whom within a crate, what every file opens with, how long files get,
 //! and that every register is complete.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The foundation: rooms that every other room may name.
-const FOUNDATION: &[&str] = &["source", "diagnostic", "units", "csv"];
+/// A room, and those that it may name.
+type Room = (&'static str, &'static [&'static str]);
 
-/// Each room and the rooms that it may name beside the foundation and itself.
-const MAY_NAME: &[(&str, &[&str])] = &[
-    ("source", &[]),
-    ("diagnostic", &[]),
-    ("units", &[]),
-    ("csv", &["source", "diagnostic"]),
-    ("geometry", &[]),
-    ("dialect", &[]),
-    ("syntax", &["dialect"]),
-    ("machine", &["geometry"]),
-    ("snc", &["geometry"]),
-    ("exec", &["syntax", "dialect", "machine", "geometry", "snc"]),
-    ("model", &["machine", "geometry"]),
-    ("numeric", &[]),
-    ("measure", &["model", "machine", "geometry", "snc"]),
-    ("calibrate", &["measure", "model", "machine", "geometry", "numeric"]),
-    ("diagnose", &["calibrate", "measure", "model", "machine", "geometry", "numeric"]),
-    ("decompose", &["measure", "model", "machine", "geometry", "numeric"]),
-    ("path", &["snc", "model", "machine", "geometry"]),
-    ("servo", &["path", "snc", "model", "machine", "geometry"]),
-    ("tables", &["model", "machine", "geometry", "numeric"]),
-    ("emit", &["dialect", "path", "snc", "geometry", "machine"]),
-    // The machine for the reader of TOML only.
-    ("feed", &["geometry", "machine"]),
-    ("drip", &["feed", "dialect", "emit", "path", "snc", "model", "machine", "geometry"]),
-    // The machine for the reader of TOML and for logs of temperatures only.
-    ("sense", &["machine"]),
-    ("realtime", &["model", "machine", "geometry"]),
-    ("review", &["path", "snc", "geometry"]),
-    ("report", &["decompose", "geometry", "path", "tables", "emit", "machine", "model", "snc", "review"]),
+/// The rooms of each crate, and which of the others in it each may name. Between crates the compiler holds the walls.
+const CRATES: &[(&str, &[Room])] = &[
     (
-        "cli",
+        "base",
         &[
-            "geometry",
-            "dialect",
-            "syntax",
-            "machine",
-            "snc",
-            "exec",
-            "model",
-            "measure",
-            "calibrate",
-            "diagnose",
-            "decompose",
-            "path",
-            "tables",
-            "realtime",
-            "emit",
-            "feed",
-            "drip",
-            "sense",
-            "servo",
-            "review",
-            "report",
+            ("source", &[]),
+            ("diagnostic", &["source", "units", "csv"]),
+            ("units", &[]),
+            ("csv", &["source", "diagnostic"]),
+            ("geometry", &["source", "diagnostic", "units", "csv"]),
+            ("numeric", &["source", "diagnostic", "units", "csv"]),
         ],
     ),
+    ("dialect", &[]),
+    ("machine", &[("machine", &[]), ("snc", &[])]),
+    ("language", &[("syntax", &[]), ("exec", &["syntax"])]),
+    ("model", &[]),
+    ("path", &[("path", &[]), ("servo", &["path"]), ("emit", &["path"]), ("review", &["path"])]),
+    (
+        "metrology",
+        &[
+            ("measure", &[]),
+            ("calibrate", &["measure"]),
+            ("diagnose", &["calibrate", "measure"]),
+            ("decompose", &["measure"]),
+        ],
+    ),
+    ("tables", &[("tables", &[]), ("realtime", &[])]),
+    ("dnc", &[("feed", &[]), ("drip", &["feed"]), ("sense", &[])]),
+    ("report", &[]),
 ];
 
 /// A file longer than this says why in its first comment with the words "long because".
 const MAX_LINES: usize = 400;
 
 fn sources() -> Vec<(PathBuf, String)> {
-    let out = below("src");
-    assert!(out.len() > 30, "the walk finds the sources");
+    let mut out = below("src");
+    for (name, _) in CRATES {
+        let of_crate = below(&format!("crates/{name}/src"));
+        assert!(!of_crate.is_empty(), "the walk finds the sources of {name}");
+        out.extend(of_crate);
+    }
     out
 }
 
@@ -93,12 +71,6 @@ fn below(folder: &str) -> Vec<(PathBuf, String)> {
     out
 }
 
-fn room_of(path: &Path) -> String {
-    let inside = path.strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join("src")).unwrap();
-    let first = inside.components().next().unwrap().as_os_str().to_string_lossy().into_owned();
-    first.trim_end_matches(".rs").to_owned()
-}
-
 /// The rooms that a text names with `crate::room` or `crate::{room, …}`.
 fn named_rooms(text: &str) -> Vec<String> {
     let mut rooms = Vec::new();
@@ -118,33 +90,48 @@ fn named_rooms(text: &str) -> Vec<String> {
 
 #[test]
 fn every_file_names_only_rooms_that_it_may_know() {
-    let rows: BTreeMap<&str, &[&str]> = MAY_NAME.iter().copied().collect();
     let mut faults = Vec::new();
-    for (path, text) in sources() {
-        let room = room_of(&path);
-        if matches!(room.as_str(), "lib" | "main") {
-            continue;
-        }
-        let Some(allowed) = rows.get(room.as_str()) else {
-            faults.push(format!("{}: room {room} has no row in MAY_NAME", path.display()));
-            continue;
-        };
-        // A link in a comment is no use of a room.
-        let code: String =
-            text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
-        for named in named_rooms(&code) {
-            let is_foundation =
-                FOUNDATION.contains(&named.as_str()) && (!FOUNDATION.contains(&room.as_str()) || room == "diagnostic");
-            if rows.contains_key(named.as_str())
-                && named != room
-                && !is_foundation
-                && !allowed.contains(&named.as_str())
-            {
-                faults.push(format!("{}: {room} must not know {named}", path.display()));
+    for (name, rooms) in CRATES {
+        let rows: BTreeMap<&str, &[&str]> = rooms.iter().copied().collect();
+        let inside = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("crates/{name}/src"));
+        for (path, text) in below(&format!("crates/{name}/src")) {
+            let first = path.strip_prefix(&inside).unwrap().components().next().unwrap();
+            let room = first.as_os_str().to_string_lossy().trim_end_matches(".rs").to_owned();
+            if rows.is_empty() || room == "lib" {
+                continue;
+            }
+            let Some(allowed) = rows.get(room.as_str()) else {
+                faults.push(format!("{}: room {room} has no row in CRATES", path.display()));
+                continue;
+            };
+            // A link in a comment is no use of a room.
+            let code: String =
+                text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
+            for named in named_rooms(&code) {
+                if rows.contains_key(named.as_str()) && named != room && !allowed.contains(&named.as_str()) {
+                    faults.push(format!("{}: {room} must not know {named}", path.display()));
+                }
             }
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// A member that has no row here would be looked at by no test.
+#[test]
+fn every_crate_has_a_row() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
+    let mut members: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    members.sort();
+    let mut rows: Vec<&str> = CRATES.iter().map(|(name, _)| *name).collect();
+    rows.sort_unstable();
+    assert_eq!(members, rows);
+    for name in members {
+        let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("crates/{name}/Cargo.toml"));
+        let text = fs::read_to_string(manifest).unwrap();
+        assert!(text.contains("[lints]\nworkspace = true"), "{name} has lints of its own");
+    }
 }
 
 #[test]
@@ -166,8 +153,12 @@ fn every_file_opens_with_a_sentence_and_stays_readable() {
 #[test]
 fn every_room_is_on_the_map_in_lib_rs() {
     let lib = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs")).unwrap();
-    for (room, _) in MAY_NAME {
-        assert!(lib.contains(&format!("[`{room}`]")), "src/lib.rs does not explain {room}");
+    for (name, rooms) in CRATES {
+        assert!(lib.contains(&format!("`ncfix-{name}`")), "src/lib.rs does not explain the crate {name}");
+        let alone = [(*name, [].as_slice())];
+        for (room, _) in if rooms.is_empty() { alone.as_slice() } else { rooms } {
+            assert!(lib.contains(&format!("[`{room}`]")), "src/lib.rs does not explain {room}");
+        }
     }
 }
 
@@ -192,7 +183,7 @@ fn every_executable_dialect_has_codes_samples_and_a_writer() {
 fn unsafe_code_stands_where_memory_is_shared_and_nowhere_else() {
     let word = concat!("unsafe", "_code");
     let files: Vec<_> = sources().into_iter().filter(|(_, text)| text.contains(word)).map(|(path, _)| path).collect();
-    assert_eq!(files, [Path::new(env!("CARGO_MANIFEST_DIR")).join("src/realtime/ring.rs")]);
+    assert_eq!(files, [Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/tables/src/realtime/ring.rs")]);
     // Benches are no part of the program; one of them counts allocations.
     let benches = below("benches").into_iter().filter(|(_, text)| text.contains(word)).map(|(path, _)| path);
     assert_eq!(benches.collect::<Vec<_>>(), [Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/realtime.rs")]);

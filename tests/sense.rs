@@ -311,7 +311,7 @@ fn a_channel_has_the_rules_of_the_file_and_its_own_over_them() {
 
 #[test]
 fn every_kind_of_source_is_registered() {
-    let folder = crate::support::repository("src/sense/source");
+    let folder = crate::support::repository("crates/dnc/src/sense/source");
     let mut files: Vec<String> = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path().file_stem().unwrap().to_str().unwrap().to_owned())

@@ -7,7 +7,7 @@ use crate::support::repository;
 #[test]
 fn every_file_and_test_that_the_theory_names_exists() {
     let text = fs::read_to_string(repository("docs/theory.md")).unwrap();
-    let is_path = |word: &&str| ["src/", "tests/", "docs/"].iter().any(|folder| word.starts_with(folder));
+    let is_path = |word: &&str| ["src/", "crates/", "tests/", "docs/"].iter().any(|folder| word.starts_with(folder));
     let mut files = 0;
     let mut tests = 0;
     for word in text.split('`').skip(1).step_by(2).filter(is_path) {

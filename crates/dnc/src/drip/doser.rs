@@ -1,0 +1,36 @@
+//! What a piece allows, as doses.
+
+use crate::feed::{Dose, Dosing, Limits};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, AxisVector};
+use ncfix_path::path::{Allows, Asked, Doses};
+
+use super::slots;
+
+/// Doses by the limits of a job.
+pub(super) struct Doser {
+    dosing: Dosing,
+    /// Whether sensors are in doubt: what is applied follows the way and approaches nothing.
+    pub(super) is_frozen: bool,
+}
+
+impl Doser {
+    pub(super) fn new(limits: Limits) -> Doser {
+        Doser { dosing: Dosing::new(limits), is_frozen: false }
+    }
+}
+
+impl Doses for Doser {
+    fn dose(&mut self, asked: &Asked) -> AxisVector {
+        let dose = match asked.allows {
+            Allows::Nothing => Dose::Hold,
+            Allows::Release => Dose::Release,
+            Allows::Change | Allows::Rapid if self.is_frozen => Dose::Follow,
+            Allows::Change => Dose::Step { way_mm: asked.way_mm, time_s: asked.time_s },
+            Allows::Rapid => Dose::Whole,
+        };
+        let applied: [f64; AXIS_COUNT] = self.dosing.step(&slots(&asked.before), &slots(&asked.now), dose);
+        let mut out = AxisVector::ZERO;
+        AXES.into_iter().zip(applied).for_each(|(axis, value)| out[axis] = value);
+        out
+    }
+}

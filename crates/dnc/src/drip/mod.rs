@@ -1,0 +1,221 @@
+//! From corrected pieces to the lines of a link: second step, dosing, text.
+//!
+//! [`Lines`] takes outputs of the first step one after the other, with the model of the moment, and gives the lines that they complete. A writer ends a
+//! line when the next block begins, so that a line comes out with the output behind it. Comments, messages and headers stay at home: they cost time on a
+//! slow link, some controls stumble over them, and profiles bring the frame that a link wants.
+
+mod block;
+mod doser;
+mod heights;
+pub mod restart;
+mod rules;
+mod taken;
+mod told;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use crate::feed::{Limits, Line};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{AXIS_COUNT, AxisVector};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Dwell, Element, Kind};
+use ncfix_model::Model;
+use ncfix_path::emit::{Writer, is_stamped};
+use ncfix_path::path::{CONTINUES, CONTINUES_ON_THE_SPOT, Live, ON_THE_SPOT, Options, Output};
+
+pub use heights::Heights;
+pub use rules::Grammar;
+pub use taken::Ends;
+
+use doser::Doser;
+
+/// How lines are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// How fast the applied correction changes for the sake of temperature.
+    pub limits: Limits,
+    /// Whether it changes on ways only on which nothing is cut.
+    pub rapids_only: bool,
+    /// Whether letters become capitals.
+    pub is_upper_case: bool,
+}
+
+/// What is known of a line that is being written.
+#[derive(Clone, Copy, Debug, Default)]
+struct About {
+    source_line: u32,
+    element: u64,
+    busy_s: f64,
+    shift: AxisVector,
+    asked: AxisVector,
+}
+
+/// Makes lines of a program.
+pub struct Lines<'a> {
+    live: Live<'a>,
+    writer: Box<dyn Writer + 'a>,
+    doser: Doser,
+    settings: Settings,
+    /// The model that is in force, where temperatures are known.
+    model: Option<Arc<Model>>,
+    text: Vec<u8>,
+    ready: VecDeque<Line>,
+    /// Of what the writer holds back.
+    about: About,
+    element: u64,
+    number: u64,
+    /// Dwells that the next piece counts once more, s.
+    waited_s: f64,
+}
+
+impl<'a> Lines<'a> {
+    /// Begins with the first line of a program that `base` has corrected, by `options`, and that `writer` writes.
+    #[must_use]
+    pub fn new(
+        machine: &'a Machine,
+        base: &'a Model,
+        options: &Options,
+        writer: Box<dyn Writer + 'a>,
+        settings: Settings,
+    ) -> Lines<'a> {
+        Lines {
+            live: Live::new(machine, base, options),
+            writer,
+            doser: Doser::new(settings.limits),
+            settings,
+            model: None,
+            text: Vec::new(),
+            ready: VecDeque::new(),
+            about: About::default(),
+            element: 0,
+            number: 0,
+            waited_s: 0.0,
+        }
+    }
+
+    /// Takes the next output of the first step, with the model of the moment; where it `is_frozen` the applied correction approaches nothing.
+    ///
+    /// # Errors
+    /// `E0201` where the language has no words for it.
+    pub fn take(&mut self, output: Output, now: Option<&Arc<Model>>, is_frozen: bool) -> Result<(), Diagnostic> {
+        self.element += 1;
+        let is_rapid = matches!(&output, Output::Piece(piece) if piece.rapid && !piece.take_up);
+        if self.model.is_none() || is_rapid || !self.settings.rapids_only {
+            self.model = now.map(Arc::clone).or(self.model.take());
+        }
+        self.doser.is_frozen = is_frozen;
+        let output = match output {
+            Output::Element(Element {
+                kind: Kind::Comment(_) | Kind::Label(_) | Kind::Header(_) | Kind::Message(_),
+                origin,
+                starts_block,
+                number,
+            }) => Output::Element(Element { kind: Kind::Empty, origin, starts_block, number }),
+            other => other,
+        };
+        let output = self.live.apply(output, self.model.as_deref(), &mut self.doser);
+        let about = self.about(&output);
+        if self.about.element == 0 {
+            // What stands before the first words comes with them.
+            self.about = About { busy_s: 0.0, ..about };
+        }
+        self.text.clear();
+        self.writer.write(&output, &mut self.text)?;
+        if self.cut() {
+            self.about = about;
+        } else {
+            self.about = About { busy_s: self.about.busy_s + about.busy_s, ..about };
+        }
+        Ok(())
+    }
+
+    /// The program has ended: what is still held back becomes lines.
+    pub fn finish(&mut self) {
+        self.text.clear();
+        self.writer.finish(&mut self.text);
+        self.cut();
+    }
+
+    /// The next line that is ready.
+    pub fn pop(&mut self) -> Option<Line> {
+        self.ready.pop_front()
+    }
+
+    fn about(&mut self, output: &Output) -> About {
+        let applied = self.live.applied();
+        let (origin, busy_s) = match output {
+            Output::Piece(piece) => (piece.origin, applied.time_s - std::mem::take(&mut self.waited_s)),
+            Output::Element(element) => {
+                let dwell_s = match element.kind {
+                    Kind::Dwell(Dwell::Seconds(seconds)) => seconds.max(0.0),
+                    _ => 0.0,
+                };
+                self.waited_s += dwell_s;
+                (element.origin, dwell_s)
+            }
+        };
+        About { source_line: origin.line, element: self.element, busy_s, shift: applied.shift, asked: applied.asked }
+    }
+
+    /// Makes lines of the text; whether there was one.
+    fn cut(&mut self) -> bool {
+        let mut is_first = true;
+        for text in self.text.split(|&byte| byte == b'\n') {
+            let text = without_mark(text.trim_ascii());
+            if text.is_empty() || text == b"%" || is_stamped(text) {
+                continue;
+            }
+            let mut text = text.to_vec();
+            if self.settings.is_upper_case {
+                text.make_ascii_uppercase();
+            }
+            self.number += 1;
+            let busy_s = if std::mem::take(&mut is_first) { self.about.busy_s } else { 0.0 };
+            self.ready.push_back(Line {
+                number: self.number,
+                text,
+                source_line: self.about.source_line,
+                element: self.about.element,
+                offset: slots(&self.about.shift),
+                target: slots(&self.about.asked),
+                busy_s,
+                temperatures_c: None,
+            });
+        }
+        !is_first
+    }
+}
+
+/// A line without the mark of a piece that was added.
+fn without_mark(text: &[u8]) -> &[u8] {
+    let Some(at) = text.iter().rposition(|byte| b";(".contains(byte)) else { return text };
+    let (words, comment) = text.split_at(at);
+    let comment: Vec<u8> = comment.iter().copied().filter(|byte| !b";() ".contains(byte)).collect();
+    let is_mark = [CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT].iter().any(|mark| mark.as_bytes() == comment);
+    if is_mark { words.trim_ascii_end() } else { text }
+}
+
+fn slots(vector: &AxisVector) -> [f64; AXIS_COUNT] {
+    ncfix_base::geometry::AXES.map(|axis| vector[axis])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_of_added_pieces_stay_at_home_and_words_do_not() {
+        for (line, left) in [
+            ("X1 Y2 ;+", "X1 Y2"),
+            ("G1 X1 (+~)", "G1 X1"),
+            ("X1 ; +", "X1"),
+            ("; ~", ""),
+            ("X=IC(5)", "X=IC(5)"),
+            ("G1 X1", "G1 X1"),
+            ("M3 (a+)", "M3 (a+)"),
+        ] {
+            assert_eq!(without_mark(line.as_bytes()), left.as_bytes(), "{line}");
+        }
+    }
+}

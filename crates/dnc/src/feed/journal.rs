@@ -1,0 +1,366 @@
+//! The journal of a transfer: what was frozen, acknowledged and heard, written down before any byte of it goes over the link.
+//!
+//! One record a line, only ever added to: milliseconds since the start, what, and its words.
+//!
+//! ```text
+//! ncfix journal 1
+//! # program 5a1e… part.mpf
+//! 0 T 24.125 nose                           the temperature of a sensor, °C, that counts from here on
+//! 0 F 12 9c41f00a 37 51 X+0.0123 Z-0.0040/-0.0051   frozen: number, CRC-32 of the text, line of the source, element of the corrected program,
+//!                                           what the second step adds (mm, degrees), and what the model asks for where that is more or less
+//! 20 P 116 [OPT:VL,100,1024]                blocks that the control may have taken and not carried out, at most, and by which words it says so
+//! 31 A 12                                   acknowledged, with all before it
+//! 31 C 11                                   taken for sure, with all before it, by more than the count of answers
+//! 35 X 10                                   carried out, with all before it
+//! 31 L 12                                   left, with all before it, over a link without answers
+//! 32 R 12                                   sent again
+//! 40 E the control was reset                how it ended
+//! ```
+//!
+//! A last line without its end was being written when the program died; it is no record. Records reach the disk in groups: what the operating system
+//! has taken survives the death of the program at once, and that of the computer as soon as the group was written through.
+
+use std::collections::VecDeque;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use std::time::Duration;
+
+use ncfix_base::geometry::AXES;
+
+use super::dialogue::Event;
+use super::{Ended, Line, Record, crc32};
+
+/// The first line.
+pub(super) const FIRST: &str = "ncfix journal 1";
+/// Records are written through this often, at least.
+const GROUP: Duration = Duration::from_millis(50);
+/// Axes are written with so many decimals, mm or degrees.
+const DECIMALS: usize = 4;
+
+/// A file that is only added to.
+pub trait Store: Write {
+    /// Writes through to the disk.
+    ///
+    /// # Errors
+    /// Those of the file.
+    fn sync(&mut self) -> io::Result<()>;
+}
+
+impl Store for std::fs::File {
+    fn sync(&mut self) -> io::Result<()> {
+        self.sync_data()
+    }
+}
+
+impl<S: Store> Store for &mut S {
+    fn sync(&mut self) -> io::Result<()> {
+        (**self).sync()
+    }
+}
+
+impl Store for Vec<u8> {
+    fn sync(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Writes a journal.
+#[derive(Debug)]
+pub struct Journal<S> {
+    store: S,
+    /// Records that the operating system does not have yet.
+    line: String,
+    synced: Duration,
+    is_synced: bool,
+}
+
+impl<S: Store> Journal<S> {
+    /// Begins one with what must be the same when the job is taken up again: pairs of a name and a value.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn new(mut store: S, head: &[(&str, &str)]) -> io::Result<Journal<S>> {
+        let mut text = format!("{FIRST}\n");
+        for (name, value) in head {
+            let value: String = value.chars().map(|one| if one.is_control() { ' ' } else { one }).collect();
+            let _ = writeln!(text, "# {name} {value}");
+        }
+        store.write_all(text.as_bytes())?;
+        store.sync()?;
+        Ok(Journal { store, line: String::new(), synced: Duration::ZERO, is_synced: true })
+    }
+
+    /// How it ended.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn end(&mut self, ended: &Ended, now: Duration) -> io::Result<()> {
+        let text = match ended {
+            Ended::Done => "done".to_owned(),
+            Ended::Stopped => "stopped".to_owned(),
+            Ended::Lost(why) => format!("lost: {why}"),
+            Ended::Held(why) => format!("held: {why}"),
+            Ended::Fault(why) => format!("fault: {why}"),
+            Ended::Refused(number, said) => format!("refused {number}: {said}"),
+        };
+        self.note(now, &format!("E {}", text.replace(['\n', '\r'], " ")));
+        self.settle()?;
+        self.store.sync()
+    }
+
+    fn note(&mut self, now: Duration, text: &str) {
+        let _ = writeln!(self.line, "{} {text}", now.as_millis());
+    }
+
+    /// What it is written into.
+    ///
+    /// # Errors
+    /// Those of the file.
+    pub fn into_store(mut self) -> io::Result<S> {
+        self.settle()?;
+        Ok(self.store)
+    }
+}
+
+impl<S: Store> Record for Journal<S> {
+    fn frozen(&mut self, line: &Line, now: Duration) -> io::Result<()> {
+        for (sensor, temperature_c) in line.temperatures_c.iter().flat_map(|all| all.iter()) {
+            self.note(now, &format!("T {temperature_c:.3} {}", sensor.replace(['\n', '\r'], " ")));
+        }
+        let mut text = format!("F {} {:08x} {} {}", line.number, crc32(&line.text), line.source_line, line.element);
+        for axis in AXES {
+            let [offset, target] = [&line.offset, &line.target].map(|of| {
+                let value = of[axis.slot()];
+                format!("{:+.DECIMALS$}", if axis.is_rotary() { value.to_degrees() } else { value })
+            });
+            let is_nothing = |text: &str| text.bytes().all(|byte| !matches!(byte, b'1'..=b'9'));
+            if !is_nothing(&offset) || !is_nothing(&target) {
+                let asked = if target == offset { String::new() } else { format!("/{target}") };
+                let _ = write!(text, " {axis}{offset}{asked}");
+            }
+        }
+        self.note(now, &text);
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event, now: Duration) -> io::Result<()> {
+        match event {
+            Event::Acknowledged(number) => self.note(now, &format!("A {number}")),
+            Event::Checked(number) => self.note(now, &format!("C {number}")),
+            Event::Left(number) => self.note(now, &format!("L {number}")),
+            Event::Repeated(number) => self.note(now, &format!("R {number}")),
+            Event::Stalled => self.note(now, "W no answer in time"),
+            Event::Said(text) => self.note(now, &format!("W {}", text.replace(['\n', '\r'], " "))),
+            Event::Paused(is_paused) => self.note(now, if *is_paused { "W paused" } else { "W goes on" }),
+            Event::Executed(number) => self.note(now, &format!("X {number}")),
+            Event::Holds(most, said) => self.note(now, &format!("P {most} {}", said.replace(['\n', '\r'], " "))),
+            Event::Refused(..) | Event::Lost(_) => {}
+        }
+        Ok(())
+    }
+
+    fn settle(&mut self) -> io::Result<()> {
+        if !self.line.is_empty() {
+            self.is_synced = false;
+            self.store.write_all(self.line.as_bytes())?;
+            self.line.clear();
+        }
+        Ok(())
+    }
+
+    fn tick(&mut self, now: Duration) -> io::Result<()> {
+        if !self.is_synced && now.saturating_sub(self.synced) >= GROUP {
+            self.store.sync()?;
+            (self.synced, self.is_synced) = (now, true);
+        }
+        Ok(())
+    }
+}
+
+/// A line as a journal has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Frozen {
+    /// Its number in the transfer.
+    pub number: u64,
+    /// The checksum of its text.
+    pub crc: u32,
+    /// Line of the source.
+    pub source_line: u32,
+    /// Element of the corrected program.
+    pub element: u64,
+}
+
+/// Acknowledged lines that are kept. Planners have 1000 blocks at most (grblHAL, $398), and lines that move nothing stand between those that do.
+const KEPT: u64 = 8192;
+
+/// What a journal says of a job.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Told {
+    /// Names and values of the head.
+    pub head: Vec<(String, String)>,
+    /// The last line that was frozen: it and all before it may have been sent.
+    pub frozen: u64,
+    /// The last line that was acknowledged: it and all before it were taken.
+    pub acknowledged: u64,
+    /// The last line that was taken for sure: more than the count of answers says so.
+    pub checked: u64,
+    /// The last line that was carried out, where the control said so.
+    pub executed: u64,
+    /// The lines behind the last that was acknowledged, and the last before them, in order.
+    pub lines: VecDeque<Frozen>,
+    /// The last line that left over a link without answers: it and as many before it as the control's buffer holds may not have been carried out.
+    pub left: u64,
+    /// Blocks that the control may have taken and not carried out, at most, as it stated, and its words; `None` where it said nothing.
+    pub holds: Option<(u64, String)>,
+    /// How it ended; `None` where the program died.
+    pub ended: Option<String>,
+}
+
+/// Reads a journal.
+///
+/// # Errors
+/// The number of the line that is no record, and why.
+pub fn read(text: &str) -> Result<Told, (usize, String)> {
+    let mut told = Told::default();
+    let whole = text.rfind('\n').map_or("", |end| text.get(..end).unwrap_or_default());
+    for (number, line) in (1..).zip(whole.split('\n')) {
+        let fault = |why: &str| Err((number, why.to_owned()));
+        if number == 1 {
+            if line != FIRST {
+                return fault("this is no journal");
+            }
+            continue;
+        }
+        if let Some(head) = line.strip_prefix("# ") {
+            let (name, value) = head.split_once(' ').unwrap_or((head, ""));
+            told.head.push((name.to_owned(), value.to_owned()));
+            continue;
+        }
+        let mut words = line.splitn(3, ' ');
+        let (_, Some(what)) = (words.next(), words.next()) else { return fault("a record without its kind") };
+        let rest = words.next().unwrap_or_default();
+        let mut rest_words = rest.split(' ');
+        let first = rest_words.next().and_then(|word| word.parse::<u64>().ok());
+        match (what, first) {
+            ("F", Some(line_number)) => {
+                let crc = rest_words.next().and_then(|word| u32::from_str_radix(word, 16).ok());
+                let source_line = rest_words.next().and_then(|word| word.parse().ok());
+                let element = rest_words.next().and_then(|word| word.parse().ok());
+                let (Some(crc), Some(source_line), Some(element)) = (crc, source_line, element) else {
+                    return fault("a frozen line without checksum or place");
+                };
+                if line_number != told.frozen + 1 {
+                    return fault("a frozen line that does not follow the one before it");
+                }
+                told.frozen = line_number;
+                told.lines.push_back(Frozen { number: line_number, crc, source_line, element });
+            }
+            ("A", Some(line_number)) => {
+                if line_number > told.frozen {
+                    return fault("an answer to a line that was not sent");
+                }
+                told.acknowledged = told.acknowledged.max(line_number);
+                while told.lines.front().is_some_and(|line| line.number + KEPT < told.acknowledged) {
+                    told.lines.pop_front();
+                }
+            }
+            ("C", Some(line_number)) => {
+                if line_number > told.frozen {
+                    return fault("a line was taken that was not sent");
+                }
+                told.checked = told.checked.max(line_number);
+            }
+            ("X", Some(line_number)) => {
+                if line_number > told.frozen {
+                    return fault("a line was carried out that was not sent");
+                }
+                told.executed = told.executed.max(line_number);
+            }
+            ("P", Some(most)) => {
+                let said = rest.split_once(' ').map_or("", |(_, said)| said).to_owned();
+                // The largest that was ever stated.
+                told.holds = told.holds.take().filter(|(known, _)| *known >= most).or(Some((most, said)));
+            }
+            ("L", Some(line_number)) => {
+                if line_number > told.frozen {
+                    return fault("a line that has left and was not sent");
+                }
+                told.left = told.left.max(line_number);
+            }
+            ("E", _) => {
+                // Those behind it were answered while the axes were held; what was refused was not done.
+                let refused =
+                    rest.strip_prefix("refused ").and_then(|rest| rest.split(':').next()?.parse::<u64>().ok());
+                if let Some(refused) = refused {
+                    let before = refused.saturating_sub(1);
+                    told.acknowledged = told.acknowledged.min(before);
+                    told.checked = told.checked.min(before);
+                    told.executed = told.executed.min(before);
+                }
+                told.ended = Some(rest.to_owned());
+            }
+            ("R" | "W" | "T", _) => {}
+            _ => return fault("a record of an unknown kind"),
+        }
+    }
+    if whole.is_empty() { Err((1, "this is no journal".to_owned())) } else { Ok(told) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(number: u64) -> Line {
+        let mut line = Line {
+            number,
+            text: format!("G1 X{number}").into_bytes(),
+            source_line: 40 + number as u32,
+            element: 2 * number,
+            ..Line::default()
+        };
+        line.offset[2] = -0.004;
+        line
+    }
+
+    #[test]
+    fn what_was_written_is_read_again_up_to_the_death_of_the_program() {
+        let mut journal = Journal::new(Vec::new(), &[("program", "5a1e part.mpf")]).unwrap();
+        let at = Duration::from_millis;
+        for number in 1..=5 {
+            journal.frozen(&line(number), at(number)).unwrap();
+        }
+        journal.event(&Event::Acknowledged(2), at(9)).unwrap();
+        journal.event(&Event::Holds(31, "[OPT:V,15,128]".into()), at(9)).unwrap();
+        journal.event(&Event::Holds(20, "less".into()), at(9)).unwrap();
+        journal.event(&Event::Checked(2), at(9)).unwrap();
+        journal.event(&Event::Executed(1), at(10)).unwrap();
+        journal.event(&Event::Left(4), at(9)).unwrap();
+        journal.event(&Event::Repeated(3), at(10)).unwrap();
+        let text = String::from_utf8(journal.into_store().unwrap()).unwrap();
+        assert!(text.contains("3 F 3 ") && text.contains(" 43 6 Z-0.0040/+0.0000\n"), "{text}");
+        let told = read(&text).unwrap();
+        assert_eq!((told.frozen, told.acknowledged, told.checked, told.executed), (5, 2, 2, 1));
+        assert_eq!(told.lines.iter().map(|line| line.number).collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
+        assert_eq!(told.lines[2], Frozen { number: 3, crc: crc32(b"G1 X3"), source_line: 43, element: 6 });
+        assert_eq!((told.left, told.holds.clone()), (4, Some((31, "[OPT:V,15,128]".to_owned()))));
+        assert_eq!((told.head[0].0.as_str(), told.ended.as_deref()), ("program", None));
+        // Died in the middle of a record: whatever the place, the records before it stay.
+        for end in text.find("1 F").unwrap()..text.len() {
+            let told = read(&text[..end]).unwrap();
+            assert!(told.frozen <= 5 && told.acknowledged <= told.frozen);
+        }
+    }
+
+    #[test]
+    fn what_is_no_journal_is_refused_with_its_line() {
+        assert_eq!(read("").unwrap_err().0, 1);
+        assert_eq!(read("G1 X0\n").unwrap_err().0, 1);
+        let twice = format!("{FIRST}\n0 F 1 00000000 1 1\n1 F 1 00000000 1 1\n");
+        assert_eq!(read(&twice).unwrap_err().0, 3);
+        assert_eq!(read(&format!("{FIRST}\n0 A 7\n")).unwrap_err().0, 2);
+        assert_eq!(read(&format!("{FIRST}\n0 L 7\n")).unwrap_err().0, 2);
+        assert_eq!(read(&format!("{FIRST}\n0 P many\n")).unwrap_err().0, 2);
+        // Of those that know no depth nothing is known.
+        assert_eq!(read(&format!("{FIRST}\n0 F 1 00000000 1 1\n9 A 1\n")).unwrap().holds, None);
+    }
+}

@@ -1,0 +1,348 @@
+//! Links as data: how bytes go over a wire, what frames a program, how large the window is.
+//!
+//! A profile is a TOML file; those in `links/` are shipped ([`PROFILES`]), others are given by their path. A key that is missing has the value of a
+//! plain link without any of it.
+
+use std::time::Duration;
+
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_machine::machine::file::{MachineFile, Section, nearest};
+
+use super::dialogue::PROTOCOLS;
+use super::watch::Patience;
+
+/// Names and texts of the profiles that are shipped.
+pub const PROFILES: &[(&str, &str)] = &[
+    ("fanuc-rs232", include_str!("../../../../links/fanuc-rs232.toml")),
+    ("grbl", include_str!("../../../../links/grbl.toml")),
+    ("grblhal", include_str!("../../../../links/grblhal.toml")),
+    ("grundig-v24", include_str!("../../../../links/grundig-v24.toml")),
+    ("haas", include_str!("../../../../links/haas.toml")),
+    ("heidenhain-fe1", include_str!("../../../../links/heidenhain-fe1.toml")),
+    ("linuxcnc", include_str!("../../../../links/linuxcnc.toml")),
+    ("marlin", include_str!("../../../../links/marlin.toml")),
+    ("siemens-v24", include_str!("../../../../links/siemens-v24.toml")),
+];
+
+/// Parity of a character.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Parity {
+    /// No such bit.
+    #[default]
+    None,
+    /// It makes the number of ones even.
+    Even,
+    /// It makes it odd.
+    Odd,
+}
+
+/// How characters go over a serial line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Serial {
+    /// Bits per second.
+    pub baud: u32,
+    /// 7 or 8.
+    pub data_bits: u8,
+    /// Its parity.
+    pub parity: Parity,
+    /// 1 or 2.
+    pub stop_bits: u8,
+    /// Whether RTS and CTS hold the flow.
+    pub rts_cts: bool,
+    /// Whether the parity bit is made here and sent as the eighth data bit: for adapters that know eight bits only.
+    pub software_parity: bool,
+}
+
+impl Serial {
+    /// Bits on the wire for one character: start, data, parity, stop.
+    #[must_use]
+    pub fn bits_per_character(&self) -> u32 {
+        1 + u32::from(self.data_bits) + u32::from(self.parity != Parity::None) + u32::from(self.stop_bits)
+    }
+
+    /// Characters that go over it in a second.
+    #[must_use]
+    pub fn characters_per_s(&self) -> f64 {
+        f64::from(self.baud) / f64::from(self.bits_per_character())
+    }
+}
+
+/// How much may be under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Lines that are sent and not acknowledged, at most.
+    pub lines: usize,
+    /// Bytes of them, at most.
+    pub bytes: usize,
+    /// Bytes in the queue of the system, at most: what is there can no longer be held back.
+    pub system_bytes: usize,
+    /// Lines that a control of this kind holds beyond those, as a rule: for the forecast only. What a control holds in truth it states itself.
+    pub planned: usize,
+}
+
+/// How many blocks a control has taken and not carried out, at most, where it does not say so itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bound {
+    /// So many, and never more.
+    pub at_most: u64,
+    /// Where the figure comes from.
+    pub source: String,
+}
+
+/// What frames lines and programs.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Frame {
+    /// Before everything else.
+    pub leader: Vec<u8>,
+    /// Before the first line.
+    pub start: Vec<u8>,
+    /// Behind each line.
+    pub end_of_block: Vec<u8>,
+    /// Behind the last line.
+    pub trailer: Vec<u8>,
+}
+
+/// How the flow is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Flow {
+    /// The byte that lets go on; `None` where no bytes hold the flow.
+    pub xon: Option<u8>,
+    /// The byte that stops.
+    pub xoff: Option<u8>,
+    /// Whether nothing is sent before the first [`Flow::xon`].
+    pub wait_for_xon: bool,
+}
+
+/// A link and how to speak over it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// Its name.
+    pub name: String,
+    /// What it is.
+    pub title: String,
+    /// The dialogue, one of [`PROTOCOLS`].
+    pub protocol: String,
+    /// The serial line; TCP and pseudo-terminals take no notice of it.
+    pub serial: Serial,
+    /// How the flow is held.
+    pub flow: Flow,
+    /// What frames lines and programs.
+    pub frame: Frame,
+    /// How much may be under way.
+    pub window: Window,
+    /// How many blocks lie in its planner, at most; `None` where nobody knows.
+    pub depth: Option<Bound>,
+    /// A line may not be longer, bytes without its end.
+    pub longest_line: usize,
+    /// Whether letters are sent as capitals.
+    pub is_upper_case: bool,
+    /// Bytes that no line may have: they mean something else on this link.
+    pub refused: Vec<u8>,
+    /// How long an answer takes, s.
+    pub answer_s: f64,
+    /// Without an answer for so long beyond what a block takes, the control is asked, or the line is sent again.
+    pub answer_within: Duration,
+    /// How long a job may stand still before it ends.
+    pub patience: Patience,
+    /// How often a line is sent again, at most.
+    pub most_repeats: u32,
+    /// Whether check characters are made printed ones.
+    pub avoids_controls: bool,
+}
+
+impl Profile {
+    /// Whether a line can go over the link.
+    ///
+    /// # Errors
+    /// A sentence that says why not.
+    pub fn check(&self, text: &[u8]) -> Result<(), String> {
+        let protocol = PROTOCOLS.iter().find(|known| known.name == self.protocol);
+        protocol.map_or(Ok(()), |protocol| (protocol.check)(self, text))
+    }
+
+    /// Blocks that the control has answered and not carried out, at most, as the profile states: those of its planner, what still moves, and what waits
+    /// before it.
+    #[must_use]
+    pub fn holds_at_most(&self) -> Option<u64> {
+        let protocol = PROTOCOLS.iter().find(|known| known.name == self.protocol && known.has_planner)?;
+        Some(self.depth.as_ref()?.at_most.saturating_add(protocol.beyond))
+    }
+
+    /// Reads a profile.
+    ///
+    /// # Errors
+    /// All that is wrong in it: `E0401`–`E0404`.
+    pub fn read(source: &Source) -> Result<Profile, Vec<Diagnostic>> {
+        let document = MachineFile::parse(source)?;
+        let mut root = document.root();
+        let mut findings = Vec::new();
+        let name = root.required("name", "\"my-link\"", Section::text).unwrap_or_default().to_owned();
+        let title = root.text("title").unwrap_or(&name).to_owned();
+        let protocol = root.required("protocol", "\"grbl\"", Section::text).unwrap_or_default().to_owned();
+        if !protocol.is_empty() && !PROTOCOLS.iter().any(|known| known.name == protocol) {
+            let names = || PROTOCOLS.iter().map(|known| known.name);
+            let help = nearest(&protocol, names()).map_or_else(
+                || format!("one of {}", names().collect::<Vec<_>>().join(", ")),
+                |name| format!("did you mean \"{name}\"?"),
+            );
+            root.report(Code::BAD_VALUE, root.place_of("protocol"), format!("there is no protocol '{protocol}'"), help);
+        }
+        let mut own = |key: &str, read: &mut dyn FnMut(&mut Section<'_>)| {
+            if let Some(mut section) = root.section(key) {
+                read(&mut section);
+                section.finish(&mut findings);
+            }
+        };
+        let mut serial = Serial {
+            baud: 9600,
+            data_bits: 8,
+            parity: Parity::None,
+            stop_bits: 1,
+            rts_cts: false,
+            software_parity: false,
+        };
+        own("serial", &mut |section| read_serial(section, &mut serial));
+        let mut flow = Flow { xon: None, xoff: None, wait_for_xon: false };
+        own("flow", &mut |section| {
+            flow.xon = byte(section, "xon");
+            flow.xoff = byte(section, "xoff");
+            flow.wait_for_xon = section.boolean("wait_for_xon").unwrap_or(false);
+        });
+        let mut frame = Frame { end_of_block: b"\n".to_vec(), ..Frame::default() };
+        own("frame", &mut |section| {
+            frame.leader = bytes(section, "leader").unwrap_or_default();
+            frame.start = bytes(section, "start").unwrap_or_default();
+            frame.end_of_block = bytes(section, "end_of_block").unwrap_or(b"\n".to_vec());
+            frame.trailer = bytes(section, "trailer").unwrap_or_default();
+        });
+        // Five lines: the buffer of the control of Spaan (1995), ch. 7.
+        let mut window = Window { lines: 5, bytes: 512, system_bytes: 64, planned: 0 };
+        own("window", &mut |section| {
+            let mut read = |key: &str, of: &mut usize| *of = section.integer(key).map_or(*of, |value| value as usize);
+            read("lines", &mut window.lines);
+            read("bytes", &mut window.bytes);
+            read("planned", &mut window.planned);
+            read("system_bytes", &mut window.system_bytes);
+        });
+        let has_planner = PROTOCOLS.iter().any(|known| known.name == protocol && known.has_planner);
+        let mut depth = None;
+        own("depth", &mut |section| depth = bound(section, has_planner));
+        let (mut longest_line, mut is_upper_case, mut refused) = (256, false, Vec::new());
+        own("text", &mut |section| {
+            longest_line = section.integer("longest_line").map_or(longest_line, |value| value as usize);
+            is_upper_case = section.boolean("upper_case").unwrap_or(false);
+            refused = bytes(section, "refused").unwrap_or_default();
+        });
+        let mut answer_s = 0.0;
+        let (mut answer_within, mut most_repeats, mut avoids_controls) = (Duration::from_secs(10), 3, false);
+        let mut patience = Patience::default();
+        own("answer", &mut |section| {
+            let positive = |value: f64| value > 0.0 && value <= 3600.0;
+            if let Some(seconds) = section.number_where("within_s", "a time above 0 and up to 3600", positive) {
+                answer_within = Duration::from_secs_f64(seconds);
+            }
+            let is_long = |value: f64| (1.0..=86_400.0).contains(&value);
+            let mut limit = |key: &str, of: &mut Duration| {
+                if let Some(seconds) = section.number_where(key, "a time from 1 to 86400", is_long) {
+                    *of = Duration::from_secs_f64(seconds);
+                }
+            };
+            limit("stall_s", &mut patience.stall);
+            limit("hold_s", &mut patience.hold);
+            let is_time = |value: f64| (0.0..=60.0).contains(&value);
+            answer_s = section.number_where("typical_s", "a time from 0 to 60", is_time).unwrap_or(answer_s);
+            most_repeats = section.integer("repeats").unwrap_or(most_repeats);
+            avoids_controls = section.boolean("avoid_control_characters").unwrap_or(false);
+        });
+        root.finish(&mut findings);
+        if findings.iter().any(Diagnostic::is_error) {
+            return Err(findings);
+        }
+        Ok(Profile {
+            name,
+            title,
+            protocol,
+            serial,
+            flow,
+            frame,
+            window,
+            depth,
+            longest_line,
+            is_upper_case,
+            refused,
+            answer_s,
+            answer_within,
+            patience,
+            most_repeats,
+            avoids_controls,
+        })
+    }
+}
+
+/// An upper bound of the depth of a planner: without its source it is a guess, and that skips blocks which nobody has carried out.
+fn bound(section: &mut Section<'_>, has_planner: bool) -> Option<Bound> {
+    let at_most = section.required("at_most", "64", Section::integer);
+    let source =
+        section.required("source", "\"Configuration_adv.h of this firmware: BLOCK_BUFFER_SIZE 64\"", Section::text);
+    let source = source.map(str::to_owned);
+    if !has_planner {
+        let message = "an answer over this link does not mean that the line lies in a planner, or there is none";
+        section.report(Code::BAD_VALUE, section.place_of("at_most"), message, "leave out [depth]");
+    } else if source.as_ref().is_some_and(|source| source.trim().is_empty()) {
+        let help = "write where the figure comes from: a setting of the control, its configuration, its manual";
+        section.report(Code::BAD_VALUE, section.place_of("source"), "a bound without a source", help);
+    }
+    let (at_most, source) = at_most.zip(source)?;
+    Some(Bound { at_most: at_most.into(), source })
+}
+
+fn read_serial(section: &mut Section<'_>, serial: &mut Serial) {
+    if let Some(baud) = section.integer("baud") {
+        serial.baud = baud;
+    }
+    let one_of = |section: &mut Section<'_>, key: &str, allowed: [u8; 2]| {
+        let expected = format!("{} or {}", allowed[0], allowed[1]);
+        let found = section.number_where(key, &expected, |value| allowed.iter().any(|&one| f64::from(one) == value));
+        found.map(|value| value as u8)
+    };
+    serial.data_bits = one_of(section, "data_bits", [7, 8]).unwrap_or(serial.data_bits);
+    serial.stop_bits = one_of(section, "stop_bits", [1, 2]).unwrap_or(serial.stop_bits);
+    serial.parity = match section.text("parity") {
+        None | Some("none") => Parity::None,
+        Some("even") => Parity::Even,
+        Some("odd") => Parity::Odd,
+        Some(other) => {
+            let message = format!("there is no parity '{other}'");
+            section.report(Code::BAD_VALUE, section.place_of("parity"), message, "one of \"none\", \"even\", \"odd\"");
+            Parity::None
+        }
+    };
+    serial.rts_cts = section.boolean("rts_cts").unwrap_or(false);
+    serial.software_parity = section.boolean("software_parity").unwrap_or(false);
+    if serial.software_parity && (serial.data_bits, serial.parity == Parity::None) != (7, false) {
+        let place = section.place_of("software_parity");
+        let help = "write data_bits = 7 and parity = \"even\" or \"odd\" with it";
+        section.report(Code::BAD_VALUE, place, "parity that is made here is the eighth bit of seven", help);
+    }
+}
+
+/// A byte: a number from 0 to 255.
+fn byte(section: &mut Section<'_>, key: &str) -> Option<u8> {
+    let is_byte = |value: f64| value.fract() == 0.0 && (0.0..=255.0).contains(&value);
+    section.number_where(key, "a byte: a whole number from 0 to 255", is_byte).map(|value| value as u8)
+}
+
+/// Bytes: a text, whose characters are their codes.
+fn bytes(section: &mut Section<'_>, key: &str) -> Option<Vec<u8>> {
+    let text = section.text_of_bytes(key)?;
+    let bytes: Option<Vec<u8>> = text.chars().map(|character| u8::try_from(u32::from(character)).ok()).collect();
+    if bytes.is_none() {
+        let help = "write them as \\u0000 to \\u00FF";
+        section.report(Code::BAD_VALUE, section.place_of(key), format!("{key} has characters that are no bytes"), help);
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests;

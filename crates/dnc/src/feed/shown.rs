@@ -1,0 +1,100 @@
+//! What a journal shows of temperatures and corrections over time.
+
+use std::collections::BTreeMap;
+
+use super::journal::FIRST;
+use ncfix_base::geometry::Axis;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+
+/// Temperatures and corrections by time, one entry for each line that was frozen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Shown {
+    /// Time since the start, s.
+    pub times_s: Vec<f64>,
+    /// By sensor, °C; NaN as long as one is not known.
+    pub sensors_c: Vec<(String, Vec<f64>)>,
+    /// By axis what the model asked for and what was applied, µm or µrad.
+    pub axes_um: Vec<(String, [Vec<f64>; 2])>,
+}
+
+/// Reads a journal.
+///
+/// # Errors
+/// The line that is none of a journal, and why.
+pub fn shown(text: &str) -> Result<Shown, (usize, String)> {
+    let whole = text.rfind('\n').map_or("", |end| text.get(..end).unwrap_or_default());
+    let mut out = Shown::default();
+    let mut sensors: BTreeMap<String, (f64, Vec<f64>)> = BTreeMap::new();
+    let mut axes: BTreeMap<Axis, [Vec<f64>; 2]> = BTreeMap::new();
+    for (number, line) in (1..).zip(whole.split('\n')) {
+        let fault = |why: &str| (number, why.to_owned());
+        if number == 1 && line != FIRST {
+            return Err(fault("this is no journal"));
+        }
+        if number == 1 || line.starts_with("# ") {
+            continue;
+        }
+        let mut words = line.splitn(3, ' ');
+        let [time, kind, rest] = [words.next(), words.next(), words.next()];
+        match (kind, rest) {
+            (Some("T"), Some(rest)) => {
+                let (value, name) = rest.split_once(' ').ok_or_else(|| fault("a temperature without its sensor"))?;
+                let value = value.parse().map_err(|_| fault("a temperature that is no number"))?;
+                let known = out.times_s.len();
+                sensors.entry(name.to_owned()).or_insert_with(|| (f64::NAN, vec![f64::NAN; known])).0 = value;
+            }
+            (Some("F"), Some(rest)) => {
+                let time_ms: f64 =
+                    time.and_then(|time| time.parse().ok()).ok_or_else(|| fault("a record without its time"))?;
+                let known = out.times_s.len();
+                out.times_s.push(time_ms / 1e3);
+                sensors.values_mut().for_each(|(now, all)| all.push(*now));
+                for word in rest.split(' ').skip(4) {
+                    let (axis, both) = offset(word).ok_or_else(|| fault("an offset that cannot be read"))?;
+                    let own = axes.entry(axis).or_insert_with(|| [vec![0.0; known], vec![0.0; known]]);
+                    own.iter_mut().zip(both).for_each(|(all, value)| all.push(value));
+                }
+                // What a line does not name is nothing.
+                axes.values_mut().flatten().for_each(|all| all.resize(known + 1, 0.0));
+            }
+            _ => {}
+        }
+    }
+    out.sensors_c = sensors.into_iter().map(|(name, (_, all))| (name, all)).collect();
+    out.axes_um = axes.into_iter().map(|(axis, both)| (axis.to_string(), both)).collect();
+    if whole.is_empty() { Err((1, "this is no journal".to_owned())) } else { Ok(out) }
+}
+
+/// `X+0.0123/+0.0150`: an axis, what the model asked for, and what was applied, µm or µrad.
+fn offset(word: &str) -> Option<(Axis, [f64; 2])> {
+    let axis = Axis::from_letter(*word.as_bytes().first()?)?;
+    let (applied, asked) = word.get(1..)?.split_once('/').unwrap_or((word.get(1..)?, word.get(1..)?));
+    let value = |text: &str| {
+        let value: f64 = text.parse().ok()?;
+        Some(if axis.is_rotary() { urad_from_rad(value.to_radians()) } else { um_from_mm(value) })
+    };
+    Some((axis, [value(asked)?, value(applied)?]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_journal_shows_temperatures_and_corrections_by_line() {
+        let text = "ncfix journal 1\n# program 5a1e part.mpf\n0 T 20.000 nose\n0 F 1 00000000 1 1\n500 T 21.500 nose\n500 T 19.000 bed 2\n\
+                    500 F 2 00000000 2 2 Z-0.0040/-0.0051\n700 F 3 00000000 3 3 X+0.0010\n900 A 3\n1000 F 4 cut";
+        let found = shown(text).unwrap();
+        assert_eq!(found.times_s, [0.0, 0.5, 0.7]);
+        let [bed, nose] = &found.sensors_c[..] else { panic!("{found:?}") };
+        assert_eq!((bed.0.as_str(), &bed.1[1..]), ("bed 2", &[19.0, 19.0][..]));
+        assert!(bed.1[0].is_nan());
+        assert_eq!(nose.1, [20.0, 21.5, 21.5]);
+        let near = |one: &[f64], other: [f64; 3]| one.iter().zip(other).all(|(a, b)| (a - b).abs() < 1e-9);
+        let [x, z] = &found.axes_um[..] else { panic!("{found:?}") };
+        assert!(x.0 == "X" && near(&x.1[0], [0.0, 0.0, 1.0]) && near(&x.1[1], [0.0, 0.0, 1.0]));
+        assert!(near(&z.1[0], [0.0, -5.1, 0.0]) && near(&z.1[1], [0.0, -4.0, 0.0]), "{z:?}");
+        assert_eq!(shown("G1 X0\n").unwrap_err().0, 1);
+        assert_eq!(shown("ncfix journal 1\n0 T warm nose\n").unwrap_err().0, 2);
+    }
+}

@@ -1,0 +1,194 @@
+//! Lines of text as they come: CSV behind its line of names, JSON objects, `name=value`, or a number alone.
+//!
+//! A line says itself which of these it is. Whoever begins to read in the middle finds no names: rows are not guessed at then.
+
+use std::time::SystemTime;
+
+use serde_json::Value;
+
+use ncfix_base::csv::Table;
+use ncfix_base::source::{FileId, Source};
+
+use super::monitor::{Fault, Told};
+use super::stamp::stamp;
+
+/// A longer line is no reading, bytes.
+pub(super) const LONGEST_LINE: usize = 1 << 16;
+/// What says when the readings of a line were made.
+const TIMES: [&str; 3] = ["time", "timestamp", "ts"];
+
+/// What is told of a channel, and when it was read.
+pub(super) type Tell<'a> = dyn FnMut(usize, Told, Option<SystemTime>) + 'a;
+
+/// Reads lines.
+#[derive(Clone, Debug)]
+pub struct Lines {
+    /// What a channel is called in them.
+    items: Vec<(String, usize)>,
+    header: Option<String>,
+    /// Whether times in them count.
+    has_times: bool,
+}
+
+impl Lines {
+    /// Lines in which channels go by some names.
+    #[must_use]
+    pub fn new(items: &[(String, usize)], has_times: bool) -> Lines {
+        Lines { items: items.to_vec(), header: None, has_times }
+    }
+
+    /// The names of columns come again.
+    pub fn forget_header(&mut self) {
+        self.header = None;
+    }
+
+    /// Reads a line.
+    pub fn read(&mut self, bytes: &[u8], tell: &mut Tell<'_>) {
+        let text = String::from_utf8_lossy(bytes);
+        let line = text.trim_start_matches('\u{feff}').trim();
+        if line.is_empty() || line.starts_with('#') {
+        } else if bytes.len() > LONGEST_LINE {
+            self.fail("a line has no end", tell);
+        } else if line.starts_with('{') || line.starts_with('[') {
+            match serde_json::from_str::<Value>(line) {
+                Ok(object) => self.object(&object, tell),
+                Err(_) => self.fail("a line begins like JSON and is none", tell),
+            }
+        } else if self.header.is_none() && line.contains('=') {
+            self.pairs(line, tell);
+        } else if self.header.is_none() && line.parse::<f64>().is_ok() {
+            self.alone(line, tell);
+        } else {
+            self.row(line, tell);
+        }
+    }
+
+    /// Nothing can be made of a line.
+    fn fail(&self, why: &str, tell: &mut Tell<'_>) {
+        for (_, channel) in &self.items {
+            tell(*channel, Told::Nothing(Fault::Invalid, why.to_owned()), None);
+        }
+    }
+
+    fn stamp(&self, find: impl Fn(&str) -> Option<String>) -> Option<SystemTime> {
+        TIMES.iter().filter(|_| self.has_times).find_map(|name| find(name)).and_then(|text| stamp(&text))
+    }
+
+    fn object(&self, object: &Value, tell: &mut Tell<'_>) {
+        let stamp = self.stamp(|name| object.get(name).map(plain));
+        for (item, channel) in &self.items {
+            if let Some(value) = inside(object, item) {
+                tell(*channel, told(&plain(value)), stamp);
+            }
+        }
+    }
+
+    fn pairs(&self, line: &str, tell: &mut Tell<'_>) {
+        let is_between = |character: char| character.is_whitespace() || matches!(character, ',' | ';');
+        let pairs: Vec<(&str, &str)> = line.split(is_between).filter_map(|word| word.split_once('=')).collect();
+        let find = |name: &str| pairs.iter().find(|(known, _)| *known == name).map(|(_, value)| (*value).to_owned());
+        let stamp = self.stamp(find);
+        for (item, channel) in &self.items {
+            if let Some(value) = find(item) {
+                tell(*channel, told(&value), stamp);
+            }
+        }
+    }
+
+    /// A number alone is that of the only channel.
+    fn alone(&self, line: &str, tell: &mut Tell<'_>) {
+        match self.items.as_slice() {
+            [(_, channel)] => tell(*channel, told(line), None),
+            _ => self.fail("a number alone, and several channels it might be", tell),
+        }
+    }
+
+    fn row(&mut self, line: &str, tell: &mut Tell<'_>) {
+        let is_sign = |byte: u8| matches!(byte, b',' | b';' | b'\t');
+        let cells: Vec<&str> =
+            line.split(|character: char| u8::try_from(character).is_ok_and(is_sign)).map(str::trim).collect();
+        let is_known = |cell: &&str| self.items.iter().any(|(item, _)| is_column_of(cell.trim_matches('"'), item));
+        if cells.iter().any(is_known) {
+            self.header = Some(line.to_owned());
+            return;
+        }
+        let Some(header) = &self.header else {
+            return self.fail("there are no names of columns, or none of them is that of a channel", tell);
+        };
+        let text = format!("{header}\n{line}\n").into_bytes();
+        let table = Source::new(FileId(0), "row", text).ok().and_then(|source| Table::read(&source).0);
+        let Some(row) = table.as_ref().and_then(|table| table.rows().next().map(|row| (table, row))) else {
+            return self.fail("a row has other columns than the names", tell);
+        };
+        let (table, row) = row;
+        let cell = |column: usize| String::from_utf8_lossy(row.text(column)).into_owned();
+        let stamp = self.stamp(|name| table.column(name).map(cell));
+        for (item, channel) in &self.items {
+            let column = table.names().iter().position(|name| is_column_of(name, item));
+            let Some(text) = column.map(cell).filter(|text| !text.trim().is_empty()) else { continue };
+            // Where commas do not separate cells they are decimal signs.
+            let is_comma = table.separator() != b',' && !text.contains('.');
+            tell(*channel, told(&if is_comma { text.replace(',', ".") } else { text }), stamp);
+        }
+    }
+}
+
+/// Whether a column is that of an item: by its name, or as logs have it, with `_C` behind.
+fn is_column_of(name: &str, item: &str) -> bool {
+    name == item || name.strip_suffix("_C") == Some(item)
+}
+
+/// A value of an object by its key, or by keys with points between them.
+pub(super) fn inside<'v>(object: &'v Value, item: &str) -> Option<&'v Value> {
+    object.get(item).or_else(|| {
+        item.split('.').try_fold(object, |value, key| match value {
+            Value::Array(items) => items.get(key.parse::<usize>().ok()?),
+            _ => value.get(key),
+        })
+    })
+}
+
+/// A text without its quotation marks, anything else as JSON has it.
+pub(super) fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// What a text says of a channel.
+pub(super) fn told(text: &str) -> Told {
+    let text = text.trim().trim_matches('"');
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Told::Value(value),
+        _ => Told::Nothing(Fault::Invalid, format!("'{}' is no number", shortened(text))),
+    }
+}
+
+/// The beginning of a text that may be long.
+pub(super) fn shortened(text: &str) -> String {
+    let clean: String =
+        text.chars().map(|character| if character.is_control() { ' ' } else { character }).take(41).collect();
+    if clean.chars().count() > 40 { clean.chars().take(40).chain(['…']).collect() } else { clean }
+}
+
+/// Whole lines out of bytes as they come.
+#[derive(Debug, Default)]
+pub(super) struct Splitter(Vec<u8>);
+
+impl Splitter {
+    /// Takes bytes; what is behind the last end of a line waits for more.
+    pub(super) fn take(&mut self, bytes: &[u8], each: &mut dyn FnMut(&[u8])) {
+        for part in bytes.split_inclusive(|&byte| byte == b'\n') {
+            // One byte more than the longest line says that it has been too long.
+            let room = (LONGEST_LINE + 1).saturating_sub(self.0.len());
+            self.0.extend(part.iter().take(room));
+            if part.ends_with(b"\n") {
+                each(&self.0);
+                self.0.clear();
+            }
+        }
+    }
+
+    /// What waits is thrown away.
+    pub(super) fn clear(&mut self) {
+        self.0.clear();
+    }
+}

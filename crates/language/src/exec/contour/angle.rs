@@ -1,0 +1,56 @@
+//! Motions whose end the next one tells: they wait in the stage until it is known.
+
+use super::Contour;
+use super::curve::{Curve, Flat, add};
+use super::moving::{Item, Moving};
+use ncfix_base::geometry::{AxisSet, AxisVector};
+
+/// Items that may wait behind a motion without end.
+const MOST_WAITING: usize = 1000;
+
+/// A motion whose end is not known yet, and what stands behind it.
+#[derive(Debug)]
+pub(super) struct OpenLine {
+    moving: Box<Moving>,
+    behind: Vec<Item>,
+}
+
+impl Contour {
+    pub(in crate::exec) fn open(&mut self, moving: Box<Moving>) {
+        self.open = Some(OpenLine { moving, behind: Vec::new() });
+    }
+
+    /// Puts an item behind a motion without end; gives it back where there is none.
+    pub(super) fn behind_open(&mut self, item: Item) -> Option<Item> {
+        match &mut self.open {
+            Some(open) if open.behind.len() < MOST_WAITING => {
+                open.behind.push(item);
+                None
+            }
+            _ => Some(item),
+        }
+    }
+
+    /// The end is known, or never will be: the motion and what stands behind it go on.
+    pub(in crate::exec) fn close(&mut self, end: Option<AxisVector>, axes: AxisSet, out: &mut Vec<Item>) {
+        let Some(mut open) = self.open.take() else { return };
+        if let Some(end) = end {
+            let motion = &mut open.moving.path.motion;
+            motion.target = end;
+            motion.named = motion.named.union(axes);
+            motion.known = motion.known.union(axes);
+        }
+        self.take(Item::Path(open.moving), out);
+        for item in open.behind {
+            self.take(item, out);
+        }
+    }
+}
+
+/// Where two straight lines meet that are given by a point and the angle to the abscissa, rad; `None` where they run in the same
+/// direction.
+pub(in crate::exec) fn crossing(first: (Flat, f64), second: (Flat, f64)) -> Option<Flat> {
+    let line = |(start, angle): (Flat, f64)| Curve::Line { start, end: add(start, [angle.cos(), angle.sin()]) };
+    let found = line(first).crossings(&line(second)).iter().next();
+    found.filter(|point| point.iter().all(|value| value.abs() < 1e9))
+}

@@ -1,0 +1,148 @@
+//! Values of expressions, and the E parameters that they read.
+
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::syntax::words::{ExprId, Function, Node, Operator, Program, UnaryOperator};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+use ncfix_base::units::sin_deg;
+use ncfix_machine::machine::Machine;
+
+/// E parameters: E0 to E1999.
+const PARAMETERS: usize = 2000;
+/// Comparisons of values that differ by no more than this, as a share, find them equal.
+const SAME: f64 = 1e-12;
+
+/// The E parameters, which all programs and macros share. What was never assigned counts as 0.
+#[derive(Debug)]
+pub(super) struct Parameters {
+    values: Vec<f64>,
+}
+
+impl Parameters {
+    /// As the machine file knows them.
+    pub(super) fn new(machine: &Machine) -> Parameters {
+        let mut values = vec![0.0; PARAMETERS];
+        for (&number, &value) in &machine.parameters {
+            if let Some(place) = usize::try_from(number).ok().and_then(|number| values.get_mut(number)) {
+                *place = value;
+            }
+        }
+        Parameters { values }
+    }
+
+    pub(super) fn get(&self, number: usize, span: Span) -> Result<f64, Fault> {
+        self.values.get(number).copied().ok_or_else(|| no_parameter(number, span))
+    }
+
+    pub(super) fn set(&mut self, number: usize, value: f64, span: Span) -> Result<(), Fault> {
+        let place = self.values.get_mut(number).ok_or_else(|| no_parameter(number, span))?;
+        *place = value;
+        Ok(())
+    }
+}
+
+fn no_parameter(number: usize, span: Span) -> Fault {
+    fault(Code::BAD_INDEX, span, format!("there is no parameter E{number}"), "use E0 to E1999")
+}
+
+/// What an expression can see.
+#[derive(Clone, Copy)]
+pub(super) struct Scope<'a> {
+    pub(super) program: &'a Program,
+    pub(super) parameters: &'a Parameters,
+}
+
+impl Scope<'_> {
+    /// The value of an expression.
+    pub(super) fn number(&self, id: ExprId) -> Result<f64, Fault> {
+        let expr = self.program.expr(id);
+        let value = match expr.node {
+            Node::Number(value) => value,
+            Node::Parameter(number) => self.parameters.get(number as usize, expr.span)?,
+            Node::ParameterAt(inner) => {
+                let number = self.number(inner)?;
+                if number.fract() != 0.0 || !(0.0..=1e6).contains(&number) {
+                    return Err(fault(Code::BAD_INDEX, expr.span, format!("E{number} is no parameter"), "check it"));
+                }
+                self.parameters.get(number as usize, expr.span)?
+            }
+            Node::Unary(operator, inner) => {
+                let value = self.number(inner)?;
+                match operator {
+                    UnaryOperator::Plus => value,
+                    UnaryOperator::Minus => -value,
+                    UnaryOperator::Not => truth(value == 0.0),
+                }
+            }
+            Node::Binary(operator, left, right) => {
+                binary(operator, self.number(left)?, self.number(right)?, expr.span)?
+            }
+            Node::Call(function, inner, second) => {
+                let value = self.number(inner)?;
+                let second = second.map(|id| self.number(id)).transpose()?;
+                call(function, value, second, expr.span)?
+            }
+            Node::Named(_) => {
+                return Err(fault(Code::UNDEFINED_VARIABLE, expr.span, "no parameter of this language", "use E0 …"));
+            }
+        };
+        if value.is_finite() { Ok(value) } else { Err(no_value(expr.span)) }
+    }
+}
+
+fn binary(operator: Operator, left: f64, right: f64, span: Span) -> Result<f64, Fault> {
+    let same = (left - right).abs() <= SAME * left.abs().max(right.abs());
+    Ok(match operator {
+        Operator::Add => left + right,
+        Operator::Subtract => left - right,
+        Operator::Multiply => left * right,
+        Operator::Divide if right == 0.0 => {
+            return Err(fault(Code::NOT_COMPUTABLE, span, "a division by 0", "check the divisor"));
+        }
+        Operator::Divide => left / right,
+        Operator::Power => left.powf(right),
+        Operator::Equal => truth(same),
+        Operator::NotEqual => truth(!same),
+        Operator::Greater => truth(left > right && !same),
+        Operator::GreaterEqual => truth(left > right || same),
+        Operator::Less => truth(left < right && !same),
+        Operator::LessEqual => truth(left < right || same),
+        Operator::And => truth(left != 0.0 && right != 0.0),
+        Operator::Or => truth(left != 0.0 || right != 0.0),
+        Operator::Xor => truth((left != 0.0) != (right != 0.0)),
+        Operator::Mod => return Err(bad_value(span, "MOD is no operator of this language", "use int()")),
+    })
+}
+
+fn call(function: Function, value: f64, second: Option<f64>, span: Span) -> Result<f64, Fault> {
+    Ok(match function {
+        Function::Sin => sin_deg(value),
+        Function::Cos => sin_deg(value + 90.0),
+        Function::Tan if sin_deg(value + 90.0) == 0.0 => return Err(no_value(span)),
+        Function::Tan => sin_deg(value) / sin_deg(value + 90.0),
+        Function::Asin => value.asin().to_degrees(),
+        Function::Acos => value.acos().to_degrees(),
+        Function::Atan => match second {
+            None => value.atan().to_degrees(),
+            Some(second) => value.atan2(second).to_degrees(),
+        },
+        Function::Sqrt if value < 0.0 => return Err(no_value(span)),
+        Function::Sqrt => value.sqrt(),
+        Function::Abs => value.abs(),
+        Function::Int => value.trunc(),
+        Function::Round => value.round(),
+        Function::Exp => value.exp(),
+        Function::Ln => value.ln(),
+        Function::Deg => value.to_degrees(),
+        Function::Rad => value.to_radians(),
+        _ => return Err(bad_value(span, "this is no function of this language", "use sin, cos, sqrt, int …")),
+    })
+}
+
+fn truth(holds: bool) -> f64 {
+    f64::from(u8::from(holds))
+}
+
+fn no_value(span: Span) -> Fault {
+    fault(Code::NOT_COMPUTABLE, span, "this expression has no value", "check what it is computed from")
+}

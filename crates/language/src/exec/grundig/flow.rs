@@ -1,0 +1,216 @@
+//! What a block does to the order of execution: G14, G22, G23, G29, M30.
+
+use super::Interpreter;
+use super::gathered::Gathered;
+use super::level::{Level, LevelKind, Repeat};
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::syntax::words::{Block, PartKind};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+use ncfix_machine::snc::{Kind, Word, WordValue};
+
+/// Macros within one another.
+const MOST_MACROS: usize = 8;
+/// Passes of one repetition at most.
+const MOST_PASSES: f64 = 1e9;
+
+/// The code of a block that steers the execution.
+pub(super) const FLOW_CODES: [u16; 4] = [14, 22, 23, 29];
+
+impl Interpreter<'_> {
+    /// Carries out the flow code of a block.
+    pub(super) fn flow(&mut self, code: u16, span: Span, block: &Block, index: usize) -> Result<(), Fault> {
+        let mut gathered = std::mem::take(&mut self.gathered);
+        gathered.take_code(code);
+        let other = gathered.codes.first().or(gathered.functions.first());
+        if let Some(other) = other {
+            let message = format!("G{code} shares its block with other G or M codes");
+            let found = fault(Code::MUST_STAND_ALONE, other.span, message, "give it a block of its own");
+            self.gathered = gathered;
+            return Err(found);
+        }
+        let done = match code {
+            14 => self.repeat(&mut gathered, span, index),
+            22 => self.call_macro(&mut gathered, span, block),
+            23 => self.call_program(&mut gathered, span, block),
+            _ => self.jump(&mut gathered, span),
+        };
+        let rest = done.and_then(|()| gathered.check_all_used());
+        self.gathered = gathered;
+        rest
+    }
+
+    /// `G14 N1=a N2=b J n`: repeats the blocks from a to b n more times.
+    fn repeat(&mut self, gathered: &mut Gathered, span: Span, index: usize) -> Result<(), Fault> {
+        let Some((first, at)) = gathered.once(b'N', Some(1))? else {
+            return Err(bad_value(span, "G14 needs N1=", "name the first block of the section"));
+        };
+        let first = self.block_numbered(first, at)?;
+        let last = match gathered.once(b'N', Some(2))? {
+            None => first,
+            Some((last, at)) => self.block_numbered(last, at)?,
+        };
+        let (first, last) = (first.min(last), first.max(last));
+        if (first..=last).contains(&index) {
+            let help = "let the section end before this block";
+            return Err(bad_value(span, "G14 stands in the section that it repeats", help));
+        }
+        let step = gathered.once(b'K', None)?.map_or(1.0, |found| found.0);
+        let times = gathered.once(b'J', None)?;
+        let counter = gathered.parameters.pop();
+        let (left, counter) = match (counter, times) {
+            (Some(_), Some((_, at))) => {
+                return Err(bad_value(at, "G14 with J and with a parameter", "keep one of them"));
+            }
+            (Some(code), None) => {
+                let number = usize::from(code.number);
+                let value = self.channel.parameters.get(number, code.span)?;
+                if step <= 0.0 {
+                    return Err(bad_value(code.span, "the parameter of G14 must fall: K above 0", "correct K"));
+                }
+                ((value / step).ceil().clamp(0.0, MOST_PASSES), Some((number, step)))
+            }
+            (None, times) => (times.map_or(1.0, |found| found.0), None),
+        };
+        let left_at = times.map_or(span, |found| found.1);
+        if !(0.0..=MOST_PASSES).contains(&left) || left.fract() != 0.0 {
+            return Err(bad_value(
+                left_at,
+                format!("J={left} is no number of repetitions"),
+                "write a whole number from 0",
+            ));
+        }
+        if left == 0.0 {
+            return Ok(());
+        }
+        let Some(level) = self.levels.last_mut() else { return Ok(()) };
+        // The first pass begins at once.
+        level.begin(Repeat { first, last, left: left as u64 - 1, resume: index + 1, counter }, span)?;
+        self.count_down(counter)
+    }
+
+    /// A further pass has begun: its parameter falls.
+    pub(super) fn count_down(&mut self, counter: Option<(usize, f64)>) -> Result<(), Fault> {
+        let Some((number, step)) = counter else { return Ok(()) };
+        let value = self.channel.parameters.get(number, Span::default())?;
+        self.channel.parameters.set(number, value - step, Span::default())
+    }
+
+    /// `G22 N=9101`, with a parameter only where that is above 0.
+    fn call_macro(&mut self, gathered: &mut Gathered, span: Span, block: &Block) -> Result<(), Fault> {
+        let number = self.called(gathered, span)?;
+        if !self.holds(gathered)? {
+            return Ok(());
+        }
+        let depth = self.levels.iter().filter(|level| level.kind == LevelKind::Macro).count();
+        if depth >= MOST_MACROS {
+            let message = format!("macros are nested more than {MOST_MACROS} deep");
+            return Err(fault(Code::TOO_MANY_CALLS, span, message, "does a macro call itself?"));
+        }
+        self.enter(LevelKind::Macro, PartKind::Macro, number, span, block)
+    }
+
+    /// `G23 N=9002`: a whole program, whose M30 leads back.
+    fn call_program(&mut self, gathered: &mut Gathered, span: Span, block: &Block) -> Result<(), Fault> {
+        let number = self.called(gathered, span)?;
+        if !self.holds(gathered)? {
+            return Ok(());
+        }
+        if self.levels.iter().any(|level| level.kind == LevelKind::Macro) {
+            let message = "G23 calls a program from a macro";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, "call it from the main program"));
+        }
+        if self.levels.len() > MOST_MACROS {
+            let message = "programs are nested too deeply";
+            return Err(fault(Code::TOO_MANY_CALLS, span, message, "does a program call itself?"));
+        }
+        self.enter(LevelKind::Program, PartKind::Program, number, span, block)
+    }
+
+    fn called(&self, gathered: &mut Gathered, span: Span) -> Result<u32, Fault> {
+        match gathered.once(b'N', None)? {
+            Some((number, _)) if number.fract() == 0.0 && (0.0..1e9).contains(&number) => Ok(number as u32),
+            _ => Err(bad_value(span, "the call needs the number of what it calls", "write for example G22 N=9101")),
+        }
+    }
+
+    /// Whether the parameter of a conditional call or jump is above 0; without one it holds.
+    fn holds(&self, gathered: &mut Gathered) -> Result<bool, Fault> {
+        match gathered.parameters.pop() {
+            None => Ok(true),
+            Some(code) => Ok(self.channel.parameters.get(usize::from(code.number), code.span)? > 0.0),
+        }
+    }
+
+    fn enter(
+        &mut self,
+        kind: LevelKind,
+        part_kind: PartKind,
+        number: u32,
+        span: Span,
+        block: &Block,
+    ) -> Result<(), Fault> {
+        let Some((program, part)) = self.find(part_kind, number) else {
+            let (what, ending) = if kind == LevelKind::Macro { ("macro", "MM") } else { ("program", "PM") };
+            let message = self.library.refusal().unwrap_or_else(|| {
+                format!("{what} {number} is not in this file, and there is no file {number}.{ending} beside it")
+            });
+            return Err(fault(Code::NO_SUBPROGRAM, span, message, "put it into the same file or beside it"));
+        };
+        let start = self.programs.get(program).and_then(|loaded| loaded.program.parts.get(part));
+        let start = start.map_or(0, |part| part.blocks.start);
+        let caller = self.levels.last().map_or(0, |level| level.calls);
+        let calls = self.ledger.chain(caller, block.line);
+        self.levels.push(Level::new(kind, program, part, start, calls));
+        Ok(())
+    }
+
+    /// `G29 E1 N=30 K1`: jumps where the parameter is above 0, which falls by K then.
+    fn jump(&mut self, gathered: &mut Gathered, span: Span) -> Result<(), Fault> {
+        let number = self.called(gathered, span)?;
+        let step = gathered.once(b'K', None)?;
+        // Which way the target is looked for: block numbers are unique, so that it is the same block.
+        gathered.once(b'I', None)?;
+        let parameter = gathered.parameters.last().copied();
+        if !self.holds(gathered)? {
+            return Ok(());
+        }
+        if let (Some(parameter), Some((step, _))) = (parameter, step) {
+            let place = usize::from(parameter.number);
+            let value = self.channel.parameters.get(place, parameter.span)?;
+            self.channel.parameters.set(place, value - step, parameter.span)?;
+        }
+        let target = self.block_numbered(f64::from(number), span)?;
+        if let Some(level) = self.levels.last_mut() {
+            level.jump(target);
+        }
+        Ok(())
+    }
+
+    /// The block with a number in the program that is being executed.
+    fn block_numbered(&self, number: f64, span: Span) -> Result<usize, Fault> {
+        let found = self.levels.last().and_then(|level| {
+            let program = &self.programs.get(level.program)?.program;
+            if number.fract() != 0.0 || !(0.0..1e9).contains(&number) {
+                return None;
+            }
+            program.find_block(level.part, number as u32, usize::MAX)
+        });
+        found.ok_or_else(|| {
+            let message = format!("there is no block N{number} in this program");
+            fault(Code::NO_TARGET, span, message, "targets stand in the same program or macro")
+        })
+    }
+
+    /// M30, M2, or the last block.
+    pub(super) fn end_of_program(&mut self, word: Option<u16>) {
+        let level = self.levels.pop();
+        if level.is_none_or(|level| level.kind == LevelKind::Main) {
+            if let Some(number) = word {
+                let value = WordValue::Number(f64::from(number));
+                self.channel.outlet.push(Kind::After(vec![Word { letter: b'M', extension: None, value }]));
+            }
+            self.ledger.end();
+        }
+    }
+}

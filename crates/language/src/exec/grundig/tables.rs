@@ -1,0 +1,161 @@
+//! Tables of the control: tool memory, zero offsets, parameters and points, in the transfer of the program or in files of their own.
+//!
+//! Each line holds one entry as words: `T5 L120.5 R6 L4=0 R4=-0.02`, `G54 X100 Y50 Z0` or `G54 I3 …` or `N54 …`, `E10=5`, `P1 X20 Y30`.
+//! Words that say nothing of positions are passed over. Lengths are mm.
+
+use super::frames::entry_name;
+use super::modal::Point;
+use super::tool::place;
+use crate::syntax::words::{self, Address, Block, PartKind, Program, Value};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, FrameParts};
+use ncfix_base::source::Source;
+use ncfix_machine::machine::{Machine, Tool};
+
+/// Axes of entries.
+const AXES: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
+
+/// What the tables of a file say.
+#[derive(Debug, Default)]
+pub(super) struct Tables {
+    pub(super) offsets: Vec<(String, FrameParts)>,
+    pub(super) tools: Vec<Tool>,
+    /// Wear in their radii by number and edge, mm.
+    pub(super) radius_wear: Vec<((u32, u32), f64)>,
+    pub(super) parameters: Vec<(usize, f64)>,
+    pub(super) points: Vec<(u32, Point)>,
+    /// Lines that say nothing.
+    pub(super) unread: Vec<Block>,
+}
+
+/// Words of a line with their values.
+struct Line(Vec<(u8, Option<u16>, f64)>);
+
+impl Line {
+    fn of(program: &Program, block: &Block) -> Line {
+        let word = |word: &words::Word| {
+            let (letter, index) = match word.address {
+                Address::Letter(letter) => (letter, None),
+                Address::Indexed(letter, index) => (letter, Some(index)),
+                _ => return None,
+            };
+            match word.value {
+                Value::Number { value, .. } => Some((letter, index, value)),
+                _ => None,
+            }
+        };
+        Line(program.words_of(block).iter().filter_map(word).collect())
+    }
+
+    fn get(&self, letter: u8, index: Option<u16>) -> Option<f64> {
+        self.0.iter().find(|word| (word.0, word.1) == (letter, index)).map(|word| word.2)
+    }
+
+    /// Axis words, mm and rad.
+    fn position(&self) -> (AxisVector, AxisSet) {
+        let (mut values, mut named) = (AxisVector::ZERO, AxisSet::EMPTY);
+        for axis in AXES {
+            if let Some(value) = self.get(axis.letter(), None) {
+                values[axis] = if axis.is_rotary() { value.to_radians() } else { value };
+                named.insert(axis);
+            }
+        }
+        (values, named)
+    }
+
+    fn tool(&self) -> Option<Tool> {
+        let number = self.get(b'T', None).filter(|number| (0.0..1e8).contains(number))?;
+        let (number, edge) = place(number);
+        let sum = |letter: u8| {
+            let own = self.get(letter, None)?;
+            Some(own + self.get(letter, Some(4)).unwrap_or(0.0))
+        };
+        let length_mm = [sum(b'L').unwrap_or(0.0), 0.0, 0.0];
+        Some(Tool { number, name: None, edge, length_mm, radius_mm: sum(b'R').unwrap_or(0.0) })
+    }
+
+    fn offset(&self, block: &Block) -> Option<(String, FrameParts)> {
+        let entry = self.get(b'G', None).or_else(|| block.number.map(f64::from))?;
+        let name = match self.get(b'I', None) {
+            Some(index) if entry == 54.0 => format!("G54 I{index}"),
+            _ => entry_name(entry)?,
+        };
+        let (translation, named) = self.position();
+        let mut parts = FrameParts::from(translation);
+        let angle = self.get(b'B', Some(4));
+        if let Some(angle) = angle {
+            // About the tool axis of G17.
+            parts.rotation[2] = angle.to_radians();
+        }
+        (!named.is_empty() || angle.is_some()).then_some((name, parts))
+    }
+
+    fn point(&self) -> Option<(u32, Point)> {
+        let number = self.get(b'P', None).filter(|number| (0.0..1e4).contains(number))?;
+        let (values, named) = self.position();
+        // In range.
+        Some((number as u32, Point { values, named }))
+    }
+}
+
+/// Reads the tables of a file.
+pub(super) fn read(program: &Program) -> Tables {
+    let mut tables = Tables::default();
+    for part in &program.parts {
+        for block in program.blocks.range(part.blocks.clone()) {
+            let line = Line::of(program, block);
+            let is_read = match part.kind {
+                PartKind::Tools => {
+                    let tool = line.tool();
+                    let wear = |tool: &Tool| ((tool.number, tool.edge), line.get(b'R', Some(4)).unwrap_or(0.0));
+                    tables.radius_wear.extend(tool.as_ref().map(wear));
+                    tool.map(|tool| tables.tools.push(tool)).is_some()
+                }
+                PartKind::ZeroOffsets => line.offset(block).map(|offset| tables.offsets.push(offset)).is_some(),
+                PartKind::Points => line.point().map(|point| tables.points.push(point)).is_some(),
+                PartKind::Parameters => {
+                    let found = line.0.iter().filter_map(|&(letter, index, value)| {
+                        let index = index.filter(|_| letter == b'E')?;
+                        Some((usize::from(index), value))
+                    });
+                    let before = tables.parameters.len();
+                    tables.parameters.extend(found);
+                    tables.parameters.len() > before
+                }
+                _ => true,
+            };
+            let has_words = !program.words_of(block).is_empty();
+            if !is_read && has_words {
+                tables.unread.push(*block);
+            }
+        }
+    }
+    tables
+}
+
+/// Puts the tables of a file of the control into the machine; what it does not understand it says.
+pub(in crate::exec) fn apply(
+    source: &Source,
+    dialect: &'static ncfix_dialect::Dialect,
+    machine: &mut Machine,
+) -> Vec<Diagnostic> {
+    let (program, mut findings) = words::parse(source, dialect);
+    let tables = read(&program);
+    for block in &tables.unread {
+        findings.push(Diagnostic::at(
+            Code::UNEXPECTED,
+            Place { file: source.id(), span: block.span },
+            "this line of a table has no entry that is understood",
+            "entries are T5 L… R…, G54 X… Y… Z…, E10=…",
+        ));
+    }
+    machine.set_tools(tables.tools);
+    machine.radius_wear_mm.extend(tables.radius_wear);
+    machine.zero_offsets.extend(tables.offsets);
+    for (number, value) in tables.parameters {
+        if let Ok(number) = i64::try_from(number) {
+            machine.parameters.insert(number, value);
+        }
+    }
+    findings
+}

@@ -1,0 +1,132 @@
+//! Assignments to variables.
+//!
+//! A Fanuc carries the assignments of a block out one after the other. In RS274/NGC all values of a block, those of its words too, are
+//! computed before the first of its assignments takes effect, and these come before anything else that the block does.
+
+use super::channel::Channel;
+use super::expression::{Scope, name_of, no_variable};
+use super::loaded::Loaded;
+use super::variables::{Place, Symbol};
+use crate::exec::fault::{Fault, at, fault};
+use crate::syntax::words::{Address, Block, Node, Program, Value, Word};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+use ncfix_dialect::Language;
+
+/// What an assignment changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Target {
+    Number(i64),
+    Named(Symbol),
+}
+
+/// An assignment that is evaluated.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Assignment {
+    target: Target,
+    value: Option<f64>,
+    span: Span,
+}
+
+/// Whether a word is an assignment.
+pub(super) fn is_assignment(word: &Word) -> bool {
+    matches!(word.address, Address::Variable(_))
+}
+
+/// Evaluates the assignments among these words.
+pub(super) fn evaluate(scope: &Scope<'_, '_>, words: &[Word]) -> Result<Vec<Assignment>, Fault> {
+    words.iter().filter(|word| is_assignment(word)).map(|word| one(scope, word)).collect()
+}
+
+/// The finding of a block whose assignments are not carried out.
+pub(super) fn leaves_unset(program: &Program, words: &[Word], found: Fault) -> Fault {
+    let names = words.iter().filter_map(|word| match word.address {
+        Address::Variable(target) => match program.expr(target).node {
+            Node::Named(name) => Some(name_of(program.names.text(name))),
+            _ => None,
+        },
+        _ => None,
+    });
+    names.fold(found, |found, name| found.leaves_unset(name))
+}
+
+fn one(scope: &Scope<'_, '_>, word: &Word) -> Result<Assignment, Fault> {
+    let Address::Variable(target) = word.address else {
+        return Err(at(word.span, Code::BAD_EXPRESSION, "this is no assignment", "write #1=…"));
+    };
+    let target = match scope.program.expr(target).node {
+        Node::Named(name) => {
+            let symbol = scope.channel.variables.symbol_of(scope.index, name);
+            let text = scope.program.names.text(name);
+            if scope.is_predefined(text) {
+                let message = format!("#<{}> can only be read", text.to_ascii_lowercase());
+                return Err(at(word.span, Code::BAD_WORD_VALUE, message, "take another name"));
+            }
+            symbol.map(Target::Named)
+        }
+        _ => scope.target_number(target)?.map(Target::Number),
+    };
+    let Some(target) = target else {
+        return Err(at(word.span, Code::BAD_EXPRESSION, "nothing can be assigned to this", "write #1=…"));
+    };
+    Ok(Assignment { target, value: scope.word(word)?, span: word.span })
+}
+
+impl Channel<'_> {
+    /// Carries assignments out.
+    pub(super) fn assign(&mut self, assignments: &[Assignment], loaded: &Loaded, block: &Block) -> Result<(), Fault> {
+        for Assignment { target, value, span } in assignments {
+            match *target {
+                Target::Named(symbol) => self.variables.set_named(symbol, *value),
+                Target::Number(number) => self.assign_number(number, *value, *span, loaded, block)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn assign_number(
+        &mut self,
+        number: i64,
+        value: Option<f64>,
+        span: Span,
+        loaded: &Loaded,
+        block: &Block,
+    ) -> Result<(), Fault> {
+        let known = u32::try_from(number).unwrap_or(u32::MAX);
+        match self.variables.place(known) {
+            Place::Null => Err(at(span, Code::BAD_INDEX, "#0 is always null", "assign to another variable")),
+            Place::Nowhere => Err(no_variable(number, span)),
+            Place::System => self.write_system(known, value, span, loaded, block),
+            Place::Variable if self.language == Language::Rs274 && is_read_only(known) => {
+                let message = format!("#{number} can only be read");
+                Err(at(span, Code::BAD_WORD_VALUE, message, "it stands for the state of the machine"))
+            }
+            Place::Variable => {
+                if self.language == Language::Rs274 && self.write_parameter(known, value.unwrap_or(0.0)) {
+                    return Ok(());
+                }
+                self.variables.set(known, value);
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Parameters of RS274/NGC that stand for the tool and the position.
+fn is_read_only(number: u32) -> bool {
+    matches!(number, 5021..=5029 | 5400..=5413 | 5420..=5428)
+}
+
+/// Refuses assignments beside words of Fanuc whose values change with them: whether the words see the old values or the new ones is not
+/// laid down.
+pub(super) fn check_beside(words: &[Word], language: Language) -> Result<(), Fault> {
+    let depends = |word: &&Word| !is_assignment(word) && matches!(word.value, Value::Expr(_));
+    match words.iter().find(depends) {
+        Some(word) if language == Language::Fanuc => {
+            let message =
+                "whether this word sees the variables before or behind the assignments of its block is not clear";
+            Err(fault(Code::BAD_EXPRESSION, word.span, message, "put the assignments into a block of their own"))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,282 @@
+//! M codes.
+
+use std::fmt::Write as _;
+
+use super::channel::Channel;
+use super::gather::whole;
+use super::gathered::Gathered;
+use crate::exec::fault::{Fault, bad_value, fault};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::AxisSet;
+use ncfix_base::source::Span;
+use ncfix_dialect::Effect;
+use ncfix_machine::snc::{Kind, Word, WordValue};
+
+/// Letters that M codes of LinuxCNC take: number, letters.
+const RS274_WORDS: &[(u32, &[u8])] = &[
+    (19, b"RQP$"),
+    (50, b"P"),
+    (51, b"P$"),
+    (52, b"P"),
+    (53, b"P"),
+    (61, b"Q"),
+    (62, b"P"),
+    (63, b"P"),
+    (64, b"P"),
+    (65, b"P"),
+    (66, b"PELQ"),
+    (67, b"EQ"),
+    (68, b"EQ"),
+];
+
+/// The modal group of an M code of LinuxCNC; of each a block has one.
+fn rs274_group(number: u32) -> Option<u8> {
+    Some(match number {
+        0 | 1 | 2 | 30 | 60 | 98 | 99 => 4,
+        62..=68 => 5,
+        6 | 61 => 6,
+        3 | 4 | 5 | 19 | 70..=73 => 7,
+        7..=9 => 8,
+        48..=53 => 9,
+        100..=199 => 10,
+        _ => return None,
+    })
+}
+
+/// Whether an M code names one input or output, by P or, where it is an analog one, by E.
+fn has_address(gathered: &Gathered, number: u32) -> bool {
+    let names = |letter| gathered.raw(letter).is_some();
+    match number {
+        62..=65 => names(b'P'),
+        66 => names(b'P') != names(b'E'),
+        _ => names(b'E'),
+    }
+}
+
+/// The word of an M code.
+fn word(number: u32) -> Word {
+    Word { letter: b'M', extension: None, value: WordValue::Number(f64::from(number)) }
+}
+
+/// Most M codes are the machine builder's and are passed on; some call programs or lead elsewhere, which the code table knows.
+fn refused(number: u32, span: Span) -> Result<(), Fault> {
+    let codes = ncfix_dialect::find("fanuc").map(ncfix_dialect::Dialect::codes);
+    match codes.and_then(|codes| codes.m(number as usize)).filter(|entry| entry.effect == Effect::Refuse) {
+        Some(entry) => {
+            let message = format!("{} ({}) is not supported", entry.name, entry.meaning);
+            Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"))
+        }
+        None => Ok(()),
+    }
+}
+
+impl Channel<'_> {
+    /// Executes the M codes of a block as far as they act before the motion, and keeps the others for later.
+    pub(super) fn m_codes(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        if gathered.m_codes.is_empty() {
+            return Ok(());
+        }
+        if !self.is_rs274() {
+            for &(number, span) in &gathered.m_codes {
+                refused(number, span)?;
+                self.fanuc_m(number, span)?;
+            }
+            return Ok(());
+        }
+        let mut groups = 0_u16;
+        for &(number, span) in &gathered.m_codes {
+            let Some(group) = rs274_group(number) else {
+                return Err(bad_value(span, format!("M{number} is unknown"), "check the number"));
+            };
+            // M7 and M8 may stand together.
+            let is_double = groups & 1 << group != 0 && group != 8;
+            groups |= 1 << group;
+            if is_double {
+                let message = "M codes of one group in one block";
+                return Err(fault(Code::DOUBLE_WORD, span, message, "take one of them out"));
+            }
+        }
+        for group in [5, 6, 7, 8, 9, 10, 4] {
+            for &(number, span) in gathered.m_codes.iter().filter(|(number, _)| rs274_group(*number) == Some(group)) {
+                self.rs274_m(gathered, number, span)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn fanuc_m(&mut self, number: u32, span: Span) -> Result<(), Fault> {
+        match number {
+            // Calls and returns are the business of the flow.
+            98 | 99 => {}
+            2 | 30 => {
+                self.ends_program = true;
+                self.after.push(word(number));
+            }
+            0 | 1 | 5 | 9 => {
+                self.note_spindle(number);
+                self.after.push(word(number));
+            }
+            6 => {
+                if self.modal.contour.compensates() {
+                    let message = "a tool change (M6) while radius compensation is on";
+                    let help = "program G40 with a motion in the plane before it";
+                    return Err(fault(Code::BAD_COMPENSATION, span, message, help));
+                }
+                self.before.push(word(number));
+                self.change_tool();
+            }
+            _ => {
+                self.note_spindle(number);
+                self.before.push(word(number));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where axes are behind M functions that move them by what the machine file says is unknown.
+    pub(super) fn lose_by_functions(&mut self, gathered: &Gathered) {
+        if gathered.m_codes.iter().any(|&(number, _)| self.outlet.function_moves(f64::from(number))) {
+            let lost = self.modal.forget(AxisSet::ALL);
+            self.push(Kind::Lost(lost));
+        }
+    }
+
+    /// The tool that was selected comes into the spindle; a tool change may have moved the axes.
+    fn change_tool(&mut self) {
+        self.modal.active = self.modal.selected.or(self.modal.active);
+        self.modal.forget(AxisSet::ALL);
+        if self.is_rs274() {
+            self.modal.spindle = 5;
+        }
+    }
+
+    /// LinuxCNC asks where the machine is behind M6 and M61. Behind G40 that is beside the contour until a motion has
+    /// left it, and then axes which that motion does not name stay there.
+    fn look_where_axes_are(&mut self, gathered: &Gathered) {
+        if self.modal.contour.compensates() || gathered.has_any(b"XYZABC") {
+            return;
+        }
+        if let Some(place) = self.outlet.settle() {
+            self.modal.command = place;
+        }
+    }
+
+    fn note_spindle(&mut self, number: u32) {
+        match number {
+            3 => self.modal.spindle = 3,
+            4 => self.modal.spindle = 4,
+            5 | 19 => self.modal.spindle = 5,
+            7 => self.modal.coolant[0] = true,
+            8 => self.modal.coolant[1] = true,
+            9 => self.modal.coolant = [false; 2],
+            29 => self.cycles.is_rigid = true,
+            _ => {}
+        }
+    }
+
+    /// M48 to M53, which a saved state brings back.
+    fn note_override(&mut self, gathered: &Gathered, number: u32) {
+        let [feed, speed, adaptive, stop] = &mut self.modal.overrides;
+        let is_on = gathered.raw(b'P').is_none_or(|value| value != 0.0);
+        match number {
+            48 | 49 => (*feed, *speed) = (number == 48, number == 48),
+            50 => *feed = is_on,
+            51 => *speed = is_on,
+            52 => *adaptive = is_on,
+            53 => *stop = is_on,
+            _ => {}
+        }
+    }
+
+    fn rs274_m(&mut self, gathered: &Gathered, number: u32, span: Span) -> Result<(), Fault> {
+        match number {
+            98 | 99 => {}
+            2 | 30 => {
+                self.leave_exact_stops(false);
+                self.ends_program = true;
+                self.after.push(word(number));
+            }
+            0 | 1 | 60 => self.after.push(word(number)),
+            6 => {
+                self.no_compensation(span, "M6")?;
+                if self.modal.selected.is_none() {
+                    let message = "M6, and no tool was selected with T";
+                    return Err(bad_value(span, message, "program T before it or in its block"));
+                }
+                self.before.push(word(number));
+                self.look_where_axes_are(gathered);
+                self.change_tool();
+            }
+            61 => {
+                let tool = gathered.raw(b'Q').map(|value| whole(value, gathered.span_of(b'Q'), "Q")).transpose()?;
+                let Some(tool) = tool else {
+                    return Err(bad_value(span, "M61 needs Q with the tool", "write for example M61 Q3"));
+                };
+                self.modal.active = Some(tool);
+                self.modal.selected = Some(tool);
+                self.look_where_axes_are(gathered);
+                self.m_with_words(gathered, number, b"Q");
+            }
+            70 => self.save_state(false),
+            73 => self.save_state(true),
+            71 => self.drop_state(),
+            72 => self.restore_state(span)?,
+            100..=199 => {
+                let message = format!("M{number} runs a program of the control, and what it does is not known here");
+                let help = "check that it moves no axis and changes no offset";
+                self.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, help));
+                self.m_with_words(gathered, number, b"PQ");
+            }
+            48..=53 | 62..=68 if self.modal.contour.compensates() => {
+                let message = format!("M{number} while radius compensation is on");
+                return Err(fault(Code::BAD_COMPENSATION, span, message, "move it before G41, G42 or behind G40"));
+            }
+            62..=68 if !has_address(gathered, number) => {
+                let message = format!("M{number} does not name its input or output");
+                return Err(bad_value(span, message, "write P with its number (M62 to M66), or E (M66 to M68)"));
+            }
+            _ => match RS274_WORDS.iter().find(|(known, _)| *known == number) {
+                Some((_, letters)) => {
+                    self.note_spindle(number);
+                    self.note_override(gathered, number);
+                    self.m_with_words(gathered, number, letters);
+                }
+                None => {
+                    self.note_spindle(number);
+                    self.note_override(gathered, number);
+                    let spindle = gathered.raw(b'$').filter(|_| matches!(number, 3..=5));
+                    match spindle {
+                        Some(_) => self.m_with_words(gathered, number, b"$"),
+                        None => self.before.push(word(number)),
+                    }
+                }
+            },
+        }
+        Ok(())
+    }
+
+    /// An M code with words of its own.
+    fn m_with_words(&mut self, gathered: &Gathered, number: u32, letters: &[u8]) {
+        if !gathered.has_any(letters) {
+            self.before.push(word(number));
+            return;
+        }
+        let mut text = format!("M{number}");
+        for &letter in letters {
+            if let Some(value) = gathered.raw(letter) {
+                // Writing to a string cannot fail.
+                let _ = write!(text, " {}{value}", char::from(letter));
+            }
+        }
+        self.push(Kind::Verbatim(text.into_bytes()));
+    }
+
+    /// Appends a word as it was written.
+    pub(super) fn append_plain(&self, text: &mut String, letter: u8, value: f64, is_unpointed: bool) {
+        if is_unpointed {
+            let _ = write!(text, " {}{value}", char::from(letter));
+        } else {
+            self.append(text, letter, value);
+        }
+    }
+}

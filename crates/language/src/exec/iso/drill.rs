@@ -1,0 +1,351 @@
+//! Where the holes of a canned cycle are, how the tool gets from one to the next, and which words stay in force.
+//!
+//! Fanuc (operator's manual, "canned cycle for drilling"): the tool goes to the hole at the level where it is, then to R; all words of the
+//! cycle stay in force until it ends. LinuxCNC (user manual, "canned cycles"): it first goes up to R where it is below, words stay in force
+//! as long as the code is the same. Behind G91, R counts from the level at which the cycles began and Z from R.
+
+use super::cycles::{Hole, HoleFault, Step, Turn, fanuc, rs274};
+use super::trip::{Action, Place, Trip};
+use ncfix_dialect::Language;
+
+/// Steps of one block at most.
+const MOST_STEPS: usize = 1_000_000;
+/// Heights nearer than this are one, mm: a length in force leaves a last bit.
+const SAME_MM: f64 = 1e-9;
+
+/// A number as it was programmed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Level {
+    /// mm
+    pub(super) value: f64,
+    /// Whether G91 was in force.
+    pub(super) is_incremental: bool,
+}
+
+/// A block in a canned cycle: its words, mm and s, and what else matters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Call {
+    /// The cycle in force.
+    pub(super) code: u16,
+    /// Where the tool is.
+    pub(super) from: Place,
+    /// Where it is in the plane is an assumption: it moves there whatever it looks like.
+    pub(super) is_lost: bool,
+    /// R.
+    pub(super) r: Option<f64>,
+    /// The word of the tool axis.
+    pub(super) bottom: Option<f64>,
+    /// Q.
+    pub(super) q: Option<f64>,
+    /// P, s.
+    pub(super) dwell_s: Option<f64>,
+    /// K or L.
+    pub(super) repeats: Option<u32>,
+    /// G91.
+    pub(super) incremental: bool,
+    /// G99 instead of G98.
+    pub(super) to_r: bool,
+    /// How the spindle turns.
+    pub(super) spindle: Turn,
+    /// How far pecks keep away, mm.
+    pub(super) clearance: f64,
+    /// Where an oriented tool steps aside to, as a direction of the plane.
+    pub(super) aside: Option<[f64; 2]>,
+}
+
+/// The words in force.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Drill {
+    /// The last cycle.
+    code: Option<u16>,
+    /// The level at which the cycles began.
+    initial: Option<f64>,
+    r: Option<Level>,
+    bottom: Option<Level>,
+    q: Option<f64>,
+    dwell_s: Option<f64>,
+    /// The operator has drawn the tool out of the last hole.
+    is_drawn_out: bool,
+}
+
+impl Drill {
+    /// Ends the cycles. In RS274/NGC a later one knows P and Q of earlier ones.
+    pub(super) fn end(&mut self, language: Language) {
+        *self = match language {
+            Language::Rs274 => Drill { code: None, initial: None, ..*self },
+            _ => Drill::default(),
+        };
+    }
+
+    /// Another motion has stated where the tool is.
+    pub(super) fn moved(&mut self) {
+        self.is_drawn_out = false;
+    }
+
+    /// Where the tool is along its axis is what the operator made of it.
+    pub(super) fn is_drawn_out(&self) -> bool {
+        self.is_drawn_out
+    }
+
+    /// Does a block: puts what is to be done into `out`, `next` gives each hole from the one before. Gives the place behind.
+    pub(super) fn run(
+        &mut self,
+        language: Language,
+        call: &Call,
+        next: impl FnMut([f64; 2]) -> Result<[f64; 2], HoleFault>,
+        out: &mut Vec<Action>,
+    ) -> Result<Place, HoleFault> {
+        match language {
+            Language::Rs274 => self.rs274(call, next, out),
+            _ => self.fanuc(call, next, out),
+        }
+    }
+
+    fn fanuc(
+        &mut self,
+        call: &Call,
+        mut next: impl FnMut([f64; 2]) -> Result<[f64; 2], HoleFault>,
+        out: &mut Vec<Action>,
+    ) -> Result<Place, HoleFault> {
+        let level = |value: f64| Level { value, is_incremental: call.incremental };
+        let initial = *self.initial.get_or_insert(call.from.height);
+        self.code = Some(call.code);
+        self.r = call.r.map(level).or(self.r);
+        self.bottom = call.bottom.map(level).or(self.bottom);
+        self.q = call.q.or(self.q);
+        let repeats = call.repeats.unwrap_or(1);
+        if repeats == 0 {
+            // The words are noted and nothing is drilled.
+            self.dwell_s = call.dwell_s.or(self.dwell_s);
+            return Ok(call.from);
+        }
+        self.dwell_s = call.dwell_s.or(self.dwell_s);
+        let (Some(r), Some(bottom)) = (self.r, self.bottom) else {
+            let missing = if self.r.is_none() { "R" } else { "the bottom of the hole" };
+            return Err(fault(format!("{missing} was not programmed"), "program R and the depth"));
+        };
+        let r = r.value + if r.is_incremental { initial } else { 0.0 };
+        let bottom = bottom.value + if bottom.is_incremental { r } else { 0.0 };
+        let is_back_boring = call.code == 870;
+        if is_back_boring && call.to_r {
+            return Err(fault(
+                "it stands under G99".into(),
+                "program G98: back boring always returns to the initial level",
+            ));
+        }
+        let hole = Hole {
+            r,
+            bottom,
+            clear: if call.to_r { r } else { initial },
+            dwell_s: self.dwell_s,
+            q: self.q,
+            clearance: call.clearance,
+            slack: 1e-6,
+            aside: call.aside,
+        };
+        let steps = fanuc::steps(call.code, &hole)?;
+        limit(repeats, &steps)?;
+        let mut trip = Trip { here: call.from, is_lost: call.is_lost, out };
+        for _ in 0..repeats {
+            let plane = next(trip.here.plane)?;
+            trip.approach(Place { plane, ..trip.here });
+            if !is_back_boring {
+                trip.rapid(Place { plane, height: r });
+            }
+            trip.hole(plane, &steps);
+        }
+        Ok(trip.here)
+    }
+
+    fn rs274(
+        &mut self,
+        call: &Call,
+        mut next: impl FnMut([f64; 2]) -> Result<[f64; 2], HoleFault>,
+        out: &mut Vec<Action>,
+    ) -> Result<Place, HoleFault> {
+        let code = call.code;
+        let is_same = self.code == Some(code);
+        let level = |value: f64| Level { value, is_incremental: false };
+        let sticky = |word: Option<f64>, kept: Option<Level>, what: &str| {
+            let kept = kept.filter(|_| is_same).map(|kept| kept.value);
+            word.or(kept).ok_or_else(|| fault(format!("it begins without {what}"), "program it in this block"))
+        };
+        let r_word = sticky(call.r, self.r, "R")?;
+        let bottom_word = sticky(call.bottom, self.bottom, "the depth of the hole")?;
+        let dwell_s = call.dwell_s.or(self.dwell_s.filter(|_| is_same || !rs274::WITH_DWELL.contains(&code)));
+        if dwell_s.is_none() && rs274::WITH_DWELL.contains(&code) {
+            return Err(fault("it begins without P".into(), "program the dwell in this block"));
+        }
+        let q = call.q.or(self.q.filter(|_| is_same));
+        if q.is_none() && rs274::WITH_PECK.contains(&code) {
+            return Err(fault("it begins without Q".into(), "program the depth of one peck in this block"));
+        }
+        let repeats = call.repeats.unwrap_or(1);
+        if repeats == 0 {
+            return Err(fault("L0".into(), "leave out L, or the block"));
+        }
+        let initial = *self.initial.get_or_insert(call.from.height);
+        let (r, bottom) =
+            if call.incremental { (r_word + initial, r_word + initial + bottom_word) } else { (r_word, bottom_word) };
+        if r < bottom {
+            return Err(fault(format!("R {r} is below the bottom of the hole {bottom}"), "correct R or Z"));
+        }
+        let mut trip = Trip { here: call.from, is_lost: call.is_lost || self.is_drawn_out, out };
+        let mut above = call.from.height;
+        let mut old = initial;
+        if old < r {
+            let up = Place { height: r, ..call.from };
+            if self.is_drawn_out {
+                trip.state(up)
+            } else {
+                trip.rapid(up)
+            }
+            (old, above) = (r, r);
+        }
+        let clear = if call.to_r { r } else { old };
+        let hole = Hole { r, bottom, clear, dwell_s, q, clearance: call.clearance, slack: 0.0, aside: None };
+        let steps = rs274::steps(code, &hole, call.spindle)?;
+        limit(repeats, &steps)?;
+        let mut plane = call.from.plane;
+        for hole in 0..repeats {
+            plane = next(plane)?;
+            let height = if hole == 0 && above > r + SAME_MM { above } else { clear };
+            trip.approach(Place { plane, height });
+            if height > r {
+                trip.rapid(Place { plane, height: r });
+            }
+            trip.hole(plane, &steps);
+        }
+        self.is_drawn_out = matches!(steps.last(), Some(Step::DrawnOut(_)));
+        self.code = Some(code);
+        self.r = Some(level(r_word));
+        self.bottom = Some(level(bottom_word));
+        self.dwell_s = dwell_s.or(self.dwell_s);
+        self.q = q.or(self.q);
+        Ok(trip.here)
+    }
+}
+
+fn fault(message: String, help: &'static str) -> HoleFault {
+    HoleFault { message, help, is_unsupported: false }
+}
+
+fn limit(repeats: u32, steps: &[Step]) -> Result<(), HoleFault> {
+    let count = u64::from(repeats).saturating_mul(steps.len() as u64 + 2);
+    if count > MOST_STEPS as u64 {
+        return Err(fault(format!("{repeats} repetitions of a cycle of {} steps", steps.len()), "correct the count"));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Action::{Feed, Rapid};
+
+    const CALL: Call = Call {
+        code: 810,
+        from: Place { plane: [0.0, 0.0], height: 50.0 },
+        is_lost: false,
+        r: Some(2.0),
+        bottom: Some(-10.0),
+        q: None,
+        dwell_s: None,
+        repeats: None,
+        incremental: false,
+        to_r: true,
+        spindle: Turn::Clockwise,
+        clearance: 1.0,
+        aside: None,
+    };
+    const WORDLESS: Call = Call { r: None, bottom: None, ..CALL };
+
+    /// Holes at X10 and X20 from Z2 to Z-10, the way there from Z50.
+    fn two_holes() -> [Action; 7] {
+        [
+            Rapid(at(10.0, 0.0, 50.0)),
+            Rapid(at(10.0, 0.0, 2.0)),
+            Feed(at(10.0, 0.0, -10.0)),
+            Rapid(at(10.0, 0.0, 2.0)),
+            Rapid(at(20.0, 0.0, 2.0)),
+            Feed(at(20.0, 0.0, -10.0)),
+            Rapid(at(20.0, 0.0, 2.0)),
+        ]
+    }
+
+    fn at(x: f64, y: f64, z: f64) -> Place {
+        Place { plane: [x, y], height: z }
+    }
+
+    fn to(x: f64, y: f64) -> impl FnMut([f64; 2]) -> Result<[f64; 2], HoleFault> {
+        move |_| Ok([x, y])
+    }
+
+    #[test]
+    fn fanuc_words_stay_in_force_and_the_initial_level_is_that_of_the_first_hole() {
+        let (mut drill, mut out) = (Drill::default(), Vec::new());
+        let here = drill.run(Language::Fanuc, &CALL, to(10.0, 0.0), &mut out).unwrap();
+        let here = drill.run(Language::Fanuc, &Call { from: here, ..WORDLESS }, to(20.0, 0.0), &mut out).unwrap();
+        let last = Call { from: here, to_r: false, ..WORDLESS };
+        let here = drill.run(Language::Fanuc, &last, to(30.0, 0.0), &mut out).unwrap();
+        assert_eq!(here, at(30.0, 0.0, 50.0));
+        let third = [Rapid(at(30.0, 0.0, 2.0)), Feed(at(30.0, 0.0, -10.0)), Rapid(at(30.0, 0.0, 50.0))];
+        assert_eq!(out, [&two_holes()[..], &third].concat());
+        drill.end(Language::Fanuc);
+        assert!(drill.run(Language::Fanuc, &Call { from: here, ..WORDLESS }, to(0.0, 0.0), &mut out).is_err());
+    }
+
+    #[test]
+    fn fanuc_counts_r_from_the_initial_level_and_z_from_r_behind_g91() {
+        let (mut drill, mut out) = (Drill::default(), Vec::new());
+        let call = Call { r: Some(-48.0), bottom: Some(-12.0), repeats: Some(2), incremental: true, ..CALL };
+        let further = |plane: [f64; 2]| Ok([plane[0] + 10.0, plane[1]]);
+        drill.run(Language::Fanuc, &call, further, &mut out).unwrap();
+        assert_eq!(out, two_holes());
+        // K0 notes the words alone.
+        let (mut drill, mut out) = (Drill::default(), Vec::new());
+        let noted = drill.run(Language::Fanuc, &Call { repeats: Some(0), ..CALL }, to(9.0, 9.0), &mut out).unwrap();
+        assert_eq!((noted, out.len()), (CALL.from, 0));
+        drill.run(Language::Fanuc, &WORDLESS, to(10.0, 0.0), &mut out).unwrap();
+        assert_eq!(out.len(), 4);
+    }
+
+    #[test]
+    fn linuxcnc_goes_up_to_r_first_and_returns_to_what_is_higher() {
+        let (mut drill, mut out) = (Drill::default(), Vec::new());
+        let call = Call { from: at(1.0, 0.0, 1.0), r: Some(3.0), bottom: Some(-5.0), to_r: false, ..CALL };
+        let here = drill.run(Language::Rs274, &call, to(5.0, 0.0), &mut out).unwrap();
+        let wanted =
+            [Rapid(at(1.0, 0.0, 3.0)), Rapid(at(5.0, 0.0, 3.0)), Feed(at(5.0, 0.0, -5.0)), Rapid(at(5.0, 0.0, 3.0))];
+        assert_eq!(out, wanted);
+        // Another code needs its words anew; the same one does not.
+        assert!(drill.run(Language::Rs274, &Call { code: 850, ..WORDLESS }, to(0.0, 0.0), &mut Vec::new()).is_err());
+        out.clear();
+        drill.run(Language::Rs274, &Call { from: here, ..WORDLESS }, to(6.0, 0.0), &mut out).unwrap();
+        assert_eq!(out, [Rapid(at(6.0, 0.0, 3.0)), Feed(at(6.0, 0.0, -5.0)), Rapid(at(6.0, 0.0, 3.0))]);
+    }
+
+    #[test]
+    fn linuxcnc_goes_back_to_the_old_level_on_its_way_to_the_next_hole() {
+        let (mut drill, mut out) = (Drill::default(), Vec::new());
+        let here = drill.run(Language::Rs274, &CALL, to(10.0, 0.0), &mut out).unwrap();
+        out.clear();
+        drill.run(Language::Rs274, &Call { from: here, to_r: false, ..WORDLESS }, to(30.0, 0.0), &mut out).unwrap();
+        let wanted = [
+            Rapid(at(30.0, 0.0, 50.0)),
+            Rapid(at(30.0, 0.0, 2.0)),
+            Feed(at(30.0, 0.0, -10.0)),
+            Rapid(at(30.0, 0.0, 50.0)),
+        ];
+        assert_eq!(out, wanted);
+    }
+
+    #[test]
+    fn counts_have_an_end() {
+        let (mut drill, mut out) = (Drill::default(), Vec::new());
+        let call = Call { repeats: Some(u32::MAX), ..CALL };
+        assert!(drill.run(Language::Fanuc, &call, to(0.0, 0.0), &mut out).is_err());
+        assert!(drill.run(Language::Rs274, &call, to(0.0, 0.0), &mut out).is_err());
+        assert!(drill.run(Language::Rs274, &Call { repeats: Some(0), ..CALL }, to(0.0, 0.0), &mut out).is_err());
+    }
+}

@@ -1,0 +1,325 @@
+//! Control flow: what a block does to the order of execution.
+
+use std::collections::HashMap;
+
+use super::assign::{check_beside, evaluate, is_assignment, leaves_unset};
+use super::call::Call;
+use super::channel::Channel;
+use super::expression::Scope;
+use super::gather::gather;
+use super::gathered::Gathered;
+use super::level::Level;
+use super::loaded::Loaded;
+use super::request::{Request, request};
+use crate::exec::fault::{Fault, at, fault};
+use crate::exec::ledger::Ledger;
+use crate::syntax::words::{Block, Body, ExprId, Label, Program, Word};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+use ncfix_dialect::Language;
+
+/// What comes after a block.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Action {
+    /// The next block.
+    Next,
+    /// This block.
+    Jump(usize),
+    /// A program, and then the next block.
+    Call(Box<Call>),
+    /// Back to the caller: to this block number of it, where there is one.
+    Return(Option<u32>),
+    /// The program has ended.
+    End,
+}
+
+/// What LinuxCNC remembers of its loops, all of which share it.
+///
+/// A `break` is not forgotten until the end of a `do` loop, which then ends; neither is one that LinuxCNC only passes on its way to the
+/// end of the loop that it belongs to, because a condition or a `continue` leads there: it looks at the labels of what it passes. A
+/// `continue` in a `do` loop is not forgotten until the end of another loop, which then begins anew; and a `repeat` that a `return`
+/// leaves goes on with the passes that were left.
+#[derive(Debug, Default)]
+pub(super) struct Loops {
+    breaks: bool,
+    continues: bool,
+    /// Passes that are left, by program and block of the `repeat`.
+    left: HashMap<(usize, usize), u32>,
+}
+
+/// Executes a block; `index` is its place.
+pub(super) fn block(
+    loaded: &Loaded,
+    level: &mut Level,
+    channel: &mut Channel<'_>,
+    block: &Block,
+    index: usize,
+    words: &[Word],
+) -> Result<Action, Fault> {
+    let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
+    let behind = |at: usize| Action::Jump(at + 1);
+    // Without its other side the structure is faulty, which was said already; going on finds more.
+    let partner = block.partner();
+    let behind_partner = || partner.map_or(Action::Next, behind);
+    Ok(match block.body {
+        Body::Words => return execute(loaded, level, channel, block, words),
+        Body::IfThen(condition) => {
+            if scope.truth(condition)? {
+                return execute(loaded, level, channel, block, words);
+            }
+            Action::Next
+        }
+        Body::Empty => {
+            channel.empty();
+            Action::Next
+        }
+        Body::Faulty | Body::Do | Body::EndIf | Body::While(None) => Action::Next,
+        Body::Goto(target) => jump(loaded, &scope, level, index, target)?,
+        Body::IfGoto { condition, target } if scope.truth(condition)? => jump(loaded, &scope, level, index, target)?,
+        Body::IfGoto { .. } => Action::Next,
+        Body::While(Some(condition)) if scope.truth(condition)? => Action::Next,
+        Body::While(Some(_)) => {
+            channel.loops.continues = false;
+            channel.loops.breaks |= loaded.has_break_behind(index, index);
+            behind_partner()
+        }
+        Body::EndWhile | Body::EndRepeat => partner.map_or(Action::Next, Action::Jump),
+        Body::DoWhile(condition) => {
+            let goes_on = scope.truth(condition)?;
+            if goes_on && !channel.loops.breaks {
+                behind_partner()
+            } else {
+                channel.loops.breaks = false;
+                Action::Next
+            }
+        }
+        Body::Repeat(count) => {
+            // Beyond what is counted the limit of blocks ends it.
+            let count = scope.number(count)?.round().clamp(0.0, f64::from(u32::MAX)) as u32;
+            if channel.loops.repeat((level.program, index), count) { Action::Next } else { behind_partner() }
+        }
+        Body::If(condition) if scope.truth(condition)? => Action::Next,
+        Body::If(_) => next_branch(&scope, block)?,
+        // Reached from above: the branch before was taken.
+        Body::ElseIf(_) | Body::Else => Action::Jump(end_of_if(loaded, index)),
+        Body::Break | Body::Continue => leave_pass(loaded, &mut channel.loops, block, index)?,
+        // A definition does nothing where it stands.
+        Body::Sub => behind_partner(),
+        Body::EndSub(value) | Body::Return(value) => {
+            if !level.is_sub() {
+                let message = "this ends a subroutine, and none was called";
+                return Err(at(block.span, Code::UNMATCHED_STRUCTURE, message, "M2 ends the program"));
+            }
+            let value = value.map(|id| scope.number(id)).transpose()?;
+            channel.variables.returned = value;
+            Action::Return(None)
+        }
+        Body::Call(arguments) => {
+            let arguments = loaded.program.arguments_of(arguments);
+            let name = label(&scope, block)?;
+            Action::Call(Box::new(Call::of_sub(&scope, name, arguments, block.span)?))
+        }
+        Body::Printing(span) => {
+            let shown = String::from_utf8_lossy(loaded.program.source.slice(span)).into_owned();
+            let message = format!("{shown} is left out: the values that it names are executed away");
+            channel.outlet.warnings.push(fault(Code::LEFT_OUT, span, message, "nothing about the motion changes"));
+            Action::Next
+        }
+    })
+}
+
+/// The words of a block: assignments, calls, and whatever the channel does.
+fn execute(
+    loaded: &Loaded,
+    level: &Level,
+    channel: &mut Channel<'_>,
+    block: &Block,
+    words: &[Word],
+) -> Result<Action, Fault> {
+    let requested = request(channel, level, words);
+    let has_assignments = words.iter().any(is_assignment);
+    if has_assignments && channel.language == Language::Fanuc {
+        check_beside(words, channel.language)?;
+        for word in words.iter().filter(|word| is_assignment(word)) {
+            let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
+            let assignment = evaluate(&scope, std::slice::from_ref(word))?;
+            channel.assign(&assignment, loaded, block)?;
+        }
+    }
+    let mut own = Vec::new();
+    let (words, requested): (&[Word], _) = match requested {
+        None => (words, None),
+        Some(requested) => {
+            let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
+            let action = requested.read(&scope, words, block.span)?;
+            own.extend(words.iter().filter(|word| !requested.takes(&loaded.program, word)).copied());
+            (&own, Some((requested, action)))
+        }
+    };
+    let is_silent = words.iter().all(is_assignment);
+    let mut gathered = channel.take_gathered(block.span);
+    let done = run(loaded, level, channel, block, words, &mut gathered, has_assignments, is_silent);
+    channel.put_back(gathered);
+    // Even where the block has a fault, the program ends where it says so.
+    let ends = std::mem::take(&mut channel.ends_program);
+    match done {
+        Err(found) if !ends => return Err(found),
+        Err(found) => channel.outlet.warnings.push(found),
+        Ok(()) => {}
+    }
+    if ends {
+        return Ok(Action::End);
+    }
+    match requested {
+        Some((Request::Modal, Action::Call(call))) => {
+            channel.modal_calls.push(*call);
+            Ok(Action::Next)
+        }
+        Some((Request::EndModal, _)) => {
+            channel.modal_calls.pop();
+            Ok(Action::Next)
+        }
+        Some((_, action)) => Ok(action),
+        None => Ok(Action::Next),
+    }
+}
+
+#[expect(clippy::too_many_arguments, reason = "the parts of one execution, borrowed apart")]
+fn run(
+    loaded: &Loaded,
+    level: &Level,
+    channel: &mut Channel<'_>,
+    block: &Block,
+    words: &[Word],
+    gathered: &mut Gathered,
+    has_assignments: bool,
+    is_silent: bool,
+) -> Result<(), Fault> {
+    let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
+    let found = gather(&scope, words, gathered);
+    let assignments = if has_assignments && channel.language == Language::Rs274 {
+        let scope = Scope { program: &loaded.program, index: level.program, channel, grid: None };
+        found.and_then(|()| evaluate(&scope, words))
+    } else {
+        found.map(|()| Vec::new())
+    };
+    let assignments = assignments.map_err(|found| leaves_unset(&loaded.program, words, found))?;
+    channel.assign(&assignments, loaded, block)?;
+    if is_silent { Ok(()) } else { channel.execute(gathered) }
+}
+
+/// `GOTO n`: the block with this number behind this one, else the first one of the program.
+fn jump(loaded: &Loaded, scope: &Scope<'_, '_>, level: &Level, index: usize, target: ExprId) -> Result<Action, Fault> {
+    let span = scope.span(target);
+    let number = scope.whole(target)?;
+    let found = u32::try_from(number).ok().and_then(|number| scope.program.find_block(level.part, number, index));
+    let Some(found) = found else {
+        let message = format!("block N{number} is not in this program");
+        return Err(at(span, Code::NO_TARGET, message, "check the number of the block"));
+    };
+    check_loops(loaded, index, found, span)?;
+    Ok(Action::Jump(found))
+}
+
+/// Refuses a jump into a loop.
+pub(super) fn check_loops(loaded: &Loaded, from: usize, to: usize, span: Span) -> Result<(), Fault> {
+    let enters = |&(start, end): &(usize, usize)| (start + 1..=end).contains(&to) && !(start..=end).contains(&from);
+    if loaded.loops.iter().any(enters) {
+        let message = "this jump leads into a loop whose DO was not executed";
+        return Err(at(span, Code::SKIPPED_INTO, message, "jump to the block of the DO instead"));
+    }
+    Ok(())
+}
+
+/// First and last blocks of the loops that a jump could lead into.
+pub(super) fn loops_of(program: &Program) -> Vec<(usize, usize)> {
+    if program.dialect.language != Language::Fanuc {
+        return Vec::new();
+    }
+    let is_loop = |(start, block): (usize, &Block)| match block.body {
+        Body::While(_) => block.partner().map(|end| (start, end)),
+        _ => None,
+    };
+    program.blocks.iter().enumerate().filter_map(is_loop).collect()
+}
+
+/// The last `break` of each loop that is not left out, by the block where the loop begins.
+pub(super) fn breaks_of(program: &Program, ledger: &Ledger) -> HashMap<usize, usize> {
+    let is_left_out = |block: &Block| block.skip.is_some_and(|level| ledger.leaves_out(level));
+    let breaks =
+        program.blocks.iter().enumerate().filter(|(_, block)| block.body == Body::Break && !is_left_out(block));
+    breaks.filter_map(|(index, block)| Some((block.partner()?, index))).collect()
+}
+
+impl Loops {
+    /// Whether the pass of a `repeat` that begins here is made.
+    fn repeat(&mut self, place: (usize, usize), count: u32) -> bool {
+        let left = self.left.remove(&place).unwrap_or(count);
+        let left = if left == 0 && std::mem::take(&mut self.continues) { count } else { left };
+        if left > 0 {
+            self.left.insert(place, left - 1);
+        }
+        left > 0
+    }
+}
+
+/// The branch of an IF whose condition does not hold.
+fn next_branch(scope: &Scope<'_, '_>, block: &Block) -> Result<Action, Fault> {
+    let mut next = block.partner();
+    while let Some(at) = next {
+        let Some(branch) = scope.program.blocks.get(at) else { break };
+        match branch.body {
+            Body::ElseIf(condition) if !scope.truth(condition)? => next = branch.partner().filter(|&next| next > at),
+            _ => return Ok(Action::Jump(at + 1)),
+        }
+    }
+    Ok(Action::Next)
+}
+
+/// The end of the IF that an ELSE or ELSEIF belongs to; the block behind it where there is none.
+fn end_of_if(loaded: &Loaded, index: usize) -> usize {
+    let mut at = index;
+    while let Some(block) = loaded.program.blocks.get(at)
+        && matches!(block.body, Body::ElseIf(_) | Body::Else)
+    {
+        match block.partner().filter(|&next| next > at) {
+            Some(next) => at = next,
+            None => return at + 1,
+        }
+    }
+    at
+}
+
+/// `break` and `continue`.
+fn leave_pass(loaded: &Loaded, loops: &mut Loops, block: &Block, index: usize) -> Result<Action, Fault> {
+    let at_index = |index: usize| loaded.program.blocks.get(index);
+    let Some(partner) = block.partner() else { return Ok(Action::Next) };
+    // The partner is one side of the loop; whichever it is, its partner is the other one.
+    let Some(other) = at_index(partner).and_then(Block::partner) else { return Ok(Action::Next) };
+    let (start, end) = (partner.min(other), partner.max(other));
+    let body = at_index(start).map(|block| block.body);
+    if matches!(body, Some(Body::Repeat(_))) {
+        let message = "break and continue belong to while and do loops, and this is a repeat loop";
+        return Err(at(block.span, Code::UNMATCHED_STRUCTURE, message, "use a while loop"));
+    }
+    let is_do = body == Some(Body::Do);
+    if block.body == Body::Continue {
+        loops.continues = is_do;
+        loops.breaks |= loaded.has_break_behind(start, index);
+        return Ok(Action::Jump(end));
+    }
+    loops.breaks = true;
+    // The end of a `do` loop is where its condition is asked.
+    let again = !is_do && std::mem::take(&mut loops.continues);
+    Ok(Action::Jump(if is_do || again { end } else { end + 1 }))
+}
+
+/// The label of an O-word as text, lower case.
+pub(super) fn label(scope: &Scope<'_, '_>, block: &Block) -> Result<String, Fault> {
+    Ok(match block.label {
+        Some(Label::Number(number)) => number.to_string(),
+        Some(Label::Name(name)) => scope.program.names.text(name).to_ascii_lowercase(),
+        Some(Label::Computed(id)) => scope.whole(id)?.to_string(),
+        None => String::new(),
+    })
+}

@@ -1,0 +1,146 @@
+//! Gathers the words of one block before anything is executed: gather, check, execute.
+
+use super::codes::{G80, Group, group_of, name_of};
+use super::expression::Scope;
+use super::gathered::Gathered;
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::syntax::words::{Address, Value, Word};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+use ncfix_dialect::{Effect, Language};
+
+/// How near to a whole number a computed code must be.
+const NEAR: f64 = 1e-3;
+/// Largest value that a word may have.
+const MAX_VALUE: f64 = 1e9;
+
+/// Reads words of a block; assignments and names among them are not its business.
+pub(super) fn gather(scope: &Scope<'_, '_>, words: &[Word], out: &mut Gathered) -> Result<(), Fault> {
+    // The unit of the block holds for all its words.
+    let mut inch = scope.channel.modal.inch;
+    for word in words.iter().filter(|word| word.address == Address::Letter(b'G')) {
+        match word.value {
+            Value::Number { value: 20.0, .. } => inch = true,
+            Value::Number { value: 21.0, .. } => inch = false,
+            _ => {}
+        }
+    }
+    for word in words {
+        let letter = match word.address {
+            Address::Letter(letter) => letter,
+            Address::Comma(letter) => letter.to_ascii_lowercase(),
+            Address::Variable(_) | Address::Name(_) => continue,
+            Address::Indexed(..) => {
+                return Err(bad_value(word.span, "an address with an index", "this dialect has none"));
+            }
+        };
+        let (value, has_point) = match word.value {
+            Value::None => continue,
+            Value::Number { value, has_point, .. } => (value, has_point),
+            Value::Expr(id) => match grid_scope(scope, letter, inch).value(id)? {
+                Some(value) => (value, true),
+                // An address with an undefined variable is as good as not programmed.
+                None => continue,
+            },
+        };
+        if !value.is_finite() || value.abs() > MAX_VALUE {
+            return Err(bad_value(word.span, format!("{value} is too large for a word"), "check the value"));
+        }
+        match letter {
+            b'G' => g_code(scope, value, word.span, out)?,
+            b'M' => out.m_codes.push((whole(value, word.span, "M")?, word.span)),
+            _ => {
+                if out.set_value(letter, value, has_point, word.span) {
+                    double(word.span)?;
+                }
+                if matches!(word.value, Value::Number { has_point: true, .. }) {
+                    out.note_point(letter);
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What the expression of an address sees: ROUND goes to the increment of a Fanuc's lengths and angles.
+fn grid_scope<'s, 'a>(scope: &Scope<'s, 'a>, letter: u8, inch: bool) -> Scope<'s, 'a> {
+    let grid = match letter {
+        _ if scope.channel.is_rs274() => None,
+        b'A' | b'B' | b'C' | b'a' => Some(scope.channel.increments_per_degree()),
+        b'I'..=b'K' | b'Q' | b'R' | b'U'..=b'Z' | b'c' | b'r' => Some(scope.channel.increments_per(inch)),
+        _ => None,
+    };
+    Scope { grid, ..*scope }
+}
+
+/// A word or a group twice: an alarm, or the last one counts.
+fn double(span: Span) -> Result<(), Fault> {
+    Err(fault(Code::DOUBLE_WORD, span, "a word of this kind stands in the block already", "take one of them out"))
+}
+
+/// The whole number that a code must be.
+pub(super) fn whole(value: f64, span: Span, what: &str) -> Result<u32, Fault> {
+    let rounded = value.round();
+    if (value - rounded).abs() > NEAR || !(0.0..=f64::from(u32::MAX)).contains(&rounded) {
+        let message = format!("{what}{value} is no whole number from 0");
+        return Err(bad_value(span, message, "write a whole number that is not negative"));
+    }
+    Ok(rounded as u32)
+}
+
+fn g_code(scope: &Scope<'_, '_>, value: f64, span: Span, out: &mut Gathered) -> Result<(), Fault> {
+    let rounded = (value * 10.0).round();
+    if (value * 10.0 - rounded).abs() > NEAR || !(0.0..=9999.0).contains(&rounded) {
+        return Err(bad_value(span, format!("G{value} is no G code"), "write a G code of this control"));
+    }
+    let (tenths, dialect) = (rounded as u16, scope.program.dialect);
+    if let Some(entry) = dialect.codes().g_tenths(tenths.into()).filter(|entry| entry.effect == Effect::Refuse) {
+        let message = format!("{} ({}) is not supported", entry.name, entry.meaning);
+        return Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"));
+    }
+    if tenths == 530 {
+        out.machine_frame = Some(span);
+        return Ok(());
+    }
+    if let Some(group) = group_of(tenths, dialect.language) {
+        if group == Group::Motion && dialect.language == Language::Rs274 {
+            // Of G80 and another kind of motion the other one counts.
+            match out.code(group) {
+                Some(_) if tenths == G80 => return Ok(()),
+                Some(G80) => {
+                    out.set_code(group, tenths, span);
+                    return Ok(());
+                }
+                _ => {}
+            }
+        }
+        // The same code once more changes nothing on a Fanuc.
+        let old = out.set_code(group, tenths, span);
+        if old.is_some_and(|old| old != tenths || dialect.language == Language::Rs274) {
+            double(span)?;
+        }
+        return Ok(());
+    }
+    let name = name_of(tenths);
+    match dialect.codes().g_tenths(usize::from(tenths)) {
+        Some(entry) if entry.effect == Effect::Display => Ok(()),
+        Some(entry) if entry.effect == Effect::Keep && entry.words == "-" => {
+            out.keep.push(entry.name);
+            Ok(())
+        }
+        Some(entry) if entry.effect == Effect::Keep => {
+            if out.passed.replace(entry).is_some() {
+                double(span)?;
+            }
+            Ok(())
+        }
+        Some(entry) => {
+            let message = format!("{name} ({}) is not supported", entry.meaning);
+            Err(fault(Code::NOT_SUPPORTED, span, message, "program it another way"))
+        }
+        None => {
+            let message = format!("{name} is unknown");
+            Err(fault(Code::NOT_SUPPORTED, span, message, "check the code, and --dialect"))
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! All that one block says: a G code per group, a value per letter, M codes.
+//!
+//! Values are taken with [`Gathered::raw`], which notes that something used them: what is left over at the end of a block belongs to
+//! no code, and is a finding.
+
+use std::cell::Cell;
+
+use super::codes::{GROUPS, Group};
+use ncfix_base::geometry::{Axis, AxisSet};
+use ncfix_base::source::Span;
+use ncfix_dialect::CodeEntry;
+
+/// Letters A to Z, then those of [`slot_of`].
+const SLOTS: usize = 32;
+/// No code.
+const NONE: u16 = u16::MAX;
+
+/// Words of a block. The corner words `,C`, `,R` and `,A` are the letters `c`, `r` and `a`.
+#[derive(Debug)]
+pub(super) struct Gathered {
+    codes: [u16; GROUPS],
+    code_spans: [Span; GROUPS],
+    values: [f64; SLOTS],
+    spans: [Span; SLOTS],
+    present: u32,
+    /// Plain numbers without a decimal point.
+    unpointed: u32,
+    /// Plain numbers with one.
+    pointed: u32,
+    used: Cell<u32>,
+    /// `G53`
+    pub(super) machine_frame: Option<Span>,
+    /// G codes that are passed on as they are.
+    pub(super) keep: Vec<&'static str>,
+    /// A G code that is passed on with its words.
+    pub(super) passed: Option<&'static CodeEntry>,
+    /// M codes in the order in which they are written.
+    pub(super) m_codes: Vec<(u32, Span)>,
+    /// Axes named.
+    pub(super) axes: AxisSet,
+    /// The whole block.
+    pub(super) span: Span,
+}
+
+impl Default for Gathered {
+    fn default() -> Self {
+        Gathered {
+            codes: [NONE; GROUPS],
+            code_spans: [Span::default(); GROUPS],
+            values: [0.0; SLOTS],
+            spans: [Span::default(); SLOTS],
+            present: 0,
+            unpointed: 0,
+            pointed: 0,
+            used: Cell::new(0),
+            machine_frame: None,
+            keep: Vec::new(),
+            passed: None,
+            m_codes: Vec::new(),
+            axes: AxisSet::EMPTY,
+            span: Span::default(),
+        }
+    }
+}
+
+/// The slot of a letter.
+fn slot_of(letter: u8) -> Option<usize> {
+    Some(match letter {
+        b'A'..=b'Z' => usize::from(letter - b'A'),
+        b'@' => 26,
+        b'^' => 27,
+        b'$' => 28,
+        b'c' => 29,
+        b'r' => 30,
+        b'a' => 31,
+        _ => return None,
+    })
+}
+
+/// The letter of a slot as it is written.
+fn letter_of(slot: usize) -> String {
+    match b"ABCDEFGHIJKLMNOPQRSTUVWXYZ@^$".get(slot) {
+        Some(&letter) => char::from(letter).to_string(),
+        None => [",C", ",R", ",A"].get(slot.wrapping_sub(29)).copied().unwrap_or_default().to_owned(),
+    }
+}
+
+impl Gathered {
+    /// Empties it for the next block; what was allocated stays.
+    pub(super) fn clear(&mut self, span: Span) {
+        self.codes = [NONE; GROUPS];
+        self.present = 0;
+        self.unpointed = 0;
+        self.pointed = 0;
+        self.used = Cell::new(0);
+        self.machine_frame = None;
+        self.keep.clear();
+        self.passed = None;
+        self.m_codes.clear();
+        self.axes = AxisSet::EMPTY;
+        self.span = span;
+    }
+
+    /// Notes a G code, in tenths; gives the one of the group that it replaces.
+    pub(super) fn set_code(&mut self, group: Group, tenths: u16, span: Span) -> Option<u16> {
+        let index = group as usize;
+        self.code_spans[index] = span;
+        let old = std::mem::replace(&mut self.codes[index], tenths);
+        (old != NONE).then_some(old)
+    }
+
+    /// The G code of a group, in tenths.
+    pub(super) fn code(&self, group: Group) -> Option<u16> {
+        let code = self.codes[group as usize];
+        (code != NONE).then_some(code)
+    }
+
+    /// Where the G code of a group stands.
+    pub(super) fn code_span(&self, group: Group) -> Span {
+        self.code_spans[group as usize]
+    }
+
+    /// Notes a value; whether the letter had one already.
+    pub(super) fn set_value(&mut self, letter: u8, value: f64, has_point: bool, span: Span) -> bool {
+        let Some(slot) = slot_of(letter) else { return false };
+        let bit = 1_u32 << slot;
+        let is_double = self.present & bit != 0;
+        self.present |= bit;
+        if has_point {
+            self.unpointed &= !bit;
+        } else {
+            self.unpointed |= bit;
+        }
+        self.values[slot] = value;
+        self.spans[slot] = span;
+        if let Some(axis) = Axis::from_letter(letter).filter(|_| letter.is_ascii_uppercase()) {
+            self.axes.insert(axis);
+        }
+        is_double
+    }
+
+    /// Whether the block has a letter.
+    pub(super) fn has(&self, letter: u8) -> bool {
+        slot_of(letter).is_some_and(|slot| self.present & (1 << slot) != 0)
+    }
+
+    /// Whether the block has one of these letters.
+    pub(super) fn has_any(&self, letters: &[u8]) -> bool {
+        letters.iter().any(|&letter| self.has(letter))
+    }
+
+    /// The value of a letter as written; it counts as used.
+    pub(super) fn raw(&self, letter: u8) -> Option<f64> {
+        let slot = slot_of(letter).filter(|slot| self.present & (1 << slot) != 0)?;
+        self.used.set(self.used.get() | 1 << slot);
+        Some(self.values[slot])
+    }
+
+    /// The value of a letter as written; it does not count as used.
+    pub(super) fn raw_quietly(&self, letter: u8) -> Option<f64> {
+        slot_of(letter).filter(|_| self.has(letter)).map(|slot| self.values[slot])
+    }
+
+    /// Whether the value of a letter is a plain number without a decimal point.
+    pub(super) fn is_unpointed(&self, letter: u8) -> bool {
+        slot_of(letter).is_some_and(|slot| self.unpointed & (1 << slot) != 0)
+    }
+
+    /// Notes that the value of a letter is a plain number with a decimal point.
+    pub(super) fn note_point(&mut self, letter: u8) {
+        self.pointed |= slot_of(letter).map_or(0, |slot| 1 << slot);
+    }
+
+    /// Whether it is.
+    pub(super) fn is_pointed(&self, letter: u8) -> bool {
+        slot_of(letter).is_some_and(|slot| self.pointed & (1 << slot) != 0)
+    }
+
+    /// Where a letter stands.
+    pub(super) fn span_of(&self, letter: u8) -> Span {
+        slot_of(letter).map_or(self.span, |slot| if self.has(letter) { self.spans[slot] } else { self.span })
+    }
+
+    /// Letters count as used.
+    pub(super) fn use_up(&self, letters: &[u8]) {
+        for slot in letters.iter().filter_map(|&letter| slot_of(letter)) {
+            self.used.set(self.used.get() | 1 << slot);
+        }
+    }
+
+    /// A word that nothing has used: its letter as written, and its place.
+    pub(super) fn unused(&self) -> Option<(String, Span)> {
+        let left = self.present & !self.used.get();
+        if left == 0 {
+            return None;
+        }
+        let slot = left.trailing_zeros() as usize;
+        Some((letter_of(slot), self.spans[slot]))
+    }
+}

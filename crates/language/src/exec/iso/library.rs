@@ -1,0 +1,171 @@
+//! Finds programs: in the file that calls, in the main file, in files beside it.
+
+use super::Interpreter;
+use super::call::{Call, Callee};
+use super::loaded::Loaded;
+use crate::exec::fault::{Fault, fault};
+use crate::syntax::words::{self, Label, PartKind, Program};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::{Source, Span};
+use ncfix_dialect::Language;
+
+/// Endings of the files of programs, in the order in which they are looked for.
+const ENDINGS: &[&str] = &["", ".NC", ".CNC", ".TAP", ".TXT", ".PRG", ".EIA", ".MIN"];
+/// Those of RS274/NGC.
+const RS274_ENDINGS: &[&str] = &[".NGC", ".NC", ""];
+/// A program with a longer number is written with its count by M98.
+const SPLIT: u32 = 10_000;
+
+/// Where a program begins: file, part, block.
+pub(super) type Entry = (usize, usize, usize);
+
+impl Interpreter<'_> {
+    /// The program of a call. What P means is settled here: a count and a number, or one long number.
+    pub(super) fn find(&mut self, call: &mut Call) -> Result<Entry, Fault> {
+        let (shown, found) = match &call.callee {
+            Callee::Number(number) => (format!("O{number:04}"), self.find_number(*number)),
+            Callee::Name(name) => (format!("<{name}>"), self.find_name(name)),
+            Callee::Sub(name) => (format!("o<{name}> sub"), self.find_sub(name)),
+            &Callee::Counted(number) => {
+                let (count, short) = (number / SPLIT, number % SPLIT);
+                let mut found = self.find_number(short);
+                let other = self.find_number(number);
+                if !self.machine.control.iso.reads_as_fanuc && found.is_some() && other.is_some() {
+                    let message = format!(
+                        "M98 P{number}: program {short} {count} times on a Fanuc, program {number} once on a Haas, and both are there"
+                    );
+                    let help = format!(
+                        "write M98 P{short} L{count}, or give program {number} a number of four digits; where the control is a Fanuc \
+                         set control.word_meaning = \"fanuc\""
+                    );
+                    return Err(fault(Code::TWO_MEANINGS, call.span, message, help));
+                }
+                if found.is_some() {
+                    (call.repeats, call.callee) = (count, Callee::Number(short));
+                } else {
+                    found = other;
+                    call.callee = Callee::Number(number);
+                }
+                (format!("O{short:04} ({count} times)"), found)
+            }
+        };
+        found.ok_or_else(|| self.not_found(&shown, call.span))
+    }
+
+    fn not_found(&mut self, shown: &str, span: Span) -> Fault {
+        let message =
+            self.library.refusal().unwrap_or_else(|| format!("{shown} is neither in this file nor beside it"));
+        let help = match self.channel.language {
+            Language::Rs274 => {
+                "put the file NAME.ngc beside the program, or its folder into control.search_path; a program that the control runs by \
+                 itself is named under [[opaque]]"
+            }
+            _ => {
+                "put the file O1234, O1234.NC or 1234.NC beside the program, or its folder into control.search_path; a program that \
+                 the control runs by itself is named under [[opaque]]"
+            }
+        };
+        fault(Code::NO_SUBPROGRAM, span, message, help)
+    }
+
+    /// The files in which a program may be, the one that calls first.
+    fn near(&self) -> impl Iterator<Item = usize> + use<> {
+        let own = self.levels.last().map_or(0, |level| level.program);
+        std::iter::once(own).chain((own != 0).then_some(0))
+    }
+
+    fn entry(&self, program: usize, part: usize) -> Option<Entry> {
+        let start = self.programs.get(program)?.program.parts.get(part)?.blocks.start;
+        Some((program, part, start))
+    }
+
+    fn find_number(&mut self, number: u32) -> Option<Entry> {
+        let in_file = |program: &Program| program.find_part(PartKind::Program, number);
+        for program in self.near() {
+            if let Some(part) = in_file(&self.programs[program].program) {
+                return self.entry(program, part);
+            }
+        }
+        let names = if self.channel.language == Language::Rs274 {
+            RS274_ENDINGS.iter().map(|ending| format!("{number}{ending}")).collect()
+        } else {
+            let stems = [format!("O{number:04}"), format!("O{number}"), format!("{number:04}"), format!("{number}")];
+            file_names(&stems, ENDINGS)
+        };
+        let program = self.load(&format!("O{number}"), &names)?;
+        let part = in_file(&self.programs[program].program).unwrap_or(0);
+        self.entry(program, part)
+    }
+
+    fn find_name(&mut self, name: &str) -> Option<Entry> {
+        let in_file = |program: &Program| program.find_named_part(program.names.find(name)?);
+        for program in self.near() {
+            if let Some(part) = in_file(&self.programs[program].program) {
+                return self.entry(program, part);
+            }
+        }
+        let program = self.load(name, &file_names(&[name.to_owned()], ENDINGS))?;
+        let part = in_file(&self.programs[program].program).unwrap_or(0);
+        self.entry(program, part)
+    }
+
+    /// A subroutine of O-words: one that was passed or loaded already, then a file, then one further on.
+    fn find_sub(&mut self, name: &str) -> Option<Entry> {
+        let (own, here) = self.levels.last().map_or((0, 0), |level| (level.program, level.next));
+        let others = (0..self.programs.len()).filter(|&program| program != own);
+        let passed = self.sub_in(own, name).filter(|entry| entry.2 <= here);
+        let known =
+            passed.or_else(|| others.rev().filter(|&other| other != 0).find_map(|other| self.sub_in(other, name)));
+        if known.is_some() {
+            return known;
+        }
+        let stem = name.rsplit('/').next().unwrap_or(name);
+        let names = file_names(&[stem.to_owned()], RS274_ENDINGS);
+        if let Some(program) = self.load(name, &names) {
+            return self.sub_in(program, stem);
+        }
+        self.sub_in(own, name).or_else(|| self.sub_in(0, name))
+    }
+
+    /// The first block of a subroutine in a file.
+    fn sub_in(&self, program: usize, name: &str) -> Option<Entry> {
+        let loaded = &self.programs.get(program)?.program;
+        let fits = |label: Label| match label {
+            Label::Number(number) => name.parse() == Ok(number),
+            Label::Name(known) => loaded.names.text(known).eq_ignore_ascii_case(name),
+            Label::Computed(_) => false,
+        };
+        let &(_, block) = loaded.subs().iter().find(|(label, _)| fits(*label))?;
+        let block = block as usize;
+        Some((program, loaded.part_of(block)?, block + 1))
+    }
+
+    /// Loads a file from the library, once; its number.
+    fn load(&mut self, key: &str, names: &[String]) -> Option<usize> {
+        if let Some(&known) = self.files.get(key) {
+            return known;
+        }
+        let loaded = self.read(names);
+        self.files.insert(key.to_owned(), loaded);
+        loaded
+    }
+
+    fn read(&mut self, names: &[String]) -> Option<usize> {
+        let (shown, bytes) = self.library.load_file(names)?;
+        let id = self.ledger.next_file()?;
+        let source = Source::new(id, &shown, bytes).ok()?;
+        let (program, findings) = words::parse(&source, self.programs.first()?.program.dialect);
+        self.ledger.sources.push(program.source.clone());
+        for finding in findings {
+            self.ledger.report(finding);
+        }
+        self.channel.variables.add_program(&program);
+        self.programs.push(Loaded::new(program, &self.ledger));
+        Some(self.programs.len() - 1)
+    }
+}
+
+/// Names with all endings.
+fn file_names(stems: &[String], endings: &[&str]) -> Vec<String> {
+    stems.iter().flat_map(|stem| endings.iter().map(move |ending| format!("{stem}{ending}"))).collect()
+}

@@ -1,0 +1,328 @@
+//! System variables of Fanuc: the state of the control behind the numbers from #1000 on.
+
+use super::channel::Channel;
+use super::expression::Missing;
+use super::length::ToolOffset;
+use super::offsets::System;
+use crate::exec::contour::Side;
+use crate::exec::fault::{Fault, bad_value, fault};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Frame};
+use ncfix_base::source::Span;
+use ncfix_machine::snc::{FeedUnit, Kind};
+
+use super::loaded::Loaded;
+use crate::syntax::words::Block;
+
+/// What a system variable stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Meaning {
+    /// A value of a zero offset: the system and the number of the axis.
+    Offset(System, u32),
+    /// A value of the table of tools.
+    Tool(u32, Part),
+    /// A position: which, and the number of the axis.
+    Position(Position, u32),
+    /// The G code of a group, or the value of an address, of the block before.
+    Modal(u32),
+    /// #3000
+    Alarm,
+    /// What is written to tell the control something, and moves nothing.
+    Told,
+    /// Only the machine knows it.
+    Machine,
+}
+
+/// Parts of the entry of a tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    LengthWear,
+    Length,
+    RadiusWear,
+    Radius,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Position {
+    /// Where the program is.
+    Programmed,
+    Machine,
+    /// As [`Position::Programmed`], of the gauge point of the spindle.
+    Gauge,
+    /// Where G31 was skipped.
+    Skip,
+    /// Length compensation.
+    Length,
+}
+
+const TOOL_PARTS: [Part; 4] = [Part::LengthWear, Part::Length, Part::RadiusWear, Part::Radius];
+
+/// The meaning of a number; `None` where it has none here.
+fn meaning(number: u32) -> Option<Meaning> {
+    let position = |kind: Position, start: u32| Some(Meaning::Position(kind, number - start));
+    // Zero offsets lie 20 apart.
+    let offset = |first: u16, start: u32| {
+        let (system, axis) = ((number - start) / 20, (number - start) % 20);
+        u16::try_from(system).ok().map(|system| Meaning::Offset(System(first + system), axis))
+    };
+    match number {
+        1000..=1035 => Some(Meaning::Machine),
+        1100..=1135 => Some(Meaning::Told),
+        2001..=2800 => {
+            let part = TOOL_PARTS.get((number as usize - 2001) / 200)?;
+            Some(Meaning::Tool((number - 2001) % 200 + 1, *part))
+        }
+        10001..=13999 if !number.is_multiple_of(1000) => {
+            let part = TOOL_PARTS.get(number as usize / 1000 - 10)?;
+            Some(Meaning::Tool(number % 1000, *part))
+        }
+        3000 => Some(Meaning::Alarm),
+        3003..=3007 | 3901 | 3902 => Some(Meaning::Told),
+        3001..=3999 => Some(Meaning::Machine),
+        4001..=4130 => Some(Meaning::Modal(number - 4000)),
+        4201..=4330 => Some(Meaning::Modal(number - 4200)),
+        5001..=5020 => position(Position::Programmed, 5001),
+        5021..=5040 => position(Position::Machine, 5021),
+        5041..=5060 => position(Position::Gauge, 5041),
+        5061..=5080 => position(Position::Skip, 5061),
+        5081..=5100 => position(Position::Length, 5081),
+        5201..=5220 => offset(0, 5201),
+        5221..=5340 => offset(1, 5221),
+        7001..=7960 => offset(System::ADDITIONAL + 1, 7001),
+        14001..=19999 => offset(System::ADDITIONAL + 1, 14001),
+        _ => None,
+    }
+}
+
+impl Channel<'_> {
+    /// The value of a system variable of Fanuc.
+    pub(super) fn system_variable(&self, number: u32) -> Result<Option<f64>, Missing> {
+        let Some(meaning) = meaning(number) else { return Err(Missing::Unknown) };
+        match meaning {
+            Meaning::Alarm | Meaning::Told | Meaning::Machine => Err(Missing::OnlyMachine),
+            Meaning::Offset(system, place) => {
+                let axis = self.axis_at(place).ok_or(Missing::Unknown)?;
+                match self.offset_of(system) {
+                    Some(parts) => Ok(Some(self.shown_value(axis, parts.shift()[axis]))),
+                    None if system == System::EXTERNAL || !self.strict => Ok(Some(0.0)),
+                    None => Err(Missing::OnlyMachine),
+                }
+            }
+            Meaning::Tool(number, part) => match self.tool_offset(number) {
+                Some(mut offset) => Ok(Some(*part_of(&mut offset, part) / self.modal.scale())),
+                None if self.strict => Err(Missing::OnlyMachine),
+                None => Ok(Some(0.0)),
+            },
+            Meaning::Position(position, place) => {
+                let axis = self.axis_at(place).ok_or(Missing::Unknown)?;
+                self.position(position, axis).map(Some)
+            }
+            Meaning::Modal(place) => self.modal_value(place).map(Some).ok_or(Missing::OnlyMachine),
+        }
+    }
+
+    /// The axis of a place in the order of the control: X, Y, Z, then what else the machine has.
+    fn axis_at(&self, place: u32) -> Option<Axis> {
+        let place = place as usize;
+        if place < 3 {
+            return AXES.get(place).copied();
+        }
+        let rotary_first = [Axis::A, Axis::B, Axis::C, Axis::U, Axis::V, Axis::W];
+        rotary_first.into_iter().filter(|&axis| self.axes.contains(axis)).nth(place - 3)
+    }
+
+    /// A value of an axis in the units of the program.
+    pub(super) fn shown_value(&self, axis: Axis, value: f64) -> f64 {
+        if axis.is_rotary() { value.to_degrees() } else { value / self.modal.scale() }
+    }
+
+    fn position(&self, position: Position, axis: Axis) -> Result<f64, Missing> {
+        if position == Position::Length {
+            let place = axis.slot();
+            return Ok(if place < 3 { self.modal.length_mm[place] / self.modal.scale() } else { 0.0 });
+        }
+        if position == Position::Skip {
+            // Where the skip came only the machine knows; without strictness it is taken for the end of the motion.
+            let probed = self.variables.probed.filter(|_| !self.strict);
+            return probed.map(|values| values[axis]).ok_or(Missing::OnlyMachine);
+        }
+        if self.strict && !self.modal.known.contains(axis) {
+            return Err(Missing::Unstated);
+        }
+        if self.modal.contour.compensates() && position != Position::Programmed {
+            return Err(Missing::Compensated);
+        }
+        let values: AxisVector = match position {
+            Position::Programmed => self.work_frame().unapply(&self.tip()),
+            Position::Machine => self.modal.command,
+            Position::Gauge => self.work_frame().unapply(&self.modal.command),
+            Position::Skip | Position::Length => AxisVector::ZERO,
+        };
+        Ok(self.shown_value(axis, values[axis]))
+    }
+
+    /// The workpiece coordinate system: zero offset and shifts, without what is nearer to the programmed values.
+    pub(super) fn work_frame(&self) -> Frame {
+        self.modal.settable.compose(&Frame::translation(self.modal.shift + self.modal.local))
+    }
+
+    /// The G code of a group, or the value of an address.
+    fn modal_value(&self, place: u32) -> Option<f64> {
+        let modal = &self.modal;
+        let either = |is_first: bool, first: u16, second: u16| f64::from(if is_first { first } else { second });
+        Some(match place {
+            1 if modal.motion <= 330 => f64::from(modal.motion) / 10.0,
+            2 => f64::from(modal.plane.number()),
+            3 => either(modal.incremental, 91, 90),
+            5 => match modal.feed_mode {
+                FeedUnit::InverseTime => 93.0,
+                FeedUnit::PerMinute => 94.0,
+                FeedUnit::PerTurn => 95.0,
+            },
+            6 => either(modal.inch, 20, 21),
+            7 => match modal.contour.side {
+                Side::Off => 40.0,
+                Side::Left => 41.0,
+                Side::Right => 42.0,
+            },
+            8 => f64::from(modal.length_code) / 10.0,
+            9 if modal.motion >= 730 => f64::from(modal.motion) / 10.0,
+            9 => 80.0,
+            10 => either(modal.to_r_plane, 99, 98),
+            12 => either(self.modal_calls.is_empty(), 67, 66),
+            13 => f64::from(modal.spindle_mode) / 10.0,
+            14 if modal.system.0 > System::ADDITIONAL => 54.1,
+            14 => 53.0 + f64::from(modal.system.0),
+            15 => f64::from(modal.path_control.0) / 10.0,
+            107 => f64::from(modal.d.unwrap_or(0)),
+            109 => modal.feed / if modal.feed_mode == FeedUnit::InverseTime { 1.0 } else { modal.scale() },
+            111 => f64::from(modal.h),
+            119 => modal.speed?,
+            120 => f64::from(modal.selected.or(modal.active)?),
+            130 if modal.system.0 > System::ADDITIONAL => f64::from(modal.system.0 - System::ADDITIONAL),
+            130 => 0.0,
+            _ => return None,
+        })
+    }
+
+    /// Carries out the assignment to a system variable of Fanuc.
+    pub(super) fn write_system(
+        &mut self,
+        number: u32,
+        value: Option<f64>,
+        span: Span,
+        loaded: &Loaded,
+        block: &Block,
+    ) -> Result<(), Fault> {
+        let number_value = value.unwrap_or(0.0);
+        match meaning(number) {
+            Some(Meaning::Alarm) => {
+                let text = comment_of(loaded, block);
+                let message = format!("the program stops with its alarm {number_value}: {text}");
+                let help = "the program found something that it does not go on with; correct what it asks for";
+                self.ends_program = true;
+                let found = fault(Code::CYCLE_ALARM, span, message.trim_end_matches([':', ' ']), help);
+                self.outlet.warnings.push(found);
+                Ok(())
+            }
+            Some(Meaning::Told) => {
+                let text = if number == 3006 { format!("({})", comment_of(loaded, block)) } else { String::new() };
+                self.tell(number, number_value, &text);
+                Ok(())
+            }
+            Some(Meaning::Offset(system, place)) => self.write_offset(number, system, place, number_value, span),
+            Some(Meaning::Tool(tool, part)) => self.write_tool(number, tool, part, number_value, span),
+            Some(Meaning::Machine | Meaning::Position(..) | Meaning::Modal(_)) | None => {
+                let message = format!("#{number} cannot be set here");
+                Err(bad_value(span, message, "what it stands for is the business of the control"))
+            }
+        }
+    }
+
+    /// Passes the assignment of a system variable on, its value evaluated.
+    fn tell(&mut self, number: u32, value: f64, behind: &str) {
+        let mut shown = format!("{value:.6}");
+        shown.truncate(shown.trim_end_matches('0').trim_end_matches('.').len());
+        self.push(Kind::Verbatim(format!("#{number}={shown}{behind}").into_bytes()));
+    }
+
+    fn write_offset(&mut self, number: u32, system: System, place: u32, value: f64, span: Span) -> Result<(), Fault> {
+        let Some(axis) = self.axis_at(place) else {
+            return Err(bad_value(span, format!("#{number} is of an axis that the machine lacks"), "check the number"));
+        };
+        self.no_compensation(span, "a change of zero offsets")?;
+        if system == self.modal.system || system == System::EXTERNAL {
+            self.check_offset_write(number, span)?;
+        }
+        let known = self.offset_of(system);
+        if known.is_none() && self.strict {
+            let message = format!("{} is changed in part, and has no value in the machine file", system.words());
+            return Err(fault(
+                Code::NO_OFFSET,
+                span,
+                message,
+                format!("add [zero_offset.\"{}\"]", system.words().replace(' ', "")),
+            ));
+        }
+        let mut parts = known.unwrap_or_default();
+        let inside = if axis.is_rotary() { value.to_radians() } else { value * self.modal.scale() };
+        parts.translation[axis] = inside;
+        parts.fine[axis] = 0.0;
+        self.offsets.insert(system, parts);
+        self.tell(number, if axis.is_rotary() { value } else { inside / self.output_unit_mm() }, "");
+        if system == self.modal.system || system == System::EXTERNAL {
+            self.load_offset(span)?;
+        }
+        Ok(())
+    }
+
+    fn write_tool(&mut self, number: u32, tool: u32, part: Part, value: f64, span: Span) -> Result<(), Fault> {
+        let known = self.tool_offset(tool);
+        if known.is_none() && self.strict {
+            let message = format!("offset {tool} is changed in part, and has no value in the machine file");
+            return Err(fault(Code::NO_TOOL, span, message, "add a [[tool]] entry of this number"));
+        }
+        let mut offset = known.unwrap_or_default();
+        let inside = value * self.modal.scale();
+        *part_of(&mut offset, part) = inside;
+        self.tools.insert(tool, ToolOffset { is_stated: true, ..offset });
+        self.tell(number, inside / self.output_unit_mm(), "");
+        Ok(())
+    }
+}
+
+fn part_of(offset: &mut ToolOffset, part: Part) -> &mut f64 {
+    match part {
+        Part::LengthWear => &mut offset.length_wear_mm,
+        Part::Length => &mut offset.length_mm[2],
+        Part::RadiusWear => &mut offset.radius_wear_mm,
+        Part::Radius => &mut offset.radius_mm,
+    }
+}
+
+/// The text of the first comment of a block.
+fn comment_of(loaded: &Loaded, block: &Block) -> String {
+    let comment = loaded.program.comments_of(block).first();
+    comment.map_or_else(String::new, |comment| {
+        String::from_utf8_lossy(loaded.program.source.slice(comment.text)).trim().to_owned()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_mean_what_the_tables_of_the_control_say() {
+        assert_eq!(meaning(2001), Some(Meaning::Tool(1, Part::LengthWear)));
+        assert_eq!(meaning(2400), Some(Meaning::Tool(200, Part::Length)));
+        assert_eq!(meaning(2601), Some(Meaning::Tool(1, Part::Radius)));
+        assert_eq!(meaning(12005), Some(Meaning::Tool(5, Part::RadiusWear)));
+        assert_eq!(meaning(5203), Some(Meaning::Offset(System::EXTERNAL, 2)));
+        assert_eq!(meaning(5221), Some(Meaning::Offset(System(1), 0)));
+        assert_eq!(meaning(5322), Some(Meaning::Offset(System(6), 1)));
+        assert_eq!(meaning(7021), Some(Meaning::Offset(System(System::ADDITIONAL + 2), 0)));
+        assert_eq!(meaning(5043), Some(Meaning::Position(Position::Gauge, 2)));
+        assert_eq!(meaning(999_999), None);
+    }
+}

@@ -1,0 +1,262 @@
+//! Variables of the macro languages: numbered and named, local and common.
+//!
+//! A value is an `Option`: Fanuc knows null, the value of what was never assigned. In RS274/NGC every numbered parameter has a value.
+
+use std::collections::HashMap;
+
+use crate::syntax::words::{NameId, Program};
+use ncfix_base::geometry::AxisVector;
+use ncfix_dialect::Language;
+use ncfix_machine::machine::{Machine, Setting};
+
+/// Highest number of a local variable of Fanuc.
+const FANUC_LOCALS: usize = 33;
+/// Highest number of a local parameter of RS274/NGC.
+const RS274_LOCALS: usize = 30;
+/// Numbers of RS274/NGC end before this one.
+pub(super) const RS274_END: u32 = 5602;
+/// Numbers of Fanuc's common variables.
+const FANUC_COMMON: std::ops::RangeInclusive<u32> = 100..=999;
+/// From here on the numbers of Fanuc stand for the state of the control.
+pub(super) const FANUC_SYSTEM: u32 = 1000;
+/// Common variables of Fanuc from here on keep their values when the power is off.
+const FANUC_KEPT: u32 = 500;
+
+/// Stands in a variable that another program may have left a value in.
+const LEFT_OVER: Option<f64> = Some(f64::NAN);
+
+/// A value of the machine file's tables as a number.
+pub(super) fn number_of(setting: &Setting) -> Option<f64> {
+    match setting {
+        Setting::Whole(value) => Some(*value as f64),
+        Setting::Number(value) => Some(*value),
+        Setting::Truth(value) => Some(f64::from(u8::from(*value))),
+        Setting::Text(_) | Setting::List(_) => None,
+    }
+}
+
+/// A name of all programs of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Symbol(u32);
+
+/// Where a number leads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Place {
+    /// A variable.
+    Variable,
+    /// `#0`, which is always null.
+    Null,
+    /// The state of the control.
+    System,
+    /// Nowhere.
+    Nowhere,
+}
+
+/// Variables of one program level.
+#[derive(Clone, Debug, Default)]
+struct Locals {
+    /// By number; those of the level that called this one, where it shares them.
+    numbered: Vec<Option<f64>>,
+    named: Vec<(Symbol, f64)>,
+    /// Whether the numbered ones are the caller's.
+    shares: bool,
+}
+
+/// All variables of a run.
+#[derive(Clone, Debug)]
+pub(super) struct Variables {
+    language: Language,
+    /// The innermost level last; never empty.
+    levels: Vec<Locals>,
+    common: Vec<Option<f64>>,
+    /// Named variables of all levels, by symbol.
+    global: Vec<Option<f64>>,
+    symbols: HashMap<Box<str>, u32>,
+    texts: Vec<Box<str>>,
+    /// What the last subroutine gave back (RS274/NGC).
+    pub(super) returned: Option<f64>,
+    /// Where the last probe ended, mm or inches and degrees as the program says it.
+    pub(super) probed: Option<AxisVector>,
+    /// The symbols of the names of each program, by the order in which they were loaded.
+    programs: Vec<Vec<Symbol>>,
+}
+
+impl Variables {
+    /// At the start of a run; the table of the machine file may hold values that the control remembers: `"#500" = 1.5`.
+    pub(super) fn new(language: Language, machine: &Machine) -> Variables {
+        let common = match language {
+            Language::Rs274 => vec![Some(0.0); RS274_END as usize],
+            _ => {
+                let mut common = vec![None; FANUC_SYSTEM as usize];
+                common[FANUC_KEPT as usize..].fill(LEFT_OVER);
+                common
+            }
+        };
+        let mut variables = Variables {
+            language,
+            levels: vec![Locals::default()],
+            common,
+            global: Vec::new(),
+            symbols: HashMap::new(),
+            texts: Vec::new(),
+            returned: None,
+            probed: None,
+            programs: Vec::new(),
+        };
+        variables.levels[0].numbered = variables.no_locals();
+        if language == Language::Rs274 {
+            for (&number, &value) in &machine.parameters {
+                variables.set(u32::try_from(number).unwrap_or(RS274_END), Some(value));
+            }
+        }
+        for (key, setting) in &machine.system {
+            let number = key.strip_prefix('#').and_then(|digits| digits.parse().ok());
+            if let Some(number) = number.filter(|&number| variables.place(number) == Place::Variable) {
+                variables.set(number, number_of(setting));
+            }
+        }
+        variables
+    }
+
+    fn no_locals(&self) -> Vec<Option<f64>> {
+        match self.language {
+            Language::Rs274 => vec![Some(0.0); RS274_LOCALS + 1],
+            _ => vec![None; FANUC_LOCALS + 1],
+        }
+    }
+
+    /// Takes note of the names of a program that was loaded; programs count in the order of these calls.
+    pub(super) fn add_program(&mut self, program: &Program) {
+        let names = program.names.iter().map(|name| self.symbol(name)).collect();
+        self.programs.push(names);
+    }
+
+    /// The symbol of a name.
+    fn symbol(&mut self, name: &str) -> Symbol {
+        if let Some(&id) = self.symbols.get(name) {
+            return Symbol(id);
+        }
+        let id = u32::try_from(self.texts.len()).unwrap_or(u32::MAX);
+        self.symbols.insert(name.into(), id);
+        self.texts.push(name.into());
+        self.global.push(None);
+        Symbol(id)
+    }
+
+    /// The symbol of a name of a program.
+    pub(super) fn symbol_of(&self, program: usize, name: NameId) -> Option<Symbol> {
+        self.programs.get(program)?.get(name.index()).copied()
+    }
+
+    /// The value of a name, upper case.
+    pub(super) fn of_name(&self, name: &str) -> Option<f64> {
+        self.symbols.get(name).and_then(|&id| self.named(Symbol(id)))
+    }
+
+    /// The name, upper case.
+    pub(super) fn text(&self, symbol: Symbol) -> &str {
+        self.texts.get(symbol.0 as usize).map_or("", |text| text)
+    }
+
+    /// Where a number leads.
+    pub(super) fn place(&self, number: u32) -> Place {
+        match self.language {
+            Language::Rs274 if (1..RS274_END).contains(&number) => Place::Variable,
+            Language::Rs274 => Place::Nowhere,
+            _ if number == 0 => Place::Null,
+            _ if number as usize <= FANUC_LOCALS || FANUC_COMMON.contains(&number) => Place::Variable,
+            _ if number >= FANUC_SYSTEM => Place::System,
+            _ => Place::Nowhere,
+        }
+    }
+
+    fn locals(&self) -> usize {
+        if self.language == Language::Rs274 { RS274_LOCALS } else { FANUC_LOCALS }
+    }
+
+    /// The value of a number that leads to a variable.
+    pub(super) fn get(&self, number: u32) -> Option<f64> {
+        let index = number as usize;
+        if index <= self.locals() {
+            return self.levels.last().and_then(|level| level.numbered.get(index).copied().flatten());
+        }
+        self.common.get(index).copied().flatten().filter(|value| !value.is_nan())
+    }
+
+    /// Whether a common variable still has what some other program left in it.
+    pub(super) fn is_left_over(&self, number: u32) -> bool {
+        self.common.get(number as usize).copied().flatten().is_some_and(f64::is_nan)
+    }
+
+    /// Gives a number that leads to a variable a value.
+    pub(super) fn set(&mut self, number: u32, value: Option<f64>) {
+        let index = number as usize;
+        let cell = if index <= self.locals() {
+            self.levels.last_mut().and_then(|level| level.numbered.get_mut(index))
+        } else {
+            self.common.get_mut(index)
+        };
+        if let Some(cell) = cell {
+            *cell = value;
+        }
+    }
+
+    /// Whether a name is one of all levels.
+    fn is_global(&self, symbol: Symbol) -> bool {
+        self.language != Language::Rs274 || self.text(symbol).starts_with('_')
+    }
+
+    /// The value of a name; `None` where it has none.
+    pub(super) fn named(&self, symbol: Symbol) -> Option<f64> {
+        if self.is_global(symbol) {
+            return self.global.get(symbol.0 as usize).copied().flatten();
+        }
+        self.levels.last()?.named.iter().find(|(known, _)| *known == symbol).map(|&(_, value)| value)
+    }
+
+    /// Gives a name a value.
+    pub(super) fn set_named(&mut self, symbol: Symbol, value: Option<f64>) {
+        if self.is_global(symbol) {
+            if let Some(cell) = self.global.get_mut(symbol.0 as usize) {
+                *cell = value;
+            }
+        } else if let (Some(level), Some(value)) = (self.levels.last_mut(), value) {
+            match level.named.iter_mut().find(|(known, _)| *known == symbol) {
+                Some(cell) => cell.1 = value,
+                None => level.named.push((symbol, value)),
+            }
+        }
+    }
+
+    /// Begins a program level with local variables of its own, the first of which have these values.
+    pub(super) fn enter(&mut self, arguments: &[(u32, f64)]) {
+        let numbered = self.no_locals();
+        self.levels.push(Locals { numbered, ..Locals::default() });
+        for &(number, value) in arguments {
+            self.set(number, Some(value));
+        }
+    }
+
+    /// Begins a program level that shares the numbered variables of its caller.
+    pub(super) fn enter_shared(&mut self) {
+        let numbered = self.levels.last_mut().map(|level| std::mem::take(&mut level.numbered)).unwrap_or_default();
+        self.levels.push(Locals { numbered, named: Vec::new(), shares: true });
+    }
+
+    /// Ends the innermost level.
+    pub(super) fn leave(&mut self) {
+        if self.levels.len() < 2 {
+            return;
+        }
+        if let (Some(left), Some(level)) = (self.levels.pop(), self.levels.last_mut())
+            && left.shares
+        {
+            level.numbered = left.numbered;
+        }
+    }
+
+    /// Levels beside the outermost one.
+    pub(super) fn depth(&self) -> usize {
+        self.levels.len() - 1
+    }
+}

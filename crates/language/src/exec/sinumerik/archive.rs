@@ -1,0 +1,266 @@
+//! Data that a control saves as assignments: tools (`_TOA`), zero offsets (`_UFR`), R parameters (`_RPA`), global variables (`_GUD`),
+//! machine data (`_TEA`, `_INI`). They are read into the machine with the same code that executes programs.
+
+use std::collections::BTreeMap;
+
+use super::assign::{assign, assigned};
+use super::channel::Channel;
+use super::frame_store::settable_code;
+use super::system_write::{SystemName, assign_system};
+use super::value::Value as ExecValue;
+use super::variables::List;
+use super::{Loaded, scope_of};
+use crate::exec::Options;
+use crate::exec::fault::{Fault, at};
+use crate::syntax::sinumerik::{self, Address, ArgumentRange, Body, ExprId, Node, Value, Word};
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::source::Source;
+use ncfix_machine::machine::{Machine, Setting};
+
+/// Words that stand in archives and assign nothing.
+const WITHOUT_EFFECT: &[&str] = &["CHANDATA", "METRIC", "COMPLETE", "NEWCONF", "STOPRE", "RET"];
+/// Files of an archive that are programs, and not executed here.
+const PROGRAMS: &[&str] = &["MPF", "SPF", "CYC", "COM", "DEF"];
+/// Elements of one global variable.
+const MAX_ELEMENTS: usize = 100_000;
+
+/// Values of a global variable by their indices.
+type Elements = BTreeMap<Vec<i64>, Setting>;
+
+/// Lays saved data over a machine. It is left as it is where an error is found.
+#[must_use]
+pub(in crate::exec) fn apply_archive(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
+    let (mut program, mut findings) = sinumerik::parse(source, ncfix_dialect::sinumerik());
+    program.keep_whole();
+    if findings.iter().any(Diagnostic::is_error) {
+        return findings;
+    }
+    let before = machine.clone();
+    let loaded = Loaded::new(program, &before.control);
+    let mut reader = Reader {
+        loaded: &loaded,
+        channel: Channel::new(&before, &Options::default(), ncfix_dialect::sinumerik().codes()),
+        data: Data::default(),
+    };
+    for section in &loaded.program.sections {
+        if PROGRAMS.contains(&section.ending.as_str()) {
+            continue;
+        }
+        for block in &loaded.program.blocks[section.blocks.clone()] {
+            match block.body {
+                Body::Words => {
+                    for word in loaded.program.words_of(block) {
+                        findings.extend(reader.word(word).err().map(|found| found.in_file(source.id())));
+                    }
+                }
+                Body::Empty | Body::Faulty | Body::Define { .. } => {}
+                _ => {
+                    let message = "saved data are assignments, and this is a statement";
+                    let found = at(
+                        block.span,
+                        Code::UNEXPECTED,
+                        message,
+                        "give the program that loads them to ncfix as a program",
+                    );
+                    findings.push(found.in_file(source.id()));
+                }
+            }
+            reader.channel.outlet.queue.clear();
+            reader.channel.outlet.warnings.clear();
+        }
+    }
+    if findings.iter().any(Diagnostic::is_error) {
+        return findings;
+    }
+    let Reader { channel, data, .. } = reader;
+    let frames = &channel.system.frames;
+    machine.zero_offsets.extend(frames.written_settable().map(|(number, parts)| (settable_code(number), parts)));
+    machine.base_frames.extend(frames.written_bases());
+    machine.set_tools(channel.system.tools.tools());
+    machine.radius_wear_mm.extend(channel.system.tools.radius_wear());
+    machine.system.extend(data.system);
+    machine.parameters.extend(channel.variables.parameters_in_use());
+    machine.gud.extend(data.globals.into_iter().map(|(name, elements)| (name, nested(&elements))));
+    findings
+}
+
+/// What was read and is no frame and no tool.
+#[derive(Default)]
+struct Data {
+    system: BTreeMap<String, Setting>,
+    globals: BTreeMap<String, Elements>,
+}
+
+struct Reader<'a> {
+    loaded: &'a Loaded,
+    channel: Channel<'a>,
+    data: Data,
+}
+
+impl Reader<'_> {
+    fn word(&mut self, word: &Word) -> Result<(), Fault> {
+        let program = &self.loaded.program;
+        match word.address {
+            Address::Letter(b'M') => Ok(()),
+            Address::Extended(b'R', index) => {
+                let list = assigned(self.loaded, &self.channel, word)?;
+                self.channel.variables.set_parameters(i64::from(index), list, word.span)
+            }
+            Address::Name(name) => {
+                let text = program.names.text(name);
+                match word.value {
+                    _ if text == "INCH" => {
+                        let message = "data in inch are not read";
+                        Err(at(word.span, Code::NOT_SUPPORTED, message, "save them with the control set to metric"))
+                    }
+                    Value::None | Value::Arguments(_) if WITHOUT_EFFECT.contains(&text) => Ok(()),
+                    Value::Expr(_) | Value::Arguments(_) if text.starts_with('$') => self.system(text, None, word),
+                    Value::Expr(_) => self.global(text, None, word),
+                    _ => Err(no_assignment(word)),
+                }
+            }
+            Address::Indexed(left) => match program.expr(left).node {
+                Node::Indexed(name, range) => {
+                    let text = program.names.text(name);
+                    if text.starts_with('$') {
+                        self.system(text, Some(range), word)
+                    } else {
+                        self.global(text, Some((range, left)), word)
+                    }
+                }
+                _ => {
+                    let list = assigned(self.loaded, &self.channel, word)?;
+                    assign(self.loaded, &mut self.channel, left, list, word.span)
+                }
+            },
+            _ => Err(no_assignment(word)),
+        }
+    }
+
+    fn system(&mut self, name: &str, range: Option<ArgumentRange>, word: &Word) -> Result<(), Fault> {
+        let list = assigned(self.loaded, &self.channel, word)?;
+        let takes_effect = is_frame_or_tool(name);
+        if !takes_effect {
+            // Indices may name axes that only the control knows, so they are taken as written.
+            let program = &self.loaded.program;
+            let mut key = name.to_owned();
+            if let Some(range) = range {
+                let texts = program.arguments_of(range).iter().map(|slot| match slot {
+                    Some(id) => String::from_utf8_lossy(program.source.slice(program.expr(*id).span)).into_owned(),
+                    None => String::new(),
+                });
+                let written = texts.collect::<Vec<_>>().join(",").to_ascii_uppercase();
+                key = format!("{name}[{}]", written.replace([' ', '\t', '"'], ""));
+            }
+            if let List::One(value) = list {
+                self.data.system.extend(setting_of(&value).map(|setting| (key, setting)));
+            }
+            return Ok(());
+        }
+        let is_nothing = match &list {
+            List::One(value) => {
+                value.number() == Some(if name_ends_with_scale(self.loaded, range) { 1.0 } else { 0.0 })
+            }
+            _ => false,
+        };
+        let target = SystemName { name, range, span: word.span };
+        match assign_system(self.loaded, &mut self.channel, target, list) {
+            // The shift of an axis that the machine file does not have: a spindle, a tool changer.
+            Err(found) if is_nothing && matches!(found.code, Code::NO_AXIS | Code::UNDEFINED_VARIABLE) => Ok(()),
+            other => other,
+        }
+    }
+
+    fn global(&mut self, name: &str, index: Option<(ArgumentRange, ExprId)>, word: &Word) -> Result<(), Fault> {
+        let scope = scope_of(self.loaded, &self.channel);
+        let indices = index.map(|(range, left)| scope.indices(range, left)).transpose()?.unwrap_or_default();
+        let values = match assigned(self.loaded, &self.channel, word)? {
+            List::One(value) => vec![Some(value)],
+            List::Set(values) => values,
+            List::Repeat(..) => return Err(no_assignment(word)),
+        };
+        let help = "write one value for each index";
+        let elements = self.data.globals.entry(name.to_owned()).or_default();
+        for (offset, value) in (0..).zip(values) {
+            let Some(value) = value else { continue };
+            let mut place = indices.clone();
+            if let Some(last) = place.last_mut() {
+                *last = last.saturating_add(offset);
+            } else if offset > 0 || elements.len() > 1 {
+                return Err(at(
+                    word.span,
+                    Code::BAD_INDEX,
+                    format!("{name} is given as a list without an index"),
+                    help,
+                ));
+            }
+            let Some(setting) = setting_of(&value) else {
+                let message = format!("{name} is a frame, which is not read");
+                return Err(at(word.span, Code::NOT_SUPPORTED, message, "take it out of the file"));
+            };
+            let is_like = elements.keys().next().is_none_or(|known| known.len() == place.len());
+            let is_small = place.len() <= 3 && place.iter().all(|index| (0..MAX_ELEMENTS as i64).contains(index));
+            if !is_like || !is_small || elements.len() >= MAX_ELEMENTS {
+                return Err(at(word.span, Code::BAD_INDEX, format!("{name} has no such element"), help));
+            }
+            elements.insert(place, setting);
+        }
+        Ok(())
+    }
+}
+
+fn no_assignment(word: &Word) -> Fault {
+    at(word.span, Code::UNEXPECTED, "saved data are assignments, and this is none", "take it out of the file")
+}
+
+/// Whether a variable is read into zero offsets or tools, not into the table.
+fn is_frame_or_tool(name: &str) -> bool {
+    const FRAMES: &[&str] = &["$P_UIFR", "$P_CHBFR", "$P_NCBFR", "$P_UBFR"];
+    let is_edge = name.strip_prefix("$TC_DP").is_some_and(|rest| rest.bytes().all(|byte| byte.is_ascii_digit()));
+    FRAMES.contains(&name) || is_edge || name == "$TC_TP2"
+}
+
+fn name_ends_with_scale(loaded: &Loaded, range: Option<ArgumentRange>) -> bool {
+    let last = range.and_then(|range| loaded.program.arguments_of(range).last().copied().flatten());
+    last.is_some_and(|id| match loaded.program.expr(id).node {
+        Node::Name(name) => loaded.program.names.text(name) == "SC",
+        _ => false,
+    })
+}
+
+fn setting_of(value: &ExecValue) -> Option<Setting> {
+    Some(match value {
+        ExecValue::Int(value) => Setting::Whole(*value),
+        ExecValue::Real(value) => Setting::Number(*value),
+        ExecValue::Bool(value) => Setting::Truth(*value),
+        ExecValue::Char(value) => Setting::Whole(i64::from(*value)),
+        ExecValue::Text(text) => Setting::Text(String::from_utf8_lossy(text).into_owned()),
+        ExecValue::Axis(name) => Setting::Text(name.clone()),
+        ExecValue::Frame(_) => return None,
+    })
+}
+
+/// A variable as nested lists; elements that were not saved are 0.
+fn nested(elements: &Elements) -> Setting {
+    let dimensions = elements.keys().next().map_or(0, Vec::len);
+    let length = |level: usize| elements.keys().filter_map(|place| place.get(level)).max().map_or(0, |last| last + 1);
+    let lengths: Vec<i64> = (0..dimensions).map(length).collect();
+    fill(elements, &lengths, &mut Vec::new(), &mut 0)
+}
+
+fn fill(elements: &Elements, lengths: &[i64], place: &mut Vec<i64>, count: &mut usize) -> Setting {
+    let Some(&length) = lengths.get(place.len()) else {
+        return elements.get(place).cloned().unwrap_or(Setting::Whole(0));
+    };
+    let mut values = Vec::new();
+    for index in 0..length {
+        *count += 1;
+        if *count > 4 * MAX_ELEMENTS {
+            break;
+        }
+        place.push(index);
+        values.push(fill(elements, lengths, place, count));
+        place.pop();
+    }
+    Setting::List(values)
+}

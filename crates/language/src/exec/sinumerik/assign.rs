@@ -1,0 +1,170 @@
+//! Assignments: R parameters, variables, arrays, and whatever else may stand left of an equals sign.
+
+use super::channel::Channel;
+use super::pass::file_result;
+use super::system_write::{SystemName, assign_system};
+use super::value::Value as ExecValue;
+use super::variables::{List, Shape};
+use super::{Loaded, at, scope_of};
+use crate::exec::fault::Fault;
+use crate::syntax::sinumerik::{Address, Block, Definition, ExprId, NameId, Node, Value, Word};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+
+/// Carries out the assignments of a block, from left to right. Words whose values they could change do not stand beside them.
+pub(super) fn assignments(loaded: &Loaded, channel: &mut Channel<'_>, block: &Block) -> Result<(), Fault> {
+    super::beside::check(loaded, channel, block)?;
+    for word in loaded.program.words_of(block) {
+        let span = word.span;
+        match word.address {
+            Address::Extended(b'R', index) => {
+                let list = assigned(loaded, channel, word);
+                let list = list.map_err(|found| found.leaves_unset(format!("R{index}")))?;
+                channel.variables.set_parameters(i64::from(index), list, span)?;
+            }
+            Address::Name(name) if channel.variables.has(name, loaded.program.names.text(name)) => {
+                let list = assigned(loaded, channel, word)?;
+                assign_name(loaded, channel, name, list, span)?;
+            }
+            Address::Indexed(left) if is_assignable(loaded, channel, left) => {
+                let list = assigned(loaded, channel, word)?;
+                assign(loaded, channel, left, list, span)?;
+            }
+            Address::Name(name) if loaded.program.names.text(name).starts_with('$') => {
+                let list = assigned(loaded, channel, word)?;
+                let name = loaded.program.names.text(name);
+                assign_system(loaded, channel, SystemName { name, range: None, span }, list)?;
+            }
+            _ if matches!(word.value, Value::Arguments(_)) => file_result(loaded, channel, word)?,
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Whether the left side is no address of the language such as `POS[X]=`.
+pub(super) fn is_assignable(loaded: &Loaded, channel: &Channel<'_>, left: ExprId) -> bool {
+    match loaded.program.expr(left).node {
+        Node::Indexed(name, _) => {
+            let text = loaded.program.names.text(name);
+            text.starts_with('$') || channel.variables.has(name, text)
+        }
+        _ => true,
+    }
+}
+
+/// What stands right of the equals sign.
+pub(super) fn assigned(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> Result<List, Fault> {
+    let scope = scope_of(loaded, channel);
+    match word.value {
+        Value::Expr(id) => scope.assigned(id),
+        Value::Arguments(range) => scope.list(range).map(List::Set),
+        _ => {
+            Err(at(word.span, Code::UNEXPECTED, "this is no assignment", "write '=' and an expression behind the name"))
+        }
+    }
+}
+
+pub(super) fn assign_name(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    name: NameId,
+    list: List,
+    span: Span,
+) -> Result<(), Fault> {
+    let text = loaded.program.names.text(name);
+    if channel.variables.assign(name, text, &[], list, span)? {
+        return Ok(());
+    }
+    Err(at(
+        span,
+        Code::UNDEFINED_VARIABLE,
+        format!("{text} is not defined"),
+        "define it with DEF at the start of this program",
+    )
+    .of_variable(text))
+}
+
+/// Assigns one value to the left side of an assignment.
+pub(super) fn assign_value(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    left: ExprId,
+    value: ExecValue,
+    span: Span,
+) -> Result<(), Fault> {
+    assign(loaded, channel, left, List::One(value), span)
+}
+
+/// Assigns to the left side of an assignment: an R parameter, a variable, an element.
+pub(super) fn assign(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    left: ExprId,
+    list: List,
+    span: Span,
+) -> Result<(), Fault> {
+    let scope = scope_of(loaded, channel);
+    match loaded.program.expr(left).node {
+        Node::Parameter(index) => channel.variables.set_parameters(i64::from(index), list, span),
+        Node::ParameterAt(index) => {
+            let index = scope.whole(index)?;
+            channel.variables.set_parameters(index, list, span)
+        }
+        Node::Name(name) if loaded.program.names.text(name).starts_with('$') => {
+            let name = loaded.program.names.text(name);
+            assign_system(loaded, channel, SystemName { name, range: None, span }, list)
+        }
+        Node::Name(name) => assign_name(loaded, channel, name, list, span),
+        Node::Indexed(name, range) if channel.variables.has(name, loaded.program.names.text(name)) => {
+            let text = loaded.program.names.text(name);
+            if let Some((axis, component, front)) = scope.component(range)? {
+                let indices = scope.first_indices(range, front, left)?;
+                let old = channel.variables.cells(name, text).map(|cells| cells.get(&indices, (text, span)));
+                let (Some(ExecValue::Frame(mut parts)), List::One(value)) = (old.transpose()?, list) else {
+                    return Err(at(
+                        span,
+                        Code::TYPE_MISMATCH,
+                        "this is no component of a frame",
+                        "name a FRAME variable",
+                    ));
+                };
+                let number = value.number().ok_or_else(|| {
+                    at(span, Code::TYPE_MISMATCH, "a component of a frame is a number", "assign a number")
+                })?;
+                scope.set_component(&mut parts, axis, component, number, span)?;
+                let list = List::One(ExecValue::Frame(parts));
+                return channel.variables.assign(name, text, &indices, list, span).map(|_| ());
+            }
+            let indices = scope.indices(range, left)?;
+            channel.variables.assign(name, text, &indices, list, span).map(|_| ())
+        }
+        Node::Indexed(name, range) => {
+            let name = loaded.program.names.text(name);
+            assign_system(loaded, channel, SystemName { name, range: Some(range), span }, list)
+        }
+        _ => Err(at(span, Code::UNEXPECTED, "this cannot be assigned", "name a variable left of the equals sign")),
+    }
+}
+
+/// Carries out one definition of a DEF block.
+pub(super) fn define(loaded: &Loaded, channel: &mut Channel<'_>, definition: &Definition) -> Result<(), Fault> {
+    let scope = scope_of(loaded, channel);
+    let text = loaded.program.names.text(definition.name);
+    let string = definition.length.map(|id| scope.whole(id)).transpose()?;
+    let mut dimensions = Vec::new();
+    for length in loaded.program.arguments_of(definition.dimensions) {
+        let Some(length) = length else {
+            let message = format!("{text} has a dimension without a length");
+            return Err(at(definition.span, Code::BAD_INDEX, message, "write the length of every dimension"));
+        };
+        dimensions.push(scope.whole(*length)?);
+    }
+    let value = definition.value.map(|id| scope.assigned(id)).transpose()?;
+    let shape = Shape { kind: definition.kind, string, dimensions: &dimensions };
+    if definition.is_global {
+        channel.variables.define_global(text, shape, value, definition.span)
+    } else {
+        channel.variables.define(definition.name, text, shape, value, definition.span)
+    }
+}

@@ -1,0 +1,29 @@
+//! Words of axes by the names that the machine file gives them: `X1=10`.
+
+use super::gather::Gatherer;
+use crate::exec::fault::{Fault, fault};
+use crate::syntax::sinumerik::Word;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::Axis;
+
+impl Gatherer<'_> {
+    /// The axis that a letter with a number names.
+    pub(super) fn numbered_axis(&self, letter: u8, extension: u32) -> Option<Axis> {
+        let machine = self.scope.machine;
+        if machine.axes.iter().flatten().all(|data| data.name.is_none()) {
+            return None;
+        }
+        machine.axis_named(&format!("{}{extension}", char::from(letter)))
+    }
+
+    /// The finding for a letter with a number that names nothing.
+    pub(super) fn unnamed_axis(&self, letter: u8, extension: u32, word: &Word) -> Fault {
+        let letter = char::from(letter);
+        if !"XYZUVWABC".contains(letter) {
+            return self.unsupported(word);
+        }
+        let message = format!("{letter}{extension} is no axis of the machine file");
+        let help = format!("add name = \"{letter}{extension}\" to the section [axis.…] of the axis that it means");
+        fault(Code::NOT_SUPPORTED, word.span, message, help)
+    }
+}

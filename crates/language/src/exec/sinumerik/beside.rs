@@ -1,0 +1,119 @@
+//! Assignments beside other words: refused where these depend on them.
+//!
+//! The programming manual gives assignments to variables a block of their own where axes are programmed: whether `X=R1 R1=20` moves to
+//! the old or the new value is laid down nowhere. The same holds for frames and tool data beside the words that use them.
+
+use super::assign::is_assignable;
+use super::channel::Channel;
+use super::names::Meaning;
+use super::{Loaded, at};
+use crate::exec::fault::Fault;
+use crate::syntax::sinumerik::{Address, ArgumentRange, Block, ExprId, NameId, Node, Value, Word};
+use ncfix_base::diagnostic::Code;
+
+/// Starts of the names of system variables whose assignment changes what other words mean: frames, zero offsets, tools.
+const IN_FORCE: &[&str] = &["$P_", "$TC_"];
+
+/// What a word is to the other words of its block.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    /// An assignment to a variable or an R parameter.
+    Assignment,
+    /// An assignment to a frame or to tool data.
+    Data,
+    /// Text for the display.
+    Display,
+    Other,
+}
+
+/// Refuses a block whose words depend on its assignments.
+pub(super) fn check(loaded: &Loaded, channel: &Channel<'_>, block: &Block) -> Result<(), Fault> {
+    let words = loaded.program.words_of(block);
+    let (mut assigns, mut writes_data) = (false, false);
+    for word in words {
+        let part = part(loaded, channel, word);
+        assigns |= matches!(part, Part::Assignment | Part::Data);
+        writes_data |= part == Part::Data;
+    }
+    if !assigns {
+        return Ok(());
+    }
+    let look = Look { loaded, channel };
+    let depends = |word: &&Word| part(loaded, channel, word) == Part::Other && (writes_data || look.word(word));
+    match words.iter().find(depends) {
+        Some(word) => {
+            let message = if writes_data {
+                "whether this word sees the frames and tools before or behind the assignment of its block is not clear"
+            } else {
+                "whether this word sees the variables before or behind the assignments of its block is not clear"
+            };
+            Err(at(word.span, Code::BAD_EXPRESSION, message, "put the assignments into a block of their own"))
+        }
+        None => Ok(()),
+    }
+}
+
+fn part(loaded: &Loaded, channel: &Channel<'_>, word: &Word) -> Part {
+    let program = &loaded.program;
+    let of_name = |text: &str| match IN_FORCE.iter().any(|start| text.starts_with(start)) {
+        true => Part::Data,
+        false => Part::Assignment,
+    };
+    match word.address {
+        Address::Extended(b'R', _) => Part::Assignment,
+        Address::Name(name) => {
+            let text = program.names.text(name);
+            match loaded.meanings[name.index()] {
+                Meaning::Message => Part::Display,
+                _ if text.starts_with('$') => of_name(text),
+                _ if channel.variables.has(name, text) => Part::Assignment,
+                _ => Part::Other,
+            }
+        }
+        Address::Indexed(left) if is_assignable(loaded, channel, left) => match program.expr(left).node {
+            Node::Indexed(name, _) => of_name(program.names.text(name)),
+            _ => Part::Assignment,
+        },
+        _ => Part::Other,
+    }
+}
+
+/// Looks for variables in words.
+#[derive(Clone, Copy)]
+struct Look<'a> {
+    loaded: &'a Loaded,
+    channel: &'a Channel<'a>,
+}
+
+impl Look<'_> {
+    fn word(self, word: &Word) -> bool {
+        let in_address = matches!(word.address, Address::Indexed(left) if self.expression(left));
+        in_address
+            || match word.value {
+                Value::Expr(id) | Value::Dimension(_, id) => self.expression(id),
+                Value::Arguments(range) => self.list(range),
+                Value::None | Value::Number(..) => false,
+            }
+    }
+
+    fn list(self, range: ArgumentRange) -> bool {
+        self.loaded.program.arguments_of(range).iter().flatten().any(|&id| self.expression(id))
+    }
+
+    fn expression(self, id: ExprId) -> bool {
+        match self.loaded.program.expr(id).node {
+            Node::Real(_) | Node::Integer(_) | Node::Boolean(_) | Node::Text(_) => false,
+            Node::Parameter(_) | Node::ParameterAt(_) => true,
+            Node::Name(name) => self.is_variable(name),
+            Node::Indexed(name, range) => self.is_variable(name) || self.list(range),
+            Node::Call(_, range) => self.list(range),
+            Node::Unary(_, inner) => self.expression(inner),
+            Node::Binary(_, left, right) => self.expression(left) || self.expression(right),
+        }
+    }
+
+    fn is_variable(self, name: NameId) -> bool {
+        let text = self.loaded.program.names.text(name);
+        text.starts_with('$') && text != "$PI" || self.channel.variables.has(name, text)
+    }
+}

@@ -1,0 +1,398 @@
+//! Calls: finds the program, begins its level, and comes back from it.
+
+use super::channel::Channel;
+use super::flow::ReturnTarget;
+use super::gathered::Call;
+use super::jump::{Place, place_of, search, variable};
+use super::level::Level;
+use super::parameters::{self, Argument};
+use super::part::{COUNT_HELP, Part, count_of};
+use super::pass::opaque_statement;
+use super::value::Value;
+use super::variables::Locals;
+use super::{Interpreter, Loaded, library, names, scope_of};
+use crate::exec::fault::{Fault, fault};
+use crate::syntax::sinumerik::{ArgumentRange, Block, CallKind, CallStatement, Callee, JumpTarget, Search};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::{FileId, Span};
+use ncfix_machine::snc::Kind;
+
+/// A program that is called.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) program: usize,
+    pub(super) section: usize,
+    pub(super) arguments: Vec<Argument>,
+    pub(super) repeats: u32,
+    pub(super) is_modal: bool,
+    /// Only these blocks, first and last.
+    pub(super) part: Option<(usize, usize)>,
+    pub(super) span: Span,
+    /// The file of the call.
+    pub(super) file: FileId,
+}
+
+impl Interpreter<'_> {
+    /// The word of a call: `NAME`, `NAME(…)`, `L10 P2`.
+    pub(super) fn call(&mut self, call: &Call, block: &Block) -> Result<(), Fault> {
+        let caller = self.levels.last().map_or(0, |level| level.program);
+        if call.name == "CYCLE800" && self.find("CYCLE800", caller).is_none() {
+            return self.swivel(call);
+        }
+        if call.name == "EXECSTRING" {
+            return self.execute_text(call, block);
+        }
+        self.check_depth(&call.name, call.span)?;
+        if call.repeats == 0 {
+            return Ok(());
+        }
+        let entry = match self.contour_of(call)? {
+            Some(name) => {
+                let entry = self.entry(&name, None, 1, call.span)?;
+                self.to_first_point(entry)?
+            }
+            None => self.entry(&call.name, call.arguments, call.repeats, call.span)?,
+        };
+        self.begin(entry, block.line);
+        Ok(())
+    }
+
+    /// `MCALL`, `CALL`, `PCALL`, `EXTCALL`, `CALLPATH`.
+    pub(super) fn call_statement(&mut self, statement: &CallStatement, block: &Block) -> Result<(), Fault> {
+        let Some(caller) = self.levels.last().map(|level| level.program) else { return Ok(()) };
+        let CallStatement { span, kind, callee, arguments, repeats, part } = *statement;
+        let name = callee.map(|callee| name_of(&self.programs[caller], &self.channel, callee)).transpose()?;
+        if kind == CallKind::Path {
+            self.library.add_folder(name.as_deref().unwrap_or_default());
+            // What was not there may be there now.
+            self.found.retain(|_, found| found.is_some());
+            return Ok(());
+        }
+        let repeats = match repeats {
+            Some(id) => {
+                let value = scope_of(&self.programs[caller], &self.channel).number(id)?;
+                let help = COUNT_HELP;
+                count_of(value)
+                    .ok_or_else(|| fault(Code::BAD_WORD_VALUE, span, format!("P{value} is not possible"), help))?
+            }
+            None => 1,
+        };
+        if kind == CallKind::Modal {
+            self.modal_call = None;
+            self.channel.system.modal_call = false;
+            if let Some(name) = name {
+                let entry = self.entry(&name, arguments, repeats, span)?;
+                self.channel.system.modal_call = true;
+                self.modal_call = Some(Entry { is_modal: true, ..entry });
+            }
+            return Ok(());
+        }
+        let short = name.as_deref().and_then(|name| name.rsplit('/').next()).unwrap_or_default();
+        if let Some(moves) = self.machine.control.opaque_moves(&short.to_ascii_uppercase()).filter(|_| part.is_none()) {
+            let written = (span, name.as_deref().unwrap_or_default());
+            return opaque_statement(&self.programs[caller], &mut self.channel, written, arguments, moves);
+        }
+        let shown = name.as_deref().unwrap_or("BLOCK");
+        self.check_depth(shown, span)?;
+        if repeats == 0 {
+            return Ok(());
+        }
+        let Some((first, last)) = part else {
+            let entry = self.entry(shown, arguments, repeats, span)?;
+            self.begin(entry, block.line);
+            return Ok(());
+        };
+        let mut entry = match &name {
+            Some(name) => self.entry(name, arguments, repeats, span)?,
+            None => {
+                let section = self.levels.last().map_or(0, |level| level.section);
+                let file = self.programs[caller].program.source.id();
+                Entry {
+                    program: caller,
+                    section,
+                    arguments: Vec::new(),
+                    repeats,
+                    is_modal: false,
+                    part: None,
+                    span,
+                    file,
+                }
+            }
+        };
+        // Variables may name the labels, so they are the caller's; the blocks are the callee's.
+        let text = |target| self.label_text(caller, target, span);
+        let (first, last) = (text(first)?, text(last)?);
+        self.programs[entry.program].program.keep_whole();
+        let loaded = &self.programs[entry.program];
+        let blocks = loaded.program.sections.get(entry.section).map_or(0..0, |section| section.blocks.clone());
+        let find = |text: &[u8], from: usize| {
+            let place = Place::of_text(loaded, text)?;
+            (from..blocks.end).find(|&at| place.is_at(&loaded.program.blocks[at]))
+        };
+        let found = find(&first, blocks.start).and_then(|first| Some((first, find(&last, first)?)));
+        let Some((first, last)) = found else {
+            let message = format!("{shown} has no blocks from {} to {}", lossy(&first), lossy(&last));
+            return Err(fault(Code::NO_TARGET, span, message, "check the labels and their order"));
+        };
+        if name.is_none() {
+            // A part of the running program sees its variables.
+            if let Some(level) = self.levels.last_mut() {
+                level.parts.push(Part { first, last, left: repeats, resume: level.next });
+                level.next = first;
+            }
+            return Ok(());
+        }
+        entry.part = Some((first, last));
+        self.begin(entry, block.line);
+        Ok(())
+    }
+
+    /// The modal call, behind a block that moved.
+    pub(super) fn trigger(&mut self, block: &Block) -> bool {
+        if self.levels.iter().any(|level| level.is_modal) {
+            return false;
+        }
+        let Some(entry) = self.modal_call.clone() else { return false };
+        if let Err(found) = self.check_depth("the modal program", block.span) {
+            self.report_here(found);
+            return false;
+        }
+        self.begin(entry, block.line);
+        true
+    }
+
+    fn label_text(&self, program: usize, target: JumpTarget, span: Span) -> Result<Vec<u8>, Fault> {
+        let loaded = &self.programs[program];
+        match place_of(loaded, &self.channel, target)? {
+            Some(Place::Label(name)) => Ok(loaded.program.names.text(name).as_bytes().to_vec()),
+            Some(Place::Number(number)) => {
+                Ok(format!("{}{}", if number.main { ':' } else { 'N' }, number.number).into_bytes())
+            }
+            None => match target {
+                JumpTarget::Computed(id) => Ok(scope_of(loaded, &self.channel).value(id)?.text()),
+                JumpTarget::Label(name) => {
+                    Ok(variable(loaded, &self.channel, name).map(Value::text).unwrap_or_default())
+                }
+                _ => Err(fault(Code::NO_TARGET, span, "this is no label", "name a label or block number")),
+            },
+        }
+    }
+
+    /// Program levels in use; a repetition counts as one.
+    fn depth(&self) -> usize {
+        let counted = |level: &&Level| level.counts(&self.programs);
+        self.levels.iter().filter(counted).map(|level| 1 + level.parts.len()).sum()
+    }
+
+    /// Refuses one program level too many.
+    pub(super) fn check_depth(&self, name: &str, span: Span) -> Result<(), Fault> {
+        let depth = self.depth();
+        if depth as u64 >= u64::from(self.machine.control.max_program_levels) {
+            let message = format!("{name} would be program level {}", depth + 1);
+            let help = "a program that calls itself never ends; the limit is control.max_program_levels";
+            return Err(fault(Code::TOO_MANY_CALLS, span, message, help));
+        }
+        Ok(())
+    }
+
+    /// The program of a name with its arguments, evaluated in the running program.
+    fn entry(
+        &mut self,
+        name: &str,
+        arguments: Option<ArgumentRange>,
+        repeats: u32,
+        span: Span,
+    ) -> Result<Entry, Fault> {
+        let caller = self.levels.last().map_or(0, |level| level.program);
+        let Some((program, section)) = self.find(name, caller) else {
+            let cycle = names::is_cycle(name);
+            let (code, message) = if cycle {
+                (Code::NOT_SUPPORTED, format!("the cycle {name} is not supported yet"))
+            } else {
+                let refusal = self.library.refusal();
+                (Code::NO_SUBPROGRAM, refusal.unwrap_or_else(|| format!("there is no program {name}")))
+            };
+            let help = if cycle {
+                "write its moves out, or name it in control.opaque of the machine file if the control shall run it by itself"
+            } else {
+                "put it beside the main program, as NAME.SPF, or name it in control.opaque of the machine file if the control shall \
+                 run it by itself"
+            };
+            return Err(fault(code, span, message, help));
+        };
+        let called = &self.programs[program];
+        let wanted = (called, called.parameters(section));
+        let arguments = parameters::evaluate(&self.programs[caller], &self.channel, wanted, arguments, span)?;
+        let file = self.programs[caller].program.source.id();
+        Ok(Entry { program, section, arguments, repeats, is_modal: false, part: None, span, file })
+    }
+
+    /// Begins the level of a call in a line of the running program.
+    pub(super) fn begin(&mut self, entry: Entry, line: u32) {
+        let Some(level) = self.levels.last() else { return };
+        let caller = level.cycle.map_or((level.calls, line), |cycle| (cycle.origin.calls, cycle.origin.line));
+        let calls = self.ledger.chain(caller.0, caller.1);
+        self.enter(entry, calls);
+    }
+
+    fn enter(&mut self, entry: Entry, calls: u32) {
+        let Entry { program, section, arguments, repeats, is_modal, part, span, file } = entry;
+        let cycle = self.cycle_of(program, is_modal, (file, span));
+        let refused = self.under_compensation(cycle, span);
+        let loaded = &self.programs[program];
+        let blocks = loaded.program.sections.get(section).map_or(0..0, |section| section.blocks.clone());
+        let mut level = Level::new(program, section, blocks.start, calls);
+        if let Some((first, last)) = part {
+            level.next = first;
+            level.parts.push(Part { first, last, left: 1, resume: blocks.end });
+        }
+        level.part = part;
+        level.span = span;
+        level.cycle = cycle;
+        level.repeats = repeats;
+        level.is_modal = is_modal;
+        level.saved = loaded.has_save(section).then(|| Box::new(self.channel.modal.clone()));
+        level.callers_variables = self.channel.variables.exchange(Locals::default());
+        let bound = parameters::bind(loaded, &mut self.channel, loaded.parameters(section), &arguments);
+        level.arguments = arguments;
+        let called = loaded.program.source.id();
+        if let Some(found) = refused {
+            self.report(found.in_file(file));
+        }
+        let file = called;
+        self.levels.push(level);
+        if let Err(found) = bound {
+            self.report(found.in_file(file));
+        }
+    }
+
+    /// Takes the last level away and gives the caller back what is its own.
+    pub(super) fn leave(&mut self) -> Option<Level> {
+        let mut level = self.levels.pop()?;
+        let called = &self.programs[level.program];
+        parameters::results(called, &self.channel, called.parameters(level.section), &mut level.arguments);
+        let own = self.channel.variables.exchange(std::mem::take(&mut level.callers_variables));
+        if let Some(lent) = level.lent.take() {
+            self.channel.variables.take_back(own, &lent);
+        }
+        if let Some(saved) = level.saved.take() {
+            self.channel.restore(*saved);
+        }
+        let caller = self.levels.last().map_or(0, |level| level.program);
+        let given = parameters::give_back(&self.programs[caller], &mut self.channel, &level.arguments, level.span);
+        if let Err(found) = given {
+            self.report_here(found);
+        }
+        Some(level)
+    }
+
+    /// The end of a program: back to the caller, or the end of the run. `word` is M2, M17 or M30 or none.
+    pub(super) fn end_of_program(&mut self, word: Option<u32>) {
+        if word.is_some() {
+            self.leave_texts();
+        }
+        if self.levels.len() <= 1 {
+            if let Some(number) = word {
+                self.channel.push_end(number);
+            }
+            self.ledger.end();
+            return;
+        }
+        let Some(level) = self.leave() else { return };
+        if level.repeats > 1 {
+            let Level { program, section, calls, arguments, is_modal, part, span, .. } = level;
+            let repeats = level.repeats - 1;
+            let file = self.channel.outlet.file();
+            self.enter(Entry { program, section, arguments, repeats, is_modal, part, span, file }, calls);
+        }
+    }
+
+    /// RET, also to a place in a caller.
+    pub(super) fn return_to(&mut self, target: &ReturnTarget, span: Span) -> Result<(), Fault> {
+        self.leave_texts();
+        if self.levels.len() == 1 {
+            self.channel.push(Kind::Keep("RET"));
+        }
+        if target.place.is_empty() && target.levels == 1 {
+            self.end_of_program(None);
+            return Ok(());
+        }
+        for _ in 0..target.levels {
+            if self.levels.len() <= 1 {
+                self.ledger.end();
+                return Ok(());
+            }
+            self.leave();
+        }
+        let Some(level) = self.levels.last_mut().filter(|_| !target.place.is_empty()) else { return Ok(()) };
+        let loaded = &mut self.programs[level.program];
+        loaded.program.keep_whole();
+        let section = loaded.program.sections.get(level.section).map_or(0..0, |section| section.blocks.clone());
+        let place = Place::of_text(loaded, &target.place);
+        let index = level.next.saturating_sub(1);
+        let found = place.and_then(|place| search(&loaded.program.blocks, place, Search::Around, index, section));
+        let Some(found) = found else {
+            let message = format!("RET: the calling program has no block {}", lossy(&target.place));
+            return Err(fault(Code::NO_TARGET, span, message, "check the label, and from where the program is called"));
+        };
+        level.go_to(found + usize::from(target.behind), true);
+        Ok(())
+    }
+
+    /// A finding in the program that runs.
+    #[expect(clippy::boxed_local, reason = "findings come like this")]
+    pub(super) fn report_here(&mut self, found: Fault) {
+        let program = self.levels.last().map_or(0, |level| level.program);
+        let file = self.programs[program].program.source.id();
+        self.report(found.in_file(file));
+    }
+
+    /// The program and section of a name: in the file of the caller, in that of the main program, among those found before, in the
+    /// library, among the built-in cycles. A path goes to the library first.
+    fn find(&mut self, name: &str, caller: usize) -> Option<(usize, usize)> {
+        let short = library::program_name(name);
+        // A file without header has a section without name.
+        if short.is_empty() {
+            return None;
+        }
+        let is_path = name.len() != short.len() && name.contains(['/', '\\', ':']);
+        if !is_path {
+            let in_caller =
+                library::section_of(&self.programs[caller].program, &short).map(|section| (caller, section));
+            let in_main = || library::section_of(&self.programs[0].program, &short).map(|section| (0, section));
+            if let Some(found) = in_caller.or_else(in_main) {
+                return Some(found);
+            }
+        }
+        let key = if is_path { name } else { &short };
+        if let Some(found) = self.found.get(key) {
+            return *found;
+        }
+        let mut found = self.load(key, &short, is_path);
+        if found.is_none() && is_path {
+            found = self.find(&short, caller);
+        }
+        self.found.insert(key.to_owned(), found);
+        found
+    }
+}
+
+/// The name or path of the program that a statement calls.
+fn name_of(loaded: &Loaded, channel: &Channel<'_>, callee: Callee) -> Result<String, Fault> {
+    Ok(match callee {
+        Callee::Name(name) => loaded.program.names.text(name).to_owned(),
+        Callee::Path(span) => lossy(loaded.program.source.slice(span)),
+        Callee::Computed(id) => match scope_of(loaded, channel).value(id)? {
+            Value::Text(text) => lossy(&text),
+            _ => {
+                let span = loaded.program.expr(id).span;
+                let help = "write for example CALL \"NAME\"";
+                return Err(fault(Code::TYPE_MISMATCH, span, "the name of a program is a string", help));
+            }
+        },
+    })
+}
+
+fn lossy(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).trim().to_owned()
+}

@@ -1,0 +1,295 @@
+//! The words of contours: what a block changes for good, and what it asks for its own motion.
+
+use super::address::Named;
+use super::angle::without_end;
+use super::channel::Channel;
+use super::gathered::{Gathered, NamedValue};
+use super::modal::MotionKind;
+use crate::exec::contour::{
+    Approach, Clearance, ContourModal, Corner, FeedAt, Side, Soft, SoftForm, SoftSide, Transition, Wish, unstated,
+};
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::path::Path;
+use crate::syntax::sinumerik::DimensionFunction;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+use ncfix_base::units::MM_PER_INCH;
+use ncfix_machine::snc::{Element, WordValue};
+
+/// Words that the control may see again in the output, where nothing is compensated any more.
+const PASSED_ON: &[&str] = &["G40", "CFC", "CFTCP", "CFIN", "CUT2D"];
+
+/// Takes a word of the code table.
+pub(super) fn gather_word(name: &'static str, out: &mut Gathered) {
+    out.contour.push(name);
+    if PASSED_ON.contains(&name) {
+        out.keep.push(name);
+    }
+}
+
+impl ContourModal {
+    /// A modal word.
+    fn set(&mut self, word: &str) {
+        match word {
+            "G40" => self.side = Side::Off,
+            "G41" => self.side = Side::Left,
+            "G42" => self.side = Side::Right,
+            "NORM" => self.approach = Approach::Norm,
+            "KONT" => self.approach = Approach::Kont,
+            "KONTT" | "KONTC" => self.approach = Approach::Polynomial,
+            "G450" => self.sharp = false,
+            "G451" => self.sharp = true,
+            "CDON" => self.collision = true,
+            "CDOF" | "CDOF2" => self.collision = false,
+            "CFC" => self.feed_at = FeedAt::Contour,
+            "CFTCP" => self.feed_at = FeedAt::Center,
+            "CFIN" => self.feed_at = FeedAt::InnerContour,
+            "G140" => self.soft_side = SoftSide::Compensation,
+            "G141" => self.soft_side = SoftSide::Left,
+            "G142" => self.soft_side = SoftSide::Right,
+            "G143" => self.soft_side = SoftSide::Nearest,
+            "G340" => self.soft_in_plane = false,
+            "G341" => self.soft_in_plane = true,
+            _ => {}
+        }
+    }
+}
+
+/// The form of a soft approach or retraction, and whether it retracts.
+fn soft_form(word: &str) -> Option<(SoftForm, bool)> {
+    Some(match word {
+        "G147" => (SoftForm::Line, false),
+        "G148" => (SoftForm::Line, true),
+        "G247" => (SoftForm::Quadrant, false),
+        "G248" => (SoftForm::Quadrant, true),
+        "G347" => (SoftForm::Semicircle, false),
+        "G348" => (SoftForm::Semicircle, true),
+        _ => return None,
+    })
+}
+
+impl Channel<'_> {
+    /// Carries out what a block says of contours, before its motion and before its G0, G1 and F act.
+    pub(super) fn contour_words(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        if gathered.contour.is_empty() && gathered.addresses.is_empty() {
+            return Ok(());
+        }
+        for word in &gathered.contour {
+            self.modal.contour.set(word);
+        }
+        let (scale, feed_scale) = (self.modal.scale(), self.feed_scale());
+        let not_negative = |value: &NamedValue, name: &str| {
+            if value.value >= 0.0 && value.value <= 1e6 {
+                return Ok(value.value);
+            }
+            Err(bad_value(value.span, format!("{name}={} is not allowed", value.value), "write a value from 0"))
+        };
+        if let Some(value) = gathered.named(Named::Rndm) {
+            self.modal.contour.round_mm = not_negative(value, "RNDM")? * scale;
+        }
+        if let Some(value) = gathered.named(Named::Frcm) {
+            self.modal.contour.corner_feed = not_negative(value, "FRCM")? * feed_scale;
+        }
+        for (address, name) in [(Named::Offn, "OFFN"), (Named::Toffr, "TOFFR")] {
+            let Some(value) = gathered.named(address) else { continue };
+            if value.value.is_nan() || value.value.abs() > 1e6 {
+                return Err(bad_value(
+                    value.span,
+                    format!("{name}={} is not allowed", value.value),
+                    "correct the value",
+                ));
+            }
+            let place = match address {
+                Named::Offn => &mut self.modal.contour.allowance_mm,
+                _ => &mut self.modal.contour.radius_change_mm,
+            };
+            *place = value.value * scale;
+        }
+        if let Some(value) = gathered.named(Named::Disc).filter(|value| value.value != 0.0) {
+            return Err(fault(
+                Code::NOT_SUPPORTED,
+                value.span,
+                "DISC above 0 is not supported: corners that are no arcs",
+                "use DISC=0, or G451",
+            ));
+        }
+        let words = gathered.contour.iter();
+        if let Some((form, retracts)) = words.filter_map(|word| soft_form(word)).next() {
+            self.soft = Some(self.soft_words(gathered, form, retracts)?);
+        }
+        Ok(())
+    }
+
+    /// The radius of G41 and G42 is that of a cutting edge that the program has named.
+    pub(super) fn check_edge(&mut self, gathered: &Gathered, span: Span) {
+        let code = gathered.contour.iter().find(|word| matches!(**word, "G41" | "G42"));
+        let Some(code) = code.filter(|_| self.strict && !self.modal.edge_stated) else { return };
+        let message = format!("{code} and no D: the radius is that of the tool of an earlier program");
+        let help = "program T, M6 where the machine needs it, and D before it";
+        self.outlet.warnings.push(fault(Code::BAD_COMPENSATION, span, message, help));
+    }
+
+    fn feed_scale(&self) -> f64 {
+        if self.modal.inch_feed { MM_PER_INCH } else { 1.0 }
+    }
+
+    fn soft_words(&self, gathered: &Gathered, form: SoftForm, retracts: bool) -> Result<Soft, Fault> {
+        let scale = self.modal.scale();
+        if let Some(value) = gathered.named(Named::Disrp) {
+            let message = "DISRP is not supported";
+            return Err(fault(
+                Code::NOT_SUPPORTED,
+                value.span,
+                message,
+                "move to the retraction plane in a block before",
+            ));
+        }
+        let size = gathered.named(Named::Disr).map_or(0.0, |value| value.value);
+        let least = if form == SoftForm::Line { 0.0 } else { 1e-6 };
+        if !(size >= least && size <= 1e6) {
+            let span = gathered.named(Named::Disr).map_or(self.outlet.origin.span, |value| value.span);
+            return Err(bad_value(span, format!("DISR={size} is not allowed here"), "write the radius or length"));
+        }
+        let clearance = match gathered.named(Named::Discl) {
+            None => Clearance::Above(0.0),
+            Some(value) if value.dimension == Some(DimensionFunction::Absolute) => Clearance::At(value.value * scale),
+            Some(value) => Clearance::Above(value.value * scale),
+        };
+        Ok(Soft {
+            form,
+            retracts,
+            side: self.modal.contour.soft_side,
+            in_plane: self.modal.contour.soft_in_plane,
+            size_mm: size * scale,
+            clearance,
+            infeed: gathered.named(Named::Fad).map_or(0.0, |value| value.value.max(0.0) * self.feed_scale()),
+            feed_before: self.modal.feed,
+            rapid_before: self.modal.motion == MotionKind::Rapid,
+        })
+    }
+
+    /// The transition that a block wants behind itself.
+    pub(super) fn corner_words(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        self.corner = None;
+        self.corner_feed = None;
+        if gathered.addresses.is_empty() {
+            return Ok(());
+        }
+        let scale = self.modal.scale();
+        let mut found: Option<Transition> = None;
+        for (address, name) in [(Named::Rnd, "RND"), (Named::Chf, "CHF"), (Named::Chr, "CHR")] {
+            let Some(value) = gathered.named(address) else { continue };
+            if found.is_some() || !(value.value >= 0.0 && value.value <= 1e6) {
+                let help = "write one of RND, CHF and CHR, with a value above 0";
+                return Err(bad_value(value.span, format!("{name}={} is not allowed here", value.value), help));
+            }
+            if value.value == 0.0 {
+                continue;
+            }
+            let size = value.value * scale * self.even_scale(value)?;
+            found = Some(match address {
+                Named::Rnd => Transition::Round(size),
+                Named::Chf => Transition::ChamferLength(size),
+                _ => Transition::ChamferSetback(size),
+            });
+        }
+        let feed = gathered.named(Named::Frc).map(|value| value.value.max(0.0) * self.feed_scale());
+        let feed = feed.unwrap_or(self.modal.contour.corner_feed);
+        self.corner_feed = found.is_none().then_some(feed);
+        self.corner = found.map(|transition| Corner { transition, feed, is_modal: false });
+        Ok(())
+    }
+
+    /// The factor by which the frame scales the plane.
+    fn even_scale(&self, value: &NamedValue) -> Result<f64, Fault> {
+        let frame = &self.setup.frame;
+        if frame.is_translation() {
+            return Ok(1.0);
+        }
+        if !frame.keeps_circles(self.modal.plane) {
+            return Err(fault(
+                Code::NOT_SUPPORTED,
+                value.span,
+                "a rounding or chamfer under unequal scale",
+                "scale both axes of the plane alike",
+            ));
+        }
+        let [abscissa, ..] = self.modal.plane.axes();
+        Ok(frame.linear().column(abscissa.slot()).norm())
+    }
+
+    /// What the motion of a block asks of the stage; `None` where it is what it is.
+    pub(super) fn wish(&mut self, path: &Path) -> Option<Wish> {
+        let (corner, soft) = (self.corner.take(), self.soft.take());
+        let modal = self.modal.contour;
+        let is_open = self.open_angle.is_some();
+        if !is_open && corner.is_none() && soft.is_none() && modal.is_plain() && !self.outlet.is_holding() {
+            return None;
+        }
+        let modal_corner = (modal.round_mm > 0.0).then(|| {
+            let frame = &self.setup.frame;
+            let [abscissa, ..] = self.modal.plane.axes();
+            let scale = frame.linear().column(abscissa.slot()).norm();
+            // FRC goes before FRCM, behind RNDM too.
+            let feed = self.corner_feed.unwrap_or(modal.corner_feed);
+            Corner { transition: Transition::Round(modal.round_mm * scale), feed, is_modal: true }
+        });
+        let beside = self.modal.radius_mm + modal.allowance_mm + modal.radius_change_mm;
+        let distance_mm = match modal.side {
+            Side::Off => 0.0,
+            Side::Left => beside,
+            Side::Right => -beside,
+        };
+        let corner = corner.or(modal_corner);
+        let [.., applicate] = self.modal.plane.axes();
+        let soft = soft.map(|soft| match soft.clearance {
+            Clearance::At(value) => {
+                let mut place = path.setup.programmed(&path.motion.target);
+                place[applicate] = value;
+                Soft { clearance: Clearance::At(path.basis.height(&path.setup.command(&place))), ..soft }
+            }
+            Clearance::Above(_) => soft,
+        });
+        Some(Wish { modal, distance_mm, corner, soft, span: path.span, file: self.outlet.origin.file })
+    }
+
+    /// Puts a motion into the stream through the contour stage.
+    pub(super) fn pass_path(&mut self, path: Path, element: Element, wish: Wish) {
+        self.check_known(&path, &wish);
+        let (tool, edge) = (&self.modal.active, self.modal.edge);
+        self.outlet.name_register(&wish, || match tool {
+            Some(WordValue::Number(number)) => format!("D{edge} of T{number}"),
+            Some(WordValue::Name(name)) => format!("D{edge} of T=\"{}\"", String::from_utf8_lossy(name)),
+            None => format!("D{edge}"),
+        });
+        if self.open_angle.is_some() {
+            self.outlet.open(path, element, wish);
+        } else {
+            self.outlet.pass_path(path, element, wish);
+        }
+    }
+
+    /// What depends on places that the program has not stated must not be corrected.
+    fn check_known(&mut self, path: &Path, wish: &Wish) {
+        if path.motion.is_inverse_time() && wish.corner.is_some() {
+            let message = "a rounding or chamfer with inverse-time feed (G93)";
+            self.outlet.warnings.push(fault(
+                Code::NOT_SUPPORTED,
+                wish.span,
+                message,
+                "program the feed with G94 or G95",
+            ));
+        }
+        if self.strict {
+            self.outlet.warnings.extend(unstated(path, wish, self.modal.plane));
+        }
+    }
+
+    /// Ends what is held back.
+    pub(super) fn finish(&mut self) {
+        let ended = self.end_spline(None);
+        self.outlet.warnings.extend(ended.err());
+        self.outlet.warnings.extend(self.open_angle.take().map(|open| without_end(open.span())));
+        self.outlet.finish();
+    }
+}

@@ -1,0 +1,225 @@
+//! Control flow: what a block does to the order of execution.
+
+use std::ops::Range;
+
+use super::assign::{assign_value, assignments, define};
+use super::channel::Channel;
+use super::gathered::{Call, Gathered};
+use super::jump::jumps;
+use super::level::Level;
+use super::part;
+use super::value::{Value as ExecValue, is_same};
+use super::{Loaded, at, gatherer, scope_of, sync_action};
+use crate::exec::fault::Fault;
+use crate::syntax::sinumerik::{ArgumentRange, Block, Body};
+use ncfix_base::diagnostic::Code;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Kind, Word as AuxWord, WordValue};
+
+/// What comes after a block.
+#[derive(Debug, PartialEq)]
+pub(super) enum Action {
+    Next,
+    /// Around the blocks of a control structure.
+    Jump(usize),
+    /// GOTO
+    Goto(usize),
+    /// REPEAT: first and last block, and how many times.
+    Repeat(usize, usize, u32),
+    Call(Call),
+    /// CALL, MCALL …: a place among the call statements.
+    CallStatement(u32),
+    /// RET
+    Return(ReturnTarget),
+    /// M2, M17, M30
+    End(u32),
+}
+
+/// Where RET goes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ReturnTarget {
+    /// Label or block number in the caller; empty for the block behind the call.
+    pub(super) place: Vec<u8>,
+    /// Whether to go on behind that block.
+    pub(super) behind: bool,
+    /// How many program levels back.
+    pub(super) levels: u32,
+}
+
+/// Executes one block.
+#[expect(clippy::too_many_arguments, reason = "the parts of one execution, borrowed apart")]
+pub(super) fn block(
+    loaded: &mut Loaded,
+    level: &mut Level,
+    channel: &mut Channel<'_>,
+    block: &Block,
+    index: usize,
+    section: Range<usize>,
+    comment: Option<Vec<u8>>,
+    machine: &Machine,
+) -> Result<Action, Fault> {
+    let partner = block.partner().unwrap_or(index);
+    if !matches!(block.body, Body::Words) {
+        let is_bare = matches!(block.body, Body::Empty) && comment.is_none() && block.label.is_none();
+        channel.comment(comment);
+        if is_bare && block.number.is_some() {
+            channel.push(Kind::Empty);
+        }
+    } else {
+        return words(loaded, channel, block, comment, machine);
+    }
+    let scope = scope_of(loaded, channel);
+    Ok(match block.body {
+        Body::Empty | Body::Words | Body::Faulty | Body::EndIf | Body::Loop | Body::Repeat => Action::Next,
+        Body::If(condition) if scope.truth(condition)? => Action::Next,
+        // The partner of IF is its ELSE or ENDIF; both are left behind.
+        Body::If(_) => Action::Jump(partner + 1),
+        Body::Else => Action::Jump(partner + 1),
+        Body::EndLoop => Action::Jump(partner + 1),
+        Body::While(condition) if scope.truth(condition)? => Action::Next,
+        Body::While(_) => Action::Jump(partner + 1),
+        // Without its WHILE the program is faulty; going on finds more, jumping to itself would not.
+        Body::EndWhile => Action::Jump(block.partner().unwrap_or(index + 1)),
+        Body::Until(condition) if scope.truth(condition)? => Action::Next,
+        Body::Until(_) => Action::Jump(partner + 1),
+        Body::For { variable, from, to } => {
+            // Where the values cannot be had, the loop ends with its first pass and says no more.
+            level.for_ends.insert(index, f64::NAN);
+            let (from, to) = (scope.value(from)?, scope.number(to)?);
+            level.for_ends.insert(index, to);
+            assign_value(loaded, channel, variable, from, block.span)?;
+            // What the variable holds: INT has rounded it.
+            let start = scope_of(loaded, channel).number(variable)?;
+            if reaches(start, to) { Action::Next } else { Action::Jump(partner + 1) }
+        }
+        Body::EndFor => return end_for(loaded, level, channel, block, partner),
+        Body::Jumps { start, count } => return jumps(loaded, channel, index, section, start, count),
+        Body::Define { .. } if !level.defined.insert(index) => Action::Next,
+        Body::Define { start, count } => {
+            for place in start as usize..start as usize + usize::from(count) {
+                let definition = loaded.program.definitions[place];
+                // A definition that fails is no reason why the others of its block are missing.
+                if let Err(found) = define(loaded, channel, &definition) {
+                    let name = loaded.program.names.text(definition.name);
+                    channel.outlet.warnings.push(found.leaves_unset(name));
+                }
+            }
+            Action::Next
+        }
+        Body::Proc { .. } | Body::Declaration => Action::Next,
+        Body::Call(place) => Action::CallStatement(place),
+        Body::RepeatPart(place) => {
+            let passes = part::passes(loaded, channel, &loaded.program.repetitions[place as usize])?;
+            let (first, last) = part::blocks_of(loaded, channel, place as usize, index, section)?;
+            Action::Repeat(first, last, passes)
+        }
+        Body::Synchronised { whole, id, condition, actions } => {
+            sync_action::execute(loaded, channel, [whole, id, condition, actions])?;
+            Action::Next
+        }
+        Body::Unsupported(span) => {
+            let shown = String::from_utf8_lossy(loaded.program.source.slice(span)).to_ascii_uppercase();
+            let message = format!("{shown} is not supported yet");
+            return Err(at(span, Code::NOT_SUPPORTED, message, "the program cannot be corrected with it"));
+        }
+    })
+}
+
+fn words(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    block: &Block,
+    comment: Option<Vec<u8>>,
+    machine: &Machine,
+) -> Result<Action, Fault> {
+    if block.has_names {
+        assignments(loaded, channel, block)?;
+    }
+    let mut gathered = Gathered::new();
+    gatherer(loaded, channel, machine).gather(block, &mut gathered)?;
+    channel.note_looks();
+    if let Some(call) = gathered.call.take() {
+        channel.comment(comment);
+        return Ok(Action::Call(call));
+    }
+    let end = gathered.program_end;
+    let target = gathered.is_return.then(|| return_target(loaded, channel, gathered.return_arguments)).transpose()?;
+    channel.execute(&mut gathered, comment, block.span)?;
+    Ok(match end {
+        Some(number) => Action::End(number),
+        None => target.map_or(Action::Next, Action::Return),
+    })
+}
+
+/// Whether a FOR loop has a pass with this value: up to its end, and where both are the same as `<=` means it.
+fn reaches(value: f64, end: f64) -> bool {
+    value <= end || is_same(value, end)
+}
+
+fn end_for(
+    loaded: &Loaded,
+    level: &Level,
+    channel: &mut Channel<'_>,
+    block: &Block,
+    start: usize,
+) -> Result<Action, Fault> {
+    let Body::For { variable, .. } = loaded.program.blocks[start].body else { return Ok(Action::Next) };
+    let Some(&end) = level.for_ends.get(&start) else {
+        let message = "a jump led into this FOR loop, whose end value is unknown";
+        return Err(at(block.span, Code::SKIPPED_INTO, message, "jump to the FOR block instead"));
+    };
+    let scope = scope_of(loaded, channel);
+    let next = match scope.value(variable)? {
+        ExecValue::Int(value) => ExecValue::Int(value.saturating_add(1)),
+        other => ExecValue::Real(other.number().unwrap_or(f64::NAN) + 1.0),
+    };
+    let goes_on = next.number().is_some_and(|value| reaches(value, end));
+    assign_value(loaded, channel, variable, next, block.span)?;
+    Ok(if goes_on { Action::Jump(start + 1) } else { Action::Next })
+}
+
+/// The arguments of `RET(target, behind, levels)`.
+fn return_target(
+    loaded: &Loaded,
+    channel: &Channel<'_>,
+    arguments: Option<ArgumentRange>,
+) -> Result<ReturnTarget, Fault> {
+    let mut out = ReturnTarget { place: Vec::new(), behind: false, levels: 1 };
+    let Some(arguments) = arguments else { return Ok(out) };
+    let scope = scope_of(loaded, channel);
+    for (index, id) in loaded.program.arguments_of(arguments).iter().enumerate() {
+        let Some(id) = *id else { continue };
+        let span = loaded.program.expr(id).span;
+        match index {
+            0 => out.place = scope.value(id)?.text(),
+            1 => out.behind = scope.truth(id)?,
+            2 => {
+                let levels = u32::try_from(scope.whole(id)?).ok().filter(|levels| (1..=100).contains(levels));
+                let help = "name the number of program levels to go back";
+                out.levels =
+                    levels.ok_or_else(|| at(span, Code::BAD_WORD_VALUE, "RET goes back at least one level", help))?;
+            }
+            _ if scope.truth(id)? => {
+                let message = "RET to the start of the main program is not supported yet";
+                return Err(at(span, Code::NOT_SUPPORTED, message, "name a label there"));
+            }
+            _ => {}
+        }
+    }
+    Ok(out)
+}
+
+impl Channel<'_> {
+    /// What the block has read of the main run ends the look-ahead of the blocks before it.
+    pub(super) fn note_looks(&mut self) {
+        if let Some(name) = self.system.looked() {
+            self.outlet.stop_look_ahead(name);
+        }
+    }
+
+    /// The word that ends the run.
+    pub(super) fn push_end(&mut self, number: u32) {
+        let value = WordValue::Number(f64::from(number));
+        self.push(Kind::After(vec![AuxWord { letter: b'M', extension: None, value }]));
+    }
+}

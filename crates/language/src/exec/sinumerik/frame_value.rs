@@ -1,0 +1,256 @@
+//! Frames as values: the functions that make them, their components, and their text in a program.
+
+use super::expression::Scope;
+use super::frames::frame_of;
+use super::value::Value;
+use crate::exec::fault::{Fault, fault};
+use crate::syntax::sinumerik::{ArgumentRange, ExprId, Node};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, FrameParts, Plane, RotationOrder};
+use ncfix_base::source::Span;
+use ncfix_base::units::MM_PER_INCH;
+use ncfix_machine::snc::{FrameKind, FrameStatement};
+
+/// A component of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Component {
+    Translation,
+    Fine,
+    Rotation,
+    Scale,
+    Mirror,
+}
+
+impl Component {
+    fn of(name: &str) -> Option<Component> {
+        Some(match name {
+            "TR" => Component::Translation,
+            "FI" => Component::Fine,
+            "RT" => Component::Rotation,
+            "SC" => Component::Scale,
+            "MI" => Component::Mirror,
+            _ => return None,
+        })
+    }
+}
+
+/// Values are written to this many parts of a mm or degree: far below any increment, without the noise of the arithmetic.
+const PARTS: f64 = 1e9;
+/// What to write where a value makes no frame.
+const HELP: &str = "shift any axis; turn, scale and mirror X, Y or Z; scale by factors above 0";
+
+impl Scope<'_> {
+    /// In which order the angles of a rotation turn.
+    pub(super) fn order(&self) -> RotationOrder {
+        self.machine.control.rotation_order
+    }
+
+    /// mm per length in frame values. Under G70 they could be meant in inch or in the unit of the control, so only 0 is taken.
+    fn frame_unit(&self, value: f64, span: Span) -> Result<f64, Fault> {
+        match (self.modal.inch, self.modal.inch_feed) {
+            (false, _) => Ok(1.0),
+            (true, true) => Ok(MM_PER_INCH),
+            (true, false) if value == 0.0 => Ok(1.0),
+            (true, false) => Err(fault(
+                Code::UNITS_DOUBT,
+                span,
+                "whether this length is inch or mm under G70 depends on the control",
+                "state the unit before it with G700, G71 or G710",
+            )),
+        }
+    }
+
+    /// The value of a function that makes a frame.
+    pub(super) fn frame_function(&self, name: &str, arguments: &[Value], id: ExprId) -> Result<Value, Fault> {
+        let span = self.program.expr(id).span;
+        let wrong = |message: String| fault(Code::BAD_EXPRESSION, span, message, HELP);
+        let frame = |parts: FrameParts| Ok(Value::Frame(Box::new(parts)));
+        let mut parts = FrameParts::default();
+        match (name, arguments) {
+            ("CRPL", [plane, angle]) => {
+                let (Some(plane), Some(angle)) = (plane.whole(), angle.number()) else {
+                    return Err(self.type_fault(id));
+                };
+                let about = match plane {
+                    0 => self.modal.plane.axes()[2],
+                    1 => Axis::Z,
+                    2 => Axis::Y,
+                    3 => Axis::X,
+                    _ => return Err(wrong(format!("CRPL knows the planes 0 to 3, not {plane}"))),
+                };
+                parts.rotation[about.slot()] = angle.to_radians();
+                frame(parts)
+            }
+            ("CMIRROR", axes) => {
+                // A number behind an axis has no meaning.
+                for value in axes.iter().filter(|value| value.number().is_none()) {
+                    let axis = self.axis_in(value, id)?;
+                    self.set_component(&mut parts, axis, Component::Mirror, 1.0, span)?;
+                }
+                frame(parts)
+            }
+            ("CTRANS" | "CFINE" | "CROT" | "CSCALE", pairs) => {
+                let component = match name {
+                    "CTRANS" => Component::Translation,
+                    "CFINE" => Component::Fine,
+                    "CROT" => Component::Rotation,
+                    _ => Component::Scale,
+                };
+                for pair in pairs.chunks(2) {
+                    let [axis, value] = pair else {
+                        return Err(wrong(format!("{name} takes axes and values in turn")));
+                    };
+                    let axis = self.axis_in(axis, id)?;
+                    let value = value.number().ok_or_else(|| self.type_fault(id))?;
+                    self.set_component(&mut parts, axis, component, value, span)?;
+                }
+                frame(parts)
+            }
+            ("CROTS", pairs) => {
+                let mut values = AxisVector::ZERO;
+                let mut named = AxisSet::EMPTY;
+                for pair in pairs.chunks(2) {
+                    let [axis, value] = pair else {
+                        return Err(wrong("CROTS takes axes and angles in turn".to_owned()));
+                    };
+                    let axis = self.axis_in(axis, id)?;
+                    values[axis] = value.number().ok_or_else(|| self.type_fault(id))?.to_radians();
+                    named.insert(axis);
+                }
+                let kind = FrameKind::SolidAngles;
+                let statement = FrameStatement { kind, additive: false, values, named, in_plane_rad: None };
+                let turned = frame_of(&statement, self.modal.plane, &self.machine.control);
+                match turned.and_then(|turned| FrameParts::of(&turned, self.order())) {
+                    Some(parts) => frame(parts),
+                    None => Err(wrong("these solid angles make no plane".to_owned())),
+                }
+            }
+            ("INVFRAME", [Value::Frame(given)]) => match given.inverse(self.order()) {
+                Some(inverse) => frame(inverse),
+                None => Err(fault(Code::NOT_COMPUTABLE, span, "this frame has no inverse with these components", HELP)),
+            },
+            _ => Err(fault(
+                Code::NOT_SUPPORTED,
+                span,
+                format!("function {name}( ) is not supported here"),
+                "make the frame of CTRANS, CFINE, CROT, CRPL, CSCALE and CMIRROR",
+            )),
+        }
+    }
+
+    /// `outer : inner`
+    pub(super) fn chain(&self, outer: &FrameParts, inner: &FrameParts, span: Span) -> Result<Value, Fault> {
+        match outer.chain(inner, self.order()) {
+            Some(chain) => Ok(Value::Frame(Box::new(chain))),
+            None => Err(fault(
+                Code::NOT_COMPUTABLE,
+                span,
+                "this chain has no components: it turns inside different factors",
+                "scale all axes alike, or turn before scaling",
+            )),
+        }
+    }
+
+    /// Axis and component at the end of an index, `X,TR`, and how many indices stand before them.
+    pub(super) fn component(&self, range: ArgumentRange) -> Result<Option<(Axis, Component, usize)>, Fault> {
+        let [front @ .., Some(axis), Some(last)] = self.program.arguments_of(range) else { return Ok(None) };
+        let Node::Name(name) = self.program.expr(*last).node else { return Ok(None) };
+        let Some(component) = Component::of(self.program.names.text(name)) else { return Ok(None) };
+        Ok(Some((self.axis(*axis)?, component, front.len())))
+    }
+
+    /// A component in the unit of the program.
+    pub(super) fn get_component(
+        &self,
+        parts: &FrameParts,
+        axis: Axis,
+        component: Component,
+        span: Span,
+    ) -> Result<Value, Fault> {
+        let length = |value: f64| -> Result<f64, Fault> {
+            if axis.is_rotary() { Ok(value.to_degrees()) } else { Ok(value / self.frame_unit(value, span)?) }
+        };
+        let of_space = |value: Option<f64>| value.ok_or_else(|| fault(Code::BAD_INDEX, span, not_of_space(axis), HELP));
+        Ok(match component {
+            Component::Translation => Value::Real(length(parts.translation[axis])?),
+            Component::Fine => Value::Real(length(parts.fine[axis])?),
+            Component::Rotation => {
+                Value::Real(of_space(parts.rotation.get(axis.slot()).map(|angle| angle.to_degrees()))?)
+            }
+            Component::Scale => Value::Real(of_space(parts.scale.get(axis.slot()).copied())?),
+            Component::Mirror => {
+                let mirror = parts.mirror.get(axis.slot()).map(|&mirror| f64::from(u8::from(mirror)));
+                Value::Bool(of_space(mirror)? != 0.0)
+            }
+        })
+    }
+
+    /// Sets a component, given in the unit of the program.
+    pub(super) fn set_component(
+        &self,
+        parts: &mut FrameParts,
+        axis: Axis,
+        component: Component,
+        value: f64,
+        span: Span,
+    ) -> Result<(), Fault> {
+        let unit = if axis.is_rotary() { 1_f64.to_radians() } else { 1.0 };
+        let missing = || fault(Code::BAD_INDEX, span, not_of_space(axis), HELP);
+        match component {
+            Component::Translation | Component::Fine => {
+                let unit = if axis.is_rotary() { unit } else { self.frame_unit(value, span)? };
+                let place = if component == Component::Fine { &mut parts.fine } else { &mut parts.translation };
+                place[axis] = value * unit;
+            }
+            Component::Rotation => {
+                *parts.rotation.get_mut(axis.slot()).ok_or_else(missing)? = value.to_radians();
+            }
+            Component::Scale => {
+                let place = parts.scale.get_mut(axis.slot()).ok_or_else(missing)?;
+                if value.is_nan() || value <= 0.0 {
+                    return Err(fault(Code::BAD_WORD_VALUE, span, format!("{value} is no scale factor"), HELP));
+                }
+                *place = value;
+            }
+            Component::Mirror => *parts.mirror.get_mut(axis.slot()).ok_or_else(missing)? = value != 0.0,
+        }
+        Ok(())
+    }
+}
+
+fn not_of_space(axis: Axis) -> String {
+    format!("{axis} can be shifted, but not turned, scaled or mirrored")
+}
+
+/// The frame as an expression of the language, in mm and degrees: `CTRANS(X,100):CROT(Z,90)`.
+pub(super) fn frame_text(parts: &FrameParts) -> String {
+    let listed = |name: &str, pairs: Vec<String>| (!pairs.is_empty()).then(|| format!("{name}({})", pairs.join(",")));
+    let shift = |name: &str, values: &AxisVector| {
+        let shown = |axis: Axis| if axis.is_rotary() { values[axis].to_degrees() } else { values[axis] };
+        let pairs = AXES.into_iter().filter(|&axis| values[axis] != 0.0).map(|axis| pair(axis, shown(axis)));
+        listed(name, pairs.collect())
+    };
+    let space = || [Axis::X, Axis::Y, Axis::Z].into_iter();
+    let turned = space().filter(|axis| parts.rotation[axis.slot()] != 0.0);
+    let scaled = space().filter(|axis| parts.scale[axis.slot()] != 1.0);
+    let mirrored = space().filter(|axis| parts.mirror[axis.slot()]);
+    let terms = [
+        shift("CTRANS", &parts.translation),
+        shift("CFINE", &parts.fine),
+        listed("CROT", turned.map(|axis| pair(axis, parts.rotation[axis.slot()].to_degrees())).collect()),
+        listed("CSCALE", scaled.map(|axis| pair(axis, parts.scale[axis.slot()])).collect()),
+        listed("CMIRROR", mirrored.map(|axis| axis.to_string()).collect()),
+    ];
+    let terms: Vec<String> = terms.into_iter().flatten().collect();
+    if terms.is_empty() { "CTRANS(X,0)".to_owned() } else { terms.join(":") }
+}
+
+fn pair(axis: Axis, value: f64) -> String {
+    let value = (value * PARTS).round() / PARTS;
+    format!("{axis},{value}")
+}
+
+/// The plane's axes in the order of `$P_AXN1` to `$P_AXN3`.
+pub(super) fn plane_axis(plane: Plane, number: usize) -> Option<Axis> {
+    number.checked_sub(1).and_then(|index| plane.axes().get(index).copied())
+}

@@ -1,0 +1,155 @@
+//! Jumps: finds the blocks that labels, block numbers and computed targets mean.
+
+use std::ops::Range;
+
+use super::cells::Cells;
+use super::channel::Channel;
+use super::flow::Action;
+use super::value::Value;
+use super::{Loaded, at, scope_of};
+use crate::exec::fault::Fault;
+use crate::syntax::Shelf;
+use crate::syntax::sinumerik::{Block, BlockNumber, Jump, JumpTarget, NameId, Search};
+use ncfix_base::diagnostic::Code;
+
+/// What marks a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Place {
+    Label(NameId),
+    Number(BlockNumber),
+}
+
+impl Place {
+    /// Whether the block is the one.
+    pub(super) fn is_at(self, block: &Block) -> bool {
+        match self {
+            Place::Label(name) => block.label == Some(name),
+            Place::Number(number) => block.number == Some(number),
+        }
+    }
+
+    /// `LABEL`, `N10`, `:10` as a text; `None` for a label that the program does not have.
+    pub(super) fn of_text(loaded: &Loaded, text: &[u8]) -> Option<Place> {
+        let text: String = text.trim_ascii().iter().map(|byte| char::from(byte.to_ascii_uppercase())).collect();
+        let number = |main, digits: &str| {
+            let is_number = !digits.is_empty() && digits.bytes().all(|byte| byte.is_ascii_digit());
+            let number = digits.parse().ok().filter(|_| is_number)?;
+            Some(Place::Number(BlockNumber { main, number }))
+        };
+        let numbered = match text.as_bytes().first() {
+            Some(b'N') => number(false, &text[1..]),
+            Some(b':') => number(true, &text[1..]),
+            _ => None,
+        };
+        numbered.or_else(|| loaded.program.names.find(text.trim_end_matches(':')).map(Place::Label))
+    }
+}
+
+/// What a target means now; `None` where the program has no such label.
+pub(super) fn place_of(loaded: &Loaded, channel: &Channel<'_>, target: JumpTarget) -> Result<Option<Place>, Fault> {
+    match target {
+        JumpTarget::Label(name) => match variable(loaded, channel, name) {
+            Some(Value::Text(text)) => Ok(Place::of_text(loaded, text)),
+            _ => Ok(Some(Place::Label(name))),
+        },
+        JumpTarget::Number(number) => Ok(Some(Place::Number(number))),
+        JumpTarget::Computed(id) => match scope_of(loaded, channel).value(id)? {
+            Value::Text(text) => Ok(Place::of_text(loaded, &text)),
+            _ => {
+                let span = loaded.program.expr(id).span;
+                let message = "a jump target is a label or block number as a string";
+                Err(at(span, Code::TYPE_MISMATCH, message, "write for example GOTOF \"LAB\"<<R1"))
+            }
+        },
+        JumpTarget::Start => Ok(None),
+    }
+}
+
+/// The variable that stands where a label may stand.
+pub(super) fn variable<'c>(loaded: &Loaded, channel: &'c Channel<'_>, name: NameId) -> Option<&'c Value> {
+    channel.variables.cells(name, loaded.program.names.text(name)).and_then(Cells::first)
+}
+
+/// Jumps of a block: the first whose condition holds is taken.
+pub(super) fn jumps(
+    loaded: &mut Loaded,
+    channel: &Channel<'_>,
+    index: usize,
+    section: Range<usize>,
+    start: u32,
+    count: u16,
+) -> Result<Action, Fault> {
+    for number in start as usize..start as usize + usize::from(count) {
+        let jump = loaded.program.jumps[number];
+        let taken = match jump.condition {
+            Some(condition) => scope_of(loaded, channel).truth(condition)?,
+            None => true,
+        };
+        if !taken {
+            continue;
+        }
+        if let Some(target) = loaded.targets[number] {
+            return Ok(Action::Goto(target));
+        }
+        match find(loaded, channel, number, &jump, index, section.clone())? {
+            Some(target) => return Ok(Action::Goto(target)),
+            None if jump.search == Search::AroundIfAny => {}
+            None => {
+                let shown = String::from_utf8_lossy(loaded.program.source.slice(jump.span)).into_owned();
+                let message = format!("{shown}: the target is not there");
+                return Err(at(jump.span, Code::NO_TARGET, message, "check the name and the direction of the jump"));
+            }
+        }
+    }
+    Ok(Action::Next)
+}
+
+/// The block of a jump, looked up once for each target that it ever has.
+fn find(
+    loaded: &mut Loaded,
+    channel: &Channel<'_>,
+    number: usize,
+    jump: &Jump,
+    index: usize,
+    section: Range<usize>,
+) -> Result<Option<usize>, Fault> {
+    if jump.search == Search::Start {
+        return Ok(Some(section.start));
+    }
+    let Some(place) = place_of(loaded, channel, jump.target)? else { return Ok(None) };
+    let is_fixed = match jump.target {
+        JumpTarget::Label(name) => variable(loaded, channel, name).is_none(),
+        JumpTarget::Number(_) => true,
+        JumpTarget::Computed(_) | JumpTarget::Start => false,
+    };
+    if let Some(&known) = loaded.computed.get(&(number, place)).filter(|_| !is_fixed) {
+        return Ok(Some(known));
+    }
+    let found = search(&loaded.program.blocks, place, jump.search, index, section);
+    if let Some(found) = found {
+        if is_fixed {
+            loaded.targets[number] = Some(found);
+        } else {
+            loaded.computed.insert((number, place), found);
+        }
+    }
+    Ok(found)
+}
+
+/// Looks for a marked block from the block `index` on.
+pub(super) fn search(
+    blocks: &Shelf<Block>,
+    place: Place,
+    search: Search,
+    index: usize,
+    section: Range<usize>,
+) -> Option<usize> {
+    let hits = |at: &usize| place.is_at(&blocks[*at]);
+    let forward = || (index + 1..section.end).find(hits);
+    match search {
+        Search::Start => Some(section.start),
+        Search::Forward => forward(),
+        Search::Backward => (section.start..=index).rev().find(hits),
+        Search::Around | Search::AroundIfAny => forward().or_else(|| (section.start..=index).find(hits)),
+    }
+}

@@ -1,0 +1,284 @@
+//! What stays in force from block to block: modal codes, frames, tool, position.
+
+use super::polar::Polar;
+use super::save::Stated;
+use super::spline::End;
+use super::swivel::Swivelled;
+use super::transform::Transform;
+use crate::exec::contour::ContourModal;
+use crate::exec::fault::{Fault, fault};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Frame, Plane, Vector};
+use ncfix_base::source::Span;
+use ncfix_base::units::MM_PER_INCH;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{FeedUnit, Setup, ThreadCode, WordValue};
+
+/// The kind of motion that is in force: G group 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MotionKind {
+    /// G0
+    Rapid,
+    /// G1
+    Line,
+    /// G2
+    Clockwise,
+    /// G3
+    CounterClockwise,
+    /// CIP
+    Through,
+    /// CT
+    Tangent,
+    /// ASPLINE
+    Akima,
+    /// BSPLINE
+    BSpline,
+    /// CSPLINE
+    Cubic,
+    /// POLY
+    Polynomial,
+    /// G33 and its kin
+    Thread(ThreadCode),
+}
+
+impl MotionKind {
+    /// The kind that a code of the table selects.
+    pub(super) fn of(code: &str) -> Option<MotionKind> {
+        Some(match code {
+            "G0" => MotionKind::Rapid,
+            "G1" => MotionKind::Line,
+            "G2" => MotionKind::Clockwise,
+            "G3" => MotionKind::CounterClockwise,
+            "CIP" => MotionKind::Through,
+            "CT" => MotionKind::Tangent,
+            "ASPLINE" => MotionKind::Akima,
+            "BSPLINE" => MotionKind::BSpline,
+            "CSPLINE" => MotionKind::Cubic,
+            "POLY" => MotionKind::Polynomial,
+            _ => return ThreadCode::of(code).map(MotionKind::Thread),
+        })
+    }
+}
+
+/// What F counts behind a code of the feed mode.
+pub(super) fn unit_behind(unit: FeedUnit, word: &str) -> FeedUnit {
+    match word {
+        "G93" => FeedUnit::InverseTime,
+        "G94" | "G942" | "G961" | "G971" => FeedUnit::PerMinute,
+        "G95" | "G952" | "G96" | "G97" | "G973" => FeedUnit::PerTurn,
+        // The others keep it.
+        _ if unit == FeedUnit::InverseTime => FeedUnit::PerMinute,
+        _ => unit,
+    }
+}
+
+/// G group of the feed modes.
+const FEED_MODES: u8 = 15;
+
+/// The zero offset that is active at the start.
+pub(super) fn initial_zero_offset(machine: &Machine) -> &str {
+    machine.control.initial_zero_offset.as_deref().unwrap_or("G500")
+}
+
+/// Modal state of the channel.
+#[derive(Clone, Debug)]
+pub(super) struct Modal {
+    pub(super) motion: MotionKind,
+    pub(super) plane: Plane,
+    /// Plane along whose axes the tool lengths lie, where it is fixed.
+    pub(super) tool_length_plane: Option<Plane>,
+    pub(super) incremental: bool,
+    pub(super) inch: bool,
+    pub(super) inch_feed: bool,
+    /// G700 or G710, which also mean feeds and data, and not G70 or G71.
+    pub(super) technological: bool,
+    /// In units of `feed_unit`, 0 for none yet.
+    pub(super) feed: f64,
+    pub(super) feed_unit: FeedUnit,
+    /// Where diameter programming was turned on, if it is.
+    pub(super) diameter: Option<Span>,
+    /// Last speed of the spindle.
+    pub(super) speed: Option<f64>,
+    /// Base frame, below the settable one.
+    pub(super) base: Frame,
+    /// `G500`, `G54` …
+    pub(super) settable: Frame,
+    /// TRANS, ROT, SCALE, MIRROR and their additive kin.
+    pub(super) programmable: Frame,
+    /// Plane of CYCLE800, below the programmable frame.
+    pub(super) swivelled: Option<Box<Swivelled>>,
+    /// The part of its shift that `G59` replaces.
+    pub(super) fine: AxisVector,
+    /// Pole and polar position.
+    pub(super) polar: Polar,
+    /// Direction at the end of the last motion, base coordinates, of any length.
+    pub(super) tangent: Option<Vector>,
+    /// What the output says of all this.
+    pub(super) stated: Stated,
+    /// Where frame or tool has no value in the machine file.
+    pub(super) offset_assumed: bool,
+    pub(super) tool_assumed: bool,
+    /// Selected with T, not yet changed to.
+    pub(super) selected: Option<WordValue>,
+    /// In the spindle.
+    pub(super) active: Option<WordValue>,
+    pub(super) edge: u32,
+    /// Whether the program has said which, by D or a tool change.
+    pub(super) edge_stated: bool,
+    /// Lengths L1, L2, L3 in force, mm.
+    pub(super) length_mm: [f64; 3],
+    /// Radius in force, mm.
+    pub(super) radius_mm: f64,
+    /// Radius compensation and contour transitions.
+    pub(super) contour: ContourModal,
+    /// Axis commands, mm and rad; under a transformation positions fixed to the workpiece.
+    pub(super) command: AxisVector,
+    /// Last programmed values per axis; after a frame change they may belong to the old frame (Sinumerik SD42440).
+    pub(super) programmed: AxisVector,
+    /// How splines begin and end.
+    pub(super) spline_ends: [End; 2],
+    /// Five-axis transformation.
+    pub(super) transform: Transform,
+    /// Axes whose position the program has stated, in the frame in force.
+    pub(super) known: AxisSet,
+    /// Axes that are unknown because another plane has taken the tool length to or from them.
+    pub(super) moved_by_plane: AxisSet,
+    /// Axes whose last programmed value belongs to a frame that was turned, scaled or mirrored otherwise.
+    pub(super) stale: AxisSet,
+}
+
+impl Modal {
+    pub(super) fn new(start: Option<AxisVector>, machine: &Machine) -> Self {
+        let command = start.unwrap_or_default();
+        Modal {
+            motion: MotionKind::Line,
+            plane: machine.control.initial_plane,
+            tool_length_plane: machine.control.tool_length_plane,
+            incremental: false,
+            inch: false,
+            inch_feed: false,
+            technological: false,
+            feed: 0.0,
+            feed_unit: FeedUnit::default(),
+            diameter: None,
+            speed: None,
+            base: Frame::identity(),
+            settable: Frame::identity(),
+            programmable: Frame::identity(),
+            swivelled: None,
+            fine: AxisVector::ZERO,
+            polar: Polar::default(),
+            tangent: None,
+            stated: Stated::new(initial_zero_offset(machine)),
+            offset_assumed: false,
+            tool_assumed: false,
+            selected: None,
+            active: None,
+            edge: 0,
+            edge_stated: false,
+            length_mm: [0.0; 3],
+            radius_mm: 0.0,
+            contour: ContourModal::default(),
+            command,
+            programmed: command,
+            stale: AxisSet::EMPTY,
+            spline_ends: [End::Natural; 2],
+            transform: Transform::default(),
+            moved_by_plane: AxisSet::EMPTY,
+            known: if start.is_some() { machine.axis_set() } else { AxisSet::EMPTY },
+        }
+    }
+
+    /// mm per programmed length unit.
+    pub(super) fn scale(&self) -> f64 {
+        if self.inch { MM_PER_INCH } else { 1.0 }
+    }
+
+    /// Total frame: base, settable, then programmable nearest to the programmed value.
+    pub(super) fn frame(&self) -> Frame {
+        let below = self.base.compose(&self.settable);
+        let below = self.swivelled.as_ref().map_or(below, |swivelled| below.compose(&swivelled.frame));
+        below.compose(&self.programmable)
+    }
+
+    /// Gauge point to tip as the control sees it: L1, L2, L3 lie along applicate, ordinate, abscissa of the plane (G17: Z Y X, G18: Y X Z,
+    /// G19: X Z Y; Programming Manual NC programming, 12/2019, 3.13.3.4, tools that are neither for turning nor for grinding).
+    pub(super) fn tool_mm(&self) -> Vector {
+        let plane = self.tool_length_plane.unwrap_or(self.plane);
+        let [abscissa, ordinate, applicate] = plane.axes();
+        let mut tool = Vector::zeros();
+        let [first, second, third] = self.length_mm;
+        tool[applicate.slot()] = -first;
+        tool[ordinate.slot()] = -second;
+        tool[abscissa.slot()] = -third;
+        tool
+    }
+
+    /// How programmed positions relate to axis commands now.
+    pub(super) fn setup(&self) -> Setup {
+        Setup {
+            frame: self.frame(),
+            tool_mm: self.tool_mm(),
+            plane: self.plane,
+            transform: self.transform.turning(),
+            assumed: self.offset_assumed || self.tool_assumed,
+        }
+    }
+
+    /// Takes over what SAVE does not bring back: position, tool, feed.
+    pub(super) fn keep_position_of(&mut self, left: &Modal) {
+        // A feed per revolution or of inverse time means nothing in the caller's feed mode.
+        if self.stated.code(FEED_MODES) == left.stated.code(FEED_MODES) {
+            self.feed = left.feed;
+        }
+        self.speed = left.speed;
+        self.selected.clone_from(&left.selected);
+        self.active.clone_from(&left.active);
+        self.edge = left.edge;
+        self.edge_stated = left.edge_stated;
+        self.length_mm = left.length_mm;
+        self.radius_mm = left.radius_mm;
+        self.tool_assumed = left.tool_assumed;
+        self.command = left.command;
+        self.programmed = left.programmed;
+        self.known = left.known;
+        self.stale = left.stale;
+        self.transform.keep_switch_of(&left.transform);
+        self.tangent = left.tangent;
+    }
+
+    /// The position is unknown from here on: a tool change has moved the machine.
+    pub(super) fn forget_position(&mut self) {
+        self.forget(AxisSet::ALL);
+    }
+
+    /// Where some axes are is unknown from here on. Those that a frame or a transformation mixes are unknown together; gives all that
+    /// are.
+    pub(super) fn forget(&mut self, axes: AxisSet) -> AxisSet {
+        let mut lost = axes;
+        if self.transform.turning().is_some() {
+            lost = AxisSet::ALL;
+        } else if !self.frame().is_translation() && !axes.intersection(AxisSet::XYZ).is_empty() {
+            lost = axes.union(AxisSet::XYZ);
+        }
+        self.known = self.known.difference(lost);
+        self.moved_by_plane = self.moved_by_plane.difference(lost);
+        self.tangent = None;
+        lost
+    }
+
+    /// The finding about an axis whose place the program has not stated.
+    pub(super) fn unknown_start(&self, span: Span, axis: Axis) -> Fault {
+        if !self.moved_by_plane.contains(axis) {
+            return super::motion::unknown_start(span, axis);
+        }
+        let message = format!(
+            "the program has not stated where {axis} is since G{} was selected, which moves the tool length to another axis",
+            self.plane.number()
+        );
+        let help = format!(
+            "set control.tool_length_plane = 17 in the machine file where the length stays along Z in every plane (SD42940), else state {axis} behind the change of the plane"
+        );
+        fault(Code::UNKNOWN_START, span, message, help)
+    }
+}

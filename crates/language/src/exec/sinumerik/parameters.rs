@@ -1,0 +1,178 @@
+//! Parameters of subprograms: evaluates arguments, binds them, and takes VAR parameters back to the caller.
+
+use super::cells::Cells;
+use super::channel::Channel;
+use super::variables::List;
+use super::{Loaded, assign, scope_of};
+use crate::exec::fault::{Fault, fault};
+use crate::syntax::sinumerik::{ArgumentRange, ExprId, NameId, Node, Parameter};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+
+/// An argument of a call.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Argument {
+    /// What the caller gave, as the parameter holds it; `None` for an empty slot.
+    cells: Option<Cells>,
+    /// The caller's variable, for VAR.
+    reference: Option<Reference>,
+}
+
+/// A variable of the caller, indices evaluated.
+#[derive(Clone, Debug, PartialEq)]
+enum Reference {
+    Parameter(i64),
+    Name(NameId),
+    Element(NameId, Vec<i64>),
+}
+
+/// Evaluates the arguments of a call. `called` is the program with its parameters, `span` that of the call.
+pub(super) fn evaluate(
+    caller: &Loaded,
+    channel: &Channel<'_>,
+    called: (&Loaded, &[Parameter]),
+    arguments: Option<ArgumentRange>,
+    span: Span,
+) -> Result<Vec<Argument>, Fault> {
+    let (program, parameters) = called;
+    let given = arguments.map_or(&[][..], |range| caller.program.arguments_of(range));
+    if given.len() > parameters.len() && !(parameters.is_empty() && given == [None]) {
+        let message = match parameters.len() {
+            0 => "this program takes no arguments".to_owned(),
+            1 => format!("this program takes 1 argument, not {}", given.len()),
+            count => format!("this program takes {count} arguments, not {}", given.len()),
+        };
+        return Err(fault(Code::BAD_ARGUMENTS, span, message, "give it what its PROC block says"));
+    }
+    let mut out = Vec::with_capacity(parameters.len());
+    for (index, parameter) in parameters.iter().enumerate() {
+        out.push(match given.get(index).copied().flatten() {
+            Some(id) => one(caller, channel, program, parameter, id)?,
+            None if parameter.by_reference && !given.is_empty() => {
+                let message = format!("{} needs a variable", program.program.names.text(parameter.name));
+                return Err(fault(Code::BAD_ARGUMENTS, span, message, "a VAR parameter cannot be left out"));
+            }
+            None => Argument::default(),
+        });
+    }
+    Ok(out)
+}
+
+fn one(
+    caller: &Loaded,
+    channel: &Channel<'_>,
+    called: &Loaded,
+    parameter: &Parameter,
+    id: ExprId,
+) -> Result<Argument, Fault> {
+    let expr = *caller.program.expr(id);
+    let text = called.program.names.text(parameter.name);
+    let refuse = |message: String, help: &str| Err(fault(Code::BAD_ARGUMENTS, expr.span, message, help));
+    let variable = match expr.node {
+        Node::Name(name) => channel.variables.cells(name, caller.program.names.text(name)).map(|cells| (name, cells)),
+        _ => None,
+    };
+    if parameter.dimensions > 0 {
+        let fits =
+            |cells: &Cells| cells.dimensions() == usize::from(parameter.dimensions) && cells.kind() == parameter.kind;
+        let Some((name, cells)) = variable.filter(|(_, cells)| fits(cells)) else {
+            let count = parameter.dimensions;
+            let message = format!("{text} is an array of {count} dimension{}", if count == 1 { "" } else { "s" });
+            return refuse(message, "give an array of the same type and number of dimensions");
+        };
+        let reference = parameter.by_reference.then_some(Reference::Name(name));
+        return Ok(Argument { cells: Some(cells.clone()), reference });
+    }
+    let scope = scope_of(caller, channel);
+    let reference = match expr.node {
+        _ if !parameter.by_reference => None,
+        Node::Parameter(index) => Some(Reference::Parameter(i64::from(index))),
+        Node::ParameterAt(index) => Some(Reference::Parameter(scope.whole(index)?)),
+        Node::Name(name) if variable.is_some() => Some(Reference::Name(name)),
+        Node::Indexed(name, range) if channel.variables.has(name, caller.program.names.text(name)) => {
+            Some(Reference::Element(name, scope.indices(range, id)?))
+        }
+        _ => {
+            // What is defined nowhere is the fault of its name.
+            scope.value(id)?;
+            return refuse(format!("{text} is a VAR parameter"), "give a variable or an R parameter");
+        }
+    };
+    let mut cells = cells_of(called, channel, parameter)?;
+    cells.set(&[], scope.value(id)?, (text, expr.span))?;
+    Ok(Argument { cells: Some(cells), reference })
+}
+
+/// The cells of a parameter that is no array, with its initial value.
+fn cells_of(called: &Loaded, channel: &Channel<'_>, parameter: &Parameter) -> Result<Cells, Fault> {
+    let length = parameter.length.map(|id| scope_of(called, channel).whole(id)).transpose()?;
+    let text = called.program.names.text(parameter.name);
+    Cells::new(parameter.kind, length, &[], 1, (text, parameter.span))
+}
+
+/// Defines the parameters as variables of the program level that begins.
+pub(super) fn bind(
+    called: &Loaded,
+    channel: &mut Channel<'_>,
+    parameters: &[Parameter],
+    arguments: &[Argument],
+) -> Result<(), Fault> {
+    for (index, parameter) in parameters.iter().enumerate() {
+        let text = called.program.names.text(parameter.name);
+        let cells = match arguments.get(index).and_then(|argument| argument.cells.clone()) {
+            Some(cells) => cells,
+            None if parameter.dimensions > 0 => {
+                let message = format!("the array {text} was not given");
+                let help = "a parameter that is an array cannot be left out";
+                return Err(fault(Code::BAD_ARGUMENTS, parameter.span, message, help));
+            }
+            None => {
+                let mut cells = cells_of(called, channel, parameter)?;
+                if let Some(default) = parameter.default {
+                    cells.set(&[], scope_of(called, channel).value(default)?, (text, parameter.span))?;
+                }
+                cells
+            }
+        };
+        channel.variables.define_cells(parameter.name, text, cells, parameter.span)?;
+    }
+    let bits = arguments.iter().take(64).enumerate();
+    channel.variables.set_given(bits.fold(0, |bits, (k, argument)| bits | u64::from(argument.cells.is_some()) << k));
+    Ok(())
+}
+
+/// Takes the values of the VAR parameters out of the level that ends.
+pub(super) fn results(called: &Loaded, channel: &Channel<'_>, parameters: &[Parameter], arguments: &mut [Argument]) {
+    for (parameter, argument) in parameters.iter().zip(arguments) {
+        if argument.reference.is_some() {
+            let text = called.program.names.text(parameter.name);
+            argument.cells = channel.variables.cells(parameter.name, text).cloned();
+        }
+    }
+}
+
+/// Gives the results to the caller's variables, which are in place again.
+pub(super) fn give_back(
+    caller: &Loaded,
+    channel: &mut Channel<'_>,
+    arguments: &[Argument],
+    span: Span,
+) -> Result<(), Fault> {
+    for argument in arguments {
+        let (Some(reference), Some(cells)) = (&argument.reference, &argument.cells) else { continue };
+        let names = &caller.program.names;
+        if let (Reference::Name(name), true) = (reference, cells.is_array()) {
+            channel.variables.replace_cells(*name, names.text(*name), cells.clone());
+            continue;
+        }
+        let Some(list) = cells.first().cloned().map(List::One) else { continue };
+        match reference {
+            Reference::Parameter(index) => channel.variables.set_parameters(*index, list, span)?,
+            Reference::Name(name) => assign::assign_name(caller, channel, *name, list, span)?,
+            Reference::Element(name, indices) => {
+                channel.variables.assign(*name, names.text(*name), indices, list, span)?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,134 @@
+//! Repetition of program parts: REPEAT and REPEATB with labels.
+
+use std::ops::Range;
+
+use super::channel::Channel;
+use super::jump::{Place, place_of};
+use super::level::Level;
+use super::{Loaded, scope_of};
+use crate::exec::fault::{Fault, fault};
+use crate::syntax::sinumerik::Repetition;
+use ncfix_base::diagnostic::Code;
+
+/// Ends the part of `REPEAT label` before the block of the REPEAT.
+const END_LABEL: &str = "ENDLABEL";
+
+/// A program part that is being repeated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Part {
+    pub(super) first: usize,
+    pub(super) last: usize,
+    /// How many passes are left, this one included.
+    pub(super) left: u32,
+    /// Where it goes on behind the last pass.
+    pub(super) resume: usize,
+}
+
+impl Level {
+    /// At the end of a repeated part: back to its start, or on behind its REPEAT.
+    pub(super) fn end_parts(&mut self) {
+        while let Some(part) = self.parts.last_mut().filter(|part| self.next == part.last + 1) {
+            part.left = part.left.saturating_sub(1);
+            if part.left > 0 {
+                self.next = part.first;
+                return;
+            }
+            self.next = part.resume;
+            self.parts.pop();
+        }
+    }
+
+    /// Goes to a block; a part that is left by this is not repeated further. A jump of the program to the block behind the part leaves
+    /// it too, the way around a branch does not.
+    pub(super) fn go_to(&mut self, target: usize, is_jump: bool) {
+        self.next = target;
+        while let Some(part) = self.parts.last() {
+            let end = if is_jump { part.last } else { part.last + 1 };
+            if (part.first..=end).contains(&target) {
+                return;
+            }
+            self.parts.pop();
+        }
+    }
+}
+
+/// The blocks of a repetition: first and last.
+pub(super) fn blocks_of(
+    loaded: &mut Loaded,
+    channel: &Channel<'_>,
+    place: usize,
+    index: usize,
+    section: Range<usize>,
+) -> Result<(usize, usize), Fault> {
+    if let Some(known) = loaded.parts[place] {
+        return Ok(known);
+    }
+    let repetition = loaded.program.repetitions[place];
+    let found = search(loaded, channel, &repetition, index, section)?;
+    let Some(found) = found else {
+        let shown = String::from_utf8_lossy(loaded.program.source.slice(repetition.span)).into_owned();
+        let message = format!("{shown}: the program part is not there");
+        let help = "REPEAT looks for its label above itself, and must not stand between its two labels";
+        return Err(fault(Code::NO_TARGET, repetition.span, message, help));
+    };
+    loaded.parts[place] = Some(found);
+    Ok(found)
+}
+
+fn search(
+    loaded: &Loaded,
+    channel: &Channel<'_>,
+    repetition: &Repetition,
+    index: usize,
+    section: Range<usize>,
+) -> Result<Option<(usize, usize)>, Fault> {
+    let blocks = &loaded.program.blocks;
+    let Some(first) = place_of(loaded, channel, repetition.first)? else { return Ok(None) };
+    let hits = |place: Place, at: &usize| place.is_at(&blocks[*at]);
+    let above = (section.start..index).rev().find(|at| hits(first, at));
+    if repetition.one_block {
+        let found = above.or_else(|| (index + 1..section.end).find(|at| hits(first, at)));
+        return Ok(found.map(|at| (at, at)));
+    }
+    let Some(last) = repetition.last else {
+        let end = loaded.program.names.find(END_LABEL);
+        return Ok(above.map(|start| {
+            let labelled = (start..index).find(|&at| end.is_some() && blocks[at].label == end);
+            (start, labelled.unwrap_or(index - 1))
+        }));
+    };
+    let Some(last) = place_of(loaded, channel, last)? else { return Ok(None) };
+    let pair = |start: usize, end: usize| (start..end).find(|at| hits(last, at)).map(|stop| (start, stop));
+    Ok(above.and_then(|start| pair(start, index)).or_else(|| {
+        let start = (index + 1..section.end).find(|at| hits(first, at))?;
+        pair(start, section.end)
+    }))
+}
+
+/// How many times a part is repeated; once where P is missing.
+pub(super) fn passes(loaded: &Loaded, channel: &Channel<'_>, repetition: &Repetition) -> Result<u32, Fault> {
+    let Some(count) = repetition.count else { return Ok(1) };
+    let value = scope_of(loaded, channel).number(count)?;
+    count_of(value).ok_or_else(|| {
+        let span = loaded.program.expr(count).span;
+        fault(Code::BAD_WORD_VALUE, span, format!("P{value} is not possible"), COUNT_HELP)
+    })
+}
+
+/// The largest number of repetitions, that of the control's INT.
+const MAX_COUNT: i32 = 2_147_483_647;
+/// What a number of repetitions may be.
+pub(super) const COUNT_HELP: &str = "P is a whole number from 0 to 2147483647";
+
+/// A number of repetitions.
+pub(super) fn count_of(value: f64) -> Option<u32> {
+    (value >= 0.0 && value <= f64::from(MAX_COUNT) && value.fract() == 0.0).then_some(value as u32)
+}
+
+/// Begins to repeat a part.
+pub(super) fn begin(level: &mut Level, first: usize, last: usize, passes: u32) {
+    if passes > 0 {
+        level.parts.push(Part { first, last, left: passes, resume: level.next });
+        level.next = first;
+    }
+}

@@ -1,0 +1,376 @@
+//! Passes words on that change no position: their text with the values that they have here.
+//!
+//! Variables and R parameters of the program are gone from the output, so their values stand in their place; names that only the control
+//! knows (axes, spindles, constants of cycles) stay as written.
+
+use super::channel::Channel;
+use super::functions::is_function;
+use super::gather::Gatherer;
+use super::gathered::Gathered;
+use super::kept::{INDEXED_LETTERS, Treatment, Unit};
+use super::names::Meaning;
+use super::value::Value as ExecValue;
+use super::{Loaded, assign::assign_value, gatherer};
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::syntax::sinumerik::{Address, ArgumentRange, Block, DimensionFunction, ExprId, Node, Value, Word};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::AxisSet;
+use ncfix_base::source::Span;
+use ncfix_base::units::MM_PER_INCH;
+use ncfix_machine::snc::Kind;
+
+/// Metric lengths and feeds are written to this many parts of a unit: without the noise of the conversion.
+const PARTS: f64 = 1e9;
+
+impl Gatherer<'_> {
+    /// Takes a word that is passed on; false where it is none.
+    pub(super) fn passes(&self, word: &Word, block: &Block, out: &mut Gathered) -> Result<bool, Fault> {
+        let treatment = match word.address {
+            Address::Letter(b'L') => {
+                let name: Vec<u8> =
+                    self.source(word.span).iter().filter(|b| !b.is_ascii_whitespace()).copied().collect();
+                let name = String::from_utf8_lossy(&name).to_ascii_uppercase();
+                let Some(moves) = self.scope.machine.control.opaque_moves(&name) else { return Ok(false) };
+                return self.opaque(word, block, moves, out);
+            }
+            // Acknowledged later by the machine; those that end something keep their place behind the motion.
+            Address::Letter(b'M') => match word.value {
+                Value::Dimension(DimensionFunction::Other, id)
+                    if !matches!(self.scope.whole(id)?, 0 | 1 | 2 | 5 | 6 | 9 | 17 | 30) =>
+                {
+                    Treatment::Keep(Unit::None)
+                }
+                _ => return Ok(false),
+            },
+            Address::Name(name) => match self.meanings[name.index()] {
+                Meaning::Kept(row) => row.treatment,
+                Meaning::Opaque { moves } => return self.opaque(word, block, moves, out),
+                _ => return Ok(false),
+            },
+            Address::Indexed(left) => match self.scope.program.expr(left).node {
+                Node::Indexed(name, _) => match self.meanings[name.index()] {
+                    Meaning::Kept(row) => row.treatment,
+                    Meaning::Unsupported => return self.positioning(left, word, block, out),
+                    _ if INDEXED_LETTERS.contains(&self.scope.program.names.text(name)) => Treatment::Keep(Unit::None),
+                    _ => return Ok(false),
+                },
+                _ => return Ok(false),
+            },
+            _ => return Ok(false),
+        };
+        match treatment {
+            Treatment::Keep(unit) => out.verbatim.push(self.text(word, unit)?),
+            Treatment::BlockFeed => {
+                let Value::Expr(id) = word.value else {
+                    return Err(bad_value(word.span, "FB needs a value", "write for example FB=500"));
+                };
+                let value = self.scope.number(id)?;
+                if value.is_nan() || value <= 0.0 {
+                    return Err(bad_value(word.span, "a feed must be above 0", "program FB with a positive value"));
+                }
+                out.block_feed = Some(value * self.scale(Unit::Feed));
+            }
+            Treatment::File => {
+                let name = String::from_utf8_lossy(self.source(word.span)).into_owned();
+                let name = name.split('(').next().unwrap_or_default().trim_end().to_ascii_uppercase();
+                let message = format!("{name} is left out of the output: files of the control stay as they are");
+                let help = "its result counts as 0, no error; take the block out if it is not needed";
+                out.warning = Some(fault(Code::LEFT_OUT, word.span, message, help));
+            }
+            Treatment::Interrupt => {
+                let end = block.comment.start.max(word.span.start);
+                let span = Span { start: word.span.start, end };
+                out.verbatim.push(self.source(span).trim_ascii_end().to_vec());
+                out.is_complete = true;
+                let message = "a program that an interrupt starts is run by the control as it is there";
+                let help = "its moves are not corrected; correct that program too, if it cuts";
+                out.warning = Some(fault(Code::NOT_CORRECTED, word.span, message, help));
+            }
+            Treatment::Lost => {
+                out.verbatim.push(self.text(word, Unit::None)?);
+                out.lost = AxisSet::ALL;
+            }
+            Treatment::Refuse(why) => {
+                let shown = String::from_utf8_lossy(self.source(word.span)).into_owned();
+                let shown: String = shown.chars().take(40).collect();
+                let message = format!("{shown}: {why}");
+                return Err(fault(Code::NOT_SUPPORTED, word.span, message, "the program cannot be corrected with it"));
+            }
+        }
+        Ok(true)
+    }
+
+    /// A block with G25 or G26: all its words are limits.
+    pub(super) fn limits(&self, block: &Block, span: Span, out: &mut Gathered) -> Result<(), Fault> {
+        let mut text = Vec::new();
+        for word in self.scope.program.words_of(block) {
+            let is_other_code = matches!((word.address, word.value), (Address::Letter(b'G'), Value::Number(code, _)) if code != 25.0 && code != 26.0);
+            let unit = match word.address {
+                _ if is_other_code => {
+                    let message = "G25 and G26 share their block with another G code";
+                    return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other code to another block"));
+                }
+                Address::Letter(letter) if b"XYZUVW".contains(&letter) => Unit::Length,
+                Address::Letter(b'G' | b'S' | b'A' | b'B' | b'C') | Address::Extended(b'S', _) => Unit::None,
+                _ => {
+                    let message = "G25 and G26 share their block with nothing but limits";
+                    return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other words to another block"));
+                }
+            };
+            if !text.is_empty() {
+                text.push(b' ');
+            }
+            text.extend(self.text(word, unit)?);
+        }
+        out.verbatim.push(text);
+        out.named = AxisSet::EMPTY;
+        out.speed = None;
+        out.before.clear();
+        Ok(())
+    }
+
+    /// A call that the control carries out: it and its repetitions are passed on.
+    fn opaque(&self, word: &Word, block: &Block, moves: bool, out: &mut Gathered) -> Result<bool, Fault> {
+        let mut text = self.text(word, Unit::None)?;
+        for other in self.scope.program.words_of(block).iter().filter(|other| other.span.start > word.span.start) {
+            text.push(b' ');
+            text.extend(self.text(other, Unit::None)?);
+        }
+        out.verbatim.push(text);
+        out.is_complete = true;
+        if moves {
+            out.lost = AxisSet::ALL;
+        }
+        Ok(true)
+    }
+
+    /// The text behind an address, where it is none the number counts.
+    pub(super) fn text_value(&self, word: &Word) -> Result<Option<Vec<u8>>, Fault> {
+        let Value::Expr(id) = word.value else { return Ok(None) };
+        Ok(match self.scope.value(id)? {
+            ExecValue::Text(text) => Some(text),
+            _ => None,
+        })
+    }
+
+    fn source(&self, span: Span) -> &[u8] {
+        self.scope.program.source.slice(span)
+    }
+
+    /// What a value of the program's unit is multiplied with.
+    fn scale(&self, unit: Unit) -> f64 {
+        let modal = self.scope.modal;
+        match unit {
+            Unit::Length => modal.scale(),
+            Unit::Feed if modal.inch_feed => MM_PER_INCH,
+            Unit::Feed | Unit::None => 1.0,
+        }
+    }
+
+    /// A word with its values.
+    pub(super) fn text(&self, word: &Word, unit: Unit) -> Result<Vec<u8>, Fault> {
+        let mut text = match word.address {
+            Address::Letter(letter) => vec![letter],
+            Address::Extended(letter, extension) => format!("{}{extension}", char::from(letter)).into_bytes(),
+            Address::Name(name) => self.scope.program.names.text(name).as_bytes().to_vec(),
+            Address::Indexed(left) => {
+                let Node::Indexed(name, range) = self.scope.program.expr(left).node else {
+                    return Ok(self.source(word.span).to_vec());
+                };
+                let mut text = self.scope.program.names.text(name).as_bytes().to_vec();
+                text.push(b'[');
+                self.arguments(range, Unit::None, &mut text)?;
+                text.push(b']');
+                text
+            }
+        };
+        match word.value {
+            Value::None => {}
+            Value::Number(value, _) => {
+                if matches!(word.address, Address::Extended(..)) {
+                    text.push(b'=');
+                }
+                text.extend(number_text(value * self.scale(unit)));
+            }
+            Value::Expr(id) => {
+                text.push(b'=');
+                text.extend(self.argument(id, unit)?);
+            }
+            Value::Dimension(_, id) => {
+                let written = self.source(word.span);
+                let start = written.iter().position(|&byte| byte == b'=').map_or(0, |at| at + 1);
+                let end = written[start..].iter().position(|&byte| byte == b'(').map_or(start, |at| start + at);
+                text.push(b'=');
+                text.extend(written[start..end].trim_ascii().to_ascii_uppercase());
+                text.push(b'(');
+                text.extend(self.argument(id, unit)?);
+                text.push(b')');
+            }
+            Value::Arguments(range) => {
+                let is_list = self.source(word.span).contains(&b'=') && !matches!(word.address, Address::Name(_));
+                text.extend_from_slice(if is_list { b"=(" } else { b"(" });
+                self.arguments(range, unit, &mut text)?;
+                text.push(b')');
+            }
+        }
+        Ok(text)
+    }
+
+    /// Arguments with their values; the unit is that of the first one.
+    fn arguments(&self, range: ArgumentRange, unit: Unit, out: &mut Vec<u8>) -> Result<(), Fault> {
+        for (index, argument) in self.scope.program.arguments_of(range).iter().enumerate() {
+            if index > 0 {
+                out.push(b',');
+            }
+            if let Some(id) = argument {
+                out.extend(self.argument(*id, if index == 0 { unit } else { Unit::None })?);
+            }
+        }
+        Ok(())
+    }
+
+    /// The value of an expression as text; the expression itself where only the control knows its names.
+    fn argument(&self, id: ExprId, unit: Unit) -> Result<Vec<u8>, Fault> {
+        let value = match self.scope.value(id) {
+            Ok(value) => value,
+            Err(found) => {
+                let mut names = Named::default();
+                self.look(id, &mut names);
+                let is_foreign = names.foreign && !names.own;
+                return if is_foreign {
+                    Ok(self.source(self.scope.program.expr(id).span).to_vec())
+                } else {
+                    Err(found)
+                };
+            }
+        };
+        Ok(match value {
+            ExecValue::Text(text) => [b"\"", text.as_slice(), b"\""].concat(),
+            ExecValue::Bool(truth) => if truth { &b"TRUE"[..] } else { b"FALSE" }.to_vec(),
+            other => match other.number() {
+                Some(number) => number_text(number * self.scale(unit)),
+                None => other.text(),
+            },
+        })
+    }
+
+    /// Looks for names of the program and for names that only the control knows.
+    fn look(&self, id: ExprId, names: &mut Named) {
+        let program = self.scope.program;
+        let is_own = |name| {
+            let text = program.names.text(name);
+            text.starts_with('$') || self.scope.variables.has(name, text)
+        };
+        let inside = |range: ArgumentRange, names: &mut Named| {
+            for argument in program.arguments_of(range).iter().flatten() {
+                self.look(*argument, names);
+            }
+        };
+        match program.expr(id).node {
+            Node::Real(_) | Node::Integer(_) | Node::Boolean(_) | Node::Text(_) => {}
+            Node::Parameter(_) | Node::ParameterAt(_) => names.own = true,
+            Node::Name(name) if is_own(name) => names.own = true,
+            Node::Name(_) => names.foreign = true,
+            Node::Indexed(name, range) => {
+                names.own |= is_own(name);
+                names.foreign |= !is_own(name);
+                inside(range, names);
+            }
+            Node::Call(name, range) => {
+                names.foreign |= !is_function(program.names.text(name));
+                inside(range, names);
+            }
+            Node::Unary(_, inner) => self.look(inner, names),
+            Node::Binary(_, left, right) => {
+                self.look(left, names);
+                self.look(right, names);
+            }
+        }
+    }
+}
+
+/// Whose names an expression holds.
+#[derive(Default)]
+struct Named {
+    /// Variables and parameters of the program.
+    own: bool,
+    /// Names that only the control knows.
+    foreign: bool,
+}
+
+/// A number as a program writes it.
+pub(super) fn number_text(value: f64) -> Vec<u8> {
+    ((value * PARTS).round() / PARTS).to_string().into_bytes()
+}
+
+/// The result variable of a file access, which takes place on the control only: no error.
+pub(super) fn file_result(loaded: &Loaded, channel: &mut Channel<'_>, word: &Word) -> Result<(), Fault> {
+    let (Address::Name(name), Value::Arguments(range)) = (word.address, word.value) else { return Ok(()) };
+    let Meaning::Kept(row) = loaded.meanings[name.index()] else { return Ok(()) };
+    match loaded.program.arguments_of(range) {
+        [Some(result), ..] if row.treatment == Treatment::File => {
+            assign_value(loaded, channel, *result, ExecValue::Int(0), word.span)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A call by statement that the control carries out: `CALL "NAME"`, `PCALL path(…)`, `EXTCALL("NAME")`.
+pub(super) fn opaque_statement(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    (span, name): (Span, &str),
+    arguments: Option<ArgumentRange>,
+    moves: bool,
+) -> Result<(), Fault> {
+    let source = loaded.program.source.slice(span);
+    let keyword: Vec<u8> = source.iter().take_while(|byte| byte.is_ascii_alphabetic()).copied().collect();
+    let mut text = keyword.to_ascii_uppercase();
+    match text.as_slice() {
+        b"EXTCALL" => text.extend(format!("(\"{name}\")").into_bytes()),
+        b"CALL" => text.extend(format!(" \"{name}\"").into_bytes()),
+        _ => text.extend(format!(" {name}").into_bytes()),
+    }
+    if let Some(range) = arguments {
+        text.push(b'(');
+        gatherer(loaded, channel, channel.machine).arguments(range, Unit::None, &mut text)?;
+        text.push(b')');
+    }
+    channel.feed_for_call();
+    channel.push(Kind::Verbatim(text));
+    if moves {
+        channel.modal.forget_position();
+        channel.push(Kind::Lost(AxisSet::ALL));
+    }
+    Ok(())
+}
+
+impl Channel<'_> {
+    /// Refuses positions of the transverse axis while they are diameters, and cutting speeds in feet.
+    pub(super) fn check_diameter(&mut self, gathered: &Gathered) -> Result<(), Fault> {
+        if let (Some((_, span)), true) = (gathered.speed, self.modal.inch)
+            && matches!(self.modal.stated.code(15), Some("G96" | "G961" | "G962"))
+        {
+            // The output is metric, where the same number would be m/min.
+            let message = "a cutting speed in feet per minute, which is not supported yet";
+            return Err(fault(
+                Code::NOT_SUPPORTED,
+                span,
+                message,
+                "program G71 or G710 and the cutting speed in m/min",
+            ));
+        }
+        if let Some((diameter, span)) = gathered.diameter {
+            self.modal.diameter = diameter.then_some(span);
+        }
+        let axis = self.machine.control.transverse_axis;
+        let is_programmed =
+            gathered.named.contains(axis) || gathered.center.get(axis.slot()).is_some_and(Option::is_some);
+        if self.modal.diameter.is_none() || !is_programmed {
+            return Ok(());
+        }
+        let message = format!("positions of {axis} are diameters here, which is not supported yet");
+        let help = "program DIAMOF and radii, or set control.transverse_axis if another axis is meant";
+        Err(fault(Code::NOT_SUPPORTED, gathered.axis_spans[axis.slot()], message, help))
+    }
+}

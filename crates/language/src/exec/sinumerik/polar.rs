@@ -1,0 +1,171 @@
+//! Polar coordinates: the pole, angle and radius.
+
+use super::address::Named;
+use super::channel::Channel;
+use super::frames::shares_its_block;
+use super::gathered::{Gathered, NamedValue};
+use super::modal::Modal;
+use super::motion::MotionContext;
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::syntax::sinumerik::DimensionFunction;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{AxisSet, Plane};
+use ncfix_base::source::Span;
+
+/// Pole, and what was programmed about it, in plane coordinates of the program (mm, rad).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Polar {
+    pole: [f64; 2],
+    /// The plane that pole, radius and angle belong to.
+    plane: Option<Plane>,
+    radius: Option<f64>,
+    angle_rad: Option<f64>,
+}
+
+/// What a pole is relative to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PoleBase {
+    /// `G110`: the last position.
+    Position,
+    /// `G111`: the workpiece zero.
+    Zero,
+    /// `G112`: the last pole.
+    Pole,
+}
+
+impl PoleBase {
+    /// The base of a G code.
+    pub(super) fn of(code: &str) -> Option<PoleBase> {
+        Some(match code {
+            "G110" => PoleBase::Position,
+            "G111" => PoleBase::Zero,
+            "G112" => PoleBase::Pole,
+            _ => return None,
+        })
+    }
+}
+
+impl Polar {
+    /// The pole; the workpiece zero until one is programmed.
+    pub(super) fn pole(&self, plane: Plane, span: Span) -> Result<[f64; 2], Fault> {
+        match self.plane {
+            None => Ok([0.0; 2]),
+            Some(own) if own == plane => Ok(self.pole),
+            Some(_) => {
+                let message = "the plane was changed behind the pole";
+                Err(fault(Code::BAD_POLAR, span, message, "program the pole in this plane with G110, G111 or G112"))
+            }
+        }
+    }
+}
+
+/// Whether the end of a block is given by AP or RP.
+pub(super) fn is_programmed(gathered: &Gathered) -> bool {
+    !gathered.addresses.is_empty() && (gathered.named(Named::Ap).is_some() || gathered.named(Named::Rp).is_some())
+}
+
+/// Abscissa and ordinate of a polar end point; `None` where the block has none.
+pub(super) fn end(
+    gathered: &Gathered,
+    modal: &mut Modal,
+    context: MotionContext<'_>,
+) -> Result<Option<[f64; 2]>, Fault> {
+    if !is_programmed(gathered) {
+        return Ok(None);
+    }
+    let [abscissa, ordinate, _] = modal.plane.axes();
+    let in_plane: AxisSet = [abscissa, ordinate].into_iter().collect();
+    if let Some(axis) = gathered.named.intersection(in_plane).iter().next() {
+        let span = gathered.axis_spans[axis.slot()];
+        let message = format!("{axis} and a polar position in one block");
+        return Err(fault(Code::BAD_POLAR, span, message, "only the axis across the plane may stand beside AP and RP"));
+    }
+    let pole = modal.polar.pole(modal.plane, context.span)?;
+    let (scale, incremental) = (modal.scale(), modal.incremental);
+    let angle = coordinate(gathered, Named::Ap, modal.polar.angle_rad, 1_f64.to_radians(), incremental, context)?;
+    let radius = coordinate(gathered, Named::Rp, modal.polar.radius, scale, incremental, context)?;
+    if radius < 0.0 {
+        let span = gathered.named(Named::Rp).map_or(context.span, |value| value.span);
+        return Err(bad_value(span, "a polar radius must not be negative", "turn the angle by 180 degrees instead"));
+    }
+    modal.polar = Polar { pole, plane: Some(modal.plane), radius: Some(radius), angle_rad: Some(angle) };
+    let (sine, cosine) = angle.sin_cos();
+    Ok(Some([pole[0] + radius * cosine, pole[1] + radius * sine]))
+}
+
+/// Angle or radius of a block, or the one that holds from blocks before.
+fn coordinate(
+    gathered: &Gathered,
+    word: Named,
+    held: Option<f64>,
+    unit: f64,
+    incremental: bool,
+    context: MotionContext<'_>,
+) -> Result<f64, Fault> {
+    let name = if word == Named::Ap { "AP" } else { "RP" };
+    let lacking = |span| {
+        let message = format!("{name} was not programmed since the pole was set");
+        fault(Code::BAD_POLAR, span, message, "give angle and radius in the first block behind the pole")
+    };
+    let Some(&NamedValue { value, dimension, span, .. }) = gathered.named(word) else {
+        return held.ok_or_else(|| lacking(context.span));
+    };
+    let value = value * unit;
+    if !value.is_finite() || value.abs() > 1e9 {
+        return Err(bad_value(span, "this value is too large", "check the value"));
+    }
+    match dimension {
+        Some(DimensionFunction::Incremental) => Ok(held.ok_or_else(|| lacking(span))? + value),
+        Some(DimensionFunction::Absolute) => Ok(value),
+        None if !incremental => Ok(value),
+        None => {
+            let message = format!("{name} under G91 can be meant in two ways");
+            Err(fault(Code::BAD_POLAR, span, message, "write AC(…) or IC(…)"))
+        }
+        Some(_) => Err(bad_value(span, format!("{name} takes AC(…) or IC(…)"), "correct the word")),
+    }
+}
+
+impl Channel<'_> {
+    /// `G110`, `G111`, `G112`.
+    pub(super) fn set_pole(&mut self, gathered: &Gathered, (base, span): (PoleBase, Span)) -> Result<(), Fault> {
+        if shares_its_block(gathered) {
+            let message = "a pole shares its block with nothing but its position";
+            return Err(fault(Code::MUST_STAND_ALONE, span, message, "move the other words to another block"));
+        }
+        let modal = &mut self.modal;
+        let [abscissa, ordinate, _] = modal.plane.axes();
+        let mut pole = match base {
+            PoleBase::Zero => [0.0; 2],
+            PoleBase::Pole => modal.polar.pole(modal.plane, span)?,
+            PoleBase::Position => {
+                let unknown = [abscissa, ordinate].into_iter().find(|&axis| !modal.known.contains(axis));
+                if let Some(axis) = unknown.filter(|_| self.strict) {
+                    return Err(modal.unknown_start(span, axis));
+                }
+                let here = modal.setup().programmed(&modal.command);
+                [here[abscissa], here[ordinate]]
+            }
+        };
+        let words = [Named::Ap, Named::Rp].map(|word| gathered.named(word).copied());
+        let in_plane = [abscissa, ordinate].into_iter().any(|axis| gathered.named.contains(axis));
+        let step = match words {
+            [None, None] => [abscissa, ordinate].map(|axis| gathered.axes[axis] * modal.scale()),
+            [Some(angle), Some(radius)] if !in_plane && angle.dimension.is_none() && radius.dimension.is_none() => {
+                let (sine, cosine) = angle.value.to_radians().sin_cos();
+                [radius.value * modal.scale() * cosine, radius.value * modal.scale() * sine]
+            }
+            _ => {
+                let help = "give its position either by axes or by both AP and RP";
+                return Err(fault(Code::BAD_POLAR, span, "the position of this pole is not clear", help));
+            }
+        };
+        pole[0] += step[0];
+        pole[1] += step[1];
+        if !pole.iter().all(|part| part.abs() < 1e9) {
+            return Err(bad_value(span, "the pole lies too far away", "check the values"));
+        }
+        modal.polar = Polar { pole, plane: Some(modal.plane), radius: None, angle_rad: None };
+        Ok(())
+    }
+}

@@ -1,0 +1,79 @@
+//! Blocks with G74 or G75: axes go to their reference point or to a fixed point of the machine, which only the control knows.
+//!
+//! The code, the number of the point and the axes are passed on as they are. The axis words have no meaning as positions and may name
+//! axes of the machine (`X1=0`); where these axes are is unknown behind the block. All other words act as in any block.
+
+use super::gather::Gatherer;
+use super::gathered::Gathered;
+use super::kept::Unit;
+use super::names::Meaning;
+use crate::exec::fault::Fault;
+use crate::syntax::sinumerik::{Address, Block, Value, Word};
+use ncfix_base::geometry::{Axis, AxisSet};
+use ncfix_dialect::{CodeEntry, Effect};
+
+/// The number of the fixed point.
+const POINT: &str = "FP";
+
+impl Gatherer<'_> {
+    /// Whether G74 or G75 stands among the words.
+    pub(super) fn is_reference(&self, words: &[Word]) -> bool {
+        words.iter().any(|word| self.reference_code(word).is_some())
+    }
+
+    fn reference_code(&self, word: &Word) -> Option<&'static CodeEntry> {
+        let (Address::Letter(b'G'), Value::Number(number, _)) = (word.address, word.value) else { return None };
+        let is_whole = number.fract() == 0.0 && (0.0..=999.0).contains(&number);
+        let entry = self.codes.g(is_whole.then_some(number as usize)?)?;
+        (entry.effect == Effect::Reference).then_some(entry)
+    }
+
+    /// Reads a block with G74 or G75 from its beginning.
+    pub(super) fn reference(&self, block: &Block) -> Result<Gathered, Fault> {
+        let mut out = Gathered::new();
+        out.is_reference = true;
+        let mut text = Vec::new();
+        let (mut lost, mut names_axis) = (AxisSet::EMPTY, false);
+        for word in self.scope.program.words_of(block) {
+            if let Some(entry) = self.reference_code(word) {
+                self.group(entry.group, word.span, &mut out)?;
+            } else if let Some(axes) = self.referenced(word) {
+                lost = lost.union(axes);
+                names_axis = true;
+            } else if !self.is_point(word) {
+                self.word(word, block, &mut out)?;
+                continue;
+            }
+            if !text.is_empty() {
+                text.push(b' ');
+            }
+            text.extend(self.text(word, Unit::None)?);
+        }
+        out.verbatim.push(text);
+        out.lost = out.lost.union(if names_axis { lost } else { AxisSet::ALL });
+        Ok(out)
+    }
+
+    fn is_point(&self, word: &Word) -> bool {
+        matches!(word.address, Address::Name(name) if self.scope.program.names.text(name) == POINT)
+    }
+
+    /// The axes that a word of an axis stands for; `None` where it is another word.
+    fn referenced(&self, word: &Word) -> Option<AxisSet> {
+        match word.address {
+            // X1 is the first machine axis that belongs to X; on which machine ever, no other moves.
+            Address::Letter(letter) | Address::Extended(letter, _) => {
+                Axis::from_letter(letter).map(|axis| [axis].into_iter().collect())
+            }
+            Address::Name(name) if !self.is_point(word) && matches!(word.value, Value::Expr(_)) => {
+                let text = self.scope.program.names.text(name);
+                let is_axis =
+                    matches!(self.meanings[name.index()], Meaning::Free) && !self.scope.variables.has(name, text);
+                // Which axis this is only the control knows.
+                let named = self.scope.machine.axis_named(text).map(|axis| [axis].into_iter().collect());
+                is_axis.then(|| named.unwrap_or(AxisSet::ALL))
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! Positions of rotary axes: DC, ACP, ACN, and axes that turn without end.
+//!
+//! Inside, the position of a modulo axis counts its turns; the output names positions within a turn again.
+
+use std::f64::consts::{PI, TAU};
+
+use super::gathered::Gathered;
+use super::motion::MotionContext;
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::syntax::sinumerik::DimensionFunction;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{Axis, ROTARY_AXES};
+use ncfix_base::source::Span;
+use ncfix_machine::snc::Way;
+
+/// A position this near to the present one is the same, rad: a turn in full is not meant.
+const SAME_RAD: f64 = 1e-9;
+
+/// Notes how an axis word is meant, and whether that is known.
+pub(super) fn set_way(axis: Axis, function: DimensionFunction, span: Span, out: &mut Gathered) -> Result<bool, Fault> {
+    let way = match function {
+        DimensionFunction::Absolute => Way::Plain,
+        DimensionFunction::Incremental => {
+            out.as_incremental.insert(axis);
+            return Ok(true);
+        }
+        DimensionFunction::Shortest => Way::Shortest,
+        DimensionFunction::Positive => Way::Positive,
+        DimensionFunction::Negative => Way::Negative,
+        DimensionFunction::Other => return Ok(false),
+    };
+    if way != Way::Plain && !axis.is_rotary() {
+        return Err(bad_value(span, format!("{axis} is no rotary axis"), "DC, ACP and ACN are for rotary axes"));
+    }
+    out.as_absolute.insert(axis);
+    if let Some(place) = out.ways.get_mut(axis.dimension()).filter(|_| axis.is_rotary()) {
+        *place = way;
+    }
+    Ok(true)
+}
+
+/// The position of an absolute word. Where the control may go either way, its way becomes [`Way::Either`].
+pub(super) fn position(
+    axis: Axis,
+    value: f64,
+    here: f64,
+    (gathered, is_known): (&Gathered, bool),
+    context: MotionContext<'_>,
+    ways: &mut [Way; 3],
+) -> Result<f64, Fault> {
+    if !axis.is_rotary() {
+        return Ok(value);
+    }
+    let way = gathered.ways.get(axis.dimension()).copied().unwrap_or_default();
+    let is_modulo = context.machine.axis(axis).is_some_and(|data| data.modulo);
+    let span = gathered.axis_spans.get(axis.slot()).copied().unwrap_or_default();
+    if !is_modulo {
+        return match way {
+            Way::Plain => Ok(value),
+            _ => {
+                let message = format!("DC, ACP and ACN need an axis that turns without end; {axis} is none");
+                Err(bad_value(
+                    span,
+                    message,
+                    "set modulo = true in its section of the machine file if it does, instead of a travel",
+                ))
+            }
+        };
+    }
+    if !(0.0..TAU).contains(&value) {
+        let shown = value.to_degrees();
+        let message = format!("{axis} turns without end, and {shown} is no position from 0 to below 360 degrees");
+        return Err(bad_value(span, message, "write a position within the turn, or IC(…)"));
+    }
+    let within = here.rem_euclid(TAU);
+    let forward = (value - within).rem_euclid(TAU);
+    let is_same = !(SAME_RAD..=TAU - SAME_RAD).contains(&forward);
+    let increment = context.control.increment_rad;
+    let is_near = !(increment..=TAU - increment).contains(&forward);
+    if is_known && is_near && matches!(way, Way::Positive | Way::Negative) {
+        let message = format!("{axis} stands there already: with ACP and ACN it turns in full, or not at all");
+        return Err(fault(
+            Code::WAY_OPEN,
+            span,
+            message,
+            "program DC(…) where it shall stay, IC(360) or IC(-360) for a turn",
+        ));
+    }
+    let is_shortest = way == Way::Shortest || way == Way::Plain && context.control.modulo_shortest;
+    if is_known
+        && is_shortest
+        && (forward - PI).abs() <= increment
+        && let Some(place) = ways.get_mut(axis.dimension())
+    {
+        *place = Way::Either;
+    }
+    let step = match way {
+        Way::Plain if !context.control.modulo_shortest => value - within,
+        Way::Positive | Way::Negative if is_same => 0.0,
+        Way::Positive => forward,
+        Way::Negative => forward - TAU,
+        _ if forward > PI => forward - TAU,
+        _ => forward,
+    };
+    Ok(here + step)
+}
+
+/// Refuses a motion of the path that the control may make either way: with another way of the axis the tool cuts elsewhere.
+pub(super) fn check_either(ways: &[Way; 3], is_positioning: bool, context: MotionContext<'_>) -> Result<(), Fault> {
+    let Some(dimension) = ways.iter().position(|way| *way == Way::Either) else { return Ok(()) };
+    if is_positioning && context.setup.transform.is_none() {
+        return Ok(());
+    }
+    let axis = ROTARY_AXES.get(dimension).copied().unwrap_or(Axis::C);
+    let message = format!("{axis} is to turn by exactly half a turn the shortest way: the control may go either way");
+    Err(fault(Code::WAY_OPEN, context.span, message, "program ACP(…) or ACN(…), or IC(180) or IC(-180)"))
+}
+
+/// The warning about a rapid motion that the control may make either way.
+pub(super) fn either_way(ways: &[Way; 3], span: Span) -> Option<Fault> {
+    let dimension = ways.iter().position(|way| *way == Way::Either)?;
+    let axis = ROTARY_AXES.get(dimension).copied().unwrap_or(Axis::C);
+    let message = format!(
+        "{axis} turns by exactly half a turn the shortest way: the control may go either way, with the corrected position another way than without"
+    );
+    Some(fault(Code::EITHER_WAY, span, message, "see that it may turn both ways here, or program ACP(…) or ACN(…)"))
+}

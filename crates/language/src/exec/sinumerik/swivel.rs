@@ -1,0 +1,351 @@
+//! CYCLE800: the plane of the program is tilted, the rotary axes turn until the tool stands on it, and the frame follows the workpiece.
+//!
+//! The tilt T is one of the workpiece: a point p of the new plane is the point T·p of the settable zero offset while the rotary axes stand
+//! at their zero. The new frame is whatever brings the tip to this point of the workpiece when they are turned: linear axes for a
+//! turned workpiece are an affine function of p, which is worked out on the kinematics of the machine. Where the spindle head turns, the
+//! control goes on to add the tool length along its axes; the difference is in the shift of the frame.
+
+use super::channel::Channel;
+use super::gathered::{Call, Gathered};
+use super::modal::MotionKind;
+use super::value::Value;
+use super::{Interpreter, scope_of};
+use crate::exec::fault::{Fault, fault};
+use crate::exec::tilted_plane::{tilting_axis, turned_frame, unknown_places, workpiece_normal};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{AXES, Axis, AxisSet, AxisVector, Frame, Matrix, ROTARY_AXES, RotationOrder, Vector, about};
+use ncfix_base::source::Span;
+use ncfix_machine::machine::Kinematics;
+use ncfix_machine::snc::{FrameKind, FrameStatement, FrameWords, Way};
+
+/// A matrix that is off a rotation by more is none.
+const SAME_ROTATION: f64 = 1e-9;
+/// Angles nearer than this are the same, rad.
+const SAME_ANGLE: f64 = 1e-9;
+/// Values of the statements are written with so many parts of a mm or degree.
+const PARTS: f64 = 1e9;
+
+/// A plane that is swivelled.
+#[derive(Clone, Debug)]
+pub(super) struct Swivelled {
+    /// Between the settable frame and the programmable one.
+    pub(super) frame: Frame,
+    /// What says so in the output.
+    statements: [FrameStatement; 2],
+    /// The tilt of the workpiece.
+    tilt: Frame,
+    /// The tool for which the frame holds.
+    tool_mm: Vector,
+}
+
+/// What a call asks for.
+struct Request {
+    retract: f64,
+    retract_by_mm: f64,
+    is_additive: bool,
+    before: Vector,
+    rotation: Matrix,
+    behind: Vector,
+    direction: f64,
+    is_reset: bool,
+    span: Span,
+}
+
+impl Interpreter<'_> {
+    /// `CYCLE800(…)`
+    pub(super) fn swivel(&mut self, call: &Call) -> Result<(), Fault> {
+        let Some(level) = self.levels.last() else { return Ok(()) };
+        let loaded = &self.programs[level.program];
+        let given = call.arguments.map_or(&[][..], |range| loaded.program.arguments_of(range));
+        let scope = scope_of(loaded, &self.channel);
+        let mut values = [0.0; 16];
+        let mut name = Vec::new();
+        for (place, argument) in given.iter().enumerate() {
+            let Some(id) = argument else { continue };
+            let value = scope.value(*id)?;
+            match (place, &value) {
+                (1, Value::Text(text)) => name.clone_from(text),
+                _ => match (values.get_mut(place), value.number()) {
+                    (Some(slot), Some(number)) => *slot = number,
+                    _ => return Err(refused(call.span, format!("argument {} is not understood", place + 1))),
+                },
+            }
+        }
+        let [retract, _, status, mode, x0, y0, z0, a, b, c, x1, y1, z1, direction, retract_by, _] = values;
+        let length = self.channel.modal.scale();
+        let is_reset = given.iter().all(Option::is_none) || name == b"0";
+        let digits = status as i64;
+        if digits < 0 || status.fract() != 0.0 || digits / 10 % 10_000 != 0 || digits % 10 > 1 {
+            return Err(refused(call.span, format!("_ST {status}: only 0 and 1 in the last digit are followed")));
+        }
+        let rotation = if is_reset { Matrix::identity() } else { rotation_of(mode, [a, b, c], call.span)? };
+        let request = Request {
+            retract,
+            retract_by_mm: retract_by * length,
+            is_additive: digits % 10 == 1,
+            before: Vector::new(x0, y0, z0) * length,
+            rotation,
+            behind: Vector::new(x1, y1, z1) * length,
+            direction,
+            is_reset,
+            span: call.span,
+        };
+        self.channel.swivel(&request)
+    }
+}
+
+/// The rotation of a mode: about up to three axes, each about the axes that are turned already.
+fn rotation_of(mode: f64, angles_deg: [f64; 3], span: Span) -> Result<Matrix, Fault> {
+    let mut rotation = Matrix::identity();
+    if angles_deg == [0.0; 3] {
+        return Ok(rotation);
+    }
+    if !(0.0..64.0).contains(&mode) || mode.fract() != 0.0 {
+        return Err(refused(span, format!("_MODE {mode}: only rotations axis by axis are followed")));
+    }
+    // Below 64.
+    let bits = mode as u32;
+    for (place, angle) in angles_deg.into_iter().enumerate() {
+        let unit = match bits >> (2 * place) & 3 {
+            1 => Vector::x(),
+            2 => Vector::y(),
+            3 => Vector::z(),
+            _ if angle == 0.0 => continue,
+            _ => return Err(refused(span, format!("_MODE {mode} names no axis for rotation {}", place + 1))),
+        };
+        rotation *= about(&unit, angle.to_radians());
+    }
+    Ok(rotation)
+}
+
+impl Channel<'_> {
+    fn swivel(&mut self, request: &Request) -> Result<(), Fault> {
+        let span = request.span;
+        if self.modal.transform.turning().is_some() {
+            return Err(refused(span, "under TRAORI the plane cannot be swivelled".to_owned()));
+        }
+        let kinematics = Kinematics::new(self.machine);
+        self.retract(request, &kinematics)?;
+        if request.is_reset {
+            self.modal.swivelled = None;
+            return self.restate(span);
+        }
+        let below = self.modal.base.compose(&self.modal.settable);
+        let new = translation(request.before)
+            .compose(&Frame::rotation(request.rotation))
+            .compose(&translation(request.behind));
+        let tilt = match &self.modal.swivelled {
+            Some(last) if request.is_additive => last.tilt.compose(&self.modal.programmable).compose(&new),
+            None if request.is_additive => self.modal.programmable.compose(&new),
+            _ => new,
+        };
+        let tool_mm = self.modal.tool_mm();
+        let has_rotary = kinematics.rotary_axes().next().is_some();
+        let total = if has_rotary {
+            if request.direction == 0.0 {
+                return Err(refused(
+                    span,
+                    "_DIR 0 on a machine that swivels: what turns the axes is not known".to_owned(),
+                ));
+            }
+            let all = AxisSet::XYZ.iter().chain(kinematics.rotary_axes());
+            let unknown: AxisSet = all.filter(|&axis| !self.is_stated(axis)).collect();
+            if self.strict && !unknown.is_empty() {
+                // The plane comes into force all the same, so that one cause is not found again in every block behind it.
+                self.outlet.warnings.push(unknown_places(span, unknown, "SUPA G0"));
+                self.modal.known = self.modal.known.union(unknown);
+            }
+            let normal = workpiece_normal(&kinematics, &below, &tilt, &tool_mm);
+            let turned = self.choose(&kinematics, &normal, request)?;
+            self.turn(&kinematics, &turned, span)?;
+            let total = turned_frame(&kinematics, &below, &tilt, &turned, &tool_mm)
+                .ok_or_else(|| refused(span, "the linear axes of this machine cannot place the tip".to_owned()))?;
+            Some(total)
+        } else if request.direction == 0.0 {
+            Some(below.compose(&tilt))
+        } else {
+            return Err(refused(
+                span,
+                "the machine has no rotary axes to swivel; _DIR 0 sets the frame alone".to_owned(),
+            ));
+        };
+        let total = total.ok_or_else(|| refused(span, "the swivelled plane makes no frame".to_owned()))?;
+        let relative = below.inverse().compose(&total);
+        let statements = statements_of(&relative, self.rotation_order())
+            .ok_or_else(|| refused(span, "the zero offset scales or mirrors".to_owned()))?;
+        let frame = statements.iter().fold(Frame::identity(), |frame, statement| {
+            let added = super::frames::frame_of(statement, self.modal.plane, &self.machine.control);
+            frame.compose(&added.unwrap_or_else(Frame::identity))
+        });
+        self.modal.swivelled = Some(Box::new(Swivelled { frame, statements, tilt, tool_mm }));
+        self.restate(span)
+    }
+
+    fn is_stated(&self, axis: Axis) -> bool {
+        self.machine.axis(axis).is_none() || self.modal.known.contains(axis)
+    }
+
+    /// The angles of the rotary axes that put the tool on the plane.
+    fn choose(&self, kinematics: &Kinematics, normal: &Vector, request: &Request) -> Result<AxisVector, Fault> {
+        let near = self.modal.command;
+        let help = "check the angles of the plane and the travel of the rotary axes";
+        match kinematics.orientations(normal, &near) {
+            [None, None] => {
+                let message = "the rotary axes cannot put the tool on this plane";
+                Err(fault(Code::BAD_SWIVEL, request.span, message, help))
+            }
+            [Some(one), None] | [None, Some(one)] => Ok(one),
+            [Some(one), Some(other)] => {
+                let reference =
+                    self.machine.control.swivel_direction_axis.or_else(|| tilting_axis(kinematics, self.machine));
+                let Some(axis) = reference else { return Ok(one) };
+                if (one[axis] - other[axis]).abs() < SAME_ANGLE {
+                    return Ok(one);
+                }
+                Ok(if (one[axis] < other[axis]) == (request.direction < 0.0) { one } else { other })
+            }
+        }
+    }
+
+    /// Turns the rotary axes at rapid, in machine coordinates.
+    fn turn(&mut self, kinematics: &Kinematics, turned: &AxisVector, span: Span) -> Result<(), Fault> {
+        let mut words = Gathered::new();
+        for axis in kinematics.rotary_axes() {
+            let (from, to) = (self.modal.command[axis], turned[axis]);
+            let is_modulo = self.machine.axis(axis).is_some_and(|data| data.modulo);
+            let shown = (to.to_degrees() * PARTS).round() / PARTS;
+            words.axes[axis] = if is_modulo { shown.rem_euclid(360.0) } else { shown };
+            if let Some(way) = words.ways.get_mut(axis.dimension()).filter(|_| is_modulo) {
+                *way = if to > from { Way::Positive } else { Way::Negative };
+                // Which way half a turn leads is up to the control.
+                let increment = self.machine.control.increment_rad.max(SAME_ANGLE);
+                let step = (to - from).abs();
+                if step <= increment || (step - std::f64::consts::PI).abs() <= increment {
+                    *way = Way::Shortest;
+                }
+            }
+            words.as_absolute.insert(axis);
+            words.named.insert(axis);
+        }
+        self.go(words, span)
+    }
+
+    /// A rapid block in machine coordinates; the motion code in force stays.
+    fn go(&mut self, mut words: Gathered, span: Span) -> Result<(), Fault> {
+        let motion = self.modal.motion;
+        words.suppress = Some("SUPA");
+        words.keep.push("SUPA");
+        words.motion = Some((MotionKind::Rapid, span));
+        self.outlet.begin_line();
+        let found = self.execute(&mut words, None, span);
+        self.modal.motion = motion;
+        found
+    }
+
+    /// Moves away from the workpiece as the call says.
+    fn retract(&mut self, request: &Request, kinematics: &Kinematics) -> Result<(), Fault> {
+        let (span, scale) = (request.span, self.modal.scale());
+        let tool_mm = self.modal.tool_mm();
+        let mut words = Gathered::new();
+        let mut go_to = |axis: Axis, command: f64| {
+            words.axes[axis] = (command + tool_mm[axis.slot()]) / scale;
+            words.as_absolute.insert(axis);
+            words.named.insert(axis);
+        };
+        if request.retract == 0.0 {
+            return Ok(());
+        }
+        if request.retract == 5.0 {
+            let tip = kinematics.tip_mm(&self.modal.command, &tool_mm);
+            let away = tip + kinematics.direction(&self.modal.command) * request.retract_by_mm;
+            let target = kinematics.placed(&away, &self.modal.command, &tool_mm);
+            let target = target.ok_or_else(|| refused(span, "the linear axes cannot place the tip".to_owned()))?;
+            AxisSet::XYZ.iter().for_each(|axis| go_to(axis, target[axis]));
+            return self.go(words, span);
+        }
+        let axis_z = kinematics.direction(&self.modal.command);
+        let is_along_z = self.modal.command.max_abs(&ROTARY_AXES) == 0.0 || axis_z[2].abs() > 1.0 - SAME_ROTATION;
+        let is_known = request.retract == 1.0 || request.retract == 4.0 && is_along_z;
+        match self.machine.control.swivel_retract_z_mm.filter(|_| is_known) {
+            Some(z) => {
+                go_to(Axis::Z, z);
+                self.go(words, span)
+            }
+            None => {
+                let message = format!("_FR {}: where the axes retract to is not known", request.retract);
+                let help = "set control.swivel_retract_z_mm for _FR 1 and 4 (tool along Z), or program 0 and the retraction yourself";
+                Err(fault(Code::BAD_SWIVEL, span, message, help))
+            }
+        }
+    }
+
+    /// Writes the swivelled plane anew, without programmable frame.
+    pub(super) fn restate(&mut self, span: Span) -> Result<(), Fault> {
+        let none = FrameStatement {
+            kind: FrameKind::Translate,
+            additive: false,
+            values: AxisVector::ZERO,
+            named: AxisSet::EMPTY,
+            in_plane_rad: None,
+        };
+        let nothing_on_top = FrameStatement { additive: true, ..none };
+        let statements = self.modal.swivelled.as_ref().map_or([none, nothing_on_top], |swivelled| swivelled.statements);
+        self.modal.programmable = Frame::identity();
+        self.modal.fine = AxisVector::ZERO;
+        self.refresh_setup();
+        if self.setup.frame.linear().iter().any(|part| !part.is_finite()) {
+            return Err(refused(span, "the swivelled plane makes no frame".to_owned()));
+        }
+        for statement in statements.into_iter().filter(|statement| !(statement.additive && statement.named.is_empty()))
+        {
+            self.outlet.begin_line();
+            self.push_frame(FrameWords::Statement(statement));
+        }
+        Ok(())
+    }
+
+    /// Refuses what a swivelled plane does not stand.
+    pub(super) fn check_swivelled(&self, span: Span) -> Result<(), Fault> {
+        let Some(swivelled) = &self.modal.swivelled else { return Ok(()) };
+        let turns_tool = self.machine.topology.tool.iter().any(|axis| axis.is_rotary());
+        if turns_tool && swivelled.tool_mm != self.modal.tool_mm() {
+            let message = "the tool length changed in a swivelled plane, and the head turns";
+            return Err(fault(Code::BAD_SWIVEL, span, message, "swivel again behind the tool change"));
+        }
+        Ok(())
+    }
+}
+
+/// `TRANS` and `AROT` that make a frame; `None` where it scales or mirrors.
+fn statements_of(frame: &Frame, order: RotationOrder) -> Option<[FrameStatement; 2]> {
+    let linear = frame.linear();
+    let is_rotation =
+        (linear * linear.transpose() - Matrix::identity()).norm() < SAME_ROTATION && linear.determinant() > 0.0;
+    let shown = |value: f64| (value * PARTS).round() / PARTS;
+    let mut shift = AxisVector::ZERO;
+    let mut angles = AxisVector::ZERO;
+    for (slot, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
+        shift[axis] = shown(frame.shift(axis));
+        angles[axis] = shown(order.angles_rad(linear)[slot].to_degrees()).to_radians();
+    }
+    let named = |values: &AxisVector| AXES.into_iter().filter(|&axis| values[axis] != 0.0).collect::<AxisSet>();
+    let statement = |kind, additive, values: AxisVector| FrameStatement {
+        kind,
+        additive,
+        values,
+        named: named(&values),
+        in_plane_rad: None,
+    };
+    is_rotation.then(|| [statement(FrameKind::Translate, false, shift), statement(FrameKind::Rotate, true, angles)])
+}
+
+fn translation(shift: Vector) -> Frame {
+    let mut offset = AxisVector::ZERO;
+    offset.set_xyz(shift);
+    Frame::translation(offset)
+}
+
+fn refused(span: Span, message: String) -> Fault {
+    let help = "program the plane with frame statements and the rotary axes with their words, or name CYCLE800 in control.opaque";
+    fault(Code::BAD_SWIVEL, span, message, help)
+}

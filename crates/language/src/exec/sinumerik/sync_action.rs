@@ -1,0 +1,253 @@
+//! Synchronised actions: passed on as written where they move no axis.
+//!
+//! They run on the control beside the program, so what they do to positions cannot be followed. `$` variables live on the control; R
+//! parameters and variables of the program are replaced by the values that they have where the action is programmed, as the control
+//! does in preprocessing.
+
+use super::channel::Channel;
+use super::functions::is_function;
+use super::pass::number_text;
+use super::value::Value as ExecValue;
+use super::{Loaded, scope_of};
+use crate::exec::fault::{Fault, fault};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{Axis, AxisSet};
+use ncfix_base::source::Span;
+use ncfix_machine::snc::Kind;
+
+/// Words that concern the axis that stands behind them in brackets.
+const OF_AXIS: &[&str] = &["POS", "POSA", "POSP", "MOV", "FXS", "DELDTG", "MEASA", "MEAWA", "MEAC", "GET", "PRESETON"];
+
+/// Words that move nothing.
+const HARMLESS: &[&str] = &[
+    "ELSE", "STOPREOF", "RDISABLE", "LOCK", "UNLOCK", "RESET", "CANCEL", "ICYCON", "ICYCOF", "SETM", "CLEARM", "SETAL",
+    "SYNFCT", "FCTDEF", "SPOS", "SPOSA", "FA", "ACC", "VELOLIM", "JERKLIM", "OVR", "OVRA", "FXST", "FXSW", "TRAILOF",
+    "LEADOF", "COUPOF", "RELEASE", "WAITP", "TRUE", "FALSE", "AND", "OR", "XOR", "NOT", "DIV", "MOD", "B_AND", "B_OR",
+    "B_XOR", "B_NOT", "G70", "G71", "G700", "G710", "SPI", "LIMS",
+];
+
+/// Beginnings of variables whose values depend on where a block begins and ends.
+const OF_BLOCK: &[&str] = &[
+    "AC_DTE",
+    "AC_DTB",
+    "AC_PLT",
+    "AC_PATHN",
+    "AC_PATHJ",
+    "AC_TIMES",
+    "AC_TIMEC",
+    "AA_DTE",
+    "AA_DTB",
+    "AC_BLOCKTYPE",
+    "AC_SPLITBLOCK",
+];
+
+/// A word of the text: its place, and the brackets around it.
+struct Token<'a> {
+    start: usize,
+    text: &'a [u8],
+    depth: u32,
+}
+
+/// Executes a synchronised action: passes it on, or says why not.
+pub(super) fn execute(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    [whole, id, condition, actions]: [Span; 4],
+) -> Result<(), Fault> {
+    let source = |span| loaded.program.source.slice(span);
+    let number = std::str::from_utf8(source(id)).ok().and_then(|text| text.trim().parse().ok());
+    let is_allowed = channel.machine.control.allows_synchronised(number);
+    let help =
+        "if this is right for the machine, put the ID into control.allow_synchronised of the machine file, or \"all\"";
+    let refusal = |message: String| fault(Code::NOT_SUPPORTED, whole, message, help);
+    if !is_allowed {
+        if let Some(word) = moving_word(&with_values(loaded, channel, actions)?, channel.machine.axis_set()) {
+            return Err(refusal(format!("a synchronised action that may move an axis ({word})")));
+        }
+        if let Some(word) = tokens(source(whole)).find_map(|token| of_block(&token)) {
+            return Err(refusal(format!(
+                "{word} depends on where a block begins and ends, and moves are cut into pieces"
+            )));
+        }
+    }
+    let mut text = with_values(loaded, channel, whole)?;
+    for index in written_parameters(source(actions)) {
+        // What the action makes of it is known on the control only.
+        channel.variables.set_parameter(index, f64::NAN, actions)?;
+    }
+    if id.start == id.end && condition.start != condition.end {
+        let message = "an action without ID is watched during the next block only, which may become several";
+        channel.outlet.warnings.push(fault(
+            Code::WATCHED_ONCE,
+            whole,
+            message,
+            "give it an ID and CANCEL it behind the block if it must be watched to the end",
+        ));
+    }
+    text.truncate(text.trim_ascii_end().len());
+    channel.push(Kind::Verbatim(text));
+    Ok(())
+}
+
+/// The text with the values of the program's variables.
+fn with_values(loaded: &Loaded, channel: &Channel<'_>, whole: Span) -> Result<Vec<u8>, Fault> {
+    let source = loaded.program.source.slice(whole);
+    let scope = scope_of(loaded, channel);
+    let mut text = Vec::with_capacity(source.len());
+    let mut copied = 0;
+    for token in tokens(source) {
+        if token.text[0] == b'$' {
+            continue;
+        }
+        let end = token.start + token.text.len();
+        let span = Span::new(whole.start as usize + token.start, whole.start as usize + end);
+        let upper = String::from_utf8_lossy(token.text).to_ascii_uppercase();
+        let behind = source[end..].trim_ascii_start();
+        let is_indexed = behind.first() == Some(&b'[');
+        let is_written = behind.first() == Some(&b'=') && behind.get(1) != Some(&b'=');
+        let value = if let Some(index) = upper.strip_prefix('R').and_then(|digits| digits.parse::<i64>().ok()) {
+            ExecValue::Real(scope.variables.parameter(index, span)?)
+        } else if upper == "R" && is_indexed {
+            return Err(too_clever(span));
+        } else {
+            let name = loaded.program.names.find(&upper);
+            let Some(cells) = name.and_then(|name| scope.variables.cells(name, &upper)) else { continue };
+            match cells.first() {
+                Some(value) if !is_indexed && !cells.is_array() => value.clone(),
+                _ => return Err(too_clever(span)),
+            }
+        };
+        if is_written {
+            return Err(too_clever(span));
+        }
+        text.extend_from_slice(&source[copied..token.start]);
+        match value {
+            ExecValue::Text(bytes) => text.extend([b"\"", bytes.as_slice(), b"\""].concat()),
+            ExecValue::Bool(truth) => text.extend_from_slice(if truth { b"TRUE" } else { b"FALSE" }),
+            other => match other.number() {
+                Some(number) if number.is_finite() => text.extend(number_text(number)),
+                _ => text.extend(other.text()),
+            },
+        }
+        copied = end;
+    }
+    text.extend_from_slice(&source[copied..]);
+    Ok(text)
+}
+
+fn too_clever(span: Span) -> Fault {
+    fault(
+        Code::NOT_SUPPORTED,
+        span,
+        "a variable of the program that a synchronised action writes, or an element of an array",
+        "use a $ variable such as $AC_MARKER[1], or write the value",
+    )
+}
+
+/// The first word of the actions that may move an axis of the machine.
+fn moving_word(actions: &[u8], axes: AxisSet) -> Option<String> {
+    tokens(actions).find_map(|token| {
+        let upper = String::from_utf8_lossy(token.text).to_ascii_uppercase();
+        let behind = actions[token.start + token.text.len()..].trim_ascii_start();
+        is_moving(&upper, token.depth, behind, axes).then_some(upper)
+    })
+}
+
+fn is_moving(upper: &str, depth: u32, behind: &[u8], axes: AxisSet) -> bool {
+    let is_written = behind.first() == Some(&b'=') || behind.first() == Some(&b'[') && is_element_written(behind);
+    if let Some(name) = upper.strip_prefix("$$").or_else(|| upper.strip_prefix('$')) {
+        let on_position =
+            ["AA_OFF", "AA_TOFF", "AN_CEC", "AN_ETC", "AC_TOFF"].iter().any(|start| name.starts_with(start));
+        // What the control itself offers for synchronised actions; other variables are data that axes obey.
+        let is_free = ["AC_", "AA_", "A_", "AN_"].iter().any(|start| name.starts_with(start));
+        let is_parameter =
+            name == "R" || name.strip_prefix('R').is_some_and(|rest| rest.bytes().all(|b| b.is_ascii_digit()));
+        return on_position || depth == 0 && is_written && !is_free && !is_parameter;
+    }
+    if OF_AXIS.contains(&upper) {
+        let inside = behind.get(1..).unwrap_or_default().trim_ascii_start();
+        let length = inside.iter().take_while(|byte| byte.is_ascii_alphanumeric() || **byte == b'_').count();
+        return match inside.get(..length) {
+            // Another letter is an axis that is not modelled.
+            Some(&[letter]) if matches!(behind.first(), Some(b'[' | b'(')) => {
+                Axis::from_letter(letter.to_ascii_uppercase()).is_some_and(|axis| axes.contains(axis))
+            }
+            _ => true,
+        };
+    }
+    if depth > 0 || HARMLESS.contains(&upper) || is_function(upper) {
+        return false;
+    }
+    let letter = upper.as_bytes()[0];
+    let is_word = upper[1..].bytes().all(|byte| byte.is_ascii_digit());
+    match letter {
+        b'G' | b'L' | b'T' | b'D' if is_word => true,
+        _ if is_word => Axis::from_letter(letter).is_some_and(|axis| axes.contains(axis)),
+        // A variable of the control, or a program.
+        _ => behind.first() != Some(&b'='),
+    }
+}
+
+/// Whether `[…]` is followed by `=` alone.
+fn is_element_written(behind: &[u8]) -> bool {
+    let close = behind.iter().position(|&byte| byte == b']').map_or(behind.len(), |at| at + 1);
+    let rest = behind[close..].trim_ascii_start();
+    rest.first() == Some(&b'=') && rest.get(1) != Some(&b'=')
+}
+
+fn of_block(token: &Token<'_>) -> Option<String> {
+    let upper = String::from_utf8_lossy(token.text).to_ascii_uppercase();
+    let name = upper.trim_start_matches('$');
+    (name.len() < upper.len() && OF_BLOCK.iter().any(|start| name.starts_with(start))).then_some(upper.clone())
+}
+
+/// R parameters that the actions write: `$R5=`, `$R[5]=`.
+fn written_parameters(actions: &[u8]) -> Vec<i64> {
+    let mut found = Vec::new();
+    for token in tokens(actions) {
+        let upper = String::from_utf8_lossy(token.text).to_ascii_uppercase();
+        let Some(rest) = upper.trim_start_matches('$').strip_prefix('R').filter(|_| upper.starts_with('$')) else {
+            continue;
+        };
+        let behind = actions[token.start + token.text.len()..].trim_ascii_start();
+        let digits = if rest.is_empty() && behind.first() == Some(&b'[') && is_element_written(behind) {
+            let inside = String::from_utf8_lossy(&behind[1..]).into_owned();
+            inside.split(']').next().unwrap_or_default().trim().to_owned()
+        } else if behind.first() == Some(&b'=') && behind.get(1) != Some(&b'=') {
+            rest.to_owned()
+        } else {
+            continue;
+        };
+        found.extend(digits.parse::<i64>().ok());
+    }
+    found
+}
+
+/// Names and addresses with their number, outside quotation marks.
+fn tokens(text: &[u8]) -> impl Iterator<Item = Token<'_>> {
+    let (mut at, mut depth, mut quoted) = (0, 0_u32, false);
+    std::iter::from_fn(move || {
+        while let Some(&byte) = text.get(at) {
+            let start = at;
+            at += 1;
+            match byte {
+                b'"' => quoted = !quoted,
+                _ if quoted => {}
+                b'(' | b'[' => depth += 1,
+                b')' | b']' => depth = depth.saturating_sub(1),
+                b'A'..=b'Z' | b'a'..=b'z' | b'_' | b'$' => {
+                    let more =
+                        text[at..].iter().take_while(|&&b| b.is_ascii_alphanumeric() || b == b'_' || b == b'$').count();
+                    at += more;
+                    return Some(Token { start, text: &text[start..at], depth });
+                }
+                // Digits and what hangs on them: 10, 1EX3, the H of 'H1F'.
+                b'0'..=b'9' | b'\'' => {
+                    at += text[at..].iter().take_while(|&&b| b.is_ascii_alphanumeric() || b == b'.').count();
+                }
+                _ => {}
+            }
+        }
+        None
+    })
+}

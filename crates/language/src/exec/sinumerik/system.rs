@@ -1,0 +1,276 @@
+//! System variables that a program reads: what the execution knows, what the run has written, and the table of the machine file.
+
+use std::cell::Cell;
+use std::collections::HashMap;
+
+use super::expression::Scope;
+use super::frame_store::{FrameStore, settable_number};
+use super::frame_value::plane_axis;
+use super::tool_data::ToolData;
+use super::value::Value;
+use crate::exec::fault::{Fault, fault};
+use crate::syntax::sinumerik::{ArgumentRange, ExprId};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::Axis;
+use ncfix_base::units::MM_PER_INCH;
+use ncfix_machine::machine::{Machine, Setting};
+use ncfix_machine::snc::WordValue;
+
+/// Values that a run may write.
+const MAX_VALUES: usize = 200_000;
+
+/// The system variables of a run.
+#[derive(Clone, Debug, Default)]
+pub(super) struct System {
+    values: HashMap<String, Value>,
+    pub(super) frames: FrameStore,
+    pub(super) tools: ToolData,
+    /// Whether nothing may be assumed.
+    pub(super) strict: bool,
+    /// Whether MCALL is in force.
+    pub(super) modal_call: bool,
+    /// A variable of the main run that was read since [`Self::looked`]: the control stops to read it.
+    looked: Cell<Option<&'static str>>,
+}
+
+/// Variables that are the same on every control that runs a program for real.
+const CONSTANTS: &[(&str, f64)] = &[
+    ("$P_SIM", 0.0),
+    ("$P_ISTEST", 0.0),
+    ("$P_DRYRUN", 0.0),
+    ("$P_SEARCH", 0.0),
+    ("$P_SEARCHL", 0.0),
+    ("$MN_SCALING_SYSTEM_IS_METRIC", 1.0),
+    ("$MN_SCALING_VALUE_INCH", MM_PER_INCH),
+];
+
+/// Beginnings of the names of variables of the main run: the control reads them when it has got there, as with STOPRE.
+const MAIN_RUN: &[(&str, &str)] =
+    &[("$AA_", "$AA_…"), ("$AC_", "$AC_…"), ("$AN_", "$AN_…"), ("$A_", "$A_…"), ("$VA_", "$VA_…"), ("$VC_", "$VC_…")];
+
+/// Variables that are 0 when a program starts.
+const ZERO_AT_START: &[&str] = &["$AC_MARKER", "$AC_PARAM"];
+
+impl System {
+    /// Nothing written yet.
+    pub(super) fn new(strict: bool, machine: &Machine) -> System {
+        System { strict, frames: FrameStore::new(machine), ..System::default() }
+    }
+
+    /// A variable of the main run that was read since the last question.
+    pub(super) fn looked(&self) -> Option<&'static str> {
+        self.looked.take()
+    }
+
+    /// What the run has written.
+    pub(super) fn value(&self, key: &str) -> Option<&Value> {
+        self.values.get(key)
+    }
+
+    /// Notes a value; false where there is no room.
+    pub(super) fn set(&mut self, key: String, value: Value) -> bool {
+        let has_room = self.values.len() < MAX_VALUES || self.values.contains_key(&key);
+        if has_room {
+            self.values.insert(key, value);
+        }
+        has_room
+    }
+}
+
+/// A value of the machine file's tables.
+pub(super) fn value_of(setting: &Setting) -> Option<Value> {
+    Some(match setting {
+        Setting::Whole(value) => Value::Int(*value),
+        Setting::Number(value) => Value::Real(*value),
+        Setting::Truth(value) => Value::Bool(*value),
+        Setting::Text(text) => Value::Text(text.clone().into_bytes()),
+        Setting::List(_) => return None,
+    })
+}
+
+impl Scope<'_> {
+    /// The name with its indices as the tables write it: `$TC_DP6[1,1]`.
+    pub(super) fn key(&self, name: &str, range: Option<ArgumentRange>) -> Result<(String, Vec<Value>), Fault> {
+        let Some(range) = range else { return Ok((name.to_owned(), Vec::new())) };
+        let values: Vec<Value> =
+            self.list(range)?.into_iter().map(|value| value.unwrap_or(Value::Text(Vec::new()))).collect();
+        let shown: Vec<String> =
+            values.iter().map(|value| String::from_utf8_lossy(&value.text()).to_ascii_uppercase()).collect();
+        Ok((format!("{name}[{}]", shown.join(",")), values))
+    }
+
+    /// Reads a system variable.
+    pub(super) fn read_system(&self, name: &str, range: Option<ArgumentRange>, id: ExprId) -> Result<Value, Fault> {
+        if let Some(frame) = self.frame_name(name, range, self.program.expr(id).span)? {
+            return self.read_frame(frame, range, id);
+        }
+        if let Some(&(_, shown)) = MAIN_RUN.iter().find(|(start, _)| name.starts_with(start)) {
+            self.system.looked.set(Some(shown));
+        }
+        let (key, indices) = self.key(name, range)?;
+        if let Some(value) = self.system.value(&key) {
+            return Ok(value.clone());
+        }
+        if let Some(value) = self.computed(name, &indices, id)? {
+            return Ok(value);
+        }
+        if let Some(value) = self.machine.system.get(&key).and_then(value_of) {
+            return Ok(value);
+        }
+        if let Some(&(_, value)) = CONSTANTS.iter().find(|(known, _)| *known == name) {
+            return Ok(Value::Real(value));
+        }
+        if ZERO_AT_START.contains(&name) {
+            return Ok(Value::Real(0.0));
+        }
+        let span = self.program.expr(id).span;
+        // What the program itself should have said, and the machine file cannot.
+        match name {
+            "$P_EP" => {
+                let message = format!("{key} is read, and the program has not stated where this axis is");
+                let help = "begin with an absolute position of this axis, or give --start";
+                return Err(fault(Code::UNKNOWN_START, span, message, help));
+            }
+            "$P_TOOLR" if self.modal.tool_assumed => return Ok(Value::Real(0.0)),
+            "$P_TOOLR" => {
+                let message = "the radius of the tool is read, and no cutting edge is in force";
+                return Err(fault(
+                    Code::NO_TOOL,
+                    span,
+                    message,
+                    "program T, M6 where the machine needs it, and D first",
+                ));
+            }
+            _ => {}
+        }
+        let message = format!("{key} is read, and only the machine knows its value");
+        let help = format!("add \"{}\" = … to [system] of the machine file", key.replace('"', "\\\""));
+        Err(fault(Code::NO_SYSTEM_VALUE, span, message, help).of_variable(key))
+    }
+
+    /// What the execution itself knows.
+    fn computed(&self, name: &str, indices: &[Value], id: ExprId) -> Result<Option<Value>, Fault> {
+        let first = indices.first();
+        let number = || first.and_then(Value::whole);
+        let real = |value: f64| Ok(Some(Value::Real(value)));
+        let whole = |value: i64| Ok(Some(Value::Int(value)));
+        let of_tool = || number().and_then(|number| u32::try_from(number).ok());
+        let tool = self.modal.tool_in(&self.system.tools, self.machine);
+        match name {
+            "$P_AXN1" | "$P_AXN2" | "$P_AXN3" => {
+                let place = usize::from(name.as_bytes().last().map_or(0, |digit| digit - b'0'));
+                Ok(plane_axis(self.modal.plane, place).map(|axis| Value::Axis(axis.to_string())))
+            }
+            "$P_EP" | "$AA_IW" | "$AA_IM" | "$AA_IB" => {
+                let Some(axis) = first.map(|value| self.axis_in(value, id)).transpose()? else { return Ok(None) };
+                Ok(self.position(name, axis))
+            }
+            "$R" => match number() {
+                Some(index) => real(self.variables.parameter(index, self.program.expr(id).span)?),
+                None => Ok(None),
+            },
+            "$P_GG" => Ok(number().and_then(|group| self.member(group)).map(Value::Int)),
+            "$P_UIFRNUM" => Ok(settable_number(self.modal.stated.offset()).map(Value::Int)),
+            "$P_S" => Ok(self.modal.speed.filter(|_| matches!(number(), None | Some(0 | 1))).map(Value::Real)),
+            "$P_F" => real(if self.modal.inch_feed { self.modal.feed / MM_PER_INCH } else { self.modal.feed }),
+            "$P_MC" => whole(i64::from(self.system.modal_call)),
+            "$P_SUBPAR" => Ok(number().and_then(|number| self.variables.is_given(number)).map(Value::Bool)),
+            "$P_TOOL" => whole(i64::from(self.modal.edge)),
+            "$P_TOOLNO" => Ok(match &self.modal.active {
+                Some(WordValue::Number(number)) => Some(Value::Int(*number as i64)),
+                Some(WordValue::Name(name)) => {
+                    self.system.tools.number_of(self.machine, name).map(|number| Value::Int(i64::from(number)))
+                }
+                None => None,
+            }),
+            "$P_TOOLR" => Ok(tool.map(|tool| Value::Real(tool.radius_mm))),
+            "$P_TOOLL" => Ok(match (tool, number()) {
+                (Some(tool), Some(number @ 1..=3)) => {
+                    tool.length_mm.get(number as usize - 1).map(|mm| Value::Real(*mm))
+                }
+                _ => None,
+            }),
+            "$P_TOOLEXIST" => Ok(of_tool().map(|number| Value::Bool(self.system.tools.exists(self.machine, number)))),
+            "$TC_TP2" => Ok(of_tool()
+                .and_then(|number| self.system.tools.name_of(self.machine, number))
+                .map(|name| Value::Text(name.as_bytes().to_vec()))),
+            _ => match tool_parameter(name, indices) {
+                Some((parameter, tool, edge)) => {
+                    Ok(self.system.tools.parameter(self.machine, parameter, tool, edge).map(Value::Real))
+                }
+                None => Ok(None),
+            },
+        }
+    }
+
+    /// Where an axis is: in the program's coordinates, or in those of the machine; `None` where the program has not stated it.
+    fn position(&self, name: &str, axis: Axis) -> Option<Value> {
+        let of_machine = matches!(name, "$AA_IM" | "$AA_IB");
+        let in_plane = self.modal.plane.axes().into_iter().take(2).any(|known| known == axis);
+        if in_plane && self.modal.contour.compensates() && name != "$P_EP" {
+            // Where the tool center is depends on what follows.
+            return None;
+        }
+        let known = self.modal.known;
+        let known = if of_machine { self.modal.frame().known_across(known, false) } else { known };
+        if self.system.strict && !known.contains(axis) {
+            return None;
+        }
+        let command = &self.modal.command;
+        let position = if of_machine { command[axis] } else { self.modal.setup().programmed(command)[axis] };
+        let unit = if self.modal.inch_feed { MM_PER_INCH } else { 1.0 };
+        Some(Value::Real(if axis.is_rotary() { position.to_degrees() } else { position / unit }))
+    }
+
+    /// Functions that look at the channel; `None` where it is another one.
+    pub(super) fn channel_function(&self, name: &str, arguments: &[Value], id: ExprId) -> Result<Option<Value>, Fault> {
+        let span = self.program.expr(id).span;
+        match (name, arguments) {
+            ("ISAXIS", [number]) => {
+                let number = number.whole().ok_or_else(|| self.type_fault(id))?;
+                let axis = usize::try_from(number.saturating_sub(1))
+                    .ok()
+                    .and_then(|slot| [Axis::X, Axis::Y, Axis::Z].get(slot).copied());
+                Ok(Some(Value::Bool(axis.is_some_and(|axis| self.machine.axis(axis).is_some()))))
+            }
+            ("ISVAR", [Value::Text(text)]) => Ok(Some(Value::Bool(self.is_variable(text)))),
+            ("GETT", [Value::Text(name)] | [Value::Text(name), _]) => {
+                match self.system.tools.number_of(self.machine, name) {
+                    Some(number) => Ok(Some(Value::Int(i64::from(number)))),
+                    None => {
+                        let message = format!("no tool is named \"{}\"", String::from_utf8_lossy(name));
+                        let help =
+                            "add a [[tool]] entry with this name to the machine file or a file given with --setup";
+                        Err(fault(Code::NO_TOOL, span, message, help))
+                    }
+                }
+            }
+            ("ISAXIS" | "ISVAR", _) => Err(self.argument_count(name, "1 argument", arguments.len(), id)),
+            ("GETT", _) => Err(self.argument_count(name, "a name and a number", arguments.len(), id)),
+            _ => {
+                let shown: Vec<String> =
+                    arguments.iter().map(|value| String::from_utf8_lossy(&value.text()).to_ascii_uppercase()).collect();
+                Ok(self.machine.system.get(&format!("{name}({})", shown.join(","))).and_then(value_of))
+            }
+        }
+    }
+
+    /// Whether a text names something that can be read.
+    fn is_variable(&self, text: &[u8]) -> bool {
+        let text = String::from_utf8_lossy(text).trim().to_ascii_uppercase();
+        let name = text.split('[').next().unwrap_or_default().trim_end();
+        let is_parameter = name.strip_prefix('R').is_some_and(|rest| rest.bytes().all(|byte| byte.is_ascii_digit()));
+        is_parameter
+            || name.starts_with('$')
+            || self.program.names.find(name).is_some_and(|id| self.variables.has(id, name))
+            || self.variables.has_global(name)
+    }
+}
+
+/// Number, tool and edge of `$TC_DPn[t,d]`.
+pub(super) fn tool_parameter(name: &str, indices: &[Value]) -> Option<(usize, u32, u32)> {
+    let number = name.strip_prefix("$TC_DP")?.parse().ok()?;
+    let [tool, edge] = indices else { return None };
+    let index = |value: &Value| u32::try_from(value.whole()?).ok();
+    Some((number, index(tool)?, index(edge)?))
+}

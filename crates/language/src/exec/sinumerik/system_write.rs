@@ -1,0 +1,229 @@
+//! System variables that a program writes: frames and tools take effect, other values are kept for later reads; all are passed on.
+
+use super::channel::Channel;
+use super::frame_store::FrameName;
+use super::frame_value::{Component, frame_text};
+use super::system::tool_parameter;
+use super::value::Value;
+use super::variables::List;
+use super::{Loaded, scope_of};
+use crate::exec::fault::{Fault, fault};
+use crate::syntax::sinumerik::ArgumentRange;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{Axis, RotationOrder};
+use ncfix_base::source::Span;
+use ncfix_machine::snc::Kind;
+
+/// The machine's own compensation: with other values there the error model would no longer be that of the machine.
+const COMPENSATION: &[&str] = &[
+    "$AN_CEC",
+    "$AA_ENC_COMP",
+    "$AA_QEC",
+    "$SN_CEC",
+    "$MA_CEC",
+    "$MN_MM_CEC",
+    "$MA_ENC_COMP",
+    "$MA_BACKLASH",
+    "$MA_COMP",
+];
+
+/// The left side of an assignment to a system variable.
+#[derive(Clone, Copy)]
+pub(super) struct SystemName<'n> {
+    pub(super) name: &'n str,
+    pub(super) range: Option<ArgumentRange>,
+    pub(super) span: Span,
+}
+
+impl Channel<'_> {
+    /// In which order the angles of a rotation turn.
+    pub(super) fn rotation_order(&self) -> RotationOrder {
+        self.machine.control.rotation_order
+    }
+}
+
+/// Assigns to a system variable.
+pub(super) fn assign_system(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    target: SystemName<'_>,
+    list: List,
+) -> Result<(), Fault> {
+    let SystemName { name, span, .. } = target;
+    if COMPENSATION.iter().any(|known| name.starts_with(known)) {
+        let message = format!("{name} is the machine's own compensation, and the program changes it");
+        let help = "load it on the machine before, and give ncfix the error model that is left";
+        return Err(fault(Code::OWN_COMPENSATION, span, message, help));
+    }
+    let values = match list {
+        List::One(value) => vec![Some(value)],
+        List::Set(values) => values,
+        List::Repeat(value, Some(count @ 0..=1000)) => vec![Some(value); usize::try_from(count).unwrap_or(0)],
+        List::Repeat(..) => {
+            let message = "REP needs to say how many values of a system variable it means";
+            return Err(fault(Code::BAD_EXPRESSION, span, message, "write REP(value,number)"));
+        }
+    };
+    for (offset, value) in (0..).zip(values) {
+        if let Some(value) = value {
+            assign_one(loaded, channel, target, offset, value)?;
+        }
+    }
+    Ok(())
+}
+
+fn assign_one(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    SystemName { name, range, span }: SystemName<'_>,
+    offset: i64,
+    value: Value,
+) -> Result<(), Fault> {
+    let scope = scope_of(loaded, channel);
+    if let Some(frame) = scope.frame_name(name, range, span)? {
+        let component = range.map(|range| scope.component(range)).transpose()?.flatten();
+        return assign_frame(loaded, channel, frame, component, value, span);
+    }
+    let (mut key, mut indices) = scope.key(name, range)?;
+    if offset > 0
+        && let Some(Value::Int(last)) = indices.last_mut()
+    {
+        *last = last.saturating_add(offset);
+        let shown: Vec<String> =
+            indices.iter().map(|value| String::from_utf8_lossy(&value.text()).into_owned()).collect();
+        key = format!("{name}[{}]", shown.join(","));
+    }
+    if let Some((parameter, tool, edge)) = tool_parameter(name, &indices) {
+        let Some(number) = value.number() else { return Err(needs_number(&key, span)) };
+        let machine = channel.machine;
+        if !channel.system.tools.set_parameter(machine, parameter, tool, edge, number) {
+            return Err(fault(
+                Code::BAD_INDEX,
+                span,
+                format!("there is no {key}"),
+                "tool parameters are $TC_DP1 to $TC_DP35",
+            ));
+        }
+    } else if name == "$TC_TP2"
+        && let Some(tool) = indices.first().and_then(Value::whole).and_then(|tool| u32::try_from(tool).ok())
+    {
+        channel.system.tools.set_name(tool, String::from_utf8_lossy(&value.text()).into_owned());
+    } else if name == "$R"
+        && let Some(index) = indices.first().and_then(Value::whole)
+    {
+        let number = value.number().ok_or_else(|| needs_number(&key, span))?;
+        return channel.variables.set_parameter(index, number, span);
+    } else if !channel.system.set(key.clone(), value.clone()) {
+        return Err(fault(Code::BAD_INDEX, span, "the program writes too many system variables", "write fewer"));
+    }
+    let mut text = format!("{key}=").into_bytes();
+    text.extend(written(&value));
+    channel.push(Kind::Verbatim(text));
+    Ok(())
+}
+
+fn needs_number(key: &str, span: Span) -> Fault {
+    fault(Code::TYPE_MISMATCH, span, format!("{key} holds a number"), "assign a number")
+}
+
+/// Sets a frame of the control, or a component of it.
+fn assign_frame(
+    loaded: &Loaded,
+    channel: &mut Channel<'_>,
+    name: FrameName,
+    component: Option<(Axis, Component, usize)>,
+    value: Value,
+    span: Span,
+) -> Result<(), Fault> {
+    let scope = scope_of(loaded, channel);
+    let order = channel.rotation_order();
+    let parts = match (component, value) {
+        (None, Value::Frame(parts)) => *parts,
+        (Some((axis, component, _)), value) => {
+            let mut parts = scope.frame(name, span)?;
+            let number = value.number().ok_or_else(|| needs_number("a component of a frame", span))?;
+            scope.set_component(&mut parts, axis, component, number, span)?;
+            parts
+        }
+        (None, _) => {
+            return Err(fault(
+                Code::TYPE_MISMATCH,
+                span,
+                "this is a frame",
+                "assign CTRANS(…), CROT(…) or a FRAME variable",
+            ));
+        }
+    };
+    let frame = parts
+        .frame(order)
+        .ok_or_else(|| fault(Code::NOT_COMPUTABLE, span, "this frame cannot be undone", "scale by factors above 0"))?;
+    let is_stored = matches!(name, FrameName::Settable(_) | FrameName::StoredBase(_));
+    if channel.modal.swivelled.is_some() && !is_stored {
+        let message = "a frame is assigned in a plane that CYCLE800 has swivelled";
+        return Err(fault(Code::BAD_SWIVEL, span, message, "end the swivel with CYCLE800() first"));
+    }
+    let frames = &mut channel.system.frames;
+    let shown = match name {
+        FrameName::Settable(number) => {
+            frames.set_settable(number, parts);
+            format!("$P_UIFR[{number}]")
+        }
+        FrameName::StoredBase(number) => {
+            frames.set_stored_base(number, parts);
+            base_name("$P_NCBFR", "$P_CHBFR", number)
+        }
+        FrameName::Base(number) => {
+            frames.set_base(number, parts);
+            channel.modal.base = frames.base(order).unwrap_or(channel.modal.base);
+            base_name("$P_NCBFRAME", "$P_CHBFRAME", number)
+        }
+        FrameName::ActiveSettable => {
+            channel.modal.settable = frame;
+            channel.modal.offset_assumed = false;
+            "$P_IFRAME".to_owned()
+        }
+        FrameName::Programmable => {
+            channel.modal.programmable = frame;
+            channel.modal.fine = parts.fine;
+            "$P_PFRAME".to_owned()
+        }
+        FrameName::AllBases | FrameName::All => {
+            let message = "the sum of all frames can only be read";
+            return Err(fault(Code::BAD_WORD_VALUE, span, message, "assign one of its frames, such as $P_PFRAME"));
+        }
+        FrameName::System if parts.is_identity() => return Ok(()),
+        FrameName::System => {
+            let message = "system frames that change positions are not supported yet";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, "put the shift into a base or settable frame"));
+        }
+    };
+    let text = format!("{shown}={}", frame_text(&parts));
+    match name {
+        FrameName::ActiveSettable => channel.modal.stated.assign_settable(&text),
+        FrameName::Programmable => channel.modal.stated.assign_programmable(&text),
+        _ => {}
+    }
+    channel.refresh_setup();
+    channel.push(Kind::Verbatim(text.into_bytes()));
+    Ok(())
+}
+
+/// Base frames are numbered through: those of the control, then those of the channel.
+fn base_name(of_control: &str, of_channel: &str, number: i64) -> String {
+    match number - super::frame_store::BASES {
+        index @ 0.. => format!("{of_channel}[{index}]"),
+        _ => format!("{of_control}[{number}]"),
+    }
+}
+
+/// A value as the language writes it.
+fn written(value: &Value) -> Vec<u8> {
+    match value {
+        Value::Text(text) => [b"\"", text.as_slice(), b"\""].concat(),
+        Value::Bool(true) => b"TRUE".to_vec(),
+        Value::Bool(false) => b"FALSE".to_vec(),
+        Value::Char(code) => code.to_string().into_bytes(),
+        Value::Frame(parts) => frame_text(parts).into_bytes(),
+        other => other.text(),
+    }
+}

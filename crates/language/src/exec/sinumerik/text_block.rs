@@ -1,0 +1,101 @@
+//! EXECSTRING: a text that is executed as a block where it stands, with the variables of the program that holds it.
+
+use super::call::Entry;
+use super::gathered::Call;
+use super::value::Value;
+use super::{Interpreter, Loaded, scope_of};
+use crate::exec::fault::{Fault, fault};
+use crate::syntax::sinumerik::{self, Block, Body, NameId};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::{FileId, Source, Span};
+
+/// Different texts of a run that are kept, each parsed once.
+const MOST_TEXTS: usize = 10_000;
+
+impl Interpreter<'_> {
+    /// `EXECSTRING(text)`
+    pub(super) fn execute_text(&mut self, call: &Call, block: &Block) -> Result<(), Fault> {
+        let span = call.span;
+        self.check_depth("EXECSTRING", span)?;
+        let Some(caller) = self.levels.last().map(|level| level.program) else { return Ok(()) };
+        let text = text_of(&self.programs[caller], call, &scope_of(&self.programs[caller], &self.channel))?;
+        let program = match self.texts.get(&text) {
+            Some(&known) => known,
+            None => self.load_text(text, span)?,
+        };
+        // An empty text does nothing.
+        if self.programs[program].program.blocks.iter().all(|block| matches!(block.body, Body::Empty)) {
+            return Ok(());
+        }
+        let names = |at: usize| &self.programs[at].program.names;
+        // Only what the text names changes hands: its names are numbered in their own way.
+        let lent: Vec<(NameId, NameId)> = names(program)
+            .iter()
+            .filter_map(|name| Some((names(caller).find(name)?, names(program).find(name)?)))
+            .collect();
+        let file = self.programs[caller].program.source.id();
+        self.begin(
+            Entry { program, section: 0, arguments: Vec::new(), repeats: 1, is_modal: false, part: None, span, file },
+            block.line,
+        );
+        if let Some(level) = self.levels.last_mut() {
+            let locals = level.callers_variables.lend(&lent);
+            self.channel.variables.exchange(locals);
+            level.lent = Some(lent);
+        }
+        Ok(())
+    }
+
+    /// Parses a text that is executed for the first time.
+    fn load_text(&mut self, text: Vec<u8>, span: Span) -> Result<usize, Fault> {
+        let too_many = || {
+            let message = format!("EXECSTRING executes more than {MOST_TEXTS} different texts");
+            fault(Code::NOT_SUPPORTED, span, message, "assign to an element of an array instead of composing a name")
+        };
+        let id = u16::try_from(self.ledger.sources.len())
+            .ok()
+            .filter(|_| self.texts.len() < MOST_TEXTS)
+            .ok_or_else(too_many)?;
+        let source = Source::new(FileId(id), "text of EXECSTRING", text.clone()).map_err(|_| too_many())?;
+        let (program, findings) = sinumerik::parse_with(&source, self.programs[0].program.dialect, &self.macros);
+        let does = |block: &&Block| !matches!(block.body, Body::Empty);
+        let allowed = |block: &Block| {
+            matches!(block.body, Body::Words | Body::Call(_) | Body::Synchronised { .. } | Body::Faulty)
+        };
+        let mut blocks = program.blocks.iter().filter(does);
+        if program.sections.len() > 1 || !blocks.next().is_none_or(allowed) || blocks.next().is_some() {
+            let message = "EXECSTRING of a jump, a definition, a control structure or several blocks is not supported";
+            return Err(fault(Code::NOT_SUPPORTED, span, message, "write these blocks out"));
+        }
+        self.ledger.sources.push(program.source.clone());
+        for finding in findings.into_iter().filter(|finding| finding.code != Code::NOT_A_PROGRAM) {
+            self.report(finding);
+        }
+        self.programs.push(Loaded::new(program, &self.machine.control));
+        self.texts.insert(text, self.programs.len() - 1);
+        Ok(self.programs.len() - 1)
+    }
+
+    /// Ends the texts that run: RET and M17 in them are those of the program that holds them.
+    pub(super) fn leave_texts(&mut self) {
+        while self.levels.len() > 1 && self.levels.last().is_some_and(|level| level.lent.is_some()) {
+            self.leave();
+        }
+    }
+}
+
+/// The text to execute.
+fn text_of(loaded: &Loaded, call: &Call, scope: &super::expression::Scope<'_>) -> Result<Vec<u8>, Fault> {
+    let arguments = call.arguments.map_or(&[][..], |range| loaded.program.arguments_of(range));
+    let [Some(id)] = arguments else {
+        let message = "EXECSTRING takes one argument, the text of a block";
+        return Err(fault(Code::BAD_ARGUMENTS, call.span, message, "write for example EXECSTRING(\"X=\"<<R1)"));
+    };
+    match scope.value(*id)? {
+        Value::Text(text) => Ok(text),
+        _ => {
+            let help = "put numbers behind a string with <<";
+            Err(fault(Code::TYPE_MISMATCH, loaded.program.expr(*id).span, "EXECSTRING takes a string", help))
+        }
+    }
+}

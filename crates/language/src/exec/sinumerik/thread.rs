@@ -1,0 +1,110 @@
+//! Threads: G33 to G35, rigid tapping with G331 and G332, tapping with a compensating chuck (G63).
+//!
+//! All are straight moves. But for G63 the spindle drives them, so they have no feed; the lead stands at I, J or K (for X, Y or Z) and is
+//! passed on as it is. SF and its kin are passed on as words of their block.
+
+use super::address::Named;
+use super::channel::Channel;
+use super::gathered::Gathered;
+use super::modal::{Modal, MotionKind};
+use crate::exec::fault::{Fault, bad_value, fault};
+use crate::exec::path::Path;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+use ncfix_machine::snc::{FeedUnit, Manner, Thread, ThreadCode};
+
+/// No lead is larger, mm (Sinumerik: 2000 mm).
+const LARGEST_LEAD_MM: f64 = 2000.0;
+
+/// The thread code that holds in a block.
+pub(super) fn code(gathered: &Gathered, modal: &Modal) -> Option<ThreadCode> {
+    match modal.motion {
+        _ if gathered.taps => Some(ThreadCode::G63),
+        MotionKind::Thread(code) => Some(code),
+        _ => None,
+    }
+}
+
+/// The thread of a block with motion; `None` where it is another motion.
+pub(super) fn thread(gathered: &Gathered, modal: &Modal, block: Span) -> Result<Option<Thread>, Fault> {
+    let Some(code) = code(gathered, modal) else { return Ok(None) };
+    let of_arc = [Named::Cr, Named::Turn, Named::Ar, Named::I1, Named::J1, Named::K1];
+    if let Some(value) = of_arc.into_iter().find_map(|word| gathered.named(word)) {
+        let message = format!("a word of an arc in a block with {}", code.word());
+        return Err(fault(Code::BAD_ARC, value.span, message, "take it out"));
+    }
+    let mut leads =
+        [b'I', b'J', b'K'].into_iter().zip(gathered.center).filter_map(|(letter, word)| Some((letter, word?)));
+    let (lead, another) = (leads.next(), leads.next());
+    let span = gathered.center_span;
+    if code == ThreadCode::G63 {
+        if lead.is_some() {
+            return Err(bad_value(span, "G63 has no lead", "program F as speed times lead"));
+        }
+        return Ok(Some(Thread { code, lead: None, change: None }));
+    }
+    let Some((letter, (value, is_absolute))) = lead else {
+        let message = format!("{} without a lead", code.word());
+        return Err(bad_value(block, message, "program I, J or K, the lead along X, Y or Z, in the same block"));
+    };
+    if another.is_some() || is_absolute {
+        return Err(bad_value(
+            span,
+            "a thread has one lead",
+            "keep the one of I, J and K that belongs to the axis of the thread",
+        ));
+    }
+    let lead_mm = value * modal.scale();
+    let is_signed = matches!(code, ThreadCode::G331 | ThreadCode::G332);
+    if !(lead_mm.abs() <= LARGEST_LEAD_MM && (lead_mm > 0.0 || is_signed && lead_mm != 0.0)) {
+        let allowed = if is_signed { "not 0, and at most" } else { "above 0 and at most" };
+        let message = format!("a lead of {lead_mm} mm");
+        return Err(bad_value(span, message, &format!("a lead is {allowed} {LARGEST_LEAD_MM} mm")));
+    }
+    let change = match (code, gathered.lead_change) {
+        (ThreadCode::G34 | ThreadCode::G35, None) => {
+            let message = format!("{} without F, the change of the lead", code.word());
+            return Err(bad_value(span, message, "program F in the same block, mm per turn and turn"));
+        }
+        (_, change) => change.map(|change| change * modal.scale()),
+    };
+    Ok(Some(Thread { code, lead: Some((letter, lead_mm)), change }))
+}
+
+impl Channel<'_> {
+    /// F in a block with G34 or G35 is the change of the lead.
+    pub(super) fn lead_change(&self, gathered: &mut Gathered) {
+        if matches!(code(gathered, &self.modal), Some(ThreadCode::G34 | ThreadCode::G35)) {
+            gathered.lead_change = gathered.feed.take().map(|(value, _)| value);
+        }
+    }
+
+    /// Refuses threads and positioning axes where they cannot be followed, and takes the feed from what the spindle drives.
+    pub(super) fn check_manner(&mut self, path: &mut Path) -> Result<(), Fault> {
+        let (what, help) = match path.motion.manner {
+            Manner::Path | Manner::Reference | Manner::Probe(_) => return Ok(()),
+            Manner::Thread(thread) => {
+                if thread.code.is_spindle_driven() {
+                    path.motion.feed = 0.0;
+                    path.motion.feed_named = false;
+                    path.motion.unit = FeedUnit::PerMinute;
+                }
+                (thread.code.word(), "end it before the thread")
+            }
+            Manner::Positioning => ("POS", "end it before the block with POS"),
+        };
+        let refusal = if path.setup.transform.is_some() {
+            "a transformation (TRAORI)"
+        } else if self.modal.contour.compensates() {
+            "radius compensation"
+        } else if self.corner.is_some() {
+            "a rounding or chamfer"
+        } else if path.motion.manner == Manner::Positioning && !path.setup.frame.is_translation() {
+            "a frame that turns, scales or mirrors"
+        } else {
+            return Ok(());
+        };
+        let message = format!("{what} under {refusal} is not supported yet");
+        Err(fault(Code::NOT_SUPPORTED, path.span, message, help))
+    }
+}

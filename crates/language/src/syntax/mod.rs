@@ -1,0 +1,122 @@
+//! What was written: syntax trees whose nodes carry spans, and parsers that never fail.
+//!
+//! The trees say nothing of what a code means. Nodes live in flat arenas and refer to each other by number, so that a block of
+//! plain words costs no allocation of its own. There is one family of trees for each family of languages: [`sinumerik`]
+//! and the word languages, [`words`].
+
+mod names;
+mod plain;
+mod reading;
+mod shelf;
+pub mod sinumerik;
+mod token;
+pub mod words;
+
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{Source, Span};
+use ncfix_dialect::{Dialect, Language};
+pub use shelf::Shelf;
+use sinumerik::Macros;
+
+/// At most this many findings are kept of one file; a file with more is no part program, and the rest of it is not read.
+const MAX_FINDINGS: usize = 1000;
+
+/// Programs and tables in one file: many times what the memory of a control holds.
+const MAX_PARTS: usize = 10_000;
+
+/// Programs from this size on are read by pages where they can be.
+const LARGE_BYTES: usize = 8 << 20;
+/// The size of a page.
+const PAGE_BYTES: usize = 128 << 10;
+
+/// A parsed program.
+#[derive(Clone, Debug)]
+pub enum Program {
+    /// Of the Sinumerik.
+    Sinumerik(sinumerik::Program),
+    /// Of Grundig, Fanuc or RS274/NGC.
+    Words(words::Program),
+}
+
+impl Program {
+    /// Its text.
+    #[must_use]
+    pub fn source(&self) -> &Source {
+        match self {
+            Program::Sinumerik(program) => &program.source,
+            Program::Words(program) => &program.source,
+        }
+    }
+
+    /// Number of its blocks.
+    #[must_use]
+    pub fn block_count(&self) -> usize {
+        match self {
+            Program::Sinumerik(program) => program.blocks.len(),
+            Program::Words(program) => program.blocks.len(),
+        }
+    }
+}
+
+/// Parses a program. Never fails: what cannot be read is reported and left out, and parsing goes on in the next block.
+#[must_use]
+pub fn parse(source: &Source, dialect: &'static Dialect) -> (Program, Vec<Diagnostic>) {
+    parse_with(source, dialect, &Macros::default())
+}
+
+/// Parses a program in which these macros of definition files hold, beside its own.
+#[must_use]
+pub fn parse_with(source: &Source, dialect: &'static Dialect, macros: &Macros) -> (Program, Vec<Diagnostic>) {
+    if dialect.language == Language::Sinumerik {
+        let (program, findings) = sinumerik::parse_with(source, dialect, macros);
+        return (Program::Sinumerik(program), findings);
+    }
+    let (program, findings) = words::parse(source, dialect);
+    (Program::Words(program), findings)
+}
+
+/// Parses a program of any size by pages of so many bytes; `None` where it must be kept as a whole. [`parse`] does so where a program is large;
+/// what comes of it is the same.
+#[must_use]
+pub fn parse_by_pages(source: &Source, dialect: &'static Dialect, page_bytes: usize) -> Option<Program> {
+    if dialect.language == Language::Sinumerik {
+        return sinumerik::parse_by_pages(source, dialect, page_bytes).map(Program::Sinumerik);
+    }
+    words::parse_by_pages(source, dialect, page_bytes).map(Program::Words)
+}
+
+/// The finding for a file without blocks.
+fn nothing_done(source: &Source) -> Diagnostic {
+    Diagnostic::at(
+        Code::NOT_A_PROGRAM,
+        Place { file: source.id(), span: Span::new(0, source.bytes().len().min(1)) },
+        "the file has no block that does anything",
+        "check that this is the part program and not an empty or truncated copy",
+    )
+}
+
+/// The finding for a file with more programs than [`MAX_PARTS`], at the header of the first that is too many.
+fn too_many_parts(source: &Source, header: Span) -> Diagnostic {
+    let message = format!("this is program {} of one file; at most {MAX_PARTS} are read", MAX_PARTS + 1);
+    let help = "check that the file is a part program; give programs files of their own";
+    Diagnostic::at(Code::NOT_A_PROGRAM, Place { file: source.id(), span: header }, message, help)
+}
+
+/// The findings of a file, or the one that there are too many.
+fn checked(found: Vec<Diagnostic>, source: &Source, dialect: &Dialect) -> Vec<Diagnostic> {
+    let mut findings = reading::hidden(source);
+    findings.extend(found);
+    if findings.len() > MAX_FINDINGS {
+        findings.truncate(MAX_FINDINGS);
+        findings.insert(
+            0,
+            Diagnostic::at(
+                Code::NOT_A_PROGRAM,
+                Place { file: source.id(), span: Span::new(0, source.bytes().len().min(1)) },
+                format!("more than {MAX_FINDINGS} blocks cannot be read; the file is no {} program", dialect.title),
+                "check --dialect and that the file is a part program",
+            ),
+        );
+    }
+    findings
+}

@@ -1,0 +1,394 @@
+//! Blocks: splits the file into lines, sections and words, and goes on behind whatever cannot be read.
+
+use super::macros::{Macros, definition};
+use super::section::empty;
+use super::token::{Fault, Input, Parsed, blanks, fault, find_byte, identifier, is_blank, number, small_number};
+use super::tree::{Address, Block, BlockNumber, Body, Program, Value, Word};
+use crate::syntax::names::NameId;
+use crate::syntax::{MAX_FINDINGS, too_many_parts};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{Source, Span};
+use ncfix_dialect::Dialect;
+
+/// A block longer than this is refused; controls take 512 characters.
+const MAX_BLOCK_BYTES: usize = 4096;
+
+/// The parser's state: the tree that grows, and where the line ends that is being read.
+pub(super) struct Parser {
+    pub(super) program: Program,
+    findings: Vec<Diagnostic>,
+    pub(super) line_end: usize,
+    pub(super) macros: Macros,
+    /// Those of definition files, which outlive their section.
+    pub(super) shared: Macros,
+    /// Expanded lines, see [`Source::with_tail`].
+    pub(super) tail: Vec<u8>,
+    pub(super) expanded: Vec<(u32, Span)>,
+    pub(super) depth: u32,
+    has_too_many_parts: bool,
+}
+
+/// A block while its line is being read.
+pub(super) struct Draft {
+    pub(super) block: Block,
+}
+
+impl Parser {
+    pub(super) fn new(source: Source, dialect: &'static Dialect, macros: Macros) -> Parser {
+        let shared = macros.clone();
+        Parser {
+            program: empty(source, dialect),
+            findings: Vec::new(),
+            line_end: 0,
+            macros,
+            shared,
+            tail: Vec::new(),
+            expanded: Vec::new(),
+            depth: 0,
+            has_too_many_parts: false,
+        }
+    }
+
+    pub(super) fn finish(mut self) -> (Program, Vec<Diagnostic>) {
+        if !self.expanded.is_empty() {
+            self.program.source = self.program.source.with_tail(self.tail, self.expanded);
+        }
+        (self.program, self.findings)
+    }
+
+    /// Reads all lines.
+    pub(super) fn run(&mut self) {
+        let length = self.program.source.bytes().len();
+        self.read((self.start(), 0), length);
+        self.end();
+    }
+
+    /// The offset of the first line.
+    pub(super) fn start(&self) -> usize {
+        if self.program.source.bytes().starts_with(b"\xef\xbb\xbf") { 3 } else { 0 }
+    }
+
+    /// Reads whole lines from an offset on, before which there are so many, up to another one; where the next would begin.
+    pub(super) fn read(&mut self, (mut start, mut line): (usize, u32), until: usize) -> (usize, u32) {
+        let source = self.program.source.clone();
+        let bytes = source.bytes();
+        let line_end = source.line_end();
+        while start < until.min(bytes.len()) && !self.is_hopeless() {
+            let length = find_byte(&bytes[start..], line_end);
+            let next = length.map_or(bytes.len(), |length| start + length + 1);
+            let mut end = length.map_or(bytes.len(), |length| start + length);
+            while end > start && is_blank(bytes[end - 1]) {
+                end -= 1;
+            }
+            line += 1;
+            self.line_end = end;
+            self.read_line(&bytes[start..end], line);
+            start = next;
+        }
+        if self.is_hopeless() { (bytes.len(), line) } else { (start, line) }
+    }
+
+    /// Whether the file is no program, so that the rest of it is not looked at.
+    fn is_hopeless(&self) -> bool {
+        self.has_too_many_parts || self.findings.len() > MAX_FINDINGS
+    }
+
+    /// There is one program too many in the file.
+    pub(super) fn give_up_at_section(&mut self, header: Span) {
+        if !std::mem::replace(&mut self.has_too_many_parts, true) {
+            self.findings.push(too_many_parts(&self.program.source, header));
+        }
+    }
+
+    /// Ends the file.
+    pub(super) fn end(&mut self) {
+        self.close_section();
+        // Anything before the first header that does nothing is a leader.
+        self.program.sections.retain(|section| !(section.blocks.is_empty() && section.headers.is_empty()));
+    }
+
+    /// Whether no macro was expanded.
+    pub(super) fn is_unexpanded(&self) -> bool {
+        self.expanded.is_empty()
+    }
+
+    /// The offset in the file of the first byte of `input`.
+    pub(super) fn offset(&self, input: Input<'_>) -> usize {
+        self.line_end - input.len()
+    }
+
+    pub(super) fn intern(&mut self, name: &[u8]) -> NameId {
+        self.program.names.intern(name)
+    }
+
+    fn report(&mut self, fault: &Fault) {
+        let start = self.line_end - fault.left.min(self.line_end);
+        let end = (start + fault.length.max(1)).min(self.line_end.max(start + 1));
+        let place = Place { file: self.program.source.id(), span: Span::new(start, end) };
+        self.findings.push(Diagnostic::at(fault.code, place, fault.message, help_for(fault.code)));
+    }
+
+    fn read_line(&mut self, text: &[u8], line: u32) {
+        let text = blanks(text);
+        if text.first() == Some(&b'%') {
+            self.open_section(text);
+            return;
+        }
+        let is_path = text.len() >= 6 && text[..6].eq_ignore_ascii_case(b";$PATH");
+        let start = self.offset(text);
+        if is_path && self.section_is_fresh() {
+            let span = Span::new(start, self.line_end);
+            if let Some(section) = self.program.sections.last_mut() {
+                section.headers.push(span);
+            }
+            return;
+        }
+        if text.is_empty() {
+            return;
+        }
+        let block = Block {
+            span: Span::new(start, self.line_end),
+            line,
+            skip: None,
+            number: None,
+            label: None,
+            body: Body::Empty,
+            first_word: u32::try_from(self.program.words.next()).unwrap_or(u32::MAX),
+            word_count: 0,
+            has_names: false,
+            comment: Span::new(self.line_end, self.line_end),
+            partner: u32::MAX,
+        };
+        let mut draft = Draft { block };
+        let found = match self.macros.expand(text) {
+            None => self.bounded_block(text, &mut draft),
+            Some(expanded) => self.expanded_block(expanded, block.span, &mut draft),
+        };
+        if let Err(fault) = found {
+            self.report(&fault);
+            // A control statement with something behind it still opens or closes its structure.
+            if matches!(draft.block.body, Body::Empty | Body::Words) {
+                draft.block.body = Body::Faulty;
+            }
+        }
+        if matches!(draft.block.body, Body::Declaration)
+            && let Some((name, text)) = definition(text)
+        {
+            self.macros.define(name, text);
+        }
+        let count = self.program.words.next() - draft.block.first_word as usize;
+        draft.block.word_count = u16::try_from(count).unwrap_or(u16::MAX);
+        self.program.blocks.push(draft.block);
+    }
+
+    pub(super) fn bounded_block(&mut self, text: Input<'_>, draft: &mut Draft) -> Result<(), Fault> {
+        if text.len() > MAX_BLOCK_BYTES {
+            let message = "this block has more than 4096 bytes";
+            return Err(Fault { code: Code::BLOCK_TOO_LONG, left: text.len(), length: 40, message });
+        }
+        match self.block(text, draft) {
+            Err(nom::Err::Error(fault) | nom::Err::Failure(fault)) => Err(fault),
+            _ => Ok(()),
+        }
+    }
+
+    /// Number, skip, label, then a statement or words.
+    fn block<'a>(&mut self, mut input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
+        loop {
+            input = blanks(input);
+            input = match *input {
+                [b'/', ..] if draft.block.skip.is_none() => {
+                    let level = input.get(1).filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0');
+                    draft.block.skip = Some(level.unwrap_or(0));
+                    &input[if level.is_some() { 2 } else { 1 }..]
+                }
+                [b'N' | b'n' | b':', digit, ..] if digit.is_ascii_digit() && draft.block.number.is_none() => {
+                    let (rest, number) = small_number(&input[1..])?;
+                    draft.block.number = Some(BlockNumber { main: input[0] == b':', number });
+                    rest
+                }
+                _ => break,
+            };
+        }
+        match input.first() {
+            None => return Ok((input, ())),
+            Some(b';') => {
+                self.comment(input, draft);
+                return Ok((input, ()));
+            }
+            _ => {}
+        }
+        if starts_name(input)
+            && let Ok((rest, name)) = identifier(input)
+        {
+            let behind = blanks(rest);
+            if behind.first() == Some(&b':') && behind.get(1) != Some(&b'=') {
+                draft.block.label = Some(self.intern(name));
+                input = blanks(&behind[1..]);
+            }
+        }
+        if starts_name(input)
+            && let Some(result) = self.statement(input, draft)
+        {
+            let (rest, body) = result?;
+            draft.block.body = body;
+            return self.end_of_statement(rest, draft);
+        }
+        self.words(input, draft)
+    }
+
+    /// Nothing but a comment may follow a statement.
+    fn end_of_statement<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
+        let rest = blanks(input);
+        match rest.first() {
+            None => Ok((rest, ())),
+            Some(b';') => {
+                self.comment(rest, draft);
+                Ok((rest, ()))
+            }
+            Some(_) => fault(
+                Code::MUST_STAND_ALONE,
+                rest,
+                rest.len(),
+                "this stands behind a statement that needs its own block",
+            ),
+        }
+    }
+
+    pub(super) fn comment(&mut self, input: Input<'_>, draft: &mut Draft) {
+        draft.block.comment = Span::new(self.offset(input), self.line_end);
+    }
+
+    fn words<'a>(&mut self, mut input: Input<'a>, draft: &mut Draft) -> Parsed<'a, ()> {
+        loop {
+            input = blanks(input);
+            match input.first() {
+                None => return Ok((input, ())),
+                Some(b';') => {
+                    self.comment(input, draft);
+                    return Ok((input, ()));
+                }
+                Some(_) => {}
+            }
+            draft.block.body = Body::Words;
+            let (rest, word) = self.word(input, draft)?;
+            self.program.words.push(word);
+            input = rest;
+        }
+    }
+
+    fn word<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Word> {
+        let start = self.offset(input);
+        if !input[0].is_ascii_alphabetic() || starts_name(input) {
+            return self.named_word(input, draft);
+        }
+        let letter = input[0].to_ascii_uppercase();
+        if letter == b'L' && is_call_with_arguments(input) {
+            return self.named_word(input, draft);
+        }
+        let rest = blanks(&input[1..]);
+        let (rest, address, value) = match rest.first() {
+            Some(b'0'..=b'9' | b'.' | b'-' | b'+') => {
+                let signed = matches!(rest[0], b'-' | b'+');
+                let (behind, number) = number(if signed { blanks(&rest[1..]) } else { rest })?;
+                let next = blanks(behind);
+                if !signed && number.is_integer && next.first() == Some(&b'=') && next.get(1) != Some(&b'=') {
+                    let (_, extension) = small_number(rest)?;
+                    draft.block.has_names |= letter == b'R';
+                    let (behind, value) = self.assigned_value(&next[1..])?;
+                    (behind, Address::Extended(letter, extension), value)
+                } else {
+                    let value = if rest[0] == b'-' { -number.value } else { number.value };
+                    (behind, Address::Letter(letter), Value::Number(value, number.is_integer))
+                }
+            }
+            Some(b'=') => {
+                let (behind, value) = self.assigned_value(&rest[1..])?;
+                (behind, Address::Letter(letter), value)
+            }
+            Some(b'[') => return self.named_word(input, draft),
+            Some(b':') => {
+                return fault(Code::UNEXPECTED, input, 2, "a label begins with two letters or underscores");
+            }
+            _ => {
+                return fault(
+                    Code::MISSING_VALUE,
+                    input,
+                    1,
+                    "this address has no value; a value that is no number needs '='",
+                );
+            }
+        };
+        if rest.first() == Some(&b':') {
+            let length = input.len() - rest.len() + 1;
+            return fault(Code::UNEXPECTED, input, length, "a label begins with two letters or underscores");
+        }
+        Ok((rest, Word { span: Span::new(start, self.offset(rest)), address, value }))
+    }
+
+    /// `NAME`, `NAME=…`, `NAME[…]=…`, `NAME(…)`, `R[…]=…`, `$P_…=…`.
+    fn named_word<'a>(&mut self, input: Input<'a>, draft: &mut Draft) -> Parsed<'a, Word> {
+        let start = self.offset(input);
+        let Ok((rest, name)) = identifier(input) else {
+            return fault(Code::UNEXPECTED, input, 1, "no word of this language begins like this");
+        };
+        draft.block.has_names = true;
+        let behind = blanks(rest);
+        let (rest, address, value) = match behind.first() {
+            Some(b'=') => {
+                let address = Address::Name(self.intern(name));
+                let (rest, value) = self.assigned_value(&behind[1..])?;
+                (rest, address, value)
+            }
+            Some(b'(') => {
+                let address = Address::Name(self.intern(name));
+                let (rest, range) = self.arguments(behind, b')')?;
+                (rest, address, Value::Arguments(range))
+            }
+            Some(b'[') => {
+                let (rest, left) = self.left_side(input)?;
+                let equals = blanks(rest);
+                if equals.first() != Some(&b'=') {
+                    return fault(
+                        Code::MISSING_VALUE,
+                        input,
+                        name.len(),
+                        "this needs '=' and a value behind its index",
+                    );
+                }
+                let (rest, value) = self.assigned_value(&equals[1..])?;
+                (rest, Address::Indexed(left), value)
+            }
+            _ => (rest, Address::Name(self.intern(name)), Value::None),
+        };
+        Ok((rest, Word { span: Span::new(start, self.offset(rest)), address, value }))
+    }
+}
+
+/// Two or more letters or underscores, or a `$`: a name, not an address letter.
+fn starts_name(input: Input<'_>) -> bool {
+    match *input {
+        [b'$' | b'_', ..] => true,
+        [first, second, ..] => first.is_ascii_alphabetic() && (second.is_ascii_alphabetic() || second == b'_'),
+        _ => false,
+    }
+}
+
+/// `L140(1)`: the name of a subprogram, not an address with a number.
+fn is_call_with_arguments(input: Input<'_>) -> bool {
+    let length = input[1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    length > 0 && blanks(&input[1 + length..]).first() == Some(&b'(')
+}
+
+fn help_for(code: Code) -> &'static str {
+    match code {
+        Code::BAD_NUMBER => "write digits with one decimal point at most; an exponent is written EX",
+        Code::MISSING_VALUE => "give the address a value, for example X10 or X=R1",
+        Code::BAD_EXPRESSION => "complete or correct the expression",
+        Code::UNCLOSED => "close it before the end of the block",
+        Code::TOO_DEEP => "take the expression apart over several blocks",
+        Code::MUST_STAND_ALONE => "move it to a block of its own",
+        Code::BLOCK_TOO_LONG => "check that the file is a part program and still has its line ends",
+        _ => "correct the block, or check --dialect",
+    }
+}

@@ -1,0 +1,373 @@
+//! The nodes of the syntax tree.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::call::{CallStatement, Parameter};
+use super::definition::Definition;
+use super::jump::{Jump, Repetition};
+use crate::syntax::names::{NameId, Names};
+use crate::syntax::shelf::{Pages, Shelf};
+use ncfix_base::source::{Source, Span};
+use ncfix_dialect::Dialect;
+
+/// Number of an expression in [`Program::exprs`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ExprId(pub(super) u32);
+
+/// A block number: `N10` or `:10`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BlockNumber {
+    /// `:` instead of `N`.
+    pub main: bool,
+    /// The number.
+    pub number: u32,
+}
+
+/// A range of [`Program::arguments`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ArgumentRange {
+    pub(super) start: u32,
+    pub(super) count: u16,
+}
+
+/// A parsed file.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// The bytes that all spans refer to.
+    pub source: Source,
+    /// The dialect it was parsed as.
+    pub dialect: &'static Dialect,
+    /// The files of the archive; a file without headers is one section.
+    pub sections: Vec<Section>,
+    /// All blocks of all sections in order.
+    pub blocks: Shelf<Block>,
+    /// Words of all blocks.
+    pub words: Shelf<Word>,
+    /// Expressions of all blocks.
+    pub exprs: Shelf<Expr>,
+    /// Arguments of calls and indices; `None` is an empty slot.
+    pub arguments: Shelf<Option<ExprId>>,
+    /// Jumps of all blocks.
+    pub jumps: Vec<Jump>,
+    /// Variables of all DEF blocks.
+    pub definitions: Shelf<Definition>,
+    /// Parameters of all PROC blocks.
+    pub parameters: Vec<Parameter>,
+    /// Call statements of all blocks.
+    pub calls: Vec<CallStatement>,
+    /// `REPEAT label` of all blocks.
+    pub repetitions: Vec<Repetition>,
+    /// All identifiers.
+    pub names: Names,
+    /// Where pages begin, if only one of them is there.
+    pub(super) pages: Option<Arc<Pages<5>>>,
+}
+
+/// One file of an archive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Section {
+    /// Name without `_N_` and ending, upper case; empty where the file has no header.
+    pub name: String,
+    /// `MPF`, `SPF` …, upper case; empty where the file has no header.
+    pub ending: String,
+    /// Header lines, each without its line end.
+    pub headers: Vec<Span>,
+    /// Its blocks in [`Program::blocks`].
+    pub blocks: Range<usize>,
+}
+
+/// One line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Block {
+    /// The line without its line end.
+    pub span: Span,
+    /// Line number, from 1.
+    pub line: u32,
+    /// Skip level of a leading `/`.
+    pub skip: Option<u8>,
+    /// `N10` or `:10`.
+    pub number: Option<BlockNumber>,
+    /// `NAME:`.
+    pub label: Option<NameId>,
+    /// Statement or words.
+    pub body: Body,
+    /// First word in [`Program::words`].
+    pub(super) first_word: u32,
+    /// Number of words.
+    pub(super) word_count: u16,
+    /// Whether a word may assign a variable, so that assignments must be looked for.
+    pub has_names: bool,
+    /// Comment with its `;`; empty where there is none.
+    pub comment: Span,
+    /// The block at the other side of a control structure, see [`Body`]; `u32::MAX` where there is none.
+    pub(super) partner: u32,
+}
+
+/// What a block does.
+///
+/// `partner` of a block is: of IF its ELSE or ENDIF; of ELSE its ENDIF; of WHILE, FOR, LOOP their end, of these ends their start;
+/// of UNTIL its REPEAT.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Body {
+    /// Nothing but number, label, comment.
+    Empty,
+    /// Words, among them keywords and calls.
+    Words,
+    /// `IF` without jump.
+    If(ExprId),
+    /// `ELSE`
+    Else,
+    /// `ENDIF`
+    EndIf,
+    /// `LOOP`
+    Loop,
+    /// `ENDLOOP`
+    EndLoop,
+    /// `FOR variable = from TO to`
+    For {
+        /// The variable: a parameter or variable expression.
+        variable: ExprId,
+        /// Start value.
+        from: ExprId,
+        /// Last value.
+        to: ExprId,
+    },
+    /// `ENDFOR`
+    EndFor,
+    /// `WHILE`
+    While(ExprId),
+    /// `ENDWHILE`
+    EndWhile,
+    /// `REPEAT` alone
+    Repeat,
+    /// `UNTIL`
+    Until(ExprId),
+    /// Jumps, evaluated from left to right: a range of [`Program::jumps`].
+    Jumps {
+        /// First.
+        start: u32,
+        /// How many.
+        count: u16,
+    },
+    /// `DEF`: a range of [`Program::definitions`].
+    Define {
+        /// First.
+        start: u32,
+        /// How many.
+        count: u16,
+    },
+    /// `PROC`: its parameters are a range of [`Program::parameters`].
+    Proc {
+        /// The name.
+        name: NameId,
+        /// First.
+        start: u32,
+        /// How many.
+        count: u16,
+        /// `SAVE`: the caller's modal state comes back at the return.
+        save: bool,
+    },
+    /// `MCALL`, `CALL`, `PCALL` …: a place in [`Program::calls`].
+    Call(u32),
+    /// `REPEAT label`, `REPEATB label`: a place in [`Program::repetitions`].
+    RepeatPart(u32),
+    /// Says something to the reader of the program only: `EXTERN`, `DEFINE`.
+    Declaration,
+    /// `ID=1 WHEN … DO …`; parts that are not there are empty.
+    Synchronised {
+        /// All of it.
+        whole: Span,
+        /// The number behind `ID=` or `IDS=`.
+        id: Span,
+        /// Behind WHEN, WHENEVER, EVERY or FROM.
+        condition: Span,
+        /// Behind DO.
+        actions: Span,
+    },
+    /// A statement that is known but not executed yet: its keyword.
+    Unsupported(Span),
+    /// Could not be read; a finding says why.
+    Faulty,
+}
+
+/// A word: an address and its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Word {
+    /// All of it.
+    pub span: Span,
+    /// Left of the value.
+    pub address: Address,
+    /// The value.
+    pub value: Value,
+}
+
+/// What stands left of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Address {
+    /// `X`, `G`, upper case.
+    Letter(u8),
+    /// `S2=`, `M1=`, `R5=`: letter and extension.
+    Extended(u8, u32),
+    /// `CR=`, `SOFT`, `MSG(…)`, a variable.
+    Name(NameId),
+    /// `R[…]=`, `NAME[…]=`, `$P_UIFR[…]=`: the left side as an expression.
+    Indexed(ExprId),
+}
+
+/// The value of a word.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// None: a bare word.
+    None,
+    /// A plain number behind a letter; true where it was written without decimal point and exponent.
+    Number(f64, bool),
+    /// `=` and an expression.
+    Expr(ExprId),
+    /// `=AC(…)` and its kin.
+    Dimension(DimensionFunction, ExprId),
+    /// `(…)` behind a name.
+    Arguments(ArgumentRange),
+}
+
+/// Functions that say how one value is meant, whatever G90 or G91 say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DimensionFunction {
+    /// `AC`: absolute.
+    Absolute,
+    /// `IC`: incremental.
+    Incremental,
+    /// `DC`: rotary axis, absolute on the shortest way.
+    Shortest,
+    /// `ACP`: rotary axis, absolute in the positive sense.
+    Positive,
+    /// `ACN`: rotary axis, absolute in the negative sense.
+    Negative,
+    /// Any other one, which is known but not executed yet (`QU`, `CAC`, `DIC` …).
+    Other,
+}
+
+/// An expression.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Expr {
+    /// Its bytes.
+    pub span: Span,
+    /// What it is.
+    pub node: Node,
+}
+
+/// What an expression is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Node {
+    /// `1.5`, `1EX3`
+    Real(f64),
+    /// `15`, `'H1F'`, `'B101'`
+    Integer(i64),
+    /// `TRUE`
+    Boolean(bool),
+    /// `"…"`: the bytes between the quotation marks.
+    Text(Span),
+    /// `R5`
+    Parameter(u32),
+    /// `R[…]`
+    ParameterAt(ExprId),
+    /// A name: variable, axis, system variable.
+    Name(NameId),
+    /// `NAME[…]`
+    Indexed(NameId, ArgumentRange),
+    /// `SIN(…)`
+    Call(NameId, ArgumentRange),
+    /// `-a`, `NOT a`
+    Unary(UnaryOperator, ExprId),
+    /// `a + b`
+    Binary(Operator, ExprId, ExprId),
+}
+
+/// Operators with one operand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnaryOperator {
+    /// `+`
+    Plus,
+    /// `-`
+    Minus,
+    /// `NOT`
+    Not,
+    /// `B_NOT`
+    BitNot,
+    /// `<<` without a left side
+    ToText,
+}
+
+/// Operators with two operands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(missing_docs, reason = "the names are the operators' names")]
+pub enum Operator {
+    Multiply,
+    Divide,
+    Div,
+    Mod,
+    Add,
+    Subtract,
+    BitAnd,
+    BitXor,
+    BitOr,
+    And,
+    Xor,
+    Or,
+    Concatenate,
+    Equal,
+    NotEqual,
+    Greater,
+    Less,
+    GreaterEqual,
+    LessEqual,
+    /// `:` between frames
+    Chain,
+}
+
+impl Block {
+    /// The block at the other side of its control structure, see [`Body`].
+    #[must_use]
+    pub fn partner(&self) -> Option<usize> {
+        (self.partner != u32::MAX).then_some(self.partner as usize)
+    }
+}
+
+impl Program {
+    /// The words of a block.
+    #[must_use]
+    pub fn words_of(&self, block: &Block) -> &[Word] {
+        let start = block.first_word as usize;
+        &self.words[start..start + usize::from(block.word_count)]
+    }
+
+    /// An expression.
+    #[must_use]
+    pub fn expr(&self, id: ExprId) -> &Expr {
+        &self.exprs[id.0 as usize]
+    }
+
+    /// Arguments of a call or index.
+    #[must_use]
+    pub fn arguments_of(&self, range: ArgumentRange) -> &[Option<ExprId>] {
+        &self.arguments[range.start as usize..range.start as usize + usize::from(range.count)]
+    }
+
+    /// Jumps of a block.
+    #[must_use]
+    pub fn jumps_of(&self, start: u32, count: u16) -> &[Jump] {
+        &self.jumps[start as usize..start as usize + usize::from(count)]
+    }
+
+    /// Parameters of a PROC block.
+    #[must_use]
+    pub fn parameters_of(&self, start: u32, count: u16) -> &[Parameter] {
+        &self.parameters[start as usize..start as usize + usize::from(count)]
+    }
+
+    /// Definitions of a block.
+    #[must_use]
+    pub fn definitions_of(&self, start: u32, count: u16) -> &[Definition] {
+        &self.definitions[start as usize..start as usize + usize::from(count)]
+    }
+}

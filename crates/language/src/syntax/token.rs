@@ -1,0 +1,95 @@
+//! What the parsers of all languages share: their input, the fault that one hands back, blanks.
+//!
+//! Inputs are the rest of one line; a place is told by how much of the line is left.
+
+use nom::IResult;
+use nom::bytes::complete::take_while;
+use nom::error::{ErrorKind, ParseError};
+
+use ncfix_base::diagnostic::Code;
+
+/// The rest of a line.
+pub(super) type Input<'a> = &'a [u8];
+/// What a parser gives.
+pub(super) type Parsed<'a, T> = IResult<Input<'a>, T, Fault>;
+
+/// Why a parser could not go on.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Fault {
+    pub(super) code: Code,
+    /// Bytes of the line that were left at the faulty place.
+    pub(super) left: usize,
+    /// How many bytes are in question, at least 1 is shown.
+    pub(super) length: usize,
+    pub(super) message: &'static str,
+}
+
+impl ParseError<Input<'_>> for Fault {
+    fn from_error_kind(input: Input<'_>, _kind: ErrorKind) -> Self {
+        Fault { code: Code::UNEXPECTED, left: input.len(), length: 1, message: "this cannot be read" }
+    }
+
+    fn append(_input: Input<'_>, _kind: ErrorKind, other: Self) -> Self {
+        other
+    }
+}
+
+/// A fault that no alternative mends.
+pub(super) fn fault<'a, T>(code: Code, at: Input<'a>, length: usize, message: &'static str) -> Parsed<'a, T> {
+    Err(nom::Err::Failure(Fault { code, left: at.len(), length, message }))
+}
+
+/// Blanks, tabs, and the NULs and control bytes of paper tapes.
+pub(super) fn is_blank(byte: u8) -> bool {
+    byte <= b' ' || byte == 0x7f
+}
+
+/// Skips blanks.
+pub(super) fn blanks(input: Input<'_>) -> Input<'_> {
+    match input.first() {
+        Some(&byte) if is_blank(byte) => skip_blanks(input),
+        _ => input,
+    }
+}
+
+fn skip_blanks(input: Input<'_>) -> Input<'_> {
+    take_while::<_, _, Fault>(is_blank)(input).map_or(input, |(rest, _)| rest)
+}
+
+/// Powers of ten that a double holds exactly.
+pub(super) const EXACT_POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
+];
+
+/// Where a byte first stands: eight bytes at a time, for lines are most of what a parser has to find.
+pub(super) fn find_byte(bytes: &[u8], wanted: u8) -> Option<usize> {
+    const LOW: u64 = 0x0101_0101_0101_0101;
+    const HIGH: u64 = 0x8080_8080_8080_8080;
+    let pattern = LOW * u64::from(wanted);
+    let (words, _) = bytes.as_chunks::<8>();
+    // A byte becomes zero where it is the wanted one, and only then does a borrow set its eighth bit first.
+    let has = |word: &[u8; 8]| {
+        let different = u64::from_le_bytes(*word) ^ pattern;
+        different.wrapping_sub(LOW) & !different & HIGH
+    };
+    let skipped = words.iter().take_while(|word| has(word) == 0).count() * 8;
+    bytes[skipped..].iter().position(|&byte| byte == wanted).map(|place| skipped + place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::find_byte;
+
+    #[test]
+    fn bytes_are_found_at_any_place() {
+        for length in 0..40 {
+            let mut bytes = vec![0x8b; length];
+            assert_eq!(find_byte(&bytes, b'\n'), None);
+            for place in (0..length).rev() {
+                bytes[place] = b'\n';
+                assert_eq!(find_byte(&bytes, b'\n'), Some(place));
+            }
+        }
+    }
+}

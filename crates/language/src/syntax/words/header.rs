@@ -1,0 +1,260 @@
+//! Where programs begin and end in a file: `%`, `O1234 (NAME)`, `%PM9001` and the line `N9001` behind it.
+
+use super::parser::Parser;
+use super::token::{Input, angled, blanks, is_blank, small_number};
+use super::tree::{Part, PartKind};
+use crate::syntax::MAX_PARTS;
+use ncfix_base::source::Span;
+use ncfix_dialect::Language;
+
+/// Memories of the Grundig: the letters behind `%`.
+const MEMORIES: &[(&str, PartKind)] = &[
+    ("PM", PartKind::Program),
+    ("MM", PartKind::Macro),
+    ("TM", PartKind::Tools),
+    ("ZO", PartKind::ZeroOffsets),
+    ("ZE", PartKind::ZeroOffsets),
+    ("PO", PartKind::Points),
+    ("PA", PartKind::Parameters),
+    ("PL", PartKind::Pallets),
+    ("MC", PartKind::MachineConstants),
+];
+
+/// The bytes of a tape that count: from behind its leader to before its trailer.
+///
+/// What stands before the first `%` and behind the last one is no part of any program. A file with one `%` at its end only has no
+/// leader.
+pub(super) fn tape(bytes: &[u8], line_end: u8, language: Language) -> (usize, usize) {
+    let all = (0, bytes.len());
+    if language == Language::Grundig || !bytes.contains(&b'%') {
+        return all;
+    }
+    // The first, the second and the last mark are all that counts; a file may be nothing but marks.
+    let (mut first, mut second, mut last) = (None, None, None);
+    let mut start = 0;
+    for line in bytes.split(|&byte| byte == line_end) {
+        if blanks(line).first() == Some(&b'%') {
+            let mark = (start, start + line.len());
+            if first.is_some() {
+                second = second.or(Some(mark));
+            }
+            first = first.or(Some(mark));
+            last = Some(mark);
+        }
+        start += line.len() + 1;
+    }
+    let (Some(first), Some(last)) = (first, last) else { return all };
+    let mut before = bytes[..first.0].split(|&byte| byte == line_end).map(blanks);
+    let has_leader = match language {
+        Language::Rs274 => before.all(<[u8]>::is_empty),
+        _ => !before.any(is_block),
+    };
+    let start = if has_leader { first.0 } else { 0 };
+    let Some(second) = second else {
+        // It opens the program, unless there is one before it already.
+        return (start, if has_leader { bytes.len() } else { first.1 });
+    };
+    // RS274/NGC reads one program, from the first to the second.
+    let end = if language == Language::Rs274 && has_leader { second.1 } else { last.1 };
+    (start, end)
+}
+
+/// Whether a line in front of the first `%` is a block of a program rather than a leader: a word with its value begins it.
+fn is_block(line: &[u8]) -> bool {
+    match line {
+        [b'#', ..] => true,
+        [b':' | b'O' | b'o', rest @ ..] => blanks(rest).first().is_some_and(u8::is_ascii_digit),
+        [letter, rest @ ..] if letter.is_ascii_alphabetic() => {
+            matches!(blanks(rest).first(), Some(b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'['))
+        }
+        _ => false,
+    }
+}
+
+impl Parser {
+    /// Reads a line that begins or ends a program; what is left of it, or all of it where it is none, is a block.
+    pub(super) fn header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
+        match (text.first(), self.language) {
+            (Some(b'%'), Language::Grundig) => self.memory_header(text),
+            (Some(b'N' | b'n'), Language::Grundig) if self.is_fresh => self.number_header(text),
+            (Some(b'%'), _) => self.tape_mark(text),
+            (Some(b'O' | b'o' | b':'), _) => self.program_header(text),
+            (Some(b'<'), Language::Fanuc) => self.program_header(text),
+            (Some(b'N' | b'n'), Language::Fanuc) => self.numbered_header(text),
+            _ => text,
+        }
+    }
+
+    /// `%PM`, `%PM9001`, `%PM N9001`, a lone `%`.
+    fn memory_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
+        let behind = blanks(&text[1..]);
+        let length = behind.iter().take_while(|byte| byte.is_ascii_alphabetic()).count().min(2);
+        let (letters, rest) = behind.split_at(length);
+        if letters.len() < 2 {
+            // An end mark of the transmission.
+            self.open_part(PartKind::Program, None);
+            self.is_fresh = true;
+            return &text[text.len()..];
+        }
+        let known = MEMORIES.iter().find(|(name, _)| letters.eq_ignore_ascii_case(name.as_bytes()));
+        let kind = known.map_or(PartKind::Other, |&(_, kind)| kind);
+        let mut rest = blanks(rest);
+        if let [b'N' | b'n', behind @ ..] = rest {
+            rest = blanks(behind);
+        }
+        let number = small_number(rest, false).ok();
+        self.open_part(kind, Some(text));
+        self.is_fresh = true;
+        if let (Some((behind, number)), Some(part)) = (number, self.program.parts.last_mut()) {
+            part.number = Some(number);
+            rest = blanks(behind);
+            // `%PM9001 N9001`
+            if let [b'N' | b'n', behind @ ..] = rest
+                && let Ok((behind, second)) = small_number(blanks(behind), false)
+                && second == number
+            {
+                rest = behind;
+            }
+        }
+        // Only a comment may follow; anything else is read as a block, which shows what is wrong with it.
+        rest
+    }
+
+    /// `N9001 (NAME)` as the first line of a part: its number and nothing but a comment.
+    fn number_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
+        self.is_fresh = false;
+        let Ok((rest, number)) = small_number(blanks(&text[1..]), false) else { return text };
+        let rest = blanks(rest);
+        let part_number = self.program.parts.last().and_then(|part| part.number);
+        if !matches!(rest.first(), None | Some(b'(')) || part_number.is_some_and(|known| known != number) {
+            return text;
+        }
+        let span = Span::new(self.offset(text), self.line_end);
+        if let Some(part) = self.program.parts.last_mut() {
+            part.number = Some(number);
+            part.headers.push(span);
+        }
+        rest
+    }
+
+    /// `%` of a tape, perhaps with a program number: `%`, `%O1234`, `%100`.
+    fn tape_mark<'a>(&mut self, text: Input<'a>) -> Input<'a> {
+        self.program.has_tape_marks = true;
+        self.open_part(PartKind::Program, None);
+        let behind = blanks(&text[1..]);
+        match behind.first() {
+            Some(b'O' | b'o' | b':') => self.program_header(behind),
+            Some(b'0'..=b'9') => {
+                if let (Ok((_, number)), Some(part)) = (small_number(behind, true), self.program.parts.last_mut()) {
+                    part.number = Some(number);
+                    part.headers.push(Span::new(self.line_end - text.len(), self.line_end));
+                }
+                &text[text.len()..]
+            }
+            // Whatever else stands on the line of the tape mark is no block.
+            _ => &text[text.len()..],
+        }
+    }
+
+    /// `O1234 (NAME)`, `:1234`, `<NAME>`; an O-word of RS274/NGC is none.
+    fn program_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
+        if text.first() == Some(&b'<') {
+            let Ok((rest, name)) = angled(text) else { return text };
+            let name = self.intern(name);
+            self.open_part(PartKind::Program, Some(text));
+            if let Some(part) = self.program.parts.last_mut() {
+                part.name = Some(name);
+            }
+            return rest;
+        }
+        let behind = blanks(&text[1..]);
+        if let (Some(b'<'), Ok((rest, _))) = (behind.first(), angled(behind))
+            && (self.language == Language::Fanuc || matches!(blanks(rest).first(), None | Some(b'(' | b';')))
+        {
+            return self.program_header(behind);
+        }
+        let Ok((rest, number)) = small_number(behind, true) else { return text };
+        if self.language == Language::Rs274 && !matches!(blanks(rest).first(), None | Some(b'(' | b';')) {
+            return text;
+        }
+        self.open_part(PartKind::Program, Some(text));
+        if let Some(part) = self.program.parts.last_mut() {
+            part.number = Some(number);
+        }
+        rest
+    }
+
+    /// `N10 O1234 (NAME)`: a program number behind a block number, alone but for comments.
+    fn numbered_header<'a>(&mut self, text: Input<'a>) -> Input<'a> {
+        let Ok((rest, _)) = small_number(blanks(&text[1..]), true) else { return text };
+        let header = blanks(rest);
+        let Some(b'O' | b'o') = header.first() else { return text };
+        match small_number(blanks(&header[1..]), true) {
+            Ok((rest, _)) if matches!(blanks(rest).first(), None | Some(b'(' | b';')) => self.program_header(header),
+            _ => text,
+        }
+    }
+
+    /// The comment behind a header, if nothing but it follows, is the title of the part.
+    pub(super) fn title<'a>(&mut self, rest: Input<'a>) -> Input<'a> {
+        let is_title =
+            rest.first() == Some(&b'(') && rest.iter().position(|&byte| byte == b')') == Some(rest.len() - 1);
+        let start = self.offset(rest);
+        match self.program.parts.last_mut() {
+            Some(part) if is_title => {
+                part.title = Some(Span::new(start + 1, self.line_end - 1));
+                &rest[rest.len()..]
+            }
+            _ => rest,
+        }
+    }
+
+    /// Ends the header of the line where a block begins behind it (`O1234 G90 G0 X1`): as a part of the header it would be written twice.
+    pub(super) fn end_header(&mut self, block: Input<'_>) {
+        let end = self.offset(block);
+        let source = self.program.source.clone();
+        let header = self.program.parts.last_mut().and_then(|part| part.headers.last_mut());
+        if let Some(header) = header.filter(|header| !block.is_empty() && header.end as usize == self.line_end) {
+            let text = source.slice(Span::new(header.start as usize, end));
+            let blank = text.iter().rev().take_while(|&&byte| is_blank(byte)).count();
+            *header = Span::new(header.start as usize, end - blank);
+        }
+    }
+
+    /// Ends the part before and begins another one.
+    pub(super) fn open_part(&mut self, kind: PartKind, header: Option<Input<'_>>) {
+        self.close_part();
+        if self.program.parts.len() >= MAX_PARTS {
+            self.give_up_at_part();
+            return;
+        }
+        let start = self.program.blocks.next();
+        let headers = header.map(|text| Span::new(self.offset(text), self.line_end)).into_iter().collect();
+        self.program.parts.push(Part {
+            kind,
+            number: None,
+            name: None,
+            headers,
+            title: None,
+            blocks: start..start,
+            targets: 0..0,
+        });
+    }
+
+    /// Ends the part; one without header and blocks is none.
+    pub(super) fn close_part(&mut self) {
+        let end = self.program.blocks.next();
+        if let Some(part) = self.program.parts.last_mut() {
+            part.blocks.end = end;
+            if part.headers.is_empty() && part.blocks.is_empty() {
+                self.program.parts.pop();
+            }
+        }
+    }
+}
+
+/// Whether every byte has an even number of set bits and some have the eighth one: the parity bit of a serial line.
+pub(super) fn has_parity(bytes: &[u8]) -> bool {
+    let is_marked = |byte: &u8| *byte >= 0x80 && !is_blank(byte & 0x7f);
+    bytes.iter().all(|byte| byte.count_ones() % 2 == 0) && bytes.iter().any(is_marked)
+}

@@ -1,0 +1,322 @@
+//! Blocks: splits the file into lines, parts and words, and goes on behind whatever cannot be read.
+
+use super::header;
+use super::token::{Fault, Input, Parsed, blanks, fault, find_byte, is_blank, small_number};
+use super::tree::{Block, Body, InnerSkip, PartKind, Program, Slice};
+use crate::syntax::names::{NameId, Names};
+use crate::syntax::shelf::Shelf;
+use crate::syntax::{MAX_FINDINGS, too_many_parts};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{Source, Span};
+use ncfix_dialect::{Dialect, Language};
+
+/// A block longer than this is refused; controls take a few hundred characters.
+const MAX_BLOCK_BYTES: usize = 4096;
+
+/// Lines of comments before the number of a Grundig program at most.
+const MOST_HEADER_LINES: usize = 1000;
+
+/// The parser's state: the tree that grows, and where the line ends that is being read.
+pub(super) struct Parser {
+    pub(super) program: Program,
+    pub(super) language: Language,
+    findings: Vec<Diagnostic>,
+    pub(super) line_end: usize,
+    pub(super) depth: u32,
+    /// Whether the part has no block yet, so that a line with nothing but a number is its header.
+    pub(super) is_fresh: bool,
+    has_too_many_parts: bool,
+}
+
+/// A program without anything.
+pub(super) fn empty(source: Source, dialect: &'static Dialect) -> Program {
+    Program {
+        source,
+        dialect,
+        parts: Vec::new(),
+        blocks: Shelf::default(),
+        words: Shelf::default(),
+        exprs: Shelf::default(),
+        arguments: Shelf::default(),
+        comments: Shelf::default(),
+        names: Names::default(),
+        has_tape_marks: false,
+        targets: Vec::new(),
+        subs: Vec::new(),
+        pages: None,
+    }
+}
+
+impl Parser {
+    pub(super) fn new(source: Source, dialect: &'static Dialect) -> Parser {
+        let program = empty(source, dialect);
+        Parser {
+            program,
+            language: dialect.language,
+            findings: Vec::new(),
+            line_end: 0,
+            depth: 0,
+            is_fresh: true,
+            has_too_many_parts: false,
+        }
+    }
+
+    pub(super) fn finish(self) -> (Program, Vec<Diagnostic>) {
+        (self.program, self.findings)
+    }
+
+    /// Whether blanks mean nothing, not even between the digits of a number.
+    pub(super) fn is_spaced(&self) -> bool {
+        self.language != Language::Grundig
+    }
+
+    /// Reads all lines.
+    pub(super) fn run(&mut self) {
+        let (start, end) = self.tape();
+        self.open_part(PartKind::Program, None);
+        self.read(start, end);
+        self.close_part();
+    }
+
+    /// Offset of the first line and the number of lines before it, and the offset at which the tape ends.
+    pub(super) fn tape(&self) -> ((usize, u32), usize) {
+        let source = &self.program.source;
+        let bytes = source.bytes();
+        let (mut start, end) = header::tape(bytes, source.line_end(), self.language);
+        if bytes.starts_with(b"\xef\xbb\xbf") {
+            start = start.max(3);
+        }
+        let mut line = 0;
+        if start > 3 {
+            let before = bytes[..start].iter().filter(|&&byte| byte == source.line_end()).count();
+            line = u32::try_from(before).unwrap_or(u32::MAX);
+        }
+        ((start, line), end)
+    }
+
+    /// Reads whole lines from an offset on, before which there are so many, up to another one; where the next would begin.
+    pub(super) fn read(&mut self, (mut start, mut line): (usize, u32), until: usize) -> (usize, u32) {
+        let source = self.program.source.clone();
+        let bytes = source.bytes();
+        let line_end = source.line_end();
+        while start < until && !self.is_hopeless() {
+            let length = find_byte(&bytes[start..], line_end);
+            let next = length.map_or(bytes.len(), |length| start + length + 1);
+            let mut end = length.map_or(bytes.len(), |length| start + length);
+            while end > start && is_blank(bytes[end - 1]) {
+                end -= 1;
+            }
+            line += 1;
+            self.line_end = end;
+            let text = blanks(&bytes[start..end]);
+            if !text.is_empty() {
+                self.read_line(text, line);
+            }
+            start = next;
+        }
+        if self.is_hopeless() { (source.bytes().len(), line) } else { (start, line) }
+    }
+
+    /// Whether the file is no program, so that the rest of it is not looked at.
+    fn is_hopeless(&self) -> bool {
+        self.has_too_many_parts || self.findings.len() > MAX_FINDINGS
+    }
+
+    /// There is one program too many in the file.
+    pub(super) fn give_up_at_part(&mut self) {
+        if !std::mem::replace(&mut self.has_too_many_parts, true) {
+            let header = Span::new(self.line_end.saturating_sub(1), self.line_end);
+            self.findings.push(too_many_parts(&self.program.source, header));
+        }
+    }
+
+    /// Whether so many comments stand before the first block of a part that no header follows.
+    fn is_late(&self) -> bool {
+        let start = self.program.parts.last().map_or(0, |part| part.blocks.start);
+        self.program.blocks.next() - start >= MOST_HEADER_LINES
+    }
+
+    /// The offset in the file of the first byte of `input`.
+    pub(super) fn offset(&self, input: Input<'_>) -> usize {
+        self.line_end - input.len()
+    }
+
+    /// The id of a name; blanks in it mean nothing.
+    pub(super) fn intern(&mut self, name: &[u8]) -> NameId {
+        if name.iter().any(|&byte| is_blank(byte)) {
+            let dense: Vec<u8> = name.iter().copied().filter(|&byte| !is_blank(byte)).collect();
+            return self.program.names.intern(&dense);
+        }
+        self.program.names.intern(name)
+    }
+
+    pub(super) fn report(&mut self, fault: &Fault) {
+        let start = self.line_end - fault.left.min(self.line_end);
+        let end = (start + fault.length.max(1)).min(self.line_end.max(start + 1));
+        let place = Place { file: self.program.source.id(), span: Span::new(start, end) };
+        self.findings.push(Diagnostic::at(fault.code, place, fault.message, help_for(fault.code)));
+    }
+
+    fn read_line(&mut self, line_text: &[u8], line: u32) {
+        let mut text = self.header(line_text);
+        if text.len() < line_text.len() {
+            text = self.title(blanks(text));
+            self.end_header(text);
+        } else if text.first() != Some(&b'(') || self.is_late() {
+            self.is_fresh = false;
+        }
+        if text.is_empty() {
+            return;
+        }
+        let start = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+        let mut block = Block {
+            span: Span::new(self.offset(text), self.line_end),
+            line,
+            skip: None,
+            number: None,
+            body: Body::Empty,
+            label: None,
+            inner_skip: None,
+            words: Slice { start: start(self.program.words.next()), count: 0 },
+            comments: Slice { start: start(self.program.comments.next()), count: 0 },
+            partner: u32::MAX,
+        };
+        if let Err(nom::Err::Error(fault) | nom::Err::Failure(fault)) = self.block(text, &mut block) {
+            self.report(&fault);
+            // A control statement with something behind it still opens or closes its structure.
+            if matches!(block.body, Body::Empty | Body::Words) {
+                block.body = Body::Faulty;
+            }
+        }
+        let count = |start: u32, end: usize| u16::try_from(end - start as usize).unwrap_or(u16::MAX);
+        block.words.count = count(block.words.start, self.program.words.next());
+        block.comments.count = count(block.comments.start, self.program.comments.next());
+        self.program.blocks.push(block);
+    }
+
+    /// Skip level and number, then a statement or words.
+    fn block<'a>(&mut self, mut input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
+        if input.len() > MAX_BLOCK_BYTES {
+            return fault(Code::BLOCK_TOO_LONG, input, 40, "this block has more than 4096 bytes");
+        }
+        loop {
+            input = blanks(input);
+            input = match *input {
+                [b'/', ref rest @ ..] if block.skip.is_none() => match *rest {
+                    [digit @ b'0'..=b'9', ref rest @ ..] if self.language != Language::Rs274 => {
+                        block.skip = Some(digit - b'0');
+                        rest
+                    }
+                    _ => {
+                        block.skip = Some(0);
+                        rest
+                    }
+                },
+                [b'N' | b'n', ref rest @ ..] if block.number.is_none() => match self.block_number(input, rest)? {
+                    (rest, Some(number)) => {
+                        block.number = Some(number);
+                        rest
+                    }
+                    _ => break,
+                },
+                _ => break,
+            };
+        }
+        let rest = match input.first() {
+            None => return Ok((input, ())),
+            // The end of a tape behind a block number.
+            Some(b'%') if self.is_spaced() && block.number.is_some() => {
+                self.program.has_tape_marks = true;
+                return Ok((input, ()));
+            }
+            Some(b'O' | b'o') if self.language == Language::Rs274 => self.o_word(input, block)?.0,
+            Some(first) if first.is_ascii_alphabetic() && self.is_macro_statement(input) => {
+                self.macro_statement(input, block)?.0
+            }
+            _ => return self.words(input, block),
+        };
+        self.end_of_statement(rest)
+    }
+
+    /// The number behind an N; none where no digits follow, or an index (`N1=`).
+    fn block_number<'a>(&self, input: Input<'a>, behind: Input<'a>) -> Parsed<'a, Option<u32>> {
+        let digits = blanks(behind);
+        if !digits.first().is_some_and(u8::is_ascii_digit) {
+            return Ok((behind, None));
+        }
+        let (mut rest, number) = small_number(digits, self.is_spaced())?;
+        match blanks(rest).first() {
+            Some(b'=') if self.language == Language::Grundig => return Ok((behind, None)),
+            Some(b'.') if self.language == Language::Rs274 => {
+                rest = &blanks(rest)[1..];
+                if blanks(rest).first().is_some_and(u8::is_ascii_digit) {
+                    rest = small_number(blanks(rest), true)?.0;
+                }
+            }
+            Some(b'.') => {
+                let length = input.len() - rest.len() + 1;
+                return fault(Code::BAD_NUMBER, input, length, "a block number has no decimal point");
+            }
+            _ => {}
+        }
+        Ok((rest, Some(number)))
+    }
+
+    /// Two letters side by side begin no word of a custom macro.
+    fn is_macro_statement(&self, input: Input<'_>) -> bool {
+        self.language == Language::Fanuc && blanks(&input[1..]).first().is_some_and(u8::is_ascii_alphabetic)
+    }
+
+    /// Nothing but comments may follow a statement.
+    fn end_of_statement<'a>(&mut self, input: Input<'a>) -> Parsed<'a, ()> {
+        let mut rest = blanks(input);
+        while let Some(b'(' | b';') = rest.first() {
+            rest = blanks(self.comment(rest)?.0);
+        }
+        if rest.is_empty() {
+            return Ok((rest, ()));
+        }
+        fault(Code::MUST_STAND_ALONE, rest, rest.len(), "this stands behind a statement that needs its own block")
+    }
+
+    /// Words and comments up to the end of the line.
+    pub(super) fn words<'a>(&mut self, mut input: Input<'a>, block: &mut Block) -> Parsed<'a, ()> {
+        let first_word = block.words.start as usize;
+        loop {
+            input = blanks(input);
+            let Some(&first) = input.first() else { break };
+            if first == b'(' || first == b';' {
+                input = self.comment(input)?.0;
+                continue;
+            }
+            if first == b'/' && self.language == Language::Fanuc && block.inner_skip.is_none() {
+                let level = input.get(1).filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0');
+                let words_before = u16::try_from(self.program.words.next() - first_word).unwrap_or(u16::MAX);
+                block.inner_skip = Some(InnerSkip { level: level.unwrap_or(0), words_before });
+                input = &input[if level.is_some() { 2 } else { 1 }..];
+                continue;
+            }
+            if block.body == Body::Empty {
+                block.body = Body::Words;
+            }
+            let (rest, word) = self.word(input, first)?;
+            self.program.words.push(word);
+            input = rest;
+        }
+        Ok((input, ()))
+    }
+}
+
+fn help_for(code: Code) -> &'static str {
+    match code {
+        Code::BAD_NUMBER => "write digits with one decimal point at most",
+        Code::EXPONENT => "write the number out, without an exponent; if E is a word, put a blank before it",
+        Code::MISSING_VALUE => "give the address a value, for example X10",
+        Code::BAD_EXPRESSION => "complete or correct the expression",
+        Code::UNCLOSED => "close it before the end of the block",
+        Code::TOO_DEEP => "take the expression apart over several blocks",
+        Code::MUST_STAND_ALONE => "move it to a block of its own",
+        Code::BLOCK_TOO_LONG => "check that the file is a part program and still has its line ends",
+        _ => "correct the block, or check --dialect",
+    }
+}

@@ -1,0 +1,120 @@
+//! The smallest pieces of the word languages: numbers, keywords, `<names>`.
+
+use ncfix_base::diagnostic::Code;
+
+pub(super) use crate::syntax::token::{EXACT_POWERS, Fault, Input, Parsed, blanks, fault, find_byte, is_blank};
+
+/// What stands behind this word at the start of the input, in either case and with blanks between its letters.
+pub(super) fn keyword<'a>(word: &str, input: Input<'a>) -> Option<Input<'a>> {
+    let mut rest = input;
+    for letter in word.bytes() {
+        rest = match blanks(rest) {
+            [first, behind @ ..] if first.eq_ignore_ascii_case(&letter) => behind,
+            _ => return None,
+        };
+    }
+    Some(rest)
+}
+
+/// The first of these words that stands at the start of the input, and what stands behind it.
+pub(super) fn one_of<'a, T: Copy>(words: &[(&str, T)], input: Input<'a>) -> Option<(Input<'a>, T)> {
+    let first = input.first()?.to_ascii_uppercase();
+    let fitting = words.iter().filter(|(word, _)| word.as_bytes().first() == Some(&first));
+    fitting.filter_map(|&(word, value)| keyword(word, input).map(|rest| (rest, value))).next()
+}
+
+/// A number as it is written, without sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Number {
+    pub(super) value: f64,
+    pub(super) has_point: bool,
+    /// Digits before the point.
+    pub(super) digits: u8,
+}
+
+/// `10`, `10.`, `.5`, `1.25`; blanks between the digits mean nothing where `spaced`.
+///
+/// Where the digits make an exact double and so does the power of ten, one division rounds correctly (Clinger 1990); the standard
+/// library does the rest.
+pub(super) fn number(input: Input<'_>, spaced: bool) -> Parsed<'_, Number> {
+    let (at, whole, mantissa) = digits(input, 0, 0, spaced);
+    let has_point = input.get(at) == Some(&b'.');
+    let (at, decimals, mantissa) = if has_point { digits(input, at + 1, mantissa, spaced) } else { (at, 0, mantissa) };
+    if whole + decimals == 0 {
+        return fault(Code::BAD_NUMBER, input, at.max(1), "a number was expected here");
+    }
+    if input.get(at) == Some(&b'.') {
+        return fault(Code::BAD_NUMBER, input, at + 1, "this number has two decimal points");
+    }
+    let value = match EXACT_POWERS.get(decimals) {
+        Some(power) if whole + decimals <= 15 => mantissa as f64 / power,
+        _ => slow_value(&input[..at]),
+    };
+    if !value.is_finite() {
+        return fault(Code::BAD_NUMBER, input, at, "this number is too large");
+    }
+    let digits = u8::try_from(whole).unwrap_or(u8::MAX);
+    Ok((&input[at..], Number { value, has_point, digits }))
+}
+
+/// Digits from a place on, joined to a mantissa: the place behind them, how many they are, and the new mantissa. Beyond 15 digits the
+/// mantissa is not looked at any more, so it may wrap.
+fn digits(input: Input<'_>, from: usize, mut mantissa: u64, spaced: bool) -> (usize, usize, u64) {
+    let (mut at, mut count) = (from, 0);
+    loop {
+        while let Some(byte @ b'0'..=b'9') = input.get(at) {
+            mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
+            at += 1;
+            count += 1;
+        }
+        if !spaced || !input.get(at).is_some_and(|&byte| is_blank(byte)) {
+            return (at, count, mantissa);
+        }
+        let rest = blanks(&input[at..]);
+        if !matches!(rest.first(), Some(b'0'..=b'9' | b'.')) {
+            return (at, count, mantissa);
+        }
+        at = input.len() - rest.len();
+        if rest.first() == Some(&b'.') {
+            return (at, count, mantissa);
+        }
+    }
+}
+
+/// The general case, by the standard library's correctly rounded conversion.
+fn slow_value(digits: &[u8]) -> f64 {
+    let text: String = digits.iter().filter(|byte| !is_blank(**byte)).map(|&byte| char::from(byte)).collect();
+    text.parse().unwrap_or(f64::NAN)
+}
+
+/// Digits as a number of at most nine digits.
+pub(super) fn small_number(input: Input<'_>, spaced: bool) -> Parsed<'_, u32> {
+    let (mut rest, mut value, mut count) = (input, 0_u32, 0);
+    loop {
+        let at = if spaced && count > 0 { blanks(rest) } else { rest };
+        match at {
+            [byte @ b'0'..=b'9', behind @ ..] => {
+                value = value.saturating_mul(10).saturating_add(u32::from(byte - b'0'));
+                count += 1;
+                rest = behind;
+            }
+            _ if count == 0 => return fault(Code::BAD_NUMBER, input, 1, "a whole number was expected here"),
+            _ if value > 999_999_999 => {
+                return fault(Code::BAD_NUMBER, input, input.len() - rest.len(), "this number has too many digits");
+            }
+            _ => return Ok((rest, value)),
+        }
+    }
+}
+
+/// The text between `<` and `>`, with which the input begins.
+pub(super) fn angled(input: Input<'_>) -> Parsed<'_, &[u8]> {
+    let Some(text) = input.strip_prefix(b"<") else {
+        return fault(Code::UNEXPECTED, input, 1, "a name between < and > was expected here");
+    };
+    match text.iter().position(|&byte| byte == b'>') {
+        Some(end) if !blanks(&text[..end]).is_empty() => Ok((&text[end + 1..], &text[..end])),
+        Some(end) => fault(Code::UNEXPECTED, input, end + 2, "a name between < and > has at least one character"),
+        None => fault(Code::UNCLOSED, input, 1, "this < is not closed in the block"),
+    }
+}

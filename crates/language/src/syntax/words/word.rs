@@ -1,0 +1,181 @@
+//! Words: an address and its value, as each language writes them.
+
+use super::node::Node;
+use super::parser::Parser;
+use super::token::{Input, Parsed, angled, blanks, fault, number, small_number};
+use super::tree::{Address, Value, Word};
+use ncfix_base::diagnostic::Code;
+use ncfix_base::source::Span;
+use ncfix_dialect::Language;
+
+impl Parser {
+    /// One word.
+    pub(super) fn word<'a>(&mut self, input: Input<'a>, first: u8) -> Parsed<'a, Word> {
+        if !first.is_ascii_alphabetic() {
+            return self.special_word(input, first);
+        }
+        let letter = first.to_ascii_uppercase();
+        let behind = blanks(&input[1..]);
+        match behind.first() {
+            Some(b'0'..=b'9' | b'.') => {
+                let (rest, number) = number(behind, self.is_spaced())?;
+                if !matches!(letter, b'G' | b'M' | b'N' | b'O' | b'T') {
+                    self.no_exponent(behind, rest)?;
+                }
+                if self.language == Language::Grundig
+                    && !number.has_point
+                    && let [b'=', value @ ..] = blanks(rest)
+                {
+                    return self.indexed_word(input, behind, letter, value);
+                }
+                let value = Value::Number { value: number.value, has_point: number.has_point, digits: number.digits };
+                Ok((rest, self.word_between(input, rest, Address::Letter(letter), value)))
+            }
+            Some(b'=') if self.language == Language::Grundig => {
+                let (rest, value) = self.assigned_value(&behind[1..])?;
+                Ok((rest, self.word_between(input, rest, Address::Letter(letter), value)))
+            }
+            Some(_) => {
+                let (rest, value) = self.value(input, behind)?;
+                Ok((rest, self.word_between(input, rest, Address::Letter(letter), value)))
+            }
+            None => fault(Code::MISSING_VALUE, input, 1, "this address has no value"),
+        }
+    }
+
+    /// `X1=…`: `index` begins with the digits, `value` stands behind the sign.
+    fn indexed_word<'a>(
+        &mut self,
+        input: Input<'a>,
+        index: Input<'a>,
+        letter: u8,
+        value: Input<'a>,
+    ) -> Parsed<'a, Word> {
+        let (_, number) = small_number(index, false)?;
+        let Ok(number) = u16::try_from(number) else {
+            return fault(Code::BAD_NUMBER, index, 1, "the index of an address has at most four digits");
+        };
+        let (rest, value) = self.assigned_value(value)?;
+        Ok((rest, self.word_between(input, rest, Address::Indexed(letter, number), value)))
+    }
+
+    /// The value behind `=`: a plain number, or an expression.
+    fn assigned_value<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Value> {
+        let input = blanks(input);
+        if let Ok((rest, value)) = self.signed_number(input)
+            && self.operator(blanks(rest)).is_none()
+        {
+            return Ok((rest, value));
+        }
+        if input.is_empty() {
+            return fault(Code::MISSING_VALUE, input, 1, "a value is missing behind '='");
+        }
+        let (rest, id) = self.expression(input)?;
+        Ok((rest, Value::Expr(id)))
+    }
+
+    /// Refuses what looks like an exponent directly behind a number, which begins at `from`: E, perhaps a sign, digits and no decimal point.
+    /// No word language has exponents, so the control would read E as a word of its own; a Grundig has parameters of that name.
+    pub(super) fn no_exponent<'a>(&self, from: Input<'a>, rest: Input<'a>) -> Parsed<'a, ()> {
+        if self.language != Language::Grundig
+            && let [b'E' | b'e', behind @ ..] = rest
+        {
+            let sign = usize::from(matches!(behind.first(), Some(b'+' | b'-')));
+            let digits = behind[sign..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+            if digits > 0 && behind.get(sign + digits) != Some(&b'.') {
+                let length = from.len() - rest.len() + 1 + sign + digits;
+                return fault(Code::EXPONENT, from, length, "this number has a letter in it");
+            }
+        }
+        Ok((rest, ()))
+    }
+
+    /// A number with a sign or without.
+    fn signed_number<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Value> {
+        let (behind, sign) = match *input {
+            [b'-', ref rest @ ..] => (blanks(rest), -1.0),
+            [b'+', ref rest @ ..] => (blanks(rest), 1.0),
+            _ => (input, 1.0),
+        };
+        let (rest, number) = number(behind, self.is_spaced())?;
+        self.no_exponent(behind, rest)?;
+        let value = sign * number.value;
+        Ok((rest, Value::Number { value, has_point: number.has_point, digits: number.digits }))
+    }
+
+    /// The value directly behind a letter, which is the first byte of `input`, where it does not begin with a digit.
+    fn value<'a>(&mut self, input: Input<'a>, behind: Input<'a>) -> Parsed<'a, Value> {
+        let is_iso = self.language != Language::Grundig;
+        match behind.first() {
+            Some(b'+' | b'-') => match blanks(&behind[1..]).first() {
+                Some(b'0'..=b'9' | b'.') => return self.signed_number(behind),
+                Some(b'#' | b'[') if is_iso => {}
+                Some(byte)
+                    if self.language == Language::Rs274 && (byte.is_ascii_alphabetic() || b"+-".contains(byte)) => {}
+                _ => return fault(Code::MISSING_VALUE, input, 2, "behind this sign stands no value"),
+            },
+            Some(b'#' | b'[') if is_iso => {}
+            Some(byte) if self.language == Language::Rs274 && byte.is_ascii_alphabetic() => {}
+            _ => {
+                let message = match self.language {
+                    Language::Grundig => "this address has no value; a value that is no number needs '='",
+                    _ => "this address has no value",
+                };
+                return fault(Code::MISSING_VALUE, input, 1, message);
+            }
+        }
+        let (rest, id) = self.operand(behind)?;
+        Ok((rest, Value::Expr(id)))
+    }
+
+    /// Words that begin with no letter: `#1=…`, `,C5`, `<NAME>`, `@10`, `^45`, `$1`.
+    fn special_word<'a>(&mut self, input: Input<'a>, first: u8) -> Parsed<'a, Word> {
+        match (first, self.language) {
+            (b'#', Language::Fanuc | Language::Rs274) => self.assignment(input),
+            (b',', Language::Fanuc) => {
+                let behind = blanks(&input[1..]);
+                let Some(letter @ (b'A' | b'C' | b'R')) = behind.first().map(u8::to_ascii_uppercase) else {
+                    return fault(Code::UNEXPECTED, input, 2, "behind a comma stands C, R or A with its value");
+                };
+                let (rest, word) = self.word(behind, letter)?;
+                Ok((rest, self.word_between(input, rest, Address::Comma(letter), word.value)))
+            }
+            (b'<', Language::Fanuc) => {
+                let (rest, name) = angled(input)?;
+                let address = Address::Name(self.intern(name));
+                Ok((rest, self.word_between(input, rest, address, Value::None)))
+            }
+            (b'@' | b'^' | b'$', Language::Rs274) => {
+                let behind = blanks(&input[1..]);
+                let (rest, value) = match behind.first() {
+                    Some(b'0'..=b'9' | b'.') => self.signed_number(behind)?,
+                    _ => self.value(input, behind)?,
+                };
+                Ok((rest, self.word_between(input, rest, Address::Letter(first), value)))
+            }
+            _ => fault(Code::UNEXPECTED, input, 1, "no word of this language begins like this"),
+        }
+    }
+
+    /// `#1=…`, `#[…]=…`, `#<name>=…`
+    fn assignment<'a>(&mut self, input: Input<'a>) -> Parsed<'a, Word> {
+        let (rest, variable) = self.parameter(input)?;
+        let [b'=', behind @ ..] = blanks(rest) else {
+            return fault(
+                Code::MISSING_VALUE,
+                input,
+                input.len() - rest.len(),
+                "a variable alone does nothing; '=' is missing",
+            );
+        };
+        if self.program.expr(variable).node == Node::Parameter(0) && self.language == Language::Fanuc {
+            return fault(Code::UNEXPECTED, input, 2, "#0 is always empty and cannot be given a value");
+        }
+        let (rest, id) = self.expression(behind)?;
+        Ok((rest, self.word_between(input, rest, Address::Variable(variable), Value::Expr(id))))
+    }
+
+    fn word_between(&self, from: Input<'_>, to: Input<'_>, address: Address, value: Value) -> Word {
+        Word { span: Span::new(self.offset(from), self.offset(to)), address, value }
+    }
+}

@@ -1,0 +1,179 @@
+//! The log of a machine: readings with time stamps, a table of text with a line of column names.
+//!
+//! ```text
+//! t_s,T_head_C,T_column_C,load_N,load_z_mm
+//! 0,21.4,20.9,0,0
+//! 60,21.9,,1700,-280
+//! ```
+//!
+//! The columns are those of [`super::columns`]; `t_s` does not go back.
+//!
+//! Other columns are for others. An empty cell is no reading: temperatures are linear between the readings that there are, a load stays.
+
+use std::collections::BTreeMap;
+
+use ncfix_base::csv::{DecimalSign, Row, Table};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::Source;
+
+use super::columns::{Column, NO_LOAD, OfDead, check_load, read_cell};
+use super::{Condition, Load, Trace};
+
+/// More findings than this help nobody.
+const MOST_FINDINGS: usize = 50;
+
+/// Whether a file looks like a log and not like a state file, whose first line is a comment, a section or a key with its value.
+#[must_use]
+pub fn is_log(source: &Source) -> bool {
+    let bytes = source.bytes();
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    let first = bytes.split(|&byte| byte == b'\n' || byte == b'\r').next().unwrap_or_default();
+    let is_separator_line = first.to_ascii_lowercase().starts_with(b"sep=");
+    !first.is_empty()
+        && !first.starts_with(b"#")
+        && !first.starts_with(b"[")
+        && (is_separator_line || !first.contains(&b'='))
+}
+
+/// Reads a log; the condition is that of its last row. All findings are reported in one run; there is a condition only where none of them
+/// is an error.
+#[must_use]
+pub fn load(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
+    load_as(source, OfDead::Refused)
+}
+
+/// Reads a log in which sensors may be dead for some rows: these rows say nothing of them, and a warning says so.
+#[must_use]
+pub fn load_with_dead(source: &Source) -> (Option<Condition>, Vec<Diagnostic>) {
+    load_as(source, OfDead::Empty)
+}
+
+fn load_as(source: &Source, of_dead: OfDead) -> (Option<Condition>, Vec<Diagnostic>) {
+    let (table, mut findings) = Table::read(source);
+    let Some(table) = table else { return (None, findings) };
+    let columns = Column::all(&table);
+    check_columns(&table, &columns, &mut findings);
+    let numbers: Vec<usize> =
+        (0..columns.len()).filter(|&column| columns.get(column) != Some(&Column::Other)).collect();
+    let sign = match table.decimal_sign(&numbers) {
+        Ok(sign) => sign,
+        Err(finding) => {
+            findings.push(finding);
+            return (None, findings);
+        }
+    };
+    let mut readings = Readings::new(columns, sign, of_dead);
+    for row in table.rows() {
+        readings.read_row(&row, &mut findings);
+        if findings.len() >= MOST_FINDINGS {
+            break;
+        }
+    }
+    readings.tell_dead(&mut findings);
+    if readings.time_s.is_none() && findings.is_empty() {
+        let help = "add at least one row of readings";
+        findings.push(Diagnostic::at(Code::DATA_NO_TABLE, table.header_place(None), "the log has no rows", help));
+    }
+    let sound = !findings.iter().any(Diagnostic::is_error);
+    (sound.then(|| readings.condition()), findings)
+}
+
+fn check_columns(table: &Table, columns: &[Column], findings: &mut Vec<Diagnostic>) {
+    let mut report = |message: &str, help: &str| {
+        findings.push(Diagnostic::at(Code::DATA_COLUMN, table.header_place(None), message, help));
+    };
+    if !columns.contains(&Column::Time) {
+        report("the log has no column t_s", "add a column t_s with the time of each row in s");
+    }
+    let says_something = |column: &Column| matches!(column, Column::Sensor(_) | Column::Force | Column::LoadPlace(_));
+    if !columns.iter().any(says_something) {
+        let help = "name the columns of temperatures like their sensors with _C behind, T_head_C for the sensor T_head";
+        report("the log has no column of a temperature or a load", help);
+    }
+    check_load(table, columns, findings);
+}
+
+/// What was read so far.
+struct Readings {
+    columns: Vec<Column>,
+    sign: DecimalSign,
+    /// By column.
+    traces: Vec<Trace>,
+    time_s: Option<f64>,
+    /// The last load.
+    load: Load,
+    loads: Vec<(f64, Load)>,
+    of_dead: OfDead,
+    /// By column: where a sensor was dead first, what it said, and in how many rows.
+    dead: BTreeMap<usize, (Place, String, usize)>,
+}
+
+impl Readings {
+    fn new(columns: Vec<Column>, sign: DecimalSign, of_dead: OfDead) -> Readings {
+        let traces = vec![Trace::default(); columns.len()];
+        let dead = BTreeMap::new();
+        Readings { columns, sign, traces, time_s: None, load: NO_LOAD, loads: Vec::new(), of_dead, dead }
+    }
+
+    /// Which sensors were dead.
+    fn tell_dead(&self, findings: &mut Vec<Diagnostic>) {
+        for (column, (place, value, rows)) in &self.dead {
+            let Some(Column::Sensor(sensor)) = self.columns.get(*column) else { continue };
+            let message = format!("{sensor} is dead: {value} °C is no temperature of a machine; so in {rows} rows");
+            let help = "these rows say nothing of it; check its plug and cable";
+            findings.push(Diagnostic::at(Code::FAULTY_DATA, *place, message, help));
+        }
+    }
+
+    fn read_row(&mut self, row: &Row<'_>, findings: &mut Vec<Diagnostic>) {
+        let time_s = match self.read_time(row) {
+            Ok(time_s) => time_s,
+            Err(finding) => return findings.extend(finding),
+        };
+        let last = self.load;
+        for (index, (column, trace)) in self.columns.iter().zip(&mut self.traces).enumerate() {
+            match read_cell(row, index, column, self.sign, &mut self.load, self.of_dead) {
+                Ok(Some(value)) if matches!(column, Column::Sensor(_)) => trace.add(time_s, value),
+                Ok(None) if matches!(column, Column::Sensor(_)) && !row.text(index).is_empty() => {
+                    let value = String::from_utf8_lossy(row.text(index)).into_owned();
+                    let dead = self.dead.entry(index).or_insert((row.place(index), value, 0));
+                    dead.2 += 1;
+                }
+                Ok(_) => {}
+                Err(finding) => findings.push(finding),
+            }
+        }
+        if self.load != last {
+            self.loads.push((time_s, self.load));
+        }
+    }
+
+    /// The time of a row that is not before the last one.
+    fn read_time(&mut self, row: &Row<'_>) -> Result<f64, Option<Diagnostic>> {
+        let column = self.columns.iter().position(|column| *column == Column::Time).ok_or(None)?;
+        let time_s = row.number(column, self.sign)?;
+        if let Some(last_s) = self.time_s.filter(|&last_s| time_s < last_s) {
+            let message = format!("the time goes back from {last_s} s to {time_s} s");
+            let help = "sort the rows by time, and keep logs of different runs apart";
+            return Err(Some(Diagnostic::at(Code::DATA_CELL, row.place(column), message, help)));
+        }
+        self.time_s = Some(time_s);
+        Ok(time_s)
+    }
+
+    fn condition(self) -> Condition {
+        let mut condition = Condition::default();
+        for (column, trace) in self.columns.iter().zip(self.traces) {
+            if let Column::Sensor(sensor) = column
+                && !trace.points().is_empty()
+            {
+                condition.set_trace(sensor, trace);
+            }
+        }
+        for (time_s, load) in self.loads {
+            condition.add_load_change(time_s, load);
+        }
+        condition.set_time(self.time_s.unwrap_or_default());
+        condition
+    }
+}

@@ -1,0 +1,304 @@
+//! The slow state of a machine: temperatures of its sensors, workpieces on its table, and when.
+//!
+//! What changes from move to move is [`super::State`]. A condition is one instant of a log of readings, or a single reading; sources of
+//! error ask it for temperatures, with a lag where they follow slowly, and for loads.
+
+pub mod columns;
+pub mod file;
+pub mod log;
+mod trace;
+
+pub use trace::Trace;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use ncfix_base::geometry::{AxisVector, Vector};
+
+/// No workpiece on a machine tool weighs more, N: 1000 t. A greater value is in another unit.
+pub const MOST_FORCE_N: f64 = 1e7;
+/// None stands farther from the center of the table, mm.
+pub const FARTHEST_MM: f64 = 1e5;
+
+/// A pass over all readings of a sensor pays where it gives a temperature at one in this many of them.
+const FEW: usize = 8;
+
+/// A weight on the table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Its weight, N.
+    pub force_n: f64,
+    /// Where it stands, from the center of the table along the axes of F at the zero pose, mm.
+    pub position_mm: Vector,
+}
+
+/// The slow state at one instant. The default is the reference state: no load, no deviation of any temperature.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Condition {
+    /// Shared by the conditions at all instants of one log.
+    sensors: Arc<BTreeMap<String, Trace>>,
+    /// Those that stand there now; the one of the log comes first.
+    loads: Vec<Load>,
+    /// What stands on the table from a time on, s, in the order of time.
+    load_log: Vec<(f64, Load)>,
+    /// Whether the first of `loads` is that of the log.
+    is_logged: bool,
+    time_s: f64,
+    zero: Option<Box<Condition>>,
+    zero_pose: Option<ZeroPose>,
+}
+
+impl Load {
+    /// Whether it is one that may stand on a machine tool.
+    #[must_use]
+    pub fn is_plausible(&self) -> bool {
+        (0.0..=MOST_FORCE_N).contains(&self.force_n) && self.position_mm.iter().all(|mm| mm.abs() <= FARTHEST_MM)
+    }
+}
+
+/// Changes what a sensor reads in all of some conditions; those that share their readings share them afterwards as well.
+pub fn change_readings(conditions: &mut [Condition], sensor: &str, of: &dyn Fn(f64) -> f64) {
+    // Kept, so that no other readings come to lie at the same place meanwhile.
+    let mut done: Vec<[Arc<BTreeMap<String, Trace>>; 2]> = Vec::new();
+    let mut change = |condition: &mut Condition| {
+        let known = done.iter().rev().find(|[old, _]| Arc::ptr_eq(old, &condition.sensors));
+        let new = known.map(|[_, new]| Arc::clone(new)).unwrap_or_else(|| {
+            let mut sensors = BTreeMap::clone(&condition.sensors);
+            if let Some(own) = sensors.get_mut(sensor) {
+                let mut trace = Trace::default();
+                own.points().iter().for_each(|&(time_s, value)| trace.add(time_s, of(value)));
+                *own = trace;
+            }
+            let new = Arc::new(sensors);
+            done.push([Arc::clone(&condition.sensors), Arc::clone(&new)]);
+            new
+        });
+        condition.sensors = new;
+    };
+    for condition in conditions {
+        change(condition);
+        condition.zero.as_deref_mut().into_iter().for_each(&mut change);
+    }
+}
+
+/// [`Condition::temperature_c`] for each of some conditions: those that share their readings and follow each other in time in one pass.
+#[must_use]
+pub fn temperatures_c<'a>(
+    conditions: impl IntoIterator<Item = &'a Condition>,
+    sensor: &str,
+    lag_s: f64,
+) -> Vec<Option<f64>> {
+    let mut out = Vec::new();
+    let mut times_s: Vec<f64> = Vec::new();
+    let mut finish = |shared: Option<&Condition>, times_s: &mut Vec<f64>| {
+        match shared.and_then(|condition| condition.trace(sensor)) {
+            Some(trace) if FEW * times_s.len() >= trace.points().len() && !trace.points().is_empty() => {
+                out.extend(trace.lagged_at(times_s, lag_s).into_iter().map(Some));
+            }
+            Some(trace) => out.extend(times_s.iter().map(|&time_s| trace.lagged(time_s, lag_s))),
+            None => out.extend(times_s.iter().map(|_| None)),
+        }
+        times_s.clear();
+    };
+    let mut shared: Option<&Condition> = None;
+    for condition in conditions {
+        let goes_on = shared.is_some_and(|other| Arc::ptr_eq(&other.sensors, &condition.sensors))
+            && times_s.last().is_some_and(|last_s| *last_s <= condition.time_s);
+        if !goes_on {
+            finish(shared.replace(condition), &mut times_s);
+        }
+        times_s.push(condition.time_s);
+    }
+    finish(shared, &mut times_s);
+    out
+}
+
+/// Where the machine stood when the zero point of the workpiece was set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZeroPose {
+    /// Axis command, mm and rad.
+    pub command: AxisVector,
+    /// From the spindle gauge point to the tip, in F at the zero pose, mm.
+    pub tool_mm: Vector,
+}
+
+impl Condition {
+    /// Adds a reading of a sensor, °C; readings of one sensor come in the order of time.
+    pub fn add_reading(&mut self, sensor: &str, time_s: f64, temperature_c: f64) {
+        let sensors = Arc::make_mut(&mut self.sensors);
+        if let Some(trace) = sensors.get_mut(sensor) {
+            trace.add(time_s, temperature_c);
+        } else {
+            let mut trace = Trace::default();
+            trace.add(time_s, temperature_c);
+            sensors.insert(sensor.to_owned(), trace);
+        }
+    }
+
+    /// Adds the readings of a sensor in place of those that it has.
+    pub fn set_trace(&mut self, sensor: &str, trace: Trace) {
+        Arc::make_mut(&mut self.sensors).insert(sensor.to_owned(), trace);
+    }
+
+    /// Puts a workpiece on the table, beside those that are there.
+    pub fn add_load(&mut self, load: Load) {
+        self.loads.push(load);
+    }
+
+    /// Notes what stands on the table from a time on, in place of what stood there before; changes come in the order of time.
+    pub fn add_load_change(&mut self, time_s: f64, load: Load) {
+        self.load_log.push((time_s, load));
+        self.set_time(self.time_s);
+    }
+
+    /// Takes all workpieces off the table, those of a log too.
+    pub fn clear_loads(&mut self) {
+        self.loads.clear();
+        self.load_log.clear();
+        self.is_logged = false;
+    }
+
+    /// Moves to another instant of the readings.
+    pub fn set_time(&mut self, time_s: f64) {
+        self.time_s = time_s;
+        if std::mem::take(&mut self.is_logged) {
+            self.loads.remove(0);
+        }
+        let passed = self.load_log.partition_point(|&(from_s, _)| from_s <= time_s);
+        if let Some(&(_, load)) = passed.checked_sub(1).and_then(|index| self.load_log.get(index)) {
+            self.loads.insert(0, load);
+            self.is_logged = true;
+        }
+    }
+
+    /// Notes in which condition the zero point of the workpiece was set: sources that drift count from there.
+    pub fn set_zero(&mut self, zero: Condition) {
+        self.zero = Some(Box::new(zero));
+    }
+
+    /// Notes at which instant of the readings the zero point of the workpiece was set.
+    pub fn set_zero_at(&mut self, time_s: f64) {
+        let mut zero = Condition { zero: None, zero_pose: None, ..self.clone() };
+        zero.set_time(time_s);
+        self.set_zero(zero);
+    }
+
+    /// Notes at which pose the zero point was set: only what the drift did to the tool there ends with it.
+    pub fn set_zero_pose(&mut self, pose: ZeroPose) {
+        self.zero_pose = Some(pose);
+    }
+
+    /// The pose at which the zero point was set, where it is known.
+    #[must_use]
+    pub fn zero_pose(&self) -> Option<&ZeroPose> {
+        self.zero_pose.as_ref()
+    }
+
+    /// First and last instant of the readings, s; `None` without readings.
+    #[must_use]
+    pub fn time_range_s(&self) -> Option<[f64; 2]> {
+        let of_traces =
+            self.sensors.values().flat_map(|trace| trace.points().first().into_iter().chain(trace.points().last()));
+        let times = of_traces.map(|&(time_s, _)| time_s).chain(self.load_log.iter().map(|&(time_s, _)| time_s));
+        times.fold(None, |range: Option<[f64; 2]>, time_s| {
+            let [first, last] = range.unwrap_or([time_s, time_s]);
+            Some([first.min(time_s), last.max(time_s)])
+        })
+    }
+
+    /// Lays another condition over this one: its sensors, its loads if it has any, its zero point if it has one, its instant.
+    pub fn lay_over(&mut self, other: Condition) {
+        let has_loads = !other.loads.is_empty() || !other.load_log.is_empty();
+        if self.sensors.is_empty() {
+            self.sensors = other.sensors;
+        } else {
+            let sensors = other.sensors.iter().map(|(sensor, trace)| (sensor.clone(), trace.clone()));
+            Arc::make_mut(&mut self.sensors).extend(sensors);
+        }
+        if has_loads {
+            self.loads = other.loads;
+            self.load_log = other.load_log;
+            self.is_logged = other.is_logged;
+        }
+        self.zero = other.zero.or(self.zero.take());
+        self.zero_pose = other.zero_pose.or(self.zero_pose.take());
+        self.set_time(self.time_s.max(other.time_s));
+    }
+
+    /// The instant, s.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// The workpieces on the table.
+    #[must_use]
+    pub fn loads(&self) -> &[Load] {
+        &self.loads
+    }
+
+    /// The condition in which the zero point was set, where that is known.
+    #[must_use]
+    pub fn zero(&self) -> Option<&Condition> {
+        self.zero.as_deref()
+    }
+
+    /// Names of the sensors that have readings.
+    pub fn sensors(&self) -> impl Iterator<Item = &str> {
+        self.sensors.keys().map(String::as_str)
+    }
+
+    /// The readings of a sensor.
+    #[must_use]
+    pub fn trace(&self, sensor: &str) -> Option<&Trace> {
+        self.sensors.get(sensor)
+    }
+
+    /// Whether there is any reading of a temperature.
+    #[must_use]
+    pub fn has_temperatures(&self) -> bool {
+        !self.sensors.is_empty()
+    }
+
+    /// The temperature of a sensor now, °C, as a body reads it that follows with a time constant of `lag_s` (0: the sensor itself);
+    /// `None` where the sensor has no reading.
+    #[must_use]
+    pub fn temperature_c(&self, sensor: &str, lag_s: f64) -> Option<f64> {
+        self.sensors.get(sensor)?.lagged(self.time_s, lag_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn temperatures_of_many_conditions_are_those_of_each() {
+        let with = |offset_c: f64, count: u32| {
+            let mut log = Condition::default();
+            (0..count).for_each(|k| log.add_reading("T", 10.0 * f64::from(k), offset_c + f64::from(k * k % 13)));
+            log
+        };
+        let (long, short, none) = (with(20.0, 60), with(-3.0, 3), Condition::default());
+        // In passes, back in time, alternating, with too few for a pass and before the first reading.
+        let at = |log: &Condition, time_s: f64| {
+            let mut one = log.clone();
+            one.set_time(time_s);
+            one
+        };
+        let mut all: Vec<Condition> = (0..40).map(|k| at(&long, 14.0 * f64::from(k) - 20.0)).collect();
+        all.extend([
+            at(&long, 3.0),
+            at(&short, 5.0),
+            at(&long, 7.0),
+            at(&none, 7.0),
+            at(&short, 19.0),
+            at(&short, 99.0),
+        ]);
+        for lag_s in [0.0, 35.0] {
+            let own: Vec<_> = all.iter().map(|one| one.temperature_c("T", lag_s)).collect();
+            assert_eq!(temperatures_c(&all, "T", lag_s), own, "{lag_s}");
+        }
+        assert!(temperatures_c(&all, "other", 0.0).iter().all(Option::is_none));
+    }
+}

@@ -1,0 +1,63 @@
+//! Settings of the control that concern radius compensation.
+
+use ncfix_base::diagnostic::Code;
+
+use super::Control;
+use super::section::Section;
+
+/// How radius compensation begins and ends where the contour lies behind an outer corner.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CompensationStart {
+    /// Straight to the point beside the start of the contour, square to the contour.
+    #[default]
+    A,
+    /// To the point square to the block that begins, then around the corner.
+    B,
+}
+
+/// What lies around outer corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CompensationCorner {
+    /// Straight lines.
+    Linear,
+    /// An arc about the corner.
+    Circular,
+}
+
+/// Reads them.
+pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
+    let is_angle = |value: f64| (0.0..=180.0).contains(&value);
+    if let Some(value) = section.number_where("compensation_corner_deg", "an angle from 0 to 180", is_angle) {
+        control.compensation_corner_rad = value.to_radians();
+    }
+    if let Some(value) = section.number_where("compensation_flat_deg", "an angle from 0 to 180", is_angle) {
+        control.compensation_flat_rad = value.to_radians();
+    }
+    let is_count = |value: f64| (0.0..=100.0).contains(&value) && value.fract() == 0.0;
+    if let Some(value) = section.number_where("compensation_blocks_between", "a whole number from 0 to 100", is_count) {
+        control.compensation_blocks_between = value as u32;
+    }
+    if let Some(value) = section.number_where("compensation_look_ahead", "a whole number from 0 to 100", is_count) {
+        control.compensation_look_ahead = value as u32;
+    }
+    match section.text("compensation_start") {
+        None => {}
+        Some("A") => control.compensation_start = CompensationStart::A,
+        Some("B") => control.compensation_start = CompensationStart::B,
+        Some(other) => {
+            let message = format!("compensation_start must be \"A\" or \"B\", found \"{other}\"");
+            let help = "A: square to the contour; B: square to the block that begins, then around the corner";
+            section.report(Code::BAD_VALUE, section.place_of("compensation_start"), message, help);
+        }
+    }
+    match section.text("compensation_corner") {
+        None => {}
+        Some("linear") => control.compensation_corner = Some(CompensationCorner::Linear),
+        Some("circular") => control.compensation_corner = Some(CompensationCorner::Circular),
+        Some(other) => {
+            let message = format!("compensation_corner must be \"linear\" or \"circular\", found \"{other}\"");
+            let help = "linear: straight lines around outer corners; circular: an arc about the corner";
+            section.report(Code::BAD_VALUE, section.place_of("compensation_corner"), message, help);
+        }
+    }
+}

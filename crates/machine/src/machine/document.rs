@@ -1,0 +1,182 @@
+//! A TOML document in which every key and value knows its place.
+//!
+//! The tables of the TOML crate are copied once, so that nothing else in the house depends on it. [`Section`] reads them.
+
+use toml::de::{DeTable, DeValue};
+
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::source::{FileId, Source, Span};
+
+use super::section::Section;
+
+/// Findings about the TOML text itself; a fault early in a file makes many that follow from it.
+const MAX_SYNTAX_FINDINGS: usize = 10;
+/// Faults of which these are chosen: finding the line of each costs a look at the line.
+const MOST_SYNTAX_FAULTS: usize = 1000;
+
+/// A parsed document.
+#[derive(Clone, Debug)]
+pub struct Document {
+    file: FileId,
+    pub(super) root: Table,
+}
+
+/// A table; entries in the order of the file.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    pub(super) span: Span,
+    pub(super) entries: Vec<Entry>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) key: String,
+    pub(super) key_span: Span,
+    pub(super) item: Item,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Item {
+    pub(super) value: Value,
+    pub(super) span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Value {
+    Text(String),
+    Number { value: f64, whole: bool },
+    Boolean(bool),
+    Items(Vec<Item>),
+    Table(Table),
+    Date,
+}
+
+impl Document {
+    /// Parses TOML 1.0.
+    ///
+    /// # Errors
+    /// What breaks the rules of TOML, at most one finding a line; `E0401` too where the bytes are not UTF-8.
+    pub fn parse(source: &Source) -> Result<Document, Vec<Diagnostic>> {
+        let place = |span| Place { file: source.id(), span };
+        let text = std::str::from_utf8(source.bytes()).map_err(|fault| {
+            let at = fault.valid_up_to();
+            let help = "save the file as UTF-8; comments in another encoding are not allowed in TOML";
+            vec![Diagnostic::at(Code::BAD_TOML, place(Span::new(at, at + 1)), "a byte that is not UTF-8", help)]
+        })?;
+        if let Some(at) = text.bytes().position(|byte| byte == 0) {
+            // A file of them, such as a crash leaves behind, would have a fault for each.
+            let help = "restore the file; a disk that was full or a crash leaves zeros behind";
+            let message = "a byte that is zero, which stands in no text";
+            return Err(vec![Diagnostic::at(Code::BAD_TOML, place(Span::new(at, at + 1)), message, help)]);
+        }
+        let (root, faults) = DeTable::parse_recoverable(text);
+        if faults.is_empty() {
+            return Ok(Document { file: source.id(), root: Table::of(root.get_ref(), Span::default()) });
+        }
+        let mut findings: Vec<Diagnostic> = faults
+            .iter()
+            .take(MOST_SYNTAX_FAULTS)
+            .map(|fault| {
+                let help = "write one `key = value` a line, text in quotation marks, lists in [ ]; see toml.io";
+                let span = fault.span().map_or(Span::default(), span_of);
+                Diagnostic::at(Code::BAD_TOML, place(span), fault.message(), help)
+            })
+            .collect();
+        findings.sort_by_key(|finding| finding.place);
+        findings.dedup_by_key(|finding| finding.place.map(|place| source.line_at(place.span.start).1));
+        findings.truncate(MAX_SYNTAX_FINDINGS);
+        Err(findings)
+    }
+
+    /// The top level.
+    #[must_use]
+    pub fn root(&self) -> Section<'_> {
+        Section::new(self.file, "the file".into(), &self.root)
+    }
+}
+
+impl Table {
+    fn of(table: &DeTable<'_>, span: Span) -> Table {
+        let mut entries: Vec<Entry> = table
+            .iter()
+            .map(|(key, item)| Entry {
+                key: key.get_ref().to_string(),
+                key_span: span_of(key.span()),
+                item: Item::of(item.get_ref(), span_of(item.span())),
+            })
+            .collect();
+        entries.sort_by_key(|entry| entry.key_span);
+        Table { span, entries }
+    }
+
+    pub(super) fn entry(&self, key: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.key == key)
+    }
+}
+
+impl Item {
+    fn of(value: &DeValue<'_>, span: Span) -> Item {
+        let value = match value {
+            DeValue::String(text) => Value::Text(text.to_string()),
+            DeValue::Integer(integer) if integer.radix() == 10 => {
+                Value::Number { value: integer.as_str().parse().unwrap_or(f64::NAN), whole: true }
+            }
+            DeValue::Integer(integer) => {
+                let value =
+                    i64::from_str_radix(integer.as_str(), integer.radix()).map_or(f64::NAN, |value| value as f64);
+                Value::Number { value, whole: true }
+            }
+            DeValue::Float(float) => Value::Number { value: float.as_str().parse().unwrap_or(f64::NAN), whole: false },
+            DeValue::Boolean(boolean) => Value::Boolean(*boolean),
+            DeValue::Datetime(_) => Value::Date,
+            DeValue::Array(items) => {
+                Value::Items(items.iter().map(|item| Item::of(item.get_ref(), span_of(item.span()))).collect())
+            }
+            DeValue::Table(table) => Value::Table(Table::of(table, span)),
+        };
+        Item { value, span }
+    }
+
+    pub(super) fn found(&self) -> &'static str {
+        match self.value {
+            Value::Text(_) => "a text",
+            Value::Number { value, .. } if !value.is_finite() => "a number that is not finite",
+            Value::Number { .. } => "a number",
+            Value::Boolean(_) => "true or false",
+            Value::Items(_) => "a list",
+            Value::Table(_) => "a section",
+            Value::Date => "a date",
+        }
+    }
+
+    pub(super) fn number(&self) -> Option<f64> {
+        match self.value {
+            Value::Number { value, .. } if value.is_finite() => Some(value),
+            _ => None,
+        }
+    }
+}
+
+fn span_of(range: std::ops::Range<usize>) -> Span {
+    Span::new(range.start, range.end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn document(text: &str) -> Result<Document, Vec<Diagnostic>> {
+        Document::parse(&Source::new(FileId(3), "m.toml", text.as_bytes().to_vec()).unwrap())
+    }
+
+    #[test]
+    fn broken_text_is_reported_once_a_line_and_never_read() {
+        let findings = document("a = [1,\nb = 2 3\nc = \n").unwrap_err();
+        assert!(findings.iter().all(|finding| finding.code == Code::BAD_TOML));
+        assert!((1..=3).contains(&findings.len()), "{findings:?}");
+        let bytes = Source::new(FileId(0), "m.toml", b"a = 1 # \xe4\n".to_vec()).unwrap();
+        assert_eq!(Document::parse(&bytes).unwrap_err()[0].place.unwrap().span, Span::new(8, 9));
+        assert!(document(&format!("x = {}", "[".repeat(100_000))).is_err());
+        assert!(document(&format!("{} = 1", vec!["a"; 100_000].join("."))).is_err());
+    }
+}

@@ -1,0 +1,379 @@
+//! The machine file: what it says of the machine itself. Its error model is read by `ncfix_model::file`.
+//!
+//! Units are in the keys: mm, degrees, mm/min. A file is read as a whole and everything that is wrong with it is reported in
+//! one run. A set-up file holds zero offsets and tools only and is laid over a machine by [`apply_setup`].
+
+use std::collections::BTreeMap;
+
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, Plane, Vector};
+use ncfix_base::source::Source;
+
+use super::condition::file::PLAUSIBLE_C;
+use super::zero_offset::{check_name, read_zero_offsets};
+use super::{ActiveTables, AxisData, Control, Lever, Machine, Spindle, ToolChange, Topology};
+use super::{active, opaque, orientation, servo, setting, strain, tool};
+
+pub use super::document::Document as MachineFile;
+pub use super::section::{Section, nearest};
+
+/// The machine that is built in so that the program can be tried without one: good for looking at, not for a real machine.
+pub const DEMO: &str = include_str!("../../../../samples/machines/demo.toml");
+
+/// Top-level sections that describe the machine.
+pub const SECTIONS: &[&str] = &[
+    "machine",
+    "axis",
+    "spindle",
+    "control",
+    "opaque",
+    "zero_offset",
+    "tool",
+    "sensor",
+    "strain",
+    "servo",
+    "system",
+    "gud",
+];
+
+/// How far the direction of a linear axis may be off its direction of F.
+const PARALLEL_LIMIT: f64 = 1e-9;
+
+/// Reads the machine without its errors. There is one only where no finding is an error.
+#[must_use]
+pub fn read_machine(file: &MachineFile) -> (Option<Machine>, Vec<Diagnostic>) {
+    let mut findings = Vec::new();
+    let mut root = file.root();
+    let named = root.required("machine", "a section [machine] with name and topology", Section::section);
+    let head = named.map(|section| read_head(section, &mut findings)).unwrap_or_default();
+    let (axes, headers) = read_axes(root.section("axis"), &head.controller, &mut findings);
+    if let Some((topology, place)) = &head.topology {
+        check_chain(topology, *place, &headers, &mut findings);
+    }
+    let spindle = read_spindle(root.section("spindle"), &mut findings);
+    let controller = head.controller.clone();
+    let mut control = read_control(root.section("control"), &controller, &mut findings);
+    opaque::read_sections(root.sections("opaque"), &mut control, &mut findings);
+    let known = head.topology.as_ref().map(|(topology, _)| topology.axis_set());
+    let axis_set = known.unwrap_or_else(|| AXES.into_iter().collect());
+    let zero_offsets = read_zero_offsets(&mut root, axis_set, &controller, &mut findings);
+    let tools = tool::read(&mut root, &mut findings);
+    let sensor_references_c = read_sensors(root.section("sensor"), &mut findings);
+    let system = setting::read(root.section("system"), true, &mut findings);
+    let gud = setting::read(root.section("gud"), false, &mut findings);
+    let strain = root.section("strain").and_then(|section| strain::read(section, axis_set, &mut findings));
+    let servo = root.section("servo").and_then(|section| servo::read(section, &axes, axis_set, &mut findings));
+    // Other rooms have sections of their own; who reads the last one reports the unknown ones.
+    let keys: Vec<&str> = root.keys().collect();
+    keys.into_iter().for_each(|key| root.accept(key));
+    root.finish(&mut findings);
+    let sound = !findings.iter().any(Diagnostic::is_error);
+    let Head {
+        name: Some(name),
+        topology: Some((topology, _)),
+        controller,
+        reference_temperature_c,
+        active_tables,
+        axis_order,
+    } = head
+    else {
+        return (None, findings);
+    };
+    let machine = Machine {
+        name,
+        topology,
+        controller,
+        reference_temperature_c,
+        sensor_references_c,
+        active_tables,
+        axis_order,
+        axes,
+        spindle,
+        control,
+        zero_offsets,
+        tools,
+        radius_wear_mm: BTreeMap::new(),
+        base_frames: BTreeMap::new(),
+        parameters: BTreeMap::new(),
+        system,
+        gud,
+        strain,
+        servo,
+    };
+    (sound.then_some(machine), findings)
+}
+
+/// `[sensor.NAME]`: the temperature of each sensor at which the model holds.
+fn read_sensors(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> BTreeMap<String, f64> {
+    let Some(mut section) = section else { return BTreeMap::new() };
+    let mut references = BTreeMap::new();
+    let keys: Vec<&str> = section.keys().collect();
+    for key in keys {
+        if let Some(mut sensor) = section.section(key) {
+            let reference_c = sensor.required("reference_C", "20.4", |section, key| {
+                let [low, high] = PLAUSIBLE_C;
+                section.number_where(key, "a temperature from -30 to 150 °C", |value| (low..=high).contains(&value))
+            });
+            references.extend(reference_c.map(|value| (key.to_owned(), value)));
+            sensor.finish(findings);
+        }
+    }
+    section.finish(findings);
+    references
+}
+
+/// Lays a set-up file over a machine: `[zero_offset.*]` and `[[tool]]` replace those of the same name, number and edge or add to them.
+/// The machine is left as it is where an error is found.
+#[must_use]
+pub fn apply_setup(source: &Source, machine: &mut Machine) -> Vec<Diagnostic> {
+    let file = match MachineFile::parse(source) {
+        Ok(file) => file,
+        Err(findings) => return findings,
+    };
+    let mut findings = Vec::new();
+    let mut root = file.root();
+    let zero_offsets = read_zero_offsets(&mut root, machine.topology.axis_set(), &machine.controller, &mut findings);
+    let tools = tool::read(&mut root, &mut findings);
+    let system = setting::read(root.section("system"), true, &mut findings);
+    let gud = setting::read(root.section("gud"), false, &mut findings);
+    root.finish(&mut findings);
+    if findings.iter().any(Diagnostic::is_error) {
+        return findings;
+    }
+    machine.zero_offsets.extend(zero_offsets);
+    machine.system.extend(system);
+    machine.gud.extend(gud);
+    machine.set_tools(tools);
+    findings
+}
+
+/// What `[machine]` says; parts that are not sound are missing.
+#[derive(Default)]
+struct Head {
+    name: Option<String>,
+    topology: Option<(Topology, Place)>,
+    controller: String,
+    reference_temperature_c: f64,
+    active_tables: ActiveTables,
+    axis_order: Vec<Axis>,
+}
+
+fn read_head(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Head {
+    let name = section.required("name", "\"my machine\"", Section::text).map(str::to_owned);
+    let written = section.required("topology", "\"wXYFZSt\"", Section::text);
+    let controller = section.text("controller").unwrap_or("sinumerik").to_owned();
+    let reference_temperature_c = section.number("reference_temperature_C").unwrap_or(20.0);
+    let active_tables = active::read(&mut section);
+    let axis_order = active::read_axis_order(&mut section);
+    let place = section.place_of("topology");
+    let topology = written.and_then(|text| match text.parse::<Topology>() {
+        Ok(topology) => Some((topology, place)),
+        Err(fault) => {
+            let help =
+                "write the bodies from the workpiece w over the foundation F to the tool t, for example wCBXFZYSt";
+            section.report(Code::BAD_TOPOLOGY, place, format!("topology {text}: {fault}"), help);
+            None
+        }
+    });
+    section.finish(findings);
+    Head { name, topology, controller, reference_temperature_c, active_tables, axis_order }
+}
+
+/// The axes that could be read, and the header of every axis section.
+type Axes = ([Option<AxisData>; AXIS_COUNT], [Option<Place>; AXIS_COUNT]);
+
+fn read_axes(section: Option<Section<'_>>, controller: &str, findings: &mut Vec<Diagnostic>) -> Axes {
+    let mut axes = [const { None }; AXIS_COUNT];
+    let mut headers = [None; AXIS_COUNT];
+    let Some(mut section) = section else { return (axes, headers) };
+    for axis in AXES {
+        let key = axis.to_string();
+        if section.has(&key) {
+            headers[axis.slot()] = Some(section.place_of(&key));
+        }
+        if let Some(own) = section.section(&key) {
+            axes[axis.slot()] = read_axis(axis, controller, own, findings);
+        }
+    }
+    super::axis_name::check(&axes, &mut section);
+    section.finish(findings);
+    (axes, headers)
+}
+
+fn read_axis(
+    axis: Axis,
+    controller: &str,
+    mut section: Section<'_>,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<AxisData> {
+    let (travel_key, feed_key, to_internal) = if axis.is_rotary() {
+        ("travel_deg", "max_feed_deg_min", f64::to_radians as fn(f64) -> f64)
+    } else {
+        ("travel_mm", "max_feed_mm_min", std::convert::identity as fn(f64) -> f64)
+    };
+    let direction = section
+        .required("direction", "[1, 0, 0]", Section::vector)
+        .and_then(|direction| checked_direction(axis, direction, &mut section));
+    let point_mm = section.vector("point_mm").unwrap_or_default();
+    let travel = super::travel::read(axis, travel_key, &mut section).map(|ends| ends.map(to_internal));
+    let modulo = axis.is_rotary() && section.boolean("modulo").unwrap_or(false);
+    if modulo && section.has(travel_key) {
+        let message = format!("axis {axis} turns without end and has {travel_key}");
+        let help = "take one of them out: modulo = true is for axes that may turn any number of times";
+        section.report(Code::BAD_VALUE, section.place_of(travel_key), message, help);
+    }
+    if !section.has(travel_key) && !modulo {
+        let message = format!("axis {axis} has no {travel_key}");
+        let help = format!("add `{travel_key} = [lowest, highest]`, so that positions outside the travel are found");
+        section.report(Code::NO_TRAVEL, section.place(), message, help);
+    }
+    let max_feed = section.number_where(feed_key, "a number above 0", |feed| feed > 0.0);
+    let lever = match section.text("lever") {
+        None | Some("carried") => Lever::Carried,
+        Some("fixed") => Lever::Fixed,
+        Some(other) => {
+            let message = format!("lever must be \"carried\" or \"fixed\", found \"{other}\"");
+            let help = "carried: errors move with the carriage; fixed: their arm includes the axis's own motion";
+            section.report(Code::BAD_VALUE, section.place_of("lever"), message, help);
+            Lever::Carried
+        }
+    };
+    let clamps = super::clamp::read(axis, controller, &mut section);
+    let name = super::axis_name::read(axis, &mut section);
+    section.finish(findings);
+    Some(AxisData { axis, name, direction: direction?, point_mm, travel, modulo, max_feed, clamps, lever })
+}
+
+/// The unit vector of a direction; a linear axis must run along its own direction of F, a deviation is an error, not a direction.
+fn checked_direction(axis: Axis, direction: Vector, section: &mut Section<'_>) -> Option<Vector> {
+    let place = section.place_of("direction");
+    let Some(unit) = direction.try_normalize(1e-12).filter(|unit| unit.norm().is_finite()) else {
+        section.report(
+            Code::BAD_VALUE,
+            place,
+            format!("the direction of axis {axis} has no length"),
+            "write for example [1, 0, 0]",
+        );
+        return None;
+    };
+    let own = axis.dimension();
+    let strays = (0..3).any(|dimension| dimension != own && unit[dimension].abs() > PARALLEL_LIMIT);
+    if !axis.is_rotary() && strays {
+        let letter = ['X', 'Y', 'Z'][own];
+        let message = format!("axis {axis} must run along {letter} of F");
+        let help = "put the deviation into [location], for example EC0Y for an axis Y that leans towards X";
+        section.report(Code::BAD_VALUE, place, message, help);
+        return None;
+    }
+    Some(unit)
+}
+
+/// Every letter of the topology has its section and every section its letter.
+fn check_chain(
+    topology: &Topology,
+    topology_place: Place,
+    headers: &[Option<Place>; AXIS_COUNT],
+    findings: &mut Vec<Diagnostic>,
+) {
+    for axis in AXES {
+        match (topology.branch(axis), headers[axis.slot()]) {
+            (Some(_), None) => {
+                let message = format!("axis {axis} of the topology has no section [axis.{axis}]");
+                let help = format!("add [axis.{axis}] with its direction, or take {axis} out of the topology");
+                findings.push(Diagnostic::at(Code::BAD_TOPOLOGY, topology_place, message, help));
+            }
+            (None, Some(place)) => {
+                let message = format!("axis {axis} is not in the topology {topology}");
+                let help = format!("take {axis} into the topology, or remove the section");
+                findings.push(Diagnostic::at(Code::BAD_TOPOLOGY, place, message, help));
+            }
+            _ => {}
+        }
+    }
+}
+
+fn read_spindle(section: Option<Section<'_>>, findings: &mut Vec<Diagnostic>) -> Spindle {
+    let mut spindle = Spindle { origin_mm: Vector::zeros(), axis: Vector::z() };
+    let Some(mut section) = section else { return spindle };
+    if let Some(origin_mm) = section.vector("origin_mm") {
+        spindle.origin_mm = origin_mm;
+    }
+    if let Some(axis) = section.vector("axis") {
+        match axis.try_normalize(1e-12) {
+            Some(unit) => spindle.axis = unit,
+            None => {
+                let help = "write the direction from the tip to the spindle, for example [0, 0, 1]";
+                section.report(Code::BAD_VALUE, section.place_of("axis"), "the spindle axis has no length", help);
+            }
+        }
+    }
+    section.finish(findings);
+    spindle
+}
+
+fn read_control(section: Option<Section<'_>>, controller: &str, findings: &mut Vec<Diagnostic>) -> Control {
+    let mut control = super::output_control::of_controller(controller);
+    let Some(mut section) = section else { return control };
+    let not_negative = |value: f64| value >= 0.0;
+    super::output_control::read(&mut section, &mut control);
+    if let Some(value) = section.number_where("arc_tolerance_mm", "a number that is not negative", not_negative) {
+        control.arc_tolerance_mm = value;
+    }
+    if let Some(value) = section.number_where("arc_tolerance_ratio", "a number that is not negative", not_negative) {
+        control.arc_tolerance_ratio = value;
+    }
+    match section.text("tool_change") {
+        None | Some("M6") => {}
+        Some("T") => control.tool_change = ToolChange::T,
+        Some(other) => {
+            let message = format!("tool_change must be \"M6\" or \"T\", found \"{other}\"");
+            let help = "M6: T selects and M6 changes; T: T changes at once";
+            section.report(Code::BAD_VALUE, section.place_of("tool_change"), message, help);
+        }
+    }
+    if let Some(plane) = section.number_where("initial_plane", "17, 18 or 19", |number| plane_of(number).is_some()) {
+        control.initial_plane = plane_of(plane).unwrap_or(control.initial_plane);
+    }
+    if let Some(number) = section.number_where("tool_length_plane", "17, 18 or 19", |number| plane_of(number).is_some())
+    {
+        control.tool_length_plane = plane_of(number);
+    }
+    if let Some(value) = section.integer("edge_after_tool_change") {
+        control.edge_after_tool_change = value;
+    }
+    if let Some(value) = section.boolean("incremental_traverses_frame_change") {
+        control.incremental_traverses_frame_change = value;
+    }
+    opaque::read(&mut section, &mut control);
+    super::frame_control::read(&mut section, &mut control);
+    orientation::read(&mut section, &mut control);
+    super::contour_control::read(&mut section, &mut control);
+    super::iso_control::read(&mut section, &mut control.iso);
+    super::output_control::keep_to_grid(&mut control, controller);
+    super::macro_control::read(&mut section, &mut control.macros);
+    super::grundig_control::read(&mut section, &mut control);
+    if let Some(value) = section.number_where("chord_tolerance_mm", "a number above 0", |value| value > 0.0) {
+        control.chord_tolerance_mm = value;
+    }
+    if let Some(value) = section.number_where("max_program_levels", "a whole number from 1 to 100", |levels| {
+        (1.0..=100.0).contains(&levels) && levels.fract() == 0.0
+    }) {
+        control.max_program_levels = value as u32;
+    }
+    if let Some(name) = section.text("initial_zero_offset") {
+        match check_name(name, controller) {
+            Ok(()) => control.initial_zero_offset = Some(name.to_owned()),
+            Err(help) => {
+                let message = format!("\"{name}\" is no settable zero offset");
+                section.report(Code::BAD_VALUE, section.place_of("initial_zero_offset"), message, help);
+            }
+        }
+    }
+    section.finish(findings);
+    control
+}
+
+/// The plane of 17, 18 or 19.
+fn plane_of(number: f64) -> Option<Plane> {
+    [Plane::XY, Plane::ZX, Plane::YZ].into_iter().find(|plane| f64::from(plane.number()) == number)
+}

@@ -1,0 +1,231 @@
+//! Settings of the control that concern Fanuc and RS274/NGC.
+
+use std::collections::BTreeMap;
+
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{AXES, Axis};
+
+use super::section::Section;
+
+/// What a number without a decimal point means (Fanuc parameter 3401, bit 0).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DecimalPoint {
+    /// Whole millimetres, inches or degrees.
+    Calculator,
+    /// Least input increments.
+    Increment,
+}
+
+/// The increment system: the least input increment of positions (Fanuc parameter 1013).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum IncrementSystem {
+    /// IS-A: 0.01 mm, 0.001 inch, 0.01 degrees.
+    A,
+    /// IS-B: 0.001 mm, 0.0001 inch, 0.001 degrees.
+    #[default]
+    B,
+    /// IS-C: 0.0001 mm, 0.00001 inch, 0.0001 degrees.
+    C,
+}
+
+impl IncrementSystem {
+    /// Increments in a millimeter or a degree; an inch has ten times as many.
+    #[must_use]
+    pub fn per_unit(self) -> f64 {
+        match self {
+            IncrementSystem::A => 1e2,
+            IncrementSystem::B => 1e3,
+            IncrementSystem::C => 1e4,
+        }
+    }
+}
+
+/// The axis along which G43 compensates (Fanuc parameter 5001).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LengthAxis {
+    /// A: always Z.
+    #[default]
+    Z,
+    /// B: the axis across the working plane.
+    Plane,
+    /// C: the axis programmed in the block of G43.
+    Programmed,
+}
+
+/// Where an axis of the plane goes that a block behind G68, G51, G51.1 or their end does not name (Fanuc parameter 11600, bit 5, AX1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OneAxis {
+    /// To the value that was programmed for it before, taken in the new coordinates (AX1 = 0).
+    Value,
+    /// Nowhere: in the new coordinates it keeps the place where the tool is (AX1 = 1).
+    Place,
+}
+
+/// Settings of Fanuc and RS274/NGC controls.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IsoControl {
+    /// What a number without a decimal point means; `None` where the file does not say it.
+    pub decimal_point: Option<DecimalPoint>,
+    /// On which grid a Fanuc puts the words of lengths and angles.
+    pub increment_system: IncrementSystem,
+    /// Along which axis G43 compensates.
+    pub length_axis: LengthAxis,
+    /// Words that hold before the first block (RS274NGC_STARTUP_CODE of LinuxCNC, parameter 3402 of Fanuc).
+    pub startup_code: String,
+    /// Whether G4 X under G95 counts turns of the spindle (Fanuc parameter 3405, bit 1).
+    pub dwell_turns: bool,
+    /// Reference points of G28 (1) and G30 (2 to 4), mm or rad; machine zero is assumed for those of G28 that are missing.
+    pub reference_points: BTreeMap<(u8, Axis), f64>,
+    /// How far G73 draws back behind each peck, mm (Fanuc parameter 5114).
+    pub chip_clearance_mm: f64,
+    /// How far above the depth that is reached G83 goes over from rapid to feed, mm (Fanuc parameter 5115).
+    pub peck_clearance_mm: f64,
+    /// Axis and sense along which G76 and G87 step aside by Q with the spindle oriented (Fanuc parameter 5101, bits 4 and 5).
+    pub orient_shift: Option<(Axis, f64)>,
+    /// Whether G74 and G84 tap rigidly without M29 (Fanuc parameter 5200, bit 0); `None` where the file does not say it.
+    pub rigid_tapping: Option<bool>,
+    /// Whether planes, zero offsets and reference points may be programmed within G68, G51 and G51.1, which a Fanuc forbids.
+    pub codes_within_rotation: bool,
+    /// Where an axis of the plane goes that the first block within a rotation does not name; `None` where the file does not say it.
+    pub one_axis_in_rotation: Option<OneAxis>,
+    /// Programs are for mills, whatever marks of a lathe they have.
+    pub is_mill: bool,
+    /// Words that a Haas reads in another way mean what they mean to a Fanuc.
+    pub reads_as_fanuc: bool,
+}
+
+impl Default for IsoControl {
+    fn default() -> Self {
+        IsoControl {
+            decimal_point: None,
+            increment_system: IncrementSystem::B,
+            length_axis: LengthAxis::Z,
+            startup_code: String::new(),
+            dwell_turns: false,
+            reference_points: BTreeMap::new(),
+            chip_clearance_mm: 1.0,
+            peck_clearance_mm: 1.0,
+            orient_shift: None,
+            rigid_tapping: None,
+            codes_within_rotation: false,
+            one_axis_in_rotation: None,
+            is_mill: false,
+            reads_as_fanuc: false,
+        }
+    }
+}
+
+/// Reads them.
+pub(super) fn read(section: &mut Section<'_>, iso: &mut IsoControl) {
+    match section.text("decimal_point") {
+        None => {}
+        Some("calculator") => iso.decimal_point = Some(DecimalPoint::Calculator),
+        Some("increment") => iso.decimal_point = Some(DecimalPoint::Increment),
+        Some(other) => {
+            let message = format!("decimal_point must be \"calculator\" or \"increment\", found \"{other}\"");
+            let help = "calculator: X10 is 10 mm; increment: X10 is 0.01 mm (Fanuc parameter 3401, bit 0)";
+            section.report(Code::BAD_VALUE, section.place_of("decimal_point"), message, help);
+        }
+    }
+    match section.text("increment_system") {
+        None => {}
+        Some("IS-A") => iso.increment_system = IncrementSystem::A,
+        Some("IS-B") => iso.increment_system = IncrementSystem::B,
+        Some("IS-C") => iso.increment_system = IncrementSystem::C,
+        Some(other) => {
+            let message = format!("increment_system must be \"IS-A\", \"IS-B\" or \"IS-C\", found \"{other}\"");
+            let help = "IS-A: 0.01 mm; IS-B: 0.001 mm; IS-C: 0.0001 mm (Fanuc parameter 1013)";
+            section.report(Code::BAD_VALUE, section.place_of("increment_system"), message, help);
+        }
+    }
+    match section.text("length_compensation") {
+        None | Some("A") => {}
+        Some("B") => iso.length_axis = LengthAxis::Plane,
+        Some("C") => iso.length_axis = LengthAxis::Programmed,
+        Some(other) => {
+            let message = format!("length_compensation must be \"A\", \"B\" or \"C\", found \"{other}\"");
+            let help = "A: along Z; B: across the working plane; C: along the axis programmed (Fanuc parameter 5001)";
+            section.report(Code::BAD_VALUE, section.place_of("length_compensation"), message, help);
+        }
+    }
+    if let Some(value) = section.text("startup_code") {
+        iso.startup_code = value.to_owned();
+    }
+    if let Some(value) = section.boolean("dwell_turns") {
+        iso.dwell_turns = value;
+    }
+    for point in 1..=4_u8 {
+        for axis in AXES {
+            let unit = if axis.is_rotary() { "deg" } else { "mm" };
+            if let Some(value) = section.number(&format!("reference_point_{point}_{axis}_{unit}")) {
+                let value = if axis.is_rotary() { value.to_radians() } else { value };
+                iso.reference_points.insert((point, axis), value);
+            }
+        }
+    }
+    for (key, place) in
+        [("chip_clearance_mm", &mut iso.chip_clearance_mm), ("peck_clearance_mm", &mut iso.peck_clearance_mm)]
+    {
+        match section.number(key) {
+            None => {}
+            Some(value) if value >= 0.0 => *place = value,
+            Some(value) => {
+                let message = format!("{key} must not be negative, found {value}");
+                section.report(Code::BAD_VALUE, section.place_of(key), message, "give a distance in mm");
+            }
+        }
+    }
+    match section.text("orient_shift").map(str::as_bytes) {
+        None => {}
+        Some([sign @ (b'+' | b'-'), letter @ (b'X' | b'Y' | b'Z')]) => {
+            let sense = if *sign == b'+' { 1.0 } else { -1.0 };
+            iso.orient_shift = Axis::from_letter(*letter).map(|axis| (axis, sense));
+        }
+        Some(_) => {
+            let message = "orient_shift must be a sense and an axis";
+            let help = "write \"+X\", \"-X\", \"+Y\", \"-Y\", \"+Z\" or \"-Z\" (Fanuc parameter 5101, bits 4 and 5)";
+            section.report(Code::BAD_VALUE, section.place_of("orient_shift"), message, help);
+        }
+    }
+    if let Some(value) = section.boolean("rigid_tapping") {
+        iso.rigid_tapping = Some(value);
+    }
+    read_rotation(section, iso);
+}
+
+/// What a control does within G68, G51 and G51.1.
+fn read_rotation(section: &mut Section<'_>, iso: &mut IsoControl) {
+    match section.text("codes_within_rotation") {
+        None | Some("refused") => {}
+        Some("allowed") => iso.codes_within_rotation = true,
+        Some(other) => {
+            let message = format!("codes_within_rotation must be \"refused\" or \"allowed\", found \"{other}\"");
+            let help =
+                "refused: as a Fanuc; allowed: G17 to G19, G27 to G30, G52 to G59 and G92 act within G68, G51, G51.1";
+            section.report(Code::BAD_VALUE, section.place_of("codes_within_rotation"), message, help);
+        }
+    }
+    for (key, only, place) in
+        [("program_kind", "mill", &mut iso.is_mill), ("word_meaning", "fanuc", &mut iso.reads_as_fanuc)]
+    {
+        match section.text(key) {
+            None => {}
+            Some(value) if value == only => *place = true,
+            Some(other) => {
+                let message = format!("{key} must be \"{only}\", found \"{other}\"");
+                section.report(Code::BAD_VALUE, section.place_of(key), message, "correct it, or leave it out");
+            }
+        }
+    }
+    match section.text("one_axis_in_rotation") {
+        None => {}
+        Some("value") => iso.one_axis_in_rotation = Some(OneAxis::Value),
+        Some("place") => iso.one_axis_in_rotation = Some(OneAxis::Place),
+        Some(other) => {
+            let message = format!("one_axis_in_rotation must be \"value\" or \"place\", found \"{other}\"");
+            let help = "value: the axis that is not named goes to its last value in the new coordinates; place: it stays where \
+                        the tool is (Fanuc parameter 11600, bit 5)";
+            section.report(Code::BAD_VALUE, section.place_of("one_axis_in_rotation"), message, help);
+        }
+    }
+}

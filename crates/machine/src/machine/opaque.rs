@@ -1,0 +1,71 @@
+//! Programs that the control runs by itself, and the synchronised actions that are allowed to move axes.
+
+use super::Control;
+use super::section::Section;
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::Axis;
+
+/// A program or cycle whose calls are passed on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Opaque {
+    /// Upper case; a `*` at the end stands for any rest.
+    pub name: String,
+    /// Whether it moves axes, so that where they are behind it is unknown.
+    pub moves: bool,
+}
+
+impl Control {
+    /// Whether calls of a program (upper case) are passed on, and whether it moves axes.
+    #[must_use]
+    pub fn opaque_moves(&self, name: &str) -> Option<bool> {
+        let fits = |entry: &&Opaque| match entry.name.strip_suffix('*') {
+            Some(start) => name.starts_with(start),
+            None => entry.name == name,
+        };
+        self.opaque.iter().find(fits).map(|entry| entry.moves)
+    }
+
+    /// Whether a synchronised action of this ID may move axes; `None` is one without ID.
+    #[must_use]
+    pub fn allows_synchronised(&self, id: Option<u32>) -> bool {
+        let shown = id.map(|id| id.to_string());
+        self.allow_synchronised.iter().any(|entry| entry == "all" || Some(entry) == shown.as_ref())
+    }
+}
+
+/// Reads `opaque`, `search_path`, `initial_codes`, `allow_synchronised` and `transverse_axis` of `[control]`.
+pub(super) fn read(section: &mut Section<'_>, control: &mut Control) {
+    for name in section.texts("opaque").unwrap_or_default() {
+        control.opaque.push(Opaque { name: name.to_ascii_uppercase(), moves: true });
+    }
+    control.initial_codes = section.texts("initial_codes").unwrap_or_default();
+    control.search_path = section.texts("search_path").unwrap_or_default();
+    control.allow_synchronised = section.texts("allow_synchronised").unwrap_or_default();
+    if let Some(text) = section.text("transverse_axis") {
+        let axis = match text.as_bytes() {
+            [letter] => Axis::from_letter(*letter).filter(|axis| !axis.is_rotary()),
+            _ => None,
+        };
+        match axis {
+            Some(axis) => control.transverse_axis = axis,
+            None => {
+                let message = format!("\"{text}\" is no linear axis");
+                let help = "write one of X Y Z U V W";
+                section.report(Code::BAD_VALUE, section.place_of("transverse_axis"), message, help);
+            }
+        }
+    }
+}
+
+/// Reads `[[opaque]]`: `name` and `moves`.
+pub(super) fn read_sections(sections: Vec<Section<'_>>, control: &mut Control, findings: &mut Vec<Diagnostic>) {
+    for mut section in sections {
+        let name = section.required("name", "\"TOOLCHANGE\"", Section::text).map(str::to_ascii_uppercase);
+        let moves = section.boolean("moves").unwrap_or(true);
+        if let Some(name) = name {
+            // An entry of its own goes before the short list.
+            control.opaque.insert(0, Opaque { name, moves });
+        }
+        section.finish(findings);
+    }
+}

@@ -1,0 +1,382 @@
+//! Reads one table of a document and reports instead of failing.
+//!
+//! Each value that is missing, of the wrong type or not finite becomes a finding at its place, the keys that were asked for are the
+//! known ones, and [`Section::finish`] reports the others.
+
+use std::collections::HashSet;
+
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::Vector;
+use ncfix_base::source::FileId;
+
+use super::document::{Entry, Item, Table, Value};
+use super::range::{most_in_list, range_of};
+use ncfix_base::source::is_deceptive;
+
+/// Unknown keys of one table that are reported; a file with more is no machine file.
+const MOST_UNKNOWN: usize = 1000;
+
+/// Reads one table and collects what is wrong with it.
+#[derive(Debug)]
+pub struct Section<'a> {
+    file: FileId,
+    title: String,
+    table: &'a Table,
+    asked: Vec<String>,
+    findings: Vec<Diagnostic>,
+}
+
+impl<'a> Section<'a> {
+    pub(super) fn new(file: FileId, title: String, table: &'a Table) -> Section<'a> {
+        Section { file, title, table, asked: Vec::new(), findings: Vec::new() }
+    }
+
+    /// How the section is called in messages: `[axis.X]`.
+    #[must_use]
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// The header of the section.
+    #[must_use]
+    pub fn place(&self) -> Place {
+        Place { file: self.file, span: self.table.span }
+    }
+
+    /// The value of a key; the header where there is none.
+    #[must_use]
+    pub fn place_of(&self, key: &str) -> Place {
+        let span = self.table.entry(key).map_or(self.table.span, |entry| entry.item.span);
+        Place { file: self.file, span }
+    }
+
+    /// A key itself; the header where there is none.
+    #[must_use]
+    pub fn place_of_key(&self, key: &str) -> Place {
+        let span = self.table.entry(key).map_or(self.table.span, |entry| entry.key_span);
+        Place { file: self.file, span }
+    }
+
+    /// One entry of a list; the list or the header where there is none.
+    #[must_use]
+    pub fn place_of_item(&self, key: &str, index: usize) -> Place {
+        let mut place = self.place_of(key);
+        if let Some(Entry { item: Item { value: Value::Items(items), .. }, .. }) = self.table.entry(key)
+            && let Some(item) = items.get(index)
+        {
+            place.span = item.span;
+        }
+        place
+    }
+
+    /// All keys, in the order of the file.
+    pub fn keys(&self) -> impl Iterator<Item = &'a str> {
+        self.table.entries.iter().map(|entry| entry.key.as_str())
+    }
+
+    /// Whether the key is there.
+    #[must_use]
+    pub fn has(&self, key: &str) -> bool {
+        self.table.entry(key).is_some()
+    }
+
+    /// Notes a finding.
+    pub fn report(&mut self, code: Code, place: Place, message: impl Into<String>, help: impl Into<String>) {
+        self.findings.push(Diagnostic::at(code, place, message, help));
+    }
+
+    /// Notes findings of a subsection.
+    pub fn add(&mut self, findings: Vec<Diagnostic>) {
+        self.findings.extend(findings);
+    }
+
+    /// Makes a key known without reading it, because a finding about it has been noted or another reader takes it.
+    pub fn accept(&mut self, key: &str) {
+        self.asked.push(key.to_owned());
+    }
+
+    /// Reads a value that must be there; reports `E0403` where it is not. `example` is shown as what to write.
+    pub fn required<T>(
+        &mut self,
+        key: &str,
+        example: &str,
+        read: impl FnOnce(&mut Self, &str) -> Option<T>,
+    ) -> Option<T> {
+        if self.has(key) {
+            return read(self, key);
+        }
+        self.accept(key);
+        let message = format!("{} has no {key}", self.title);
+        self.report(Code::MISSING_KEY, self.place(), message, format!("write for example `{key} = {example}`"));
+        None
+    }
+
+    /// A finite number.
+    pub fn number(&mut self, key: &str) -> Option<f64> {
+        self.value(key, "a finite number", Item::number).filter(|&value| self.is_in_range(key, &[value]))
+    }
+
+    /// A number in a range.
+    pub fn number_where(&mut self, key: &str, expected: &str, allowed: impl Fn(f64) -> bool) -> Option<f64> {
+        let found = self.value(key, expected, |item| item.number().filter(|&value| allowed(value)));
+        found.filter(|&value| self.is_in_range(key, &[value]))
+    }
+
+    /// A whole number from 0 to 2³² − 1.
+    pub fn integer(&mut self, key: &str) -> Option<u32> {
+        let found = self.value(key, "a whole number that is not negative", |item| match item.value {
+            Value::Number { value, whole: true } if (0.0..=f64::from(u32::MAX)).contains(&value) => Some(value as u32),
+            _ => None,
+        });
+        found.filter(|&value| self.is_in_range(key, &[f64::from(value)]))
+    }
+
+    /// `true` or `false`.
+    pub fn boolean(&mut self, key: &str) -> Option<bool> {
+        self.value(key, "true or false", |item| match item.value {
+            Value::Boolean(value) => Some(value),
+            _ => None,
+        })
+    }
+
+    /// A text for people: one with control characters is refused.
+    pub fn text(&mut self, key: &str) -> Option<&'a str> {
+        let text = self.text_of_bytes(key)?;
+        self.is_readable(key, text).then_some(text)
+    }
+
+    /// A text whose characters are bytes for a control, any of them.
+    pub fn text_of_bytes(&mut self, key: &str) -> Option<&'a str> {
+        self.value(key, "a text in quotation marks", |item| match &item.value {
+            Value::Text(text) => Some(text.as_str()),
+            _ => None,
+        })
+    }
+
+    /// A list of finite numbers.
+    pub fn numbers(&mut self, key: &str) -> Option<Vec<f64>> {
+        let numbers: Vec<f64> = self.value(key, "a list of finite numbers", |item| match &item.value {
+            Value::Items(items) => items.iter().map(Item::number).collect(),
+            _ => None,
+        })?;
+        self.is_in_range(key, &numbers).then_some(numbers)
+    }
+
+    /// A list of lists of finite numbers.
+    pub fn rows(&mut self, key: &str) -> Option<Vec<Vec<f64>>> {
+        let rows: Vec<Vec<f64>> = self.value(key, "a list of lists of finite numbers", |item| match &item.value {
+            Value::Items(items) => items
+                .iter()
+                .map(|item| match &item.value {
+                    Value::Items(items) => items.iter().map(Item::number).collect(),
+                    _ => None,
+                })
+                .collect(),
+            _ => None,
+        })?;
+        rows.iter().all(|row| self.is_in_range(key, row)).then_some(rows)
+    }
+
+    /// A list of texts.
+    pub fn texts(&mut self, key: &str) -> Option<Vec<String>> {
+        let texts: Vec<String> = self.value(key, "a list of texts in quotation marks", |item| match &item.value {
+            Value::Items(items) => items
+                .iter()
+                .map(|item| match &item.value {
+                    Value::Text(text) => Some(text.clone()),
+                    _ => None,
+                })
+                .collect(),
+            _ => None,
+        })?;
+        texts.iter().all(|text| self.is_readable(key, text)).then_some(texts)
+    }
+
+    /// A list of three finite numbers.
+    pub fn vector(&mut self, key: &str) -> Option<Vector> {
+        let vector = self.value(key, "a list of three finite numbers", |item| match &item.value {
+            Value::Items(items) => match items.as_slice() {
+                [x, y, z] => Some(Vector::new(x.number()?, y.number()?, z.number()?)),
+                _ => None,
+            },
+            _ => None,
+        })?;
+        self.is_in_range(key, vector.as_slice()).then_some(vector)
+    }
+
+    /// A number, which is made the first of three, or a list of three numbers.
+    pub fn number_or_three(&mut self, key: &str) -> Option<[f64; 3]> {
+        let three = self.value(key, "a finite number, or a list of three", |item| match &item.value {
+            Value::Items(items) => match items.as_slice() {
+                [first, second, third] => Some([first.number()?, second.number()?, third.number()?]),
+                _ => None,
+            },
+            _ => item.number().map(|value| [value, 0.0, 0.0]),
+        })?;
+        self.is_in_range(key, &three).then_some(three)
+    }
+
+    /// A subsection.
+    pub fn section(&mut self, key: &str) -> Option<Section<'a>> {
+        let title = self.title_of(key);
+        let file = self.file;
+        self.value(key, "a section", |item| match &item.value {
+            Value::Table(table) => Some(Section::new(file, title, table)),
+            _ => None,
+        })
+    }
+
+    /// A list of subsections, `[[key]]` or `key = [{ … }]`; empty where there is none.
+    pub fn sections(&mut self, key: &str) -> Vec<Section<'a>> {
+        let title = format!("[{}]", self.title_of(key));
+        let file = self.file;
+        let sections = self.value(key, "a list of sections", |item| match &item.value {
+            Value::Items(items) => items
+                .iter()
+                .map(|item| match &item.value {
+                    Value::Table(table) => Some(Section::new(file, title.clone(), table)),
+                    _ => None,
+                })
+                .collect(),
+            _ => None,
+        });
+        sections.unwrap_or_default()
+    }
+
+    /// Whether numbers lie in the range of their key, and are not too many; reports the first that does not.
+    fn is_in_range(&mut self, key: &str, values: &[f64]) -> bool {
+        let range = range_of(key);
+        let most = most_in_list(key);
+        if values.len() > most {
+            let message = format!("{key} has {} numbers, more than {most}", values.len());
+            self.report(Code::OUT_OF_RANGE, self.place_of(key), message, format!("give {key} fewer numbers"));
+            return false;
+        }
+        let Some(index) = values.iter().position(|value| !range.values().contains(value)) else { return true };
+        let place = if self.is_list(key) { self.place_of_item(key, index) } else { self.place_of(key) };
+        let (least, most, found) = (range.least, range.most, values[index]);
+        let message = format!("{key} must be from {least} to {most}, found {found}");
+        self.report(Code::OUT_OF_RANGE, place, message, format!("check the unit of {key} in {}", self.title));
+        false
+    }
+
+    fn is_list(&self, key: &str) -> bool {
+        matches!(self.table.entry(key), Some(Entry { item: Item { value: Value::Items(_), .. }, .. }))
+    }
+
+    /// Whether a text shows what stands in it; reports one with controls of terminals or of the direction of text.
+    fn is_readable(&mut self, key: &str, text: &str) -> bool {
+        let Some(found) = text.chars().find(|&character| is_deceptive(character)) else { return true };
+        let message =
+            format!("{key} holds the control character U+{:04X}, which shows as something else", u32::from(found));
+        let help = format!("write {key} in {} with letters, digits and signs", self.title);
+        self.report(Code::DECEPTIVE_NAME, self.place_of(key), message, help);
+        false
+    }
+
+    fn title_of(&self, key: &str) -> String {
+        match self.title.strip_prefix('[').and_then(|title| title.strip_suffix(']')) {
+            Some(title) => format!("[{title}.{key}]"),
+            None => format!("[{key}]"),
+        }
+    }
+
+    pub(super) fn value<T>(
+        &mut self,
+        key: &str,
+        expected: &str,
+        read: impl FnOnce(&'a Item) -> Option<T>,
+    ) -> Option<T> {
+        self.accept(key);
+        let item = &self.table.entry(key)?.item;
+        let value = read(item);
+        if value.is_none() {
+            let message = format!("{key} must be {expected}, found {}", item.found());
+            let place = Place { file: self.file, span: item.span };
+            self.report(Code::BAD_VALUE, place, message, format!("make {key} in {} {expected}", self.title));
+        }
+        value
+    }
+
+    /// Reports keys that nobody asked for and hands all findings over.
+    pub fn finish(mut self, findings: &mut Vec<Diagnostic>) {
+        let table = self.table;
+        let asked: HashSet<&str> = self.asked.iter().map(String::as_str).collect();
+        let unknown = table.entries.iter().filter(|entry| !asked.contains(entry.key.as_str()));
+        for entry in unknown.take(MOST_UNKNOWN) {
+            let help = match nearest(&entry.key, self.asked.iter().map(String::as_str)) {
+                Some(known) => format!("did you mean `{known}`?"),
+                None if self.asked.is_empty() => "remove it".into(),
+                None => format!("remove it; known here: {}", self.asked.join(", ")),
+            };
+            let message = format!("unknown key {} in {}", entry.key, self.title);
+            let place = Place { file: self.file, span: entry.key_span };
+            self.findings.push(Diagnostic::at(Code::UNKNOWN_KEY, place, message, help));
+        }
+        findings.append(&mut self.findings);
+    }
+}
+
+/// The candidate that begins with the word, or that differs from it by case, or by at most a third of its letters (two at most)
+/// added, lost or changed.
+#[must_use]
+pub fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
+    candidates
+        .map(|candidate| (distance(&word.to_lowercase(), &candidate.to_lowercase()), candidate))
+        .filter(|&(distance, candidate)| {
+            let begins = word.len() >= 4 && candidate.starts_with(word);
+            begins || distance <= (candidate.len() / 3).min(2)
+        })
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// Levenshtein's distance, row by row.
+fn distance(from: &str, to: &str) -> usize {
+    let to: Vec<char> = to.chars().collect();
+    let mut row: Vec<usize> = (0..=to.len()).collect();
+    for (i, letter) in from.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &other) in to.iter().enumerate() {
+            let changed = diagonal + usize::from(letter != other);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[to.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::document::Document;
+    use super::*;
+    use ncfix_base::source::Source;
+
+    #[test]
+    fn values_are_read_and_wrong_ones_reported_at_their_place() {
+        let bytes = b"[a]\nx = 1_000\ny = \"q\"\nv = [1, 2.5, 0x10]\nn = nan\nextra = 1\n".to_vec();
+        let document = Document::parse(&Source::new(FileId(3), "m.toml", bytes).unwrap()).unwrap();
+        let mut root = document.root();
+        let mut section = root.section("a").unwrap();
+        assert_eq!(section.number("x"), Some(1000.0));
+        assert_eq!(section.text("y"), Some("q"));
+        assert_eq!(section.vector("v"), Some(Vector::new(1.0, 2.5, 16.0)));
+        assert_eq!(section.number("n"), None);
+        assert_eq!(section.required("z", "1.0", Section::number), None);
+        assert_eq!(section.number("w"), None);
+        let mut findings = Vec::new();
+        section.finish(&mut findings);
+        let seen: Vec<_> = findings.iter().map(|f| (f.code.as_str(), f.place.unwrap().span.range())).collect();
+        assert_eq!(seen, [("E0404", 45..48), ("E0403", 0..3), ("E0402", 49..54)]);
+    }
+
+    #[test]
+    fn near_misses_are_named() {
+        let known = ["travel_mm", "direction", "point_mm"];
+        assert_eq!(nearest("travel_nm", known.into_iter()), Some("travel_mm"));
+        assert_eq!(nearest("Direction", known.into_iter()), Some("direction"));
+        assert_eq!(nearest("travel", known.into_iter()), Some("travel_mm"));
+        assert_eq!(nearest("lever", known.into_iter()), None);
+    }
+}

@@ -1,0 +1,47 @@
+//! What changes while a machine runs and the error model may depend on.
+
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
+
+/// The state of the machine at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Sense of the last motion of each axis: −1, 0 (none yet) or 1.
+    pub direction: [i8; AXIS_COUNT],
+    /// Acceleration of each axis, mm/s² or rad/s²; zero where it is not known.
+    pub acceleration: AxisVector,
+    /// Jerk of each axis, mm/s³ or rad/s³; zero where it is not known.
+    pub jerk: AxisVector,
+}
+
+impl State {
+    /// Sense of the last motion of an axis: −1, 0 or 1.
+    #[must_use]
+    pub fn direction(&self, axis: Axis) -> i8 {
+        self.direction[axis.slot()]
+    }
+
+    /// The same, for axes of which only those in `stated` were where `from` has them: in which sense the others came is unknown.
+    pub fn note_stated(&mut self, stated: AxisSet, from: &AxisVector, to: &AxisVector) {
+        self.note_motion(from, to);
+        for axis in AXES.into_iter().filter(|&axis| !stated.contains(axis) && from[axis] != to[axis]) {
+            self.direction[axis.slot()] = 0;
+        }
+    }
+
+    /// Forgets in which sense axes moved.
+    pub fn forget(&mut self, axes: AxisSet) {
+        axes.iter().for_each(|axis| self.direction[axis.slot()] = 0);
+    }
+
+    /// Notes a motion; axes that stand still keep the sense of their last motion.
+    pub fn note_motion(&mut self, from: &AxisVector, to: &AxisVector) {
+        for slot in 0..AXIS_COUNT {
+            let step = to.0[slot] - from.0[slot];
+            if step > 0.0 {
+                self.direction[slot] = 1;
+            } else if step < 0.0 {
+                self.direction[slot] = -1;
+            }
+        }
+    }
+}

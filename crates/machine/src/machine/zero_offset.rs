@@ -1,0 +1,146 @@
+//! Settable zero offsets in the machine file: `[zero_offset.G54]` with shifts, rotation, scale and mirror.
+
+use std::collections::BTreeMap;
+
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{Axis, AxisSet, FrameParts};
+
+use super::section::Section;
+
+/// The settable zero offsets of a control.
+struct Names {
+    controller: &'static str,
+    /// In words, for findings.
+    help: &'static str,
+    is_name: fn(&str) -> bool,
+}
+
+const NAMES: &[Names] = &[
+    Names {
+        controller: "sinumerik",
+        help: "settable zero offsets are G500, G54 to G57 and G505 to G599",
+        is_name: |name| numbered(name, "G").is_some_and(|number| matches!(number, 54..=57 | 500 | 505..=599)),
+    },
+    Names {
+        controller: "fanuc",
+        help: "settable zero offsets are G54 to G59, \"G54.1 P1\" to \"G54.1 P300\" and EXT, which shifts them all",
+        is_name: |name| {
+            name == "EXT"
+                || numbered(name, "G").is_some_and(|number| (54..=59).contains(&number))
+                || numbered(name, "G54.1 P").is_some_and(|number| (1..=300).contains(&number))
+        },
+    },
+    Names {
+        controller: "rs274",
+        help: "settable zero offsets are G54 to G59 and G59.1 to G59.3",
+        is_name: |name| {
+            numbered(name, "G").is_some_and(|number| (54..=59).contains(&number))
+                || numbered(name, "G59.").is_some_and(|number| (1..=3).contains(&number))
+        },
+    },
+    Names {
+        controller: "grundig",
+        help: "settable zero offsets are G52, G54 to G59 and \"G54 I0\" to \"G54 I99\"",
+        is_name: |name| {
+            numbered(name, "G").is_some_and(|number| number == 52 || (54..=59).contains(&number))
+                || name == "G54 I0"
+                || numbered(name, "G54 I").is_some_and(|number| number <= 99)
+        },
+    },
+];
+
+/// The number behind a prefix, without leading zeros.
+fn numbered(name: &str, prefix: &str) -> Option<u32> {
+    let digits = name.strip_prefix(prefix)?;
+    let is_number = digits.bytes().all(|digit| digit.is_ascii_digit()) && !digits.starts_with('0');
+    digits.parse().ok().filter(|_| is_number)
+}
+
+/// Checks the name of a settable zero offset; gives what the control's are where it is none. A control that nobody knows has
+/// those of all.
+pub(super) fn check_name(name: &str, controller: &str) -> Result<(), String> {
+    let own = |names: &&Names| names.controller.eq_ignore_ascii_case(controller);
+    match NAMES.iter().find(own) {
+        Some(names) if (names.is_name)(name) => Ok(()),
+        Some(names) => Err(names.help.to_owned()),
+        None if NAMES.iter().any(|names| (names.is_name)(name)) => Ok(()),
+        None => Err(NAMES[0].help.to_owned()),
+    }
+}
+
+pub(super) fn read_zero_offsets(
+    root: &mut Section<'_>,
+    axes: AxisSet,
+    controller: &str,
+    findings: &mut Vec<Diagnostic>,
+) -> BTreeMap<String, FrameParts> {
+    let mut offsets = BTreeMap::new();
+    let Some(mut section) = root.section("zero_offset") else { return offsets };
+    let names: Vec<&str> = section.keys().collect();
+    for name in names {
+        if let Err(help) = check_name(name, controller) {
+            let message = format!("\"{name}\" is no settable zero offset");
+            section.accept(name);
+            section.report(Code::UNKNOWN_KEY, section.place_of_key(name), message, help);
+            continue;
+        }
+        let Some(mut own) = section.section(name) else { continue };
+        let parts = read_parts(&mut own, axes);
+        own.finish(findings);
+        offsets.insert(name.to_owned(), parts);
+    }
+    section.finish(findings);
+    offsets
+}
+
+fn read_parts(section: &mut Section<'_>, axes: AxisSet) -> FrameParts {
+    let mut parts = FrameParts::default();
+    for axis in axes.iter() {
+        let unit = if axis.is_rotary() { "deg" } else { "mm" };
+        let value = |number: f64| if axis.is_rotary() { number.to_radians() } else { number };
+        parts.translation[axis] = section.number(&format!("{axis}_{unit}")).map_or(0.0, value);
+        parts.fine[axis] = section.number(&format!("fine_{axis}_{unit}")).map_or(0.0, value);
+    }
+    if let Some(angles) = section.vector("rotation_deg") {
+        parts.rotation = [angles.x, angles.y, angles.z].map(f64::to_radians);
+    }
+    if let Some(factors) = section.vector("scale") {
+        if factors.iter().all(|factor| (1e-6..1e6).contains(factor)) {
+            parts.scale = [factors.x, factors.y, factors.z];
+        } else {
+            let help = "write the factors of X, Y and Z, for example [1, 1, 1]";
+            section.report(Code::BAD_VALUE, section.place_of("scale"), "scale factors must be above 0", help);
+        }
+    }
+    for (index, name) in section.texts("mirror").unwrap_or_default().iter().enumerate() {
+        let axis = [Axis::X, Axis::Y, Axis::Z].into_iter().find(|axis| axis.to_string() == *name);
+        match axis.and_then(|axis| parts.mirror.get_mut(axis.slot())) {
+            Some(mirror) => *mirror = true,
+            None => {
+                let place = section.place_of_item("mirror", index);
+                let message = format!("\"{name}\" cannot be mirrored");
+                section.report(Code::BAD_VALUE, place, message, "name X, Y or Z");
+            }
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::check_name;
+
+    #[test]
+    fn each_control_has_names_of_its_own() {
+        for (controller, good, bad) in [
+            ("sinumerik", &["G500", "G54", "G505"][..], &["G58", "G054", "G59.1"][..]),
+            ("fanuc", &["G54", "G59", "G54.1 P1", "G54.1 P300", "EXT"], &["G500", "G54.1 P0", "G54.1P1", "G59.1"]),
+            ("rs274", &["G54", "G59", "G59.3"], &["G59.4", "G54.1 P1", "EXT"]),
+            ("grundig", &["G52", "G59", "G54 I0", "G54 I99"], &["G53", "G54 I100", "G500"]),
+            ("another", &["G500", "G59.3"], &["X"]),
+        ] {
+            good.iter().for_each(|name| assert!(check_name(name, controller).is_ok(), "{controller} {name}"));
+            bad.iter().for_each(|name| assert!(check_name(name, controller).is_err(), "{controller} {name}"));
+        }
+    }
+}

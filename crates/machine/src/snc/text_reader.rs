@@ -1,0 +1,215 @@
+//! Reads the text form of the stream.
+
+use super::{Dwell, Element, FeedUnit, Kind, Move, Origin, Word, WordValue};
+use ncfix_base::geometry::{Arc, Axis, AxisSet, AxisVector, Plane};
+use ncfix_base::source::Span;
+
+/// Why a line of SNC text cannot be read: the line, from 1, and the reason.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TextError {
+    /// Line number.
+    pub line: usize,
+    /// What was found.
+    pub message: String,
+}
+
+/// Reads SNC text. Positions are taken as axis commands, that is, for a tool of length zero.
+pub struct TextReader<'a> {
+    lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    position: AxisVector,
+    known: AxisSet,
+    call_lines: Vec<u32>,
+}
+
+impl<'a> TextReader<'a> {
+    /// Reads from text.
+    #[must_use]
+    pub fn new(text: &'a str) -> Self {
+        TextReader {
+            lines: text.lines().enumerate(),
+            position: AxisVector::ZERO,
+            known: AxisSet::EMPTY,
+            call_lines: Vec::new(),
+        }
+    }
+
+    /// Lines of the calls that led to the element read last, innermost first.
+    #[must_use]
+    pub fn call_lines(&self) -> &[u32] {
+        &self.call_lines
+    }
+
+    fn element(&mut self, text: &str, number: usize) -> Result<Option<Element>, String> {
+        let (words, comment) = words_and_comment(text);
+        let mut values = Vec::new();
+        for word in words {
+            let letter = word.as_bytes().first().copied().filter(u8::is_ascii_alphabetic);
+            let (Some(letter), Some(rest)) = (letter, word.get(1..)) else {
+                return Err("a word begins with no letter".into());
+            };
+            values.push((letter, rest));
+        }
+        let Some(&(first, code)) = values.first() else { return Ok(None) };
+        let mut lines = match comment.strip_prefix('@') {
+            Some(origin) => origin
+                .split('<')
+                .map(|line| line.trim().parse().map_err(|_| "the origin behind ;@ is no line number"))
+                .collect::<Result<Vec<u32>, _>>()?,
+            None => vec![u32::try_from(number).unwrap_or(u32::MAX)],
+        };
+        let line = lines.remove(0);
+        self.call_lines = lines;
+        let origin = Origin { line, span: Span::default(), ..Origin::default() };
+        let kind = match (first, code) {
+            (b'G', "4") => self.dwell(&values[1..])?,
+            (b'G', "0" | "1" | "2" | "3") => Kind::Move(self.motion(code, &values[1..])?),
+            (b'G', _) => return Err(format!("G{code} does not occur in SNC")),
+            (b'T', _) => Kind::Tool(value_of(code)?),
+            _ => Kind::Before(values.iter().map(|&(letter, rest)| auxiliary(letter, rest)).collect::<Result<_, _>>()?),
+        };
+        Ok(Some(Element { origin, starts_block: true, number: None, kind }))
+    }
+
+    fn dwell(&self, values: &[(u8, &str)]) -> Result<Kind, String> {
+        match values {
+            [(b'S', seconds)] => Ok(Kind::Dwell(Dwell::Seconds(parse(seconds)?))),
+            [(b'R', turns)] => Ok(Kind::Dwell(Dwell::Turns(parse(turns)?))),
+            _ => Err("G4 needs S with seconds or R with turns".into()),
+        }
+    }
+
+    fn motion(&mut self, code: &str, values: &[(u8, &str)]) -> Result<Move, String> {
+        let mut target = self.position;
+        let mut named = AxisSet::EMPTY;
+        let (mut ijk, mut plane, mut extra_turns, mut feed) = ([0.0; 3], Plane::XY, 0, None);
+        let mut unit = FeedUnit::PerMinute;
+        for &(letter, text) in values {
+            let value: f64 = parse(text)?;
+            match (Axis::from_letter(letter), letter) {
+                (Some(axis), _) => {
+                    target[axis] = if axis.is_rotary() { value.to_radians() } else { value };
+                    named.insert(axis);
+                }
+                (None, b'I' | b'J' | b'K') => ijk[usize::from(letter - b'I')] = value,
+                (None, b'P') => {
+                    let number = text.parse().map_err(|_| "P is 17, 18 or 19")?;
+                    plane = Plane::from_number(number).ok_or("P is 17, 18 or 19")?;
+                }
+                (None, b'L') => extra_turns = text.parse().map_err(|_| "L is a whole number")?,
+                (None, b'F') => feed = Some(value),
+                (None, b'G') if feed.is_some() && text == "93" => unit = FeedUnit::InverseTime,
+                (None, b'G') if feed.is_some() && text == "95" => unit = FeedUnit::PerTurn,
+                _ => return Err(format!("'{}' is no word of a motion", char::from(letter))),
+            }
+        }
+        let arc = matches!(code, "2" | "3").then(|| {
+            let [abscissa, ordinate, _] = plane.axes();
+            Arc {
+                plane,
+                clockwise: code == "2",
+                center_mm: [
+                    self.position[abscissa] + ijk[abscissa.slot()],
+                    self.position[ordinate] + ijk[ordinate.slot()],
+                ],
+                extra_turns,
+            }
+        });
+        self.position = target;
+        self.known = self.known.union(named);
+        Ok(Move {
+            rapid: code == "0",
+            arc,
+            target,
+            named,
+            known: self.known,
+            feed: feed.unwrap_or(0.0),
+            feed_named: feed.is_some(),
+            unit,
+            ways: Default::default(),
+            in_machine_frame: false,
+            manner: Default::default(),
+            off_curve_mm: 0.0,
+        })
+    }
+}
+
+impl Iterator for TextReader<'_> {
+    type Item = Result<Element, TextError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let (index, text) = self.lines.next()?;
+            match self.element(text, index + 1) {
+                Ok(None) => {}
+                Ok(Some(element)) => return Some(Ok(element)),
+                Err(message) => return Some(Err(TextError { line: index + 1, message })),
+            }
+        }
+    }
+}
+
+/// The words of a line, and what stands behind its semicolon. Names of tools are in quotation marks and may have blanks and semicolons.
+fn words_and_comment(text: &str) -> (Vec<&str>, &str) {
+    let (mut words, mut start, mut is_name) = (Vec::new(), 0, false);
+    let mut end_word = |start: usize, end: usize| words.extend(text.get(start..end).filter(|word| !word.is_empty()));
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            b'"' => is_name = !is_name,
+            _ if is_name => {}
+            b';' => {
+                end_word(start, at);
+                return (words, text.get(at + 1..).unwrap_or_default());
+            }
+            _ if byte.is_ascii_whitespace() => {
+                end_word(start, at);
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    end_word(start, text.len());
+    (words, "")
+}
+
+fn auxiliary(letter: u8, rest: &str) -> Result<Word, String> {
+    let (extension, text) = match rest.split_once('=') {
+        // `D="NAME"`
+        Some(("", text)) => (None, text),
+        Some((extension, text)) => {
+            (Some(extension.parse().map_err(|_| "an address extension is a whole number")?), text)
+        }
+        None => (None, rest),
+    };
+    Ok(Word { letter, extension, value: value_of(text)? })
+}
+
+fn value_of(text: &str) -> Result<WordValue, String> {
+    match text.trim_start_matches('=').strip_prefix('"').and_then(|name| name.strip_suffix('"')) {
+        Some(name) => Ok(WordValue::Name(name_of(name.as_bytes()))),
+        None => Ok(WordValue::Number(parse(text)?)),
+    }
+}
+
+/// A name with its `\x1b` as the bytes that they stand for.
+fn name_of(mut text: &[u8]) -> Vec<u8> {
+    let mut name = Vec::with_capacity(text.len());
+    while let Some((&first, rest)) = text.split_first() {
+        let hex =
+            rest.get(1..3).filter(|_| first == b'\\' && rest[0] == b'x').and_then(|hex| std::str::from_utf8(hex).ok());
+        match hex.and_then(|hex| u8::from_str_radix(hex, 16).ok()) {
+            Some(byte) => {
+                name.push(byte);
+                text = &rest[3..];
+            }
+            None => {
+                name.push(first);
+                text = rest;
+            }
+        }
+    }
+    name
+}
+
+fn parse(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| format!("'{text}' is no number"))
+}

@@ -1,0 +1,259 @@
+//! Why something cannot be told, and what would help.
+
+use std::fmt;
+
+use crate::measure::data::DataSet;
+use crate::measure::kind::Unknown;
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_model::parameter::{ParameterName, Term};
+
+use super::column::Column;
+use super::effect::{EffectParameter, Parameter, lack};
+
+/// Positions that are nearer to each other are one, mm or rad.
+const SAME_PLACE: f64 = 1e-3;
+/// Points lie in a plane when they are no further from it than this share of their extent.
+const FLAT: f64 = 1e-3;
+
+/// Why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Cause {
+    /// An axis stood at too few positions: how many, and how many are needed.
+    Few(Axis, usize, usize),
+    /// An axis came from one side only.
+    OneSense(Axis),
+    /// An axis never went beyond the place where a truncated power begins.
+    Beyond(Axis),
+    /// No row has a load on the table.
+    NoLoad,
+    /// All rows have the same load.
+    OneLoad,
+    /// No row has a temperature.
+    NoTemperatures,
+    /// An effect looks like other parameters in these conditions and poses.
+    Conditions,
+    /// Nothing was measured that feels it.
+    Unfelt,
+    /// Nothing says how large everything is.
+    Scale,
+    /// The spindle's offset, and that of the stylus.
+    Stylus,
+    /// A constant part, and where something of the set-up is.
+    Constant,
+    /// Other unknowns of set-ups.
+    SetUp,
+    /// Rotations with a single lever.
+    Lever,
+    /// Everything lies in one plane.
+    Plane,
+    /// Angles of a rotary axis.
+    Angles(Axis),
+    /// None of these.
+    Poses,
+}
+
+impl Cause {
+    /// Whether it is that all sorts of things look alike in these poses.
+    pub(super) fn is_of_poses(self) -> bool {
+        matches!(self, Cause::Conditions | Cause::Lever | Cause::Plane | Cause::Angles(_) | Cause::Poses)
+    }
+
+    /// What would help; `many` where it is about several parameters.
+    pub(super) fn remedy(self, many: bool) -> String {
+        let them = if many { "them" } else { "it" };
+        match self {
+            Cause::Few(axis, found, needed) if axis.is_rotary() => {
+                let more = needed.saturating_sub(found).max(1);
+                let s = if more == 1 { "" } else { "s" };
+                format!("index {axis} at {more} more angle{s} at least, or leave {them} out")
+            }
+            Cause::Few(axis, _, needed) => {
+                format!("measure at {needed} positions of {axis} at least, or leave {them} out")
+            }
+            Cause::OneSense(axis) => format!("come to positions of {axis} from both sides, or leave {them} out"),
+            Cause::Beyond(axis) => format!("measure further along {axis}, or leave {them} out"),
+            Cause::NoLoad => format!("measure with a load on the table, too, and say so (load_N), or leave {them} out"),
+            Cause::OneLoad => format!("measure without the load, too, or leave {them} out"),
+            Cause::NoTemperatures => {
+                format!("measure warm, too, with columns of temperatures or --state, or leave {them} out")
+            }
+            Cause::Conditions => {
+                format!("measure at other loads or temperatures, in poses in which they differ, or leave {them} out")
+            }
+            Cause::Unfelt => {
+                format!("measure what {} would move, or leave {them} out", if many { "they" } else { "it" })
+            }
+            Cause::Scale => {
+                "give a calibrated length (take length out of free, or write [[length]] between two balls), \
+                             or leave out the gain of one axis"
+                    .into()
+            }
+            Cause::Stylus => format!(
+                "turn the spindle by hand between probings (spindle_deg), take tool out of free where the stylus is calibrated, or leave {them} out"
+            ),
+            Cause::Constant => {
+                format!("leave {them} out: constant parts belong to the set-up unless the description says where it is")
+            }
+            Cause::SetUp => format!(
+                "describe what is known of the set-up (take it out of free), measure in another one, or leave {them} out"
+            ),
+            Cause::Lever => "measure the same with a second tool vector (another length, or off the spindle)".into(),
+            Cause::Plane => format!("measure in another plane too, or leave {them} out"),
+            Cause::Angles(axis) => format!("index {axis} at three more angles, or leave {them} out"),
+            Cause::Poses => format!("measure in poses in which they differ, or leave {them} out"),
+        }
+    }
+}
+
+/// What stands behind the sentence.
+impl fmt::Display for Cause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Cause::Few(axis, found, needed) => {
+                let s = if *found == 1 { "" } else { "s" };
+                write!(f, "; {axis} stood at {found} position{s}, at least {needed} are needed")
+            }
+            Cause::NoLoad => write!(f, "; there was no load on the table"),
+            Cause::OneLoad => write!(f, "; there was only one load"),
+            Cause::NoTemperatures => write!(f, "; there are no temperatures"),
+            Cause::OneSense(axis) => write!(f, "; {axis} was reached in one sense only"),
+            Cause::Beyond(axis) => write!(f, "; {axis} did not go as far"),
+            Cause::Lever => write!(f, "; all was measured with one tool vector"),
+            Cause::Plane => write!(f, "; all was measured in one plane"),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Looks for the cause. `own` is a parameter, `others` what it cannot be told from.
+pub(super) fn cause(own: &Parameter, others: &[&Column], data: &[DataSet]) -> Cause {
+    let all = || std::iter::once(own.clone()).chain(others.iter().filter_map(|column| column.parameter()));
+    let (mut parameters, mut effects) = (Vec::new(), Vec::new());
+    for one in all() {
+        match one {
+            Parameter::Geometry(name) => parameters.push(name),
+            Parameter::Effect(parameter) => effects.push(parameter),
+        }
+    }
+    let names: Vec<&str> = effects.iter().map(EffectParameter::name).collect();
+    if let Some(cause) = Some(&names).filter(|names| !names.is_empty()).and_then(|names| lack(names, data)) {
+        return cause;
+    }
+    let Parameter::Geometry(own) = own else {
+        return of_effect(others, &parameters, data);
+    };
+    if let Some(cause) = positions_lack(own, &parameters, others.is_empty(), data) {
+        return cause;
+    }
+    if others.is_empty() {
+        return Cause::Unfelt;
+    }
+    let unknowns = || {
+        others.iter().filter_map(|column| match column {
+            Column::Unknown(_, unknown) => Some(*unknown),
+            Column::Parameter(_) | Column::Effect(_) => None,
+        })
+    };
+    if !effects.is_empty() {
+        return Cause::Conditions;
+    }
+    let is_about_size = parameters.iter().all(is_gain);
+    let is_length = |one| matches!(one, Unknown::Length(_) | Unknown::Rod(_) | Unknown::RodTemperature(_));
+    if is_about_size && (unknowns().any(is_length) || parameters.len() > 1) {
+        return Cause::Scale;
+    }
+    if parameters.len() == 1 {
+        if own.component.axis().is_none() && unknowns().any(|one| matches!(one, Unknown::Tool(..))) {
+            return Cause::Stylus;
+        }
+        return if own.degree() == 0 { Cause::Constant } else { Cause::SetUp };
+    }
+    let turns = |name: &ParameterName| name.component.direction.is_rotation() && name.term != Term::Whole;
+    if parameters.iter().any(turns) && has_one_tool(data) {
+        return Cause::Lever;
+    }
+    if is_flat(data) {
+        return Cause::Plane;
+    }
+    let rotary = parameters.iter().filter_map(|name| name.component.axis()).find(|axis| axis.is_rotary());
+    rotary.map_or(Cause::Poses, Cause::Angles)
+}
+
+/// Why a parameter of an effect cannot be told where conditions did change; `geometry` are other parameters that take part.
+fn of_effect(others: &[&Column], geometry: &[ParameterName], data: &[DataSet]) -> Cause {
+    if others.is_empty() {
+        return Cause::Unfelt;
+    }
+    if let Some(cause) = geometry.iter().find_map(|name| positions_lack(name, geometry, false, data)) {
+        return cause;
+    }
+    if others.iter().any(|column| column.is_of_machine()) { Cause::Conditions } else { Cause::SetUp }
+}
+
+/// Whether an axis of the parameters stood at too few positions.
+fn positions_lack(own: &ParameterName, all: &[ParameterName], is_unfelt: bool, data: &[DataSet]) -> Option<Cause> {
+    if let (Term::Knot { at, .. }, Some(axis)) = (own.term, own.component.axis()) {
+        let begins = if axis.is_rotary() { f64::from(at).to_radians() } else { f64::from(at) };
+        if observations(data).all(|position| position(axis) <= begins + SAME_PLACE) {
+            return Some(Cause::Beyond(axis));
+        }
+    }
+    if is_unfelt && own.degree() == 0 && own.term != Term::Backlash {
+        return None;
+    }
+    let mut axes: Vec<Axis> = all.iter().filter_map(|name| name.component.axis()).collect();
+    axes.sort_unstable();
+    axes.dedup();
+    axes.into_iter().find_map(|axis| {
+        let names = || all.iter().filter(|name| name.component.axis() == Some(axis));
+        let highest = names().map(ParameterName::degree).max().unwrap_or(0);
+        let needed = (usize::from(highest) + 1).max(if axis.is_rotary() { 2 } else { 1 });
+        if names().any(|name| name.term == Term::Backlash) {
+            let mut readings = data.iter().flat_map(|set| &set.observations);
+            let first = readings.next().map(|row| row.reading.state.direction(axis));
+            if readings.all(|row| Some(row.reading.state.direction(axis)) == first) {
+                return Some(Cause::OneSense(axis));
+            }
+        }
+        let mut found: Vec<f64> = Vec::new();
+        for position in observations(data) {
+            let position = position(axis);
+            if found.len() < needed && found.iter().all(|known| (known - position).abs() > SAME_PLACE) {
+                found.push(position);
+            }
+        }
+        (found.len() < needed).then_some(Cause::Few(axis, found.len(), needed))
+    })
+}
+
+/// Where the axes stood, row by row.
+fn observations(data: &[DataSet]) -> impl Iterator<Item = impl Fn(Axis) -> f64> {
+    data.iter().flat_map(|set| &set.observations).map(|row| move |axis: Axis| row.reading.position[axis])
+}
+
+/// Whether it is the gain of an axis.
+fn is_gain(name: &ParameterName) -> bool {
+    let direction = name.component.direction;
+    name.term == Term::Coefficient(1)
+        && !direction.is_rotation()
+        && name.component.axis() == [Axis::X, Axis::Y, Axis::Z].get(direction.index()).copied()
+}
+
+/// Whether all rows have the same tool vector.
+fn has_one_tool(data: &[DataSet]) -> bool {
+    let mut tools = data.iter().flat_map(|set| &set.observations).map(|row| row.reading.tool_mm);
+    let first = tools.next();
+    tools.all(|tool| first.is_none_or(|first| (tool - first).norm() < SAME_PLACE))
+}
+
+/// Whether the linear axes stood in one plane, or on one line.
+fn is_flat(data: &[DataSet]) -> bool {
+    let places =
+        || observations(data).map(|position| Vector::new(position(Axis::X), position(Axis::Y), position(Axis::Z)));
+    let count = places().count().max(1) as f64;
+    let middle = places().sum::<Vector>() / count;
+    let mut spread = nalgebra::Matrix3::<f64>::zeros();
+    places().for_each(|place| spread += (place - middle) * (place - middle).transpose());
+    let values = spread.symmetric_eigenvalues();
+    values.min().max(0.0).sqrt() <= FLAT * values.max().max(0.0).sqrt()
+}

@@ -1,0 +1,397 @@
+//! Gauss–Newton over all parameters and unknowns at once.
+//!
+//! The factors are those of the nominal machine: errors of 1e-4 change them by 1e-4 of themselves, which costs the iteration nothing. Residuals
+//! come from the full kinematics each time, so that what it converges to is exact. Steps between the first and the last one use the
+//! normal equations and factors that are kept; the first says what the data can tell, the last how well.
+
+use crate::measure::data::DataSet;
+use ncfix_base::numeric::{Normal, Solution, Step, System};
+use ncfix_machine::machine::Machine;
+use ncfix_model::ErrorModel;
+
+use super::column::Column;
+use super::design::{Design, Line, Origin, tie_sigma};
+use super::effect::Parameter;
+use super::fault::{Fault, Unsettled};
+use super::identify::{Identified, judge};
+use super::noise::{Noise, group_of};
+use super::robust::TUKEY_VARIANCE;
+use super::words;
+
+/// Rounds at most.
+const MAX_ROUNDS: usize = 60;
+/// Rounds with weights that cannot lock on to a wrong start.
+const EARLY_ROUNDS: usize = 4;
+/// The same where parameters are not proportional.
+const CURVED_ROUNDS: usize = 16;
+/// Steps below this share of their uncertainty say nothing.
+const SETTLED: f64 = 1e-3;
+/// Steps that are still like this after the last round are good enough: weights that go to and fro.
+const NEARLY_SETTLED: f64 = 0.05;
+/// Factors are kept between rounds up to this number of them (256 MB).
+const KEPT_FACTORS: usize = 1 << 25;
+/// The row that holds an unknown where it is has this uncertainty, mm or rad; nothing else moves it.
+const HELD: f64 = 1e-3;
+/// Singular values that are zero but for the arithmetic, as a share of the largest one.
+const ARITHMETIC: f64 = 1e-12;
+/// Residuals that are larger than described by this factor, or more than one in so many rejected, are why nothing settles.
+const STRANGE: f64 = 3.0;
+const SHARE: usize = 5;
+/// Rows with less weight were rejected.
+const REJECTED: f64 = 0.01;
+
+/// How to fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Whether rows that do not fit are weighted down.
+    pub robust: bool,
+}
+
+/// What came out.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The error model with the parameters.
+    pub errors: ErrorModel,
+    /// Parameters of the machine, then unknowns of the measurements.
+    pub estimates: Vec<Estimate>,
+    /// Standard uncertainty of a reading of a length of each measurement, mm: as described, or estimated where it is not described or
+    /// the residuals are larger than it says.
+    pub sigmas: Vec<f64>,
+    /// The same of readings of angles, rad.
+    pub angle_sigmas: Vec<f64>,
+    /// What is left of every reading, mm or rad: measurement, row, residual, weight.
+    pub residuals: Vec<(usize, usize, f64, f64)>,
+    /// What is left of every known distance, mm: measurement, number of the distance, residual, standard uncertainty.
+    pub ties: Vec<(usize, usize, f64, f64)>,
+    /// Largest by smallest singular value of columns of unit length, where readings are as good as each other.
+    pub condition: f64,
+    /// Equations less unknowns.
+    pub freedom: usize,
+    /// Rounds.
+    pub rounds: usize,
+}
+
+impl Fit {
+    /// Readings that do not fit and count for nothing: measurement and row, each once.
+    #[must_use]
+    pub fn rejected(&self) -> Vec<(usize, usize)> {
+        let small = self.residuals.iter().filter(|(.., weight)| *weight < REJECTED);
+        let mut rows: Vec<(usize, usize)> = small.map(|&(set, row, ..)| (set, row)).collect();
+        rows.dedup();
+        rows
+    }
+}
+
+/// One number that was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// What it is.
+    pub column: Column,
+    /// mm, rad, per power.
+    pub value: f64,
+    /// Standard uncertainty; infinite for an unknown of a set-up that moves nothing that was measured, which stayed as it was.
+    pub sigma: f64,
+    /// How much its variance grows because the others are free.
+    pub inflation: f64,
+    /// By how much it moves the tip, root of the mean square over the readings, mm; 0 for unknowns of a measurement.
+    pub effect_mm: f64,
+}
+
+/// Fits parameters to data, from what the model says of them.
+///
+/// # Errors
+/// [`Fault`].
+pub fn fit<P: Clone + Into<Parameter>>(
+    machine: &Machine,
+    start: &ErrorModel,
+    parameters: &[P],
+    data: &[DataSet],
+    options: Options,
+) -> Result<Fit, Fault> {
+    let parameters: Vec<Parameter> = parameters.iter().cloned().map(Into::into).collect();
+    let start = awake(machine, start, &parameters, data)?;
+    let judged = judge(machine, &start, &parameters, data)?;
+    fit_judged(machine, &start, &parameters, data, options, &judged)
+}
+
+/// Where an arm or a time constant does nothing because what it changes is 0: after a first fit of that.
+pub(super) fn awake(
+    machine: &Machine,
+    start: &ErrorModel,
+    parameters: &[Parameter],
+    data: &[DataSet],
+) -> Result<ErrorModel, Fault> {
+    if !parameters.iter().any(|parameter| parameter.is_idle(start)) {
+        return Ok(start.clone());
+    }
+    let linear: Vec<Parameter> = parameters.iter().filter(|one| one.is_linear()).cloned().collect();
+    let judged = judge(machine, start, &linear, data)?;
+    Ok(fit_judged(machine, start, &linear, data, Options { robust: false }, &judged)?.errors)
+}
+
+/// Fits what can be told.
+pub(super) fn fit_judged(
+    machine: &Machine,
+    start: &ErrorModel,
+    parameters: &[Parameter],
+    data: &[DataSet],
+    options: Options,
+    judged: &Identified,
+) -> Result<Fit, Fault> {
+    let design = Design::new(machine, data, parameters);
+    let mut errors = start.clone();
+    let mut values = design.start(start);
+    let mut rounds = Rounds::new(&design, data, options, judged);
+    let mut is_last = false;
+    for round in 0..MAX_ROUNDS {
+        is_last |= round + 1 == MAX_ROUNDS;
+        let is_same = rounds.look(&errors, &values, round, is_last);
+        let solution = if is_last { Some(rounds.solved()?) } else { None };
+        let step = match (rounds.step(), &solution) {
+            (Some(step), _) => step,
+            (None, Some(solution)) => step_of(solution),
+            (None, None) => step_of(&rounds.solved()?),
+        };
+        for (k, (value, step)) in values.iter_mut().zip(step.unknowns.iter()).enumerate() {
+            *value = design.parameters.get(k).map_or(*value + step, |parameter| parameter.stepped(*value, *step));
+        }
+        for (parameter, &value) in design.parameters.iter().zip(&values) {
+            parameter.set(&mut errors, value);
+        }
+        if !values.iter().all(|value| value.is_finite()) {
+            return Err(Fault::NotSettled(None));
+        }
+        let moved = largest_step(&step);
+        rounds.used = shared(step.used, &rounds.lines, rounds.noise.groups(), values.len());
+        if let (true, Some(solution)) = (is_last && moved < NEARLY_SETTLED, solution) {
+            return Ok(finish(rounds, errors, &values, &solution, round + 1));
+        }
+        is_last = moved < SETTLED && round > rounds.early() && is_same;
+    }
+    Err(Fault::NotSettled(rounds.unsettled()))
+}
+
+/// What is carried from round to round.
+struct Rounds<'a> {
+    design: &'a Design<'a>,
+    options: Options,
+    noise: Noise,
+    /// Unknowns that each group of readings has used up.
+    used: Vec<f64>,
+    lines: Vec<Line>,
+    weights: Vec<f64>,
+    /// The factors of all equations, one after another; empty where they are too many.
+    factors: Vec<f64>,
+    errors: ErrorModel,
+    values: Vec<f64>,
+    /// What the data can tell, with the unknowns of set-ups that it does not, which is no harm.
+    judged: &'a Identified,
+}
+
+impl<'a> Rounds<'a> {
+    fn new(design: &'a Design<'a>, data: &[DataSet], options: Options, judged: &'a Identified) -> Rounds<'a> {
+        let noise = Noise::new(data);
+        let used = vec![0.0; noise.groups()];
+        Rounds {
+            design,
+            options,
+            noise,
+            used,
+            lines: Vec::new(),
+            weights: Vec::new(),
+            factors: Vec::new(),
+            errors: ErrorModel::default(),
+            values: Vec::new(),
+            judged,
+        }
+    }
+
+    /// The measurement that is furthest from what it says.
+    fn unsettled(&self) -> Option<Unsettled> {
+        let of = |set: usize, described: &DataSet| {
+            let times = |group: usize, given: Option<f64>| given.map_or(0.0, |given| self.noise.scale(group) / given);
+            let own =
+                || self.lines.iter().zip(&self.weights).filter(|(line, _)| line.set == set && line.row().is_some());
+            let rejected = own().filter(|&(_, &weight)| weight < REJECTED).count();
+            Unsettled {
+                set,
+                times: f64::max(times(2 * set, described.sigma), times(2 * set + 1, described.sigma_rad)),
+                rejected: [rejected, own().count()],
+            }
+        };
+        let all = self.design.data.iter().enumerate().map(|(set, described)| of(set, described));
+        let largest = all.max_by(|one, other| one.times.total_cmp(&other.times))?;
+        (largest.times > STRANGE || largest.rejected[0] * SHARE > largest.rejected[1]).then_some(largest)
+    }
+
+    /// Rounds whose weights are not those of the end.
+    fn early(&self) -> usize {
+        match (self.options.robust, self.design.is_curved()) {
+            (false, _) => 1,
+            (true, false) => EARLY_ROUNDS,
+            // What is not proportional gets to where residuals say something in more rounds.
+            (true, true) => CURVED_ROUNDS,
+        }
+    }
+
+    /// Looks at the residuals: finds noise and weights. Returns whether the noise stayed the same.
+    fn look(&mut self, errors: &ErrorModel, values: &[f64], round: usize, is_last: bool) -> bool {
+        self.errors.clone_from(errors);
+        self.values = values.to_vec();
+        // Directions of readings depend on where the unknowns of the set-ups are, which the first rounds find.
+        let with_factors = self.design.is_curved() || round < 2 || round == self.early() + 1 || is_last;
+        let width = self.design.columns.len();
+        let (lines, kept) = (&mut self.lines, &mut self.factors);
+        lines.clear();
+        if with_factors {
+            kept.clear();
+        }
+        let mut fits = true;
+        self.design.walk(errors, values, with_factors, |line, factors| {
+            lines.push(line);
+            fits &= lines.len() * width <= KEPT_FACTORS;
+            if with_factors && fits {
+                kept.extend_from_slice(factors);
+            }
+        });
+        if !fits {
+            self.factors = Vec::new();
+        }
+        // A first step brings the residuals to where they say something.
+        let is_same = round > 0 && self.noise.update(&self.lines, &self.used, self.options.robust);
+        let counts = self.options.robust && round > 0;
+        let (noise, early) = (&self.noise, self.early().max(EARLY_ROUNDS));
+        let weight = |line: &Line| {
+            if counts && line.row().is_some() { noise.weight(line, round <= early) } else { 1.0 }
+        };
+        self.weights = self.lines.iter().map(weight).collect();
+        is_same
+    }
+
+    /// Calls `out` with every equation, its factors, and the root of its weight.
+    fn each(&self, mut out: impl FnMut(&Line, &[f64], f64)) {
+        let root = |line: &Line, weight: f64| {
+            let sigma = match line.origin {
+                Origin::Row(_) => self.noise.sigma(group_of(line)),
+                Origin::Tie(tie) => tie_sigma(self.design.data, line.set, tie),
+            };
+            weight.sqrt() / sigma
+        };
+        let width = self.design.columns.len();
+        let mut own = vec![0.0; width];
+        let mut pass = |line: &Line, factors: &[f64], weight: f64| {
+            if self.judged.lost.held.is_empty() {
+                return out(line, factors, weight);
+            }
+            own.copy_from_slice(factors);
+            self.judged.lost.held.iter().for_each(|&column| own[column] = 0.0);
+            out(line, &own, weight);
+        };
+        if self.factors.len() == self.lines.len() * width {
+            for (k, (line, &weight)) in self.lines.iter().zip(&self.weights).enumerate() {
+                pass(line, self.factors.get(k * width..(k + 1) * width).unwrap_or_default(), root(line, weight));
+            }
+        } else {
+            let mut weights = self.weights.iter();
+            self.design.walk(&self.errors, &self.values, true, |line, factors| {
+                let weight = weights.next().copied().unwrap_or(0.0);
+                pass(&line, factors, root(&line, weight));
+            });
+        }
+    }
+
+    /// Calls `out` with the factors of a row for each unknown that stays where it is.
+    fn each_held(&self, mut out: impl FnMut(&[f64])) {
+        let mut factors = vec![0.0; self.design.columns.len()];
+        for &column in &self.judged.lost.held {
+            factors.fill(0.0);
+            factors[column] = 1.0;
+            out(&factors);
+        }
+    }
+
+    fn step(&self) -> Option<Step> {
+        let mut normal = Normal::new(self.design.columns.len(), self.noise.groups());
+        self.each(|line, factors, weight| normal.add(group_of(line), factors, line.residual, weight));
+        self.each_held(|factors| normal.add(0, factors, 0.0, 1.0 / HELD));
+        let mut step = normal.solve()?;
+        if let Some(first) = step.used.first_mut() {
+            *first -= self.judged.lost.held.len() as f64;
+        }
+        Some(step)
+    }
+
+    fn solved(&self) -> Result<Solution, Fault> {
+        let count = self.design.columns.len();
+        let mut system = System::new(count);
+        self.each(|line, factors, weight| system.add(factors, line.residual, weight));
+        self.each_held(|factors| system.add(factors, 0.0, 1.0 / HELD));
+        // Weights differ by as much as readings do: what can be told at all was judged before.
+        let solution = system.solve_to(ARITHMETIC).ok_or(Fault::NotSettled(None))?;
+        if solution.rank < count {
+            let lost = words::lost(&solution.null_space, &self.design.columns, self.design.data);
+            return Err(Fault::NotTold(Box::new(lost)));
+        }
+        Ok(solution)
+    }
+}
+
+/// The step of a solution.
+fn step_of(solution: &Solution) -> Step {
+    Step { unknowns: solution.unknowns.clone(), variances: solution.cofactors.diagonal(), used: Vec::new() }
+}
+
+/// How many unknowns each group has used up; by its share of the equations where the step does not say.
+fn shared(used: Vec<f64>, lines: &[Line], groups: usize, count: usize) -> Vec<f64> {
+    if used.len() == groups {
+        return used;
+    }
+    let mut out = vec![0.0; groups];
+    for line in lines {
+        if let Some(used) = out.get_mut(group_of(line)) {
+            *used += count as f64 / lines.len() as f64;
+        }
+    }
+    out
+}
+
+/// The largest step in units of its uncertainty.
+fn largest_step(step: &Step) -> f64 {
+    let sizes = step.unknowns.iter().zip(step.variances.iter()).filter(|(_, variance)| **variance > 0.0);
+    sizes.fold(0.0, |largest, (step, variance)| f64::max(largest, step.abs() / variance.sqrt()))
+}
+
+fn finish(rounds: Rounds<'_>, errors: ErrorModel, values: &[f64], solution: &Solution, count: usize) -> Fit {
+    let effects = rounds.design.effects(&errors);
+    let spread = if rounds.options.robust { TUKEY_VARIANCE } else { 1.0 };
+    let estimates = rounds
+        .design
+        .columns
+        .iter()
+        .zip(values)
+        .enumerate()
+        .map(|(k, (column, &value))| (k, column.clone(), value, rounds.judged.lost.loose.contains(&k)))
+        .map(|(k, column, value, is_loose)| Estimate {
+            column,
+            value,
+            sigma: if is_loose { f64::INFINITY } else { (solution.cofactors[(k, k)] * spread).sqrt() },
+            inflation: if is_loose { f64::INFINITY } else { rounds.judged.inflation.get(k).copied().unwrap_or(1.0) },
+            effect_mm: effects.get(k).map_or(0.0, |unit| unit * value.abs()),
+        })
+        .collect();
+    let lines = rounds.lines.iter().zip(&rounds.weights);
+    let residuals = lines.filter_map(|(line, &weight)| Some((line.set, line.row()?, line.residual, weight))).collect();
+    let ties = rounds.lines.iter().filter_map(|line| match line.origin {
+        Origin::Tie(tie) => Some((line.set, tie, line.residual, tie_sigma(rounds.design.data, line.set, tie))),
+        Origin::Row(_) => None,
+    });
+    let ties = ties.collect();
+    let (sigmas, angle_sigmas) = (0..rounds.noise.groups() / 2)
+        .map(|set| (rounds.noise.sigma(2 * set), rounds.noise.sigma(2 * set + 1)))
+        .unzip();
+    let (condition, freedom) = (rounds.judged.condition, solution.freedom);
+    Fit { errors, estimates, sigmas, angle_sigmas, residuals, ties, condition, freedom, rounds: count }
+}
+
+#[cfg(test)]
+mod tests;

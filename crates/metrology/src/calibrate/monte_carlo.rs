@@ -1,0 +1,164 @@
+//! Whether uncertainties are right: readings of the fitted machine with the estimated noise are fitted again and again, and scatter as they may.
+//!
+//! Poses, conditions, set-ups, weights and known distances are those of the data; noise is normal, of the uncertainty that the fit found for each measurement, and of
+//! that of each known distance. What the covariance does not know – weights that follow the noise, equations that are not straight, few readings –
+//! is in the scatter.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use crate::measure::data::DataSet;
+use crate::measure::noise::Noise;
+use crate::measure::simulate::{Read, Simulation};
+use ncfix_base::geometry::Axis;
+use ncfix_machine::machine::Machine;
+
+use super::column::Column;
+use super::design::TIE_SIGMA;
+use super::effect::Parameter;
+use super::fault::Fault;
+use super::fit::{Fit, Options, fit_judged};
+use super::identify::{Identified, judge};
+
+/// Uncertainty and scatter may differ by this share.
+const AGREES: f64 = 0.25;
+/// … and by so many standard deviations of the scatter of a standard deviation besides.
+const SAMPLING: f64 = 3.0;
+/// Steps from one seed to the next: an odd number without structure.
+const NEXT_SEED: u64 = 0xd134_2543_de82_ef95;
+
+/// The scatter of repetitions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MonteCarlo {
+    /// Standard deviation of every estimate, in the order of [`Fit::estimates`].
+    pub spreads: Vec<f64>,
+    /// Repetitions that were fitted.
+    pub runs: usize,
+    /// Repetitions that could not be fitted.
+    pub failed: usize,
+}
+
+impl MonteCarlo {
+    /// Whether a standard uncertainty differs from the scatter by more than 25 % beyond sampling error.
+    #[must_use]
+    pub fn contradicts(&self, spread: f64, sigma: f64) -> bool {
+        let sampling = SAMPLING / (2.0 * self.runs.saturating_sub(1).max(1) as f64).sqrt();
+        sigma.is_finite() && sigma > 0.0 && (spread / sigma - 1.0).abs() > AGREES + sampling
+    }
+}
+
+/// Repeats a fit on simulated readings; `progress` is told how many are done. The same seed gives the same result on any number of cores.
+///
+/// # Errors
+/// [`Fault`] where the data cannot tell the parameters.
+pub fn monte_carlo(
+    machine: &Machine,
+    parameters: &[impl Clone + Into<Parameter>],
+    data: &[DataSet],
+    fit: &Fit,
+    options: Options,
+    [runs, seed]: [u64; 2],
+    progress: &mut dyn FnMut(u64),
+) -> Result<MonteCarlo, Fault> {
+    let parameters: Vec<Parameter> = parameters.iter().cloned().map(Into::into).collect();
+    let judged = judge(machine, &fit.errors, &parameters, data)?;
+    let job = Job { machine, parameters: &parameters, data, fit, options, judged: &judged, seed };
+    let count = usize::try_from(runs).unwrap_or(usize::MAX);
+    let next = AtomicUsize::new(0);
+    let mut found: Vec<(usize, Vec<f64>)> = Vec::new();
+    let mut failed = 0;
+    thread::scope(|scope| {
+        let (sender, results) = mpsc::channel();
+        for _ in 0..thread::available_parallelism().map_or(1, usize::from).min(count) {
+            let (sender, next, job) = (sender.clone(), &next, &job);
+            scope.spawn(move || {
+                loop {
+                    let run = next.fetch_add(1, Ordering::Relaxed);
+                    if run >= count || sender.send((run, job.repeat(run))).is_err() {
+                        return;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        for (done, (run, values)) in (1..).zip(results) {
+            match values {
+                Some(values) => found.push((run, values)),
+                None => failed += 1,
+            }
+            progress(done);
+        }
+    });
+    // In their order, so that sums do not depend on which core was quicker.
+    found.sort_by_key(|&(run, _)| run);
+    let n = found.len() as f64;
+    let spreads = (0..fit.estimates.len())
+        .map(|column| {
+            let values = || found.iter().filter_map(|(_, values)| values.get(column).copied());
+            let mean = values().sum::<f64>() / n.max(1.0);
+            (values().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0)).sqrt()
+        })
+        .collect();
+    Ok(MonteCarlo { spreads, runs: found.len(), failed })
+}
+
+/// What all repetitions have in common.
+struct Job<'a> {
+    machine: &'a Machine,
+    parameters: &'a [Parameter],
+    data: &'a [DataSet],
+    fit: &'a Fit,
+    options: Options,
+    judged: &'a Identified,
+    seed: u64,
+}
+
+impl Job<'_> {
+    /// The estimates of one repetition.
+    fn repeat(&self, run: usize) -> Option<Vec<f64>> {
+        let mut noise = Noise::new(self.seed.wrapping_add((run as u64).wrapping_mul(NEXT_SEED)));
+        let mut data = self.data.to_vec();
+        for (number, set) in data.iter_mut().enumerate() {
+            self.read(number, set, &mut noise)?;
+        }
+        let found =
+            fit_judged(self.machine, &self.fit.errors, self.parameters, &data, self.options, self.judged).ok()?;
+        Some(found.estimates.iter().map(|one| one.value).collect())
+    }
+
+    /// Reads a measurement again.
+    fn read(&self, number: usize, set: &mut DataSet, noise: &mut Noise) -> Option<()> {
+        let values: Vec<f64> = self
+            .fit
+            .estimates
+            .iter()
+            .filter(|one| matches!(one.column, Column::Unknown(own, _) if own == number))
+            .map(|one| one.value)
+            .collect();
+        let (sigma, sigma_rad) = (*self.fit.sigmas.get(number)?, *self.fit.angle_sigmas.get(number)?);
+        let plan = set.clone();
+        let mut simulation = Simulation::with_unknowns(self.machine, &self.fit.errors, &plan, values.clone());
+        for observation in &mut set.observations {
+            let is_angle = observation.component.is_some_and(|name| name.direction.is_rotation());
+            let sigma = if is_angle { sigma_rad } else { sigma };
+            match simulation.read(observation).ok()? {
+                Read::Values(read) => {
+                    observation.values = read.map(|value| value.map(|value| value + sigma * noise.normal()));
+                }
+                Read::Position(position) => {
+                    observation.reading.position = position;
+                    for axis in [Axis::X, Axis::Y, Axis::Z] {
+                        observation.reading.position[axis] += sigma * noise.normal();
+                    }
+                }
+            }
+        }
+        for length in &mut set.lengths {
+            let [from, to] = length.between.map(|ball| values.get(3 * ball..3 * ball + 3));
+            let squares = from?.iter().zip(to?).map(|(one, other)| (one - other).powi(2));
+            length.value_mm = squares.sum::<f64>().sqrt() + length.sigma_mm.unwrap_or(TIE_SIGMA) * noise.normal();
+        }
+        Some(())
+    }
+}

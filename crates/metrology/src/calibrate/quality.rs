@@ -1,0 +1,128 @@
+//! How well a model says what was measured: measured, left, efficiency, for each measurement.
+//!
+//! Efficiency is δ = 1 − Σ|left| / Σ|measured| (Spaan 1995, eq. 3.6). Measured is what a machine without errors leaves, left what the model
+//! leaves, both with the unknowns of the set-ups as they fit best then: they belong to neither.
+
+use crate::measure::data::DataSet;
+use ncfix_machine::machine::Machine;
+use ncfix_model::ErrorModel;
+
+use super::effect::Parameter;
+use super::fault::Fault;
+use super::fit::{Options, fit};
+
+/// A measurement and a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quality {
+    /// The measurement.
+    pub name: String,
+    /// Readings.
+    pub readings: usize,
+    /// Root of the mean square and largest of what was measured, mm or rad.
+    pub measured: [f64; 2],
+    /// The same of what is left.
+    pub left: [f64; 2],
+    /// Standard deviation of what is left about its mean; `None` for a single reading.
+    pub left_sigma: Option<f64>,
+    /// Sum of the sizes of what was measured, and of what is left.
+    pub sums: [f64; 2],
+    /// Share of the sum of sizes that the model says.
+    pub efficiency: f64,
+    /// Reading by reading, in the order of the rows.
+    pub lines: Vec<Compared>,
+}
+
+/// A reading and a model, mm or rad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compared {
+    /// The row.
+    pub row: usize,
+    /// Which of the readings of the row it is, from 0.
+    pub index: usize,
+    /// What a machine without errors leaves.
+    pub measured: f64,
+    /// What the model leaves.
+    pub left: f64,
+}
+
+impl Quality {
+    /// The sizes of readings.
+    #[must_use]
+    pub fn of(name: String, lines: Vec<Compared>) -> Quality {
+        let count = lines.len().max(1) as f64;
+        let sizes = |of: fn(&Compared) -> f64| {
+            let mean = lines.iter().map(|line| of(line).powi(2)).sum::<f64>() / count;
+            [mean.sqrt(), lines.iter().fold(0.0_f64, |most, line| most.max(of(line).abs()))]
+        };
+        let sum = |of: fn(&Compared) -> f64| lines.iter().map(|line| of(line).abs()).sum::<f64>();
+        let (measured, left) = (sizes(|line| line.measured), sizes(|line| line.left));
+        let sums = [sum(|line| line.measured), sum(|line| line.left)];
+        let mean = lines.iter().map(|line| line.left).sum::<f64>() / count;
+        let squares = lines.iter().map(|line| (line.left - mean).powi(2)).sum::<f64>();
+        Quality {
+            name,
+            readings: lines.len(),
+            measured,
+            left,
+            left_sigma: (lines.len() > 1).then(|| (squares / (count - 1.0)).sqrt()),
+            sums,
+            efficiency: if sums[0] > 0.0 { 1.0 - sums[1] / sums[0] } else { 0.0 },
+            lines,
+        }
+    }
+
+    /// Some of the readings.
+    #[must_use]
+    pub fn part(&self, name: String, keep: impl Fn(&Compared) -> bool) -> Quality {
+        Quality::of(name, self.lines.iter().copied().filter(|line| keep(line)).collect())
+    }
+}
+
+/// Holds a model against a measurement, whether or not it was fitted to it.
+///
+/// # Errors
+/// [`Fault`] where not even the unknowns of the set-ups can be told.
+pub fn quality(machine: &Machine, errors: &ErrorModel, data: &DataSet) -> Result<Quality, Fault> {
+    let set = std::slice::from_ref(data);
+    let of = |errors: &ErrorModel| -> Result<Vec<(usize, f64)>, Fault> {
+        // Without the errors of the machine what is left is no noise that could tell which rows do not fit.
+        let found = fit::<Parameter>(machine, errors, &[], set, Options { robust: false })?;
+        Ok(found.residuals.iter().map(|&(_, row, residual, _)| (row, residual)).collect())
+    };
+    let (measured, left) = (of(&ErrorModel::default())?, of(errors)?);
+    let mut lines: Vec<Compared> = Vec::with_capacity(left.len());
+    for ((row, measured), (_, left)) in measured.into_iter().zip(left) {
+        let index = lines.last().filter(|last| last.row == row).map_or(0, |last| last.index + 1);
+        lines.push(Compared { row, index, measured, left });
+    }
+    Ok(Quality::of(data.name.clone(), lines))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_those_of_the_definition() {
+        let line = |index, measured, left| Compared { row: 0, index, measured, left };
+        let found = Quality::of("a".into(), vec![line(0, 3.0, 1.0), line(1, -4.0, -0.5), line(2, 0.0, 0.5)]);
+        // √(25/3); 1 − 2/7; mean 1/3, squares 4/9 + 25/36 + 1/36 = 7/6 over 2.
+        assert!((found.measured[0] - (25.0_f64 / 3.0).sqrt()).abs() < 1e-15 && found.measured[1] == 4.0);
+        assert!((found.left[0] - 0.5_f64.sqrt()).abs() < 1e-15 && found.left[1] == 1.0);
+        assert!((found.efficiency - 5.0 / 7.0).abs() < 1e-15);
+        assert!((found.left_sigma.unwrap() - (7.0_f64 / 12.0).sqrt()).abs() < 1e-15);
+        let part = found.part("b".into(), |line| line.index == 1);
+        assert_eq!((part.readings, part.left_sigma, part.efficiency), (1, None, 0.875));
+    }
+
+    #[test]
+    fn readings_of_a_row_are_numbered_within_it() {
+        let machine = crate::calibrate::bench::machine();
+        let rows = "X,Y,Z,dx_um,dy_um\n0,0,0,1,2\n9,0,0,3,\n18,0,0,4,5\n";
+        let data = crate::calibrate::bench::table(&machine, rows, "[measurement]\nkind = \"displacement\"\n");
+        let found = quality(&machine, &ErrorModel::default(), &data).unwrap();
+        let lines: Vec<(usize, usize, f64)> =
+            found.lines.iter().map(|line| (line.row, line.index, (line.measured * 1e3).round())).collect();
+        assert_eq!(lines, [(0, 0, 1.0), (0, 1, 2.0), (1, 0, 3.0), (2, 0, 4.0), (2, 1, 5.0)]);
+    }
+}

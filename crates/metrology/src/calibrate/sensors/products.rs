@@ -1,0 +1,141 @@
+//! One direction at one position: drift and rises of temperature row by row, and the products that a fit needs.
+
+use nalgebra::{DMatrix, DVector};
+
+use ncfix_base::geometry::Axis;
+
+use super::data::Run;
+use super::subset::Products;
+
+/// Rows that a fit takes: a slow process has nothing more to say in more of them.
+const MOST_ROWS: usize = 4000;
+/// Rows that each run has, if there are so many.
+const LEAST_ROWS: usize = 100;
+/// A sensor whose readings stay within this, K, root of the mean square, tells nothing.
+const STILL_K: f64 = 1e-6;
+
+/// A sensor by its number and the lag with which it is followed, s.
+pub(super) type Candidate = (usize, f64);
+
+/// The rows of one run.
+#[derive(Clone, Debug)]
+pub(super) struct Piece<'a> {
+    pub(super) run: &'a Run,
+    pub(super) times_s: Vec<f64>,
+    /// Since the first of them, µm.
+    pub(super) drift_um: Vec<f64>,
+}
+
+/// Which rows of every piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    All,
+    /// All but the last third.
+    Early,
+    /// The last third.
+    Late,
+}
+
+/// The readings of one direction at one position of an axis.
+pub(super) fn pieces<'a>(runs: &'a [Run], direction: usize, at: Option<(Axis, f64)>) -> Vec<Piece<'a>> {
+    let mut out = Vec::new();
+    for run in runs {
+        let is_here = |row: usize| at.is_none_or(|(axis, value)| run.position(axis, row) == Some(value));
+        let rows: Vec<(f64, f64)> = run
+            .times_s
+            .iter()
+            .zip(&run.drift_um)
+            .enumerate()
+            .filter(|&(row, _)| is_here(row))
+            .filter_map(|(_, (&time_s, drift_um))| Some((time_s, drift_um.get(direction).copied().flatten()?)))
+            .collect();
+        let step = rows.len().div_ceil((MOST_ROWS / runs.len().max(1)).max(LEAST_ROWS)).max(1);
+        if let Some(&(_, first)) = rows.first() {
+            let (times_s, drift_um) = rows.iter().step_by(step).map(|&(time_s, um)| (time_s, um - first)).unzip();
+            out.push(Piece { run, times_s, drift_um });
+        }
+    }
+    out
+}
+
+impl Piece<'_> {
+    /// Rise of a sensor since the first row, K; zero where it has no readings.
+    pub(super) fn rise_k(&self, sensor: &str, lag_s: f64) -> Vec<f64> {
+        let rise = self.run.condition.trace(sensor).map(|trace| trace.lagged_at(&self.times_s, lag_s));
+        let rise = rise.filter(|rise| rise.len() == self.times_s.len());
+        let rise = rise.unwrap_or_else(|| vec![0.0; self.times_s.len()]);
+        let first = rise.first().copied().unwrap_or_default();
+        rise.into_iter().map(|value| value - first).collect()
+    }
+
+    /// A part of the values of its rows.
+    pub(super) fn part<'v>(&self, values: &'v [f64], part: Part) -> &'v [f64] {
+        let border = values.len() - values.len() / 3;
+        match part {
+            Part::All => values,
+            Part::Early => values.get(..border).unwrap_or_default(),
+            Part::Late => values.get(border..).unwrap_or_default(),
+        }
+    }
+}
+
+/// Products of all candidates, each run without its mean.
+#[derive(Clone, Debug)]
+pub(super) struct Bank {
+    pub(super) candidates: Vec<Candidate>,
+    /// Of columns of unit length.
+    pub(super) products: Products,
+    /// Length of every column, K.
+    lengths: Vec<f64>,
+    pub(super) rows: usize,
+    /// Runs, each with an offset of its own.
+    pub(super) offsets: usize,
+}
+
+impl Bank {
+    /// The products of a part of the rows; candidates that do not change are left out.
+    pub(super) fn new(pieces: &[Piece<'_>], sensors: &[String], candidates: &[Candidate], part: Part) -> Bank {
+        let gather = |of: &dyn Fn(&Piece<'_>) -> Vec<f64>| -> Vec<f64> {
+            let mut out = Vec::new();
+            for piece in pieces {
+                let values = of(piece);
+                let values = piece.part(&values, part);
+                let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+                out.extend(values.iter().map(|value| value - mean));
+            }
+            out
+        };
+        let values = DVector::from_vec(gather(&|piece| piece.drift_um.clone()));
+        let (mut kept, mut lengths, mut columns) = (Vec::new(), Vec::new(), Vec::new());
+        for &(sensor, lag_s) in candidates {
+            let Some(name) = sensors.get(sensor) else { continue };
+            let column = DVector::from_vec(gather(&|piece| piece.rise_k(name, lag_s)));
+            let length = column.norm();
+            if length > STILL_K * (values.len().max(1) as f64).sqrt() {
+                kept.push((sensor, lag_s));
+                lengths.push(length);
+                columns.push(column / length);
+            }
+        }
+        let matrix = if columns.is_empty() { DMatrix::zeros(values.len(), 0) } else { DMatrix::from_columns(&columns) };
+        let products =
+            Products { columns: matrix.tr_mul(&matrix), values: matrix.tr_mul(&values), total: values.norm_squared() };
+        Bank { candidates: kept, products, lengths, rows: values.len(), offsets: pieces.len() }
+    }
+
+    /// Where a candidate stands.
+    pub(super) fn place(&self, candidate: Candidate) -> Option<usize> {
+        self.candidates.iter().position(|&known| known == candidate)
+    }
+
+    /// Coefficients of some candidates, µm/K, shrunk for readings that are wrong by `fault_k`; `None` where they depend on each other.
+    pub(super) fn coefficients(&self, members: &[usize], fault_k: f64) -> Option<Vec<f64>> {
+        let mut part = self.products.of(members);
+        let lengths: Vec<f64> = members.iter().filter_map(|&member| self.lengths.get(member).copied()).collect();
+        for (i, length) in lengths.iter().enumerate() {
+            part.columns[(i, i)] += self.rows as f64 * (fault_k / length).powi(2);
+        }
+        let solution = part.columns.cholesky()?.solve(&part.values);
+        Some(solution.iter().zip(&lengths).map(|(value, length)| value / length).collect())
+    }
+}

@@ -1,0 +1,348 @@
+//! The sensors of one direction at one position: the best of each number of them, and the number.
+
+use ncfix_base::geometry::Axis;
+
+use super::data::Run;
+use super::products::{Bank, Candidate, Part, Piece, pieces};
+use super::subset::Subset;
+
+/// Products of numbers that a search may take: some seconds.
+const WORK: u64 = 8_000_000_000;
+/// Time constants that are tried.
+const LAGS: usize = 14;
+/// The shortest of them, s.
+const SHORTEST_S: f64 = 30.0;
+/// A run is at least so many times as long as the longest: below, the time constant cannot be told from the coefficient.
+const RUNS_PER_LAG: f64 = 3.0;
+/// Rounds of search and lags in turn.
+const ROUNDS: usize = 4;
+/// Blocks of time of the independent rows.
+const BLOCKS: usize = 10;
+/// Readings for each offset and sensor, at least.
+const ROWS_PER_UNKNOWN: usize = 3;
+/// A sensor that leaves so little more in place of another may stand for it.
+const ALIKE: f64 = 1.01;
+
+/// What to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// The largest number of sensors.
+    pub most: usize,
+    /// Whether time constants are searched.
+    pub lags: bool,
+    /// Readings may be wrong by this, K; 0 for no shrinkage.
+    pub fault_k: f64,
+}
+
+/// One sensor of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Term {
+    /// Its name.
+    pub sensor: String,
+    /// Its coefficient.
+    pub um_per_k: f64,
+    /// Its time constant.
+    pub lag_s: f64,
+    /// Sensors that leave hardly more in its place: which of them is the cause cannot be told.
+    pub alike: Vec<String>,
+}
+
+/// The best model with one number of sensors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Size {
+    /// Its sensors, with coefficients of all data.
+    pub terms: Vec<Term>,
+    /// Mallows' Cp; `None` where all sensors together leave no degree of freedom.
+    pub cp: Option<f64>,
+    /// Efficiency on the data.
+    pub efficiency: f64,
+    /// Efficiency on the independent rows, of coefficients that have not seen them.
+    pub independent: f64,
+    /// Root of the mean square that is left on the independent rows, µm.
+    pub left_um: f64,
+    /// Whether no other sensors of this number (with these lags) tell the data better.
+    pub is_exact: bool,
+}
+
+/// What was found for one direction and position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selection {
+    /// 0 to 2 for X, Y, Z.
+    pub direction: usize,
+    /// The position, mm or degrees.
+    pub at: Option<(Axis, f64)>,
+    /// Readings.
+    pub rows: usize,
+    /// Root of the mean square of the drift on the independent rows, µm.
+    pub drift_um: f64,
+    /// By number of sensors, from 1.
+    pub sizes: Vec<Size>,
+    /// Place of the chosen one in `sizes`; `None` where none tells the independent rows.
+    pub chosen: Option<usize>,
+}
+
+impl Selection {
+    /// The chosen model.
+    #[must_use]
+    pub fn model(&self) -> Option<&Size> {
+        self.sizes.get(self.chosen?)
+    }
+}
+
+/// Selects sensors for a direction and position; `None` where there are too few readings. Without independent runs the last third of every run
+/// is held back.
+#[must_use]
+pub fn select(
+    runs: &[Run],
+    independent: &[Run],
+    direction: usize,
+    at: Option<(Axis, f64)>,
+    options: &Options,
+) -> Option<Selection> {
+    let data = pieces(runs, direction, at);
+    let others = pieces(independent, direction, at);
+    let is_held_back = others.is_empty();
+    let (learned, held, held_part) =
+        if is_held_back { (Part::Early, data.as_slice(), Part::Late) } else { (Part::All, data.as_slice(), Part::All) };
+    let held = if is_held_back { held } else { others.as_slice() };
+    let sensors = common_sensors(data.iter().chain(held).map(|piece| piece.run));
+    let candidates = candidates(&data, sensors.len(), options.lags);
+    let bank = Bank::new(&data, &sensors, &candidates, learned);
+    let most = options.most.min((bank.rows / ROWS_PER_UNKNOWN).saturating_sub(bank.offsets));
+    if most == 0 || sensors.is_empty() {
+        return None;
+    }
+    let found = if options.lags { with_lags(&bank, sensors.len(), most) } else { bank.products.best(most, WORK) };
+    let noise = full_mean_square(&bank, found.last());
+    let all = (learned != Part::All).then(|| Bank::new(&data, &sensors, &candidates, Part::All));
+    let mut sizes = Vec::new();
+    let mut rests = Vec::new();
+    for subset in &found {
+        let Some(learned_um_per_k) = bank.coefficients(&subset.members, options.fault_k) else { continue };
+        let terms: Vec<Candidate> =
+            subset.members.iter().filter_map(|&member| bank.candidates.get(member).copied()).collect();
+        let um_per_k = match &all {
+            Some(all) => {
+                let members: Option<Vec<usize>> = terms.iter().map(|&term| all.place(term)).collect();
+                let Some(values) = members.and_then(|members| all.coefficients(&members, options.fault_k)) else {
+                    continue;
+                };
+                values
+            }
+            None => learned_um_per_k.clone(),
+        };
+        let lags = terms.iter().filter(|(_, lag_s)| *lag_s > 0.0).count();
+        let p = (terms.len() + lags + bank.offsets) as f64;
+        let cp = noise.map(|noise| subset.squares / noise + 2.0 * p - bank.rows as f64);
+        let [measured, left] = rest(&data, learned, true, &sensors, &terms, &learned_um_per_k);
+        let [held_measured, held_left] = rest(held, held_part, false, &sensors, &terms, &learned_um_per_k);
+        sizes.push(Size {
+            terms: named(&bank, &sensors, subset, &um_per_k),
+            cp,
+            efficiency: efficiency(&measured, &left),
+            independent: efficiency(&held_measured, &held_left),
+            left_um: root_mean_square(&held_left),
+            is_exact: subset.is_exact,
+        });
+        rests.push(held_left);
+    }
+    let drift = rest(held, held_part, false, &sensors, &[], &[]);
+    let chosen = choose(&sizes, &rests);
+    Some(Selection { direction, at, rows: bank.rows, drift_um: root_mean_square(&drift[0]), sizes, chosen })
+}
+
+/// The sensors that every run has, in the order of their names.
+fn common_sensors<'a>(mut runs: impl Iterator<Item = &'a Run>) -> Vec<String> {
+    let Some(first) = runs.next() else { return Vec::new() };
+    let mut sensors: Vec<String> = first.condition.sensors().map(str::to_owned).collect();
+    for run in runs {
+        sensors.retain(|sensor| run.condition.trace(sensor).is_some());
+    }
+    sensors
+}
+
+/// All sensors without a lag, or with all lags.
+fn candidates(data: &[Piece<'_>], sensors: usize, lags: bool) -> Vec<Candidate> {
+    let duration_s =
+        data.iter().filter_map(|piece| Some(piece.times_s.last()? - piece.times_s.first()?)).fold(0.0_f64, f64::max);
+    let longest_s = duration_s / RUNS_PER_LAG;
+    let mut grid = vec![0.0];
+    if lags && longest_s > SHORTEST_S {
+        let ratio = (longest_s / SHORTEST_S).powf(1.0 / (LAGS - 1) as f64);
+        // Whole seconds: no more is known.
+        grid.extend((0..LAGS).map(|step| (SHORTEST_S * ratio.powf(step as f64)).round()));
+    }
+    (0..sensors).flat_map(|sensor| grid.iter().map(move |&lag_s| (sensor, lag_s))).collect()
+}
+
+/// For each number of sensors: search and lags in turn. The lags of chosen sensors are those that leave least (profile, one after the other), those
+/// of the others are those with which each would help most beside them.
+fn with_lags(bank: &Bank, sensors: usize, most: usize) -> Vec<Subset> {
+    let of_sensor: Vec<Vec<usize>> = (0..sensors)
+        .map(|sensor| {
+            (0..bank.candidates.len()).filter(|&k| bank.candidates.get(k).is_some_and(|c| c.0 == sensor)).collect()
+        })
+        .collect();
+    let mut out = Vec::new();
+    for size in 1..=most {
+        let mut current: Vec<usize> = of_sensor.iter().filter_map(|own| own.first().copied()).collect();
+        let mut best: Option<Subset> = None;
+        for _ in 0..ROUNDS {
+            let Some(found) = bank.products.of(&current).best_of(size, WORK) else { break };
+            let mut members: Vec<usize> = found.members.iter().filter_map(|&k| current.get(k).copied()).collect();
+            refine(bank, &of_sensor, &mut members);
+            let squares = bank.products.squares(&members);
+            for own in &mut current {
+                let Some(choices) = bank.candidates.get(*own).and_then(|candidate| of_sensor.get(candidate.0)) else {
+                    continue;
+                };
+                if let Some(&member) = members.iter().find(|member| choices.contains(member)) {
+                    *own = member;
+                } else if let Some(choice) =
+                    least(choices, |choice| bank.products.squares(&[members.as_slice(), &[choice]].concat()))
+                {
+                    *own = choice;
+                }
+            }
+            if best.as_ref().is_some_and(|best| squares >= best.squares * (1.0 - 1e-6)) {
+                break;
+            }
+            best = Some(Subset { members, squares, is_exact: found.is_exact });
+        }
+        out.extend(best);
+    }
+    out
+}
+
+/// The best lag of one sensor after the other until none changes.
+fn refine(bank: &Bank, of_sensor: &[Vec<usize>], members: &mut [usize]) {
+    for _ in 0..ROUNDS {
+        let before = members.to_vec();
+        for place in 0..members.len() {
+            let own = before.get(place).and_then(|&member| bank.candidates.get(member));
+            let Some(choices) = own.and_then(|candidate| of_sensor.get(candidate.0)) else { continue };
+            let mut tried = members.to_vec();
+            let best = least(choices, |choice| {
+                if let Some(member) = tried.get_mut(place) {
+                    *member = choice;
+                }
+                bank.products.squares(&tried)
+            });
+            if let (Some(member), Some(best)) = (members.get_mut(place), best) {
+                *member = best;
+            }
+        }
+        if before == members {
+            break;
+        }
+    }
+}
+
+fn least(choices: &[usize], mut value: impl FnMut(usize) -> f64) -> Option<usize> {
+    let values = choices.iter().map(|&choice| (value(choice), choice));
+    values.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, choice)| choice)
+}
+
+/// Mean square that all sensors together leave, with the lags of the largest model.
+fn full_mean_square(bank: &Bank, largest: Option<&Subset>) -> Option<f64> {
+    let taken: Vec<usize> = largest.map_or(Vec::new(), |subset| subset.members.clone());
+    let mut seen: Vec<usize> = taken.iter().filter_map(|&k| Some(bank.candidates.get(k)?.0)).collect();
+    let mut full = taken;
+    for (k, &(sensor, _)) in bank.candidates.iter().enumerate() {
+        if !seen.contains(&sensor) {
+            seen.push(sensor);
+            full.push(k);
+        }
+    }
+    let lags = full.iter().filter(|&&k| bank.candidates.get(k).is_some_and(|candidate| candidate.1 > 0.0)).count();
+    let freedom =
+        bank.rows.checked_sub(bank.products.of(&full).rank() + lags + bank.offsets).filter(|&freedom| freedom > 0)?;
+    let squares = bank.products.squares(&full);
+    (squares > 0.0).then(|| squares / freedom as f64)
+}
+
+/// Measured, and measured less simulated, row by row, µm; with an offset of the fit, or from the first reading.
+fn rest(
+    pieces: &[Piece<'_>],
+    part: Part,
+    is_free: bool,
+    sensors: &[String],
+    terms: &[Candidate],
+    um_per_k: &[f64],
+) -> [Vec<f64>; 2] {
+    let [mut measured, mut left] = [Vec::new(), Vec::new()];
+    for piece in pieces {
+        let mut own = piece.drift_um.clone();
+        measured.extend(piece.part(&own, part));
+        for (&(sensor, lag_s), um_per_k) in terms.iter().zip(um_per_k) {
+            let rise = sensors.get(sensor).map(|name| piece.rise_k(name, lag_s)).unwrap_or_default();
+            own.iter_mut().zip(rise).for_each(|(own, rise)| *own -= um_per_k * rise);
+        }
+        let own = piece.part(&own, part);
+        let mean = if is_free { own.iter().sum::<f64>() / own.len().max(1) as f64 } else { 0.0 };
+        left.extend(own.iter().map(|own| own - mean));
+    }
+    [measured, left]
+}
+
+fn efficiency(measured: &[f64], left: &[f64]) -> f64 {
+    let sum = |values: &[f64]| values.iter().map(|value| value.abs()).sum::<f64>();
+    let whole = sum(measured);
+    if whole > 0.0 { 1.0 - sum(left) / whole } else { 0.0 }
+}
+
+fn root_mean_square(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+fn named(bank: &Bank, sensors: &[String], subset: &Subset, um_per_k: &[f64]) -> Vec<Term> {
+    let name = |sensor: usize| sensors.get(sensor).cloned().unwrap_or_default();
+    let mut out = Vec::new();
+    for ((place, &member), &um_per_k) in subset.members.iter().enumerate().zip(um_per_k) {
+        let Some(&(sensor, lag_s)) = bank.candidates.get(member) else { continue };
+        let mut alike: Vec<String> = Vec::new();
+        for (other, &(candidate, _)) in bank.candidates.iter().enumerate() {
+            let is_taken = subset.members.iter().any(|&k| bank.candidates.get(k).is_some_and(|c| c.0 == candidate));
+            if is_taken || alike.contains(&name(candidate)) {
+                continue;
+            }
+            let mut swapped = subset.members.clone();
+            if let Some(slot) = swapped.get_mut(place) {
+                *slot = other;
+            }
+            if bank.products.squares(&swapped) <= ALIKE * subset.squares {
+                alike.push(name(candidate));
+            }
+        }
+        out.push(Term { sensor: name(sensor), um_per_k, lag_s, alike });
+    }
+    out
+}
+
+/// The smallest size whose rest is within one standard error of the least, where that tells anything.
+fn choose(sizes: &[Size], rests: &[Vec<f64>]) -> Option<usize> {
+    let best = (0..sizes.len()).max_by(|&a, &b| sizes[a].independent.total_cmp(&sizes[b].independent))?;
+    if sizes.get(best)?.independent <= 0.0 {
+        return None;
+    }
+    let least = rests.get(best)?;
+    let length = least.len().div_ceil(BLOCKS).max(1);
+    let is_as_good = |rest: &[f64]| {
+        let more: Vec<f64> = rest
+            .chunks(length)
+            .zip(least.chunks(length))
+            .map(|(own, best)| {
+                own.iter().zip(best).map(|(own, best)| own.abs() - best.abs()).sum::<f64>() / own.len() as f64
+            })
+            .collect();
+        let count = more.len() as f64;
+        let mean = more.iter().sum::<f64>() / count;
+        let spread = more.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
+        mean <= (spread / count).sqrt()
+    };
+    (0..=best).find(|&size| {
+        size == best
+            || (sizes.get(size).is_some_and(|size| size.independent > 0.0)
+                && rests.get(size).is_some_and(|rest| is_as_good(rest)))
+    })
+}

@@ -1,0 +1,89 @@
+//! What one unit of each parameter of a fit does to the tool.
+
+use super::design::Design;
+use super::effect::{Part, Probe};
+use crate::measure::reading::Reading;
+use ncfix_base::geometry::{Matrix, Vector};
+use ncfix_machine::machine::Condition;
+use ncfix_model::{ErrorModel, ErrorName, Model};
+
+/// The number of a component, which is added where it is new.
+pub(super) fn number_of(components: &mut Vec<ErrorName>, name: ErrorName) -> usize {
+    components.iter().position(|known| *known == name).unwrap_or_else(|| {
+        components.push(name);
+        components.len() - 1
+    })
+}
+
+/// What one unit of each parameter does to the tool, in one condition and at one pose.
+pub(super) struct Units<'a> {
+    design: &'a Design<'a>,
+    /// The components of all parameters.
+    components: Vec<ErrorName>,
+    /// What shows what the parameters of effects do, with their columns.
+    probes: Vec<(usize, Probe)>,
+    /// What one of them does in the condition.
+    own: Vec<Part>,
+    /// What all do in the condition, with their columns and components.
+    pub(super) parts: Vec<(usize, usize, Part)>,
+    /// What one unit of each component does to tip and direction of the tool.
+    by_component: Vec<[Vector; 2]>,
+    /// How much of a component is in one unit of a parameter: column, component, share.
+    shares: Vec<(usize, usize, f64)>,
+}
+
+impl<'a> Units<'a> {
+    /// Effects are those of `errors`.
+    pub(super) fn new(design: &'a Design<'a>, errors: &ErrorModel) -> Units<'a> {
+        let shares = design.geometry.iter().map(|&(column, _, component)| (column, component, 0.0)).collect();
+        let probes = design.effects.iter().map(|(column, parameter)| (*column, parameter.probe(errors))).collect();
+        let (components, parts, by_component) = (design.components.clone(), Vec::new(), Vec::new());
+        Units { design, components, probes, own: Vec::new(), parts, by_component, shares }
+    }
+
+    /// Goes to another condition.
+    pub(super) fn enter(&mut self, condition: &Condition) {
+        self.parts.clear();
+        for (column, probe) in &self.probes {
+            probe.parts(self.design.machine, condition, &mut self.own);
+            for part in self.own.drain(..) {
+                let component = number_of(&mut self.components, part.component);
+                self.parts.push((*column, component, part));
+            }
+        }
+        self.shares.truncate(self.design.geometry.len());
+        self.shares.extend(self.parts.iter().map(|&(column, component, _)| (column, component, 0.0)));
+    }
+
+    /// Goes to a pose; directions turn by `turn`.
+    pub(super) fn stand(&mut self, model: &Model, reading: &Reading, turn: &Matrix) {
+        self.by_component.clear();
+        self.by_component.extend(self.components.iter().map(|name| {
+            let unit = model.sensitivity(*name, &reading.position, &reading.tool_mm);
+            [turn * unit.translation, turn * unit.rotation]
+        }));
+        let command = self.design.within_turn(&reading.position);
+        let geometry = self.design.geometry.iter().map(|(_, name, _)| name.weight(&command, &reading.state));
+        let effects = self.parts.iter().map(|(_, _, part)| part.value(&command, &reading.state));
+        for ((_, _, share), value) in self.shares.iter_mut().zip(geometry.chain(effects)) {
+            *share = value;
+        }
+    }
+
+    /// The factors of all parameters, from the derivatives of a reading by tip and direction; those of the unknowns are 0.
+    pub(super) fn factors(&self, by_tip: &Vector, by_turn: &Vector, out: &mut [f64]) {
+        out.fill(0.0);
+        for &(column, component, share) in &self.shares {
+            let [tip, turn] = &self.by_component[component];
+            out[column] += (by_tip.dot(tip) + by_turn.dot(turn)) * share;
+        }
+    }
+
+    /// How a unit of each parameter moves the tip.
+    pub(super) fn moved(&self, out: &mut [Vector]) {
+        out.fill(Vector::zeros());
+        for &(column, component, share) in &self.shares {
+            out[column] += self.by_component[component][0] * share;
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! What the data cannot tell, in words.
+//!
+//! Every direction of the null space has a parameter of its own (`null_space`), the last in an order of simplicity (unknowns of set-ups,
+//! location errors, coefficients by degree, backlash, truncated powers, parameters of effects), and is said by columns before: a coefficient of high degree cannot be told from
+//! those of low degree, a parameter from places of balls, not the other way round. Directions of one kind are one sentence.
+
+use nalgebra::DVector;
+
+use crate::measure::data::DataSet;
+use crate::measure::kind::Unknown;
+use ncfix_model::parameter::{ParameterName, Term};
+
+use super::cause::{Cause, cause};
+use super::column::Column;
+use super::effect::Parameter;
+use super::null_space::{self, COUNTS, Direction};
+
+/// Names in a sentence at most.
+const MOST_NAMES: usize = 6;
+/// Truncated powers of a component that follow each other are shown by the first and the last from this number on.
+const MANY_KNOTS: usize = 3;
+
+/// What cannot be told.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lost {
+    /// Combinations with parameters of the machine, those of one kind together, the most frequent kind first.
+    pub confused: Vec<Confused>,
+    /// A smallest set of parameters without which all others can be told, chosen by the rule of [`super::reduce()`].
+    pub leave_out: Vec<Parameter>,
+    /// A sentence for every combination of nothing but unknowns of set-ups, as the height of a ball-bar over a circle: they do no harm, and
+    /// stay where they start.
+    pub unknowns: Vec<String>,
+    /// The columns that stay, one for each of these sentences.
+    pub(super) held: Vec<usize>,
+    /// All columns that take part in these.
+    pub(super) loose: Vec<usize>,
+}
+
+/// Parameters that cannot be told for one reason.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Confused {
+    /// What cannot be told from what.
+    pub sentence: String,
+    /// What would help.
+    pub remedy: String,
+    /// The parameters, of which each has a combination of its own.
+    pub parameters: Vec<Parameter>,
+    /// The measurement whose unknowns take part, if there is one.
+    pub set: Option<usize>,
+}
+
+/// Says a null space, which has its directions by sizes of effects ([`ncfix_base::numeric::Solution::null_space`]).
+#[must_use]
+pub fn lost(null_space: &[DVector<f64>], columns: &[Column], data: &[DataSet]) -> Lost {
+    let is_parameter = |k: &usize| columns.get(*k).is_some_and(Column::is_of_machine);
+    let (mut parameters, unknowns): (Vec<usize>, Vec<usize>) = (0..columns.len()).partition(is_parameter);
+    parameters.sort_by_key(|&k| (columns.get(k).map(simplicity), k));
+    let found = null_space::directions(null_space, &[unknowns, parameters]);
+    let (mut told, held): (Vec<Direction>, Vec<Direction>) = found.into_iter().partition(|(own, _)| is_parameter(own));
+    let mut lost = Lost::default();
+    for (own, direction) in &held {
+        lost.unknowns.push(single(*own, &others(*own, direction, columns), columns, data));
+        lost.held.push(*own);
+        lost.loose.extend((0..columns.len()).filter(|&k| direction[k] != 0.0));
+    }
+    let name = |own: usize| columns.get(own).and_then(Column::parameter);
+    lost.leave_out = told.iter().filter_map(|(own, _)| name(*own)).collect();
+    null_space::shorten(&mut told);
+    let mut kinds: Vec<(Key, Vec<Member>)> = Vec::new();
+    for (own, direction) in &told {
+        let others = others(*own, direction, columns);
+        let Some(parameter) = name(*own) else { continue };
+        let shown: Vec<&Column> = others.iter().filter_map(|&k| columns.get(k)).collect();
+        let cause = cause(&parameter, &shown, data);
+        let key = Key { cause, is_unfelt: others.is_empty(), unknowns: phrases(&shown, data) };
+        match kinds.iter_mut().find(|(known, _)| known.is_like(&key)) {
+            Some((known, members)) => {
+                known.add(key);
+                members.push((*own, others));
+            }
+            None => kinds.push((key, vec![(*own, others)])),
+        }
+    }
+    kinds.sort_by_key(|(_, members)| std::cmp::Reverse(members.len()));
+    for (key, members) in kinds {
+        let parameters: Vec<Parameter> = members.iter().filter_map(|(own, _)| name(*own)).collect();
+        let sentence = match members.as_slice() {
+            [(own, others)] => format!("{}{}", single(*own, others, columns, data), key.cause),
+            _ => of_many(&key, &parameters, &members, columns),
+        };
+        let set = members.iter().flat_map(|(_, others)| others).find_map(|&k| match columns.get(k) {
+            Some(Column::Unknown(set, _)) => Some(*set),
+            _ => None,
+        });
+        lost.confused.push(Confused { sentence, remedy: key.cause.remedy(parameters.len() > 1), parameters, set });
+    }
+    lost
+}
+
+/// A direction as it is said: its own column and the others.
+type Member = (usize, Vec<usize>);
+
+/// What directions of one kind have in common.
+#[derive(Clone, Debug, PartialEq)]
+struct Key {
+    cause: Cause,
+    is_unfelt: bool,
+    /// What unknowns of set-ups take part, in words.
+    unknowns: Vec<String>,
+}
+
+impl Key {
+    /// Whether both are one kind.
+    fn is_like(&self, other: &Key) -> bool {
+        let is_same = match (self.cause, other.cause) {
+            (Cause::Few(axis, found, _), Cause::Few(other, others, _)) => (axis, found) == (other, others),
+            (one, other) => one == other,
+        };
+        is_same && self.is_unfelt == other.is_unfelt && (self.cause.is_of_poses() || self.unknowns == other.unknowns)
+    }
+
+    /// Takes another one of the kind in.
+    fn add(&mut self, other: Key) {
+        // As many positions as the highest degree needs.
+        self.cause = self.cause.max(other.cause);
+        self.unknowns.extend(other.unknowns.into_iter().filter(|one| !self.unknowns.contains(one)).collect::<Vec<_>>());
+    }
+}
+
+/// The lower, the rather it stands for others.
+pub(super) fn simplicity(column: &Column) -> (u8, u8) {
+    match column {
+        Column::Parameter(name) => match name.term {
+            Term::Whole => (1, 0),
+            Term::Coefficient(degree) => (2, degree),
+            Term::Backlash => (3, 0),
+            Term::Knot { degree, .. } => (4, degree),
+        },
+        Column::Effect(parameter) => (5, u8::try_from(parameter.index()).unwrap_or(u8::MAX)),
+        Column::Unknown(..) => (0, 0),
+    }
+}
+
+/// The other columns of a direction; parameters of the machine first: they are what is asked for.
+fn others(own: usize, direction: &DVector<f64>, columns: &[Column]) -> Vec<usize> {
+    let least = COUNTS * direction.amax();
+    let mut others: Vec<usize> = (0..direction.len()).filter(|&k| k != own && direction[k].abs() >= least).collect();
+    // Then lengths of instruments, which a person can do something about; a shift of a set-up comes with most of it.
+    let rank = |k: usize| match columns.get(k) {
+        Some(Column::Unknown(_, Unknown::Length(_) | Unknown::Rod(_) | Unknown::RodTemperature(_))) => 1,
+        Some(column) if column.is_of_machine() => 0,
+        _ => 2,
+    };
+    others.sort_by_key(|&k| (rank(k), k));
+    others
+}
+
+/// One direction with all names.
+fn single(own: usize, others: &[usize], columns: &[Column], data: &[DataSet]) -> String {
+    let name = |k: usize| columns.get(k).map(|column| column.name(data).to_string()).unwrap_or_default();
+    if others.is_empty() {
+        return format!("{} moves nothing that was measured", name(own));
+    }
+    let all: Vec<String> = others.iter().map(|&k| name(k)).collect();
+    format!("{} cannot be told from {}", name(own), joined(&all, MOST_NAMES))
+}
+
+/// Several directions of one kind.
+fn of_many(key: &Key, own: &[Parameter], members: &[Member], columns: &[Column]) -> String {
+    let names = listed(own, MOST_NAMES);
+    if key.is_unfelt {
+        return format!("{names} move nothing that was measured{}", key.cause);
+    }
+    let mut from: Vec<Parameter> = Vec::new();
+    for &k in members.iter().flat_map(|(_, others)| others) {
+        if let Some(name) = columns.get(k).and_then(Column::parameter)
+            && !from.contains(&name)
+            && !own.contains(&name)
+        {
+            from.push(name);
+        }
+    }
+    let parameters = if from.is_empty() { None } else { Some(listed(&from, MOST_NAMES)) };
+    let all: Vec<String> = parameters.into_iter().chain(key.unknowns.iter().cloned()).collect();
+    let what = if key.cause == Cause::Constant { ": constant parts" } else { "" };
+    let each = if all.is_empty() { "each other".to_owned() } else { joined(&all, usize::MAX) };
+    format!("{names}{what} cannot be told from {each}{}", key.cause)
+}
+
+/// `a, b and c`, or the first ones and how many there are more.
+fn joined(all: &[String], most: usize) -> String {
+    let shown = all.get(..most.min(all.len())).unwrap_or_default();
+    match (shown, all.len() - shown.len()) {
+        ([first @ .., last], 0) if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+        (shown, 0) => shown.join(", "),
+        (shown, more) => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+/// Names of parameters, with truncated powers of a component together: `EXX2@50 … EXX2@350`.
+#[must_use]
+pub fn listed(names: &[Parameter], most: usize) -> String {
+    let family = |name: &Parameter| match name {
+        Parameter::Geometry(ParameterName { component, term: Term::Knot { degree, .. } }) => {
+            Some((*component, *degree))
+        }
+        _ => None,
+    };
+    let mut items: Vec<(String, usize)> = Vec::new();
+    let mut rest = names;
+    while let Some(first) = rest.first() {
+        let own = family(first);
+        let run = rest.iter().take_while(|name| own.is_some() && family(name) == own).count().max(1);
+        let (now, later) = rest.split_at(run);
+        match now {
+            [first, .., last] if run >= MANY_KNOTS => items.push((format!("{first} … {last}"), run)),
+            _ => items.extend(now.iter().map(|name| (name.to_string(), 1))),
+        }
+        rest = later;
+    }
+    let shown: Vec<String> = items.iter().take(most).map(|(text, _)| text.clone()).collect();
+    let more: usize = items.iter().skip(most).map(|(_, count)| count).sum();
+    if more > 0 { format!("{} and {more} more", shown.join(", ")) } else { joined(&shown, usize::MAX) }
+}
+
+/// What unknowns of set-ups are, each kind once.
+fn phrases(columns: &[&Column], data: &[DataSet]) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    for column in columns {
+        let Column::Unknown(number, unknown) = column else { continue };
+        let Some(set) = data.get(*number) else { continue };
+        let phrase = match unknown {
+            Unknown::Centre(..) => "the place of the table ball",
+            Unknown::Length(_) => "the length of the ball-bar",
+            Unknown::Rod(_) => "the length of the rod",
+            Unknown::RodTemperature(_) => "the temperature of the rod",
+            Unknown::Drift(_) => "the drift of the instrument",
+            Unknown::Level(_) => "the zeros of the cycles",
+            Unknown::Offset(..) if set.kind.name == "direct" => "the zero of the instrument",
+            Unknown::Offset(..) => "the place of the artefact",
+            Unknown::Rotation(..) => "the rotation of the artefact",
+            Unknown::Place(..) => "the places of the balls",
+            Unknown::Tool(..) => "the tool",
+        };
+        let phrase = if data.len() > 1 { format!("{phrase} ({})", set.name) } else { phrase.to_owned() };
+        if !out.contains(&phrase) {
+            out.push(phrase);
+        }
+    }
+    out.sort_unstable();
+    out
+}

@@ -1,0 +1,155 @@
+//! The delay between the clock of the instrument and that of the control.
+//!
+//! What the instrument reads is what the encoders say of tool and ball, and smooth errors, and deflections that go with accelerations. The delay is found together
+//! with all of these: the first guess from the correlation of how both change, the rest by Gauss and Newton with the slope of the readings as one more
+//! column. One delay for all runs, because a slow run tells little; delays of single runs are there to be looked at.
+
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::numeric::System;
+
+use super::basis::{Basis, Smooth};
+use super::grid::Grid;
+use super::poses::Poses;
+use super::signal::{inflation, triangle};
+
+/// How far apart clocks may be at the first guess, s.
+const MOST_S: f64 = 0.5;
+/// Over how long changes are compared, s.
+const CHANGE_S: f64 = 0.03;
+/// Below this correlation nothing is guessed.
+const LEAST: f64 = 0.3;
+/// The degree of smooth errors.
+const DEGREE: usize = 4;
+/// Samples that are fitted.
+const SAMPLES: usize = 12_000;
+/// Steps of Gauss and Newton, and when they end, s.
+const STEPS: usize = 12;
+const CLOSE_S: f64 = 1e-7;
+/// Readings that are compared at the ends of a run may lie outside the record by this, s.
+const EDGE_S: f64 = 1e-9;
+
+/// A delay.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clock {
+    /// A reading belongs to what the encoders said so much earlier, by the clocks as recorded, s.
+    pub delay_s: f64,
+    /// Its standard uncertainty, s.
+    pub uncertainty_s: f64,
+    /// The same of every run alone.
+    pub by_run: Vec<(f64, f64)>,
+}
+
+/// Finds it; `None` where readings and control do not overlap.
+#[must_use]
+pub fn clock(grids: &[Grid], poses: &[Poses], axes: &[Axis]) -> Option<Clock> {
+    let runs: Vec<(&Grid, &Poses)> = grids.iter().zip(poses).filter(|(grid, _)| !grid.readings.is_empty()).collect();
+    let mut delay_s = guess(&runs)?;
+    let positions: Vec<_> = runs.iter().flat_map(|(_, poses)| poses.encoder.iter().copied()).collect();
+    let basis = Basis::new(Smooth::Pose(DEGREE), axes, &positions);
+    let mut uncertainty_s = f64::INFINITY;
+    for _ in 0..STEPS {
+        let [(change, uncertainty)] = *fit(&runs, &basis, axes, delay_s, false)?.first_chunk()?;
+        delay_s += change.clamp(-CHANGE_S, CHANGE_S);
+        uncertainty_s = uncertainty;
+        if change.abs() < CLOSE_S {
+            break;
+        }
+    }
+    let alone = fit(&runs, &basis, axes, delay_s, true)?;
+    let by_run = alone.into_iter().map(|(change, uncertainty)| (delay_s + change, uncertainty)).collect();
+    Some(Clock { delay_s, uncertainty_s, by_run })
+}
+
+/// Readings of a sample, mm; `None` where the instrument did not record.
+pub(super) fn reading(grid: &Grid, number: usize, delay_s: f64) -> Option<Vector> {
+    let at = grid.time(number) + delay_s;
+    let [x, y, z] = grid.readings.as_slice() else { return None };
+    let inside = at >= x.start_s - EDGE_S && at <= x.start_s + x.duration_s() + EDGE_S;
+    inside.then(|| Vector::new(x.at(at), y.at(at), z.at(at)))
+}
+
+/// By the correlation of changes.
+fn guess(runs: &[(&Grid, &Poses)]) -> Option<f64> {
+    let step = runs.first()?.0.step_s;
+    let most = (MOST_S / step).ceil() as i32;
+    let mut best = (0.0, LEAST);
+    let mut overlaps = false;
+    for lag in -most..=most {
+        let delay = f64::from(lag) * step;
+        let (mut both, mut read, mut said) = (0.0, 0.0, 0.0);
+        for (grid, poses) in runs {
+            let reach = (CHANGE_S / grid.step_s).ceil() as usize;
+            for number in (reach..poses.count().saturating_sub(reach)).step_by(3) {
+                let ends = [number - reach, number + reach];
+                let [Some(low), Some(high)] = ends.map(|k| reading(grid, k, delay)) else { continue };
+                let one = high - low;
+                let other = poses.nominal[1][ends[1]] - poses.nominal[1][ends[0]];
+                both += one.dot(&other);
+                read += one.norm_squared();
+                said += other.norm_squared();
+                overlaps = true;
+            }
+        }
+        let alike = both / (read * said).sqrt();
+        if alike > best.1 {
+            best = (delay, alike);
+        }
+    }
+    overlaps.then_some(best.0)
+}
+
+/// By how much the delay must change, with its uncertainty, s; one for all, or one for each run.
+fn fit(runs: &[(&Grid, &Poses)], basis: &Basis, axes: &[Axis], delay_s: f64, alone: bool) -> Option<Vec<(f64, f64)>> {
+    let slopes = if alone { runs.len() } else { 1 };
+    let first = slopes + runs.len();
+    let columns = first + basis.len() + axes.len();
+    let all: usize = runs.iter().map(|(_, poses)| poses.count()).sum();
+    let every = all.div_ceil(SAMPLES).max(1);
+    let mut sums = vec![(0.0, 0.0); slopes];
+    for direction in 0..3 {
+        let mut system = System::new(columns);
+        let mut kept: Vec<(Vec<f64>, f64)> = Vec::new();
+        for (run, (grid, poses)) in runs.iter().enumerate() {
+            let signal = grid.readings.get(direction)?;
+            // Accelerations are means over a reach; so must be what is compared with them, or what they miss at a change looks like a delay.
+            let value = |number: usize| {
+                reading(grid, number, delay_s).map_or(0.0, |read| read[direction] - poses.nominal[1][number][direction])
+            };
+            let values = triangle(&(0..poses.count()).map(value).collect::<Vec<f64>>(), poses.reach);
+            let slope = |number: usize| signal.slope(grid.time(number) + delay_s);
+            let changes = triangle(&(0..poses.count()).map(slope).collect::<Vec<f64>>(), poses.reach);
+            for number in (poses.reach..poses.count().saturating_sub(poses.reach)).step_by(every) {
+                let ends = [number - poses.reach, number + poses.reach];
+                if ends.iter().any(|&end| reading(grid, end, delay_s).is_none()) {
+                    continue;
+                }
+                let mut row = vec![0.0; first];
+                row[if alone { run } else { 0 }] = -changes[number];
+                row[slopes + run] = 1.0;
+                basis.push(&poses.encoder[number], poses.share[number], &mut row);
+                row.extend(axes.iter().map(|&axis| poses.acceleration[number][axis]));
+                let value = values[number];
+                system.add(&row, value, 1.0);
+                kept.push((row, value));
+            }
+        }
+        let solution = system.solve()?;
+        let left: Vec<f64> = kept
+            .iter()
+            .map(|(row, value)| value - row.iter().zip(solution.unknowns.iter()).map(|(a, b)| a * b).sum::<f64>())
+            .collect();
+        let variance = solution.squares / solution.freedom.max(1) as f64 * inflation(&left);
+        for (slope, (sum, weights)) in sums.iter_mut().enumerate() {
+            let own = variance * solution.cofactors[(slope, slope)];
+            // A direction in which nothing changes says nothing.
+            if own > 0.0 && own.is_finite() {
+                *sum += solution.unknowns[slope] / own;
+                *weights += 1.0 / own;
+            }
+        }
+    }
+    let found = sums.into_iter().map(|(sum, weights)| {
+        if weights > 0.0 { (sum / weights, weights.recip().sqrt()) } else { (0.0, f64::INFINITY) }
+    });
+    Some(found.collect())
+}

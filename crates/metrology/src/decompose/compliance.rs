@@ -1,0 +1,250 @@
+//! Which deflections go with the accelerations of which axes: the dynamic remainder, explained.
+//!
+//! Candidates are the components of every axis that accelerates, driven by its acceleration or jerk: what a body that gives way under its own inertia
+//! does to the tool, through the machine's chain. Accelerations are second differences of encoders over some samples, which are means with falling weights; what is left is
+//! averaged with the same weights, so that peaks are not mistaken for weak ones. Candidates are added one by one as long as they predict runs that they were
+//! not fitted to: each feed is left out in turn.
+
+use nalgebra::{DMatrix, DVector};
+
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::numeric::in_parts;
+use ncfix_model::Model;
+use ncfix_model::name::{DIRECTIONS, ErrorName};
+
+use super::poses::Poses;
+use super::signal::{inflation, triangle};
+
+/// By which share the sum of squares of runs that are left out must fall for a displacement that goes with the acceleration.
+const LEAST_GAIN: f64 = 0.02;
+/// The same for angles, which look like displacements on a short path, and for jerks.
+const FARFETCHED_GAIN: f64 = 0.05;
+/// Amounts below this many standard uncertainties are none.
+const LEAST_SIGMAS: f64 = 5.0;
+/// Candidates that are taken, at most.
+const MOST: usize = 12;
+
+/// A compliance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Compliance {
+    /// The component; its axis is the one that accelerates.
+    pub name: ErrorName,
+    /// 2 where it goes with the acceleration, 3 with the jerk.
+    pub order: u8,
+    /// mm or rad by mm/s² or rad/s² (s³).
+    pub value: f64,
+    /// Its standard uncertainty.
+    pub uncertainty: f64,
+    /// By which share of their RMS what is left of runs that it was not fitted to fell when it was added.
+    pub gain: f64,
+}
+
+/// A run whose remainder is explained.
+#[derive(Clone, Copy, Debug)]
+pub struct Remainder<'a> {
+    /// Its samples.
+    pub poses: &'a Poses,
+    /// What is left beside everything else, mm.
+    pub left: &'a [Option<Vector>],
+    /// Runs of one feed have one number.
+    pub fold: usize,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default)]
+pub struct Compliances {
+    /// In the order in which they were added.
+    pub all: Vec<Compliance>,
+    /// RMS of what is left of every fold, averaged as accelerations are, mm: as it is, and where it is predicted from the other folds.
+    pub held_out: Vec<[f64; 2]>,
+}
+
+/// The sums of products of a run.
+#[derive(Clone, Debug)]
+struct Products {
+    fold: usize,
+    /// Of the columns with each other; the remainder is the last one.
+    matrix: DMatrix<f64>,
+    readings: f64,
+    /// By how much less its readings tell because neighbours are alike.
+    alike: f64,
+}
+
+/// Finds compliances.
+#[must_use]
+pub fn compliances(model: &Model, axes: &[Axis], tool_mm: &Vector, runs: &[Remainder<'_>]) -> Compliances {
+    let moving = axes.iter().copied().filter(|&axis| runs.iter().any(|run| run.poses.accelerate(axis)));
+    let candidates: Vec<(ErrorName, u8)> = moving
+        .flat_map(|axis| DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)))
+        .flat_map(|name| [(name, 2), (name, 3)])
+        .collect();
+    let products = in_parts(runs, &|run| products(model, &candidates, tool_mm, run));
+    let folds = runs.iter().map(|run| run.fold + 1).max().unwrap_or(0);
+    if folds < 2 || candidates.is_empty() {
+        return Compliances::default();
+    }
+    let search = Search { products: &products, last: candidates.len(), folds };
+    let mut chosen: Vec<usize> = Vec::new();
+    let mut gains: Vec<f64> = Vec::new();
+    let mut now: f64 = search.left_out(&chosen).map_or(0.0, |parts| parts.iter().sum());
+    while chosen.len() < MOST && now > 0.0 {
+        let with = |candidate: usize| {
+            let mut trial = chosen.clone();
+            trial.push(candidate);
+            let left: f64 = search.left_out(&trial)?.iter().sum();
+            let far = candidates[candidate].0.direction.is_rotation() || candidates[candidate].1 == 3;
+            let gain = 1.0 - left / now;
+            (gain > if far { FARFETCHED_GAIN } else { LEAST_GAIN }).then_some((candidate, left, gain, far))
+        };
+        let mut better: Vec<_> = (0..candidates.len()).filter(|k| !chosen.contains(k)).filter_map(with).collect();
+        // What is usual first, as long as it explains nearly as much.
+        better.sort_by(|a, b| b.2.total_cmp(&a.2));
+        let most = better.first().map_or(0.0, |best| best.2);
+        let usual = better.iter().position(|one| !one.3 && one.2 > 0.9 * most).unwrap_or(0);
+        let Some(&(candidate, left, _, _)) = better.get(usual) else { break };
+        chosen.push(candidate);
+        gains.push(1.0 - (left / now).sqrt());
+        now = left;
+    }
+    // What another one explains as well, or noise makes, goes again.
+    loop {
+        let Some((values, errors)) = search.solve(&chosen, None) else { return Compliances::default() };
+        let weakest = (0..chosen.len())
+            .map(|k| (k, values[k].abs() / errors[k]))
+            .filter(|(_, sigmas)| *sigmas < LEAST_SIGMAS)
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((place, _)) = weakest {
+            chosen.remove(place);
+            gains.remove(place);
+            continue;
+        }
+        let all = chosen.iter().enumerate().map(|(k, &candidate)| {
+            let (name, order) = candidates[candidate];
+            Compliance { name, order, value: values[k], uncertainty: errors[k], gain: gains[k] }
+        });
+        let all: Vec<Compliance> = all.collect();
+        return Compliances { held_out: search.held_out(&chosen), all };
+    }
+}
+
+/// What an acceleration of 1 (or a jerk) of a candidate's axis does at a sample, times the rate there, mm.
+fn effect(model: &Model, (name, order): (ErrorName, u8), tool_mm: &Vector, poses: &Poses, number: usize) -> Vector {
+    let rates = if order == 2 { &poses.acceleration } else { &poses.jerk };
+    let rate = name.axis().map_or(0.0, |axis| rates[number][axis]);
+    poses.effect(model, name, tool_mm, number) * rate
+}
+
+/// What compliances do at a sample, mm; as means over the reach of the poses.
+#[must_use]
+pub fn deflection(model: &Model, all: &[Compliance], tool_mm: &Vector, poses: &Poses, number: usize) -> Vector {
+    all.iter().map(|one| effect(model, (one.name, one.order), tool_mm, poses, number) * one.value).sum()
+}
+
+fn products(model: &Model, candidates: &[(ErrorName, u8)], tool_mm: &Vector, run: &Remainder<'_>) -> Products {
+    let (poses, reach) = (run.poses, run.poses.reach);
+    let columns = candidates.len() + 1;
+    let smooth: Vec<Vec<f64>> = (0..3)
+        .map(|k| {
+            let values: Vec<f64> = run.left.iter().map(|left| left.map_or(0.0, |left| left[k])).collect();
+            triangle(&values, reach)
+        })
+        .collect();
+    let is_there = |k: usize| run.left.get(k).is_some_and(Option::is_some);
+    let inside = reach..poses.count().saturating_sub(reach);
+    let used: Vec<usize> = inside.filter(|&k| is_there(k - reach) && is_there(k) && is_there(k + reach)).collect();
+    let mut matrix = DMatrix::zeros(columns, columns);
+    let mut alike = 1.0_f64;
+    for (direction, own) in smooth.iter().enumerate() {
+        let mut rows = DMatrix::zeros(columns, used.len());
+        for (place, &number) in used.iter().enumerate() {
+            rows[(columns - 1, place)] = own[number];
+        }
+        for (column, &candidate) in candidates.iter().enumerate() {
+            for (place, &number) in used.iter().enumerate() {
+                rows[(column, place)] = effect(model, candidate, tool_mm, poses, number)[direction];
+            }
+        }
+        // A run has a thermal offset of its own.
+        for mut row in rows.row_iter_mut() {
+            let mean = row.mean();
+            row.add_scalar_mut(-mean);
+        }
+        matrix += &rows * rows.transpose();
+        alike = alike.max(inflation(own));
+    }
+    Products { fold: run.fold, matrix, readings: 3.0 * used.len() as f64, alike }
+}
+
+struct Search<'a> {
+    products: &'a [Products],
+    /// Where the remainder stands.
+    last: usize,
+    folds: usize,
+}
+
+impl Search<'_> {
+    /// Amounts and standard uncertainties, from all runs but those of a fold.
+    fn solve(&self, chosen: &[usize], without: Option<usize>) -> Option<(DVector<f64>, DVector<f64>)> {
+        let count = chosen.len();
+        let mut normal = DMatrix::<f64>::zeros(count, count);
+        let mut right = DVector::<f64>::zeros(count);
+        let (mut squares, mut readings, mut alike) = (0.0, 0.0, 1.0_f64);
+        for own in self.products.iter().filter(|own| Some(own.fold) != without) {
+            for (row, &a) in chosen.iter().enumerate() {
+                right[row] += own.matrix[(a, self.last)];
+                for (column, &b) in chosen.iter().enumerate() {
+                    normal[(row, column)] += own.matrix[(a, b)];
+                }
+            }
+            squares += own.matrix[(self.last, self.last)];
+            readings += own.readings;
+            alike = alike.max(own.alike);
+        }
+        // Columns of unit length: accelerations and angles have very different ones.
+        let scale = DVector::from_fn(count, |k, _| normal[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip());
+        let scaled = DMatrix::from_fn(count, count, |a, b| normal[(a, b)] * scale[a] * scale[b]);
+        let inverse = scaled.cholesky()?.inverse();
+        let values = (&inverse * right.component_mul(&scale)).component_mul(&scale);
+        let left = (squares - values.dot(&right)).max(0.0);
+        let variance = left / (readings - count as f64).max(1.0) * alike;
+        let errors = DVector::from_fn(count, |k, _| (variance * inverse[(k, k)]).sqrt() * scale[k]);
+        values.iter().all(|value| value.is_finite()).then_some((values, errors))
+    }
+
+    /// Sums of squares that are left of every fold where it is predicted from the others.
+    fn left_out(&self, chosen: &[usize]) -> Option<Vec<f64>> {
+        (0..self.folds)
+            .map(|fold| {
+                let values = if chosen.is_empty() { DVector::zeros(0) } else { self.solve(chosen, Some(fold))?.0 };
+                Some(
+                    self.products
+                        .iter()
+                        .filter(|own| own.fold == fold)
+                        .map(|own| self.left(own, chosen, &values))
+                        .sum(),
+                )
+            })
+            .collect()
+    }
+
+    fn left(&self, own: &Products, chosen: &[usize], values: &DVector<f64>) -> f64 {
+        let mut left = own.matrix[(self.last, self.last)];
+        for (k, &a) in chosen.iter().enumerate() {
+            left -= 2.0 * values[k] * own.matrix[(a, self.last)];
+            left += chosen.iter().enumerate().map(|(j, &b)| values[k] * values[j] * own.matrix[(a, b)]).sum::<f64>();
+        }
+        left.max(0.0)
+    }
+
+    fn held_out(&self, chosen: &[usize]) -> Vec<[f64; 2]> {
+        let readings: Vec<f64> = (0..self.folds)
+            .map(|fold| self.products.iter().filter(|own| own.fold == fold).map(|own| own.readings).sum())
+            .collect();
+        let rms = |parts: Option<Vec<f64>>| -> Vec<f64> {
+            let parts = parts.unwrap_or_else(|| vec![f64::NAN; self.folds]);
+            parts.iter().zip(&readings).map(|(sum, count)| (3.0 * sum / count).sqrt()).collect()
+        };
+        let (before, after) = (rms(self.left_out(&[])), rms(self.left_out(chosen)));
+        before.into_iter().zip(after).map(|(before, after)| [before, after]).collect()
+    }
+}

@@ -1,0 +1,388 @@
+//! The whole division of a trace into its sources.
+
+use std::fmt;
+
+use crate::measure::trace::Trace;
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::numeric::in_parts;
+use ncfix_machine::machine::Machine;
+use ncfix_model::preset;
+use ncfix_model::{ErrorModel, Model, ParameterName};
+
+use super::basis::{Basis, Smooth};
+use super::clock::Clock;
+use super::compliance::{Compliances, Remainder, compliances, deflection};
+use super::contour::from_path;
+use super::grid::Grid;
+use super::poses::Poses;
+use super::power::{PowerLaw, power_law};
+use super::quasi_static::{Link, Links, Motion, links, motion};
+use super::servo::Servo;
+use super::shares::{Shares, shares};
+use super::together::{Synchronous, synchronous_telling};
+
+/// How far back and ahead the nearest point of the path is looked for, s.
+const WINDOW_S: f64 = 0.25;
+/// Times that the dynamic part is taken out of the slowest run before its smooth part is fitted again.
+const ROUNDS: usize = 3;
+/// A run has begun when this share of its path is done.
+const BEGUN: f64 = 1e-6;
+/// Feeds that differ by less are one.
+const SAME_FEED: f64 = 1e-3;
+
+/// What is wanted.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// The link errors that are fitted; empty for those that the machine has.
+    pub links: Vec<ParameterName>,
+    /// How motion errors are described.
+    pub smooth: Smooth,
+    /// The delay of encoders behind set-points, s, where it is known.
+    pub record_delay_s: Option<f64>,
+    /// The delay between instrument and control, s, where it is known.
+    pub reading_delay_s: Option<f64>,
+}
+
+/// Why a trace cannot be divided.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fault {
+    /// No axis moves.
+    Still,
+    /// Readings and control do not overlap in time.
+    Apart,
+    /// Two runs do not follow one path: their numbers and the lengths of their paths, mm.
+    OtherPath([usize; 2], [f64; 2]),
+    /// The encoders of an axis go another way than its set-points, mm or rad: they are in another unit.
+    Units(Axis, [f64; 2]),
+    /// What the run of this number tells is too little for links and smooth errors.
+    NotTold(usize),
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Fault::Still => f.write_str("no axis moves"),
+            Fault::Apart => f.write_str("readings and positions do not overlap in time"),
+            Fault::OtherPath(_, [one, other]) => {
+                write!(f, "runs of paths of {one:.1} and {other:.1} mm: they do not follow one path")
+            }
+            Fault::Units(axis, [set, encoder]) => {
+                let (unit, size) = if axis.is_rotary() { ("deg", 1_f64.to_degrees()) } else { ("mm", 1.0) };
+                let [set, encoder] = [set, encoder].map(|value| value * size);
+                write!(f, "the column {axis}_enc goes over {encoder:.3} {unit} while {axis} goes over {set:.3} {unit}")
+            }
+            Fault::NotTold(_) => f.write_str("the slowest run has too few readings to tell link and motion errors"),
+        }
+    }
+}
+
+impl std::error::Error for Fault {}
+
+/// A run and its sources; by sample, along F's directions, mm.
+#[derive(Clone, Debug)]
+pub struct RunParts {
+    /// Its number in the trace.
+    pub number: usize,
+    /// Programmed feed, mm/min.
+    pub feed_mm_min: Option<f64>,
+    /// When by the clock of the control, s.
+    pub t_s: Vec<f64>,
+    /// Share of the path, 0 to 1.
+    pub path: Vec<f64>,
+    /// Contouring as the difference of the axes, link, motion, thermal, dynamic; `None` where the instrument did not record.
+    pub parts: Vec<Option<[Vector; 5]>>,
+    /// Contouring by sample, whether or not the instrument recorded.
+    pub following: Vec<Vector>,
+    /// The contouring error proper, at right angles to the path in the workpiece.
+    pub contouring: Vec<Vector>,
+    /// What compliances explain of the dynamic part.
+    pub explained: Vec<Vector>,
+    /// What the machine file knows of links and motion.
+    pub known: Vec<Vector>,
+    /// From the first to behind the last sample in which the machine moves.
+    pub moving: std::ops::Range<usize>,
+    /// How much each source makes while it moves.
+    pub shares: Shares,
+    /// Thermal offset against the slowest run.
+    pub thermal_mm: Vector,
+    /// Length of the path in the workpiece, mm: where it is short the contouring error proper says little.
+    pub in_workpiece_mm: f64,
+    /// RMS of single readings about their means over a cycle of the control, mm.
+    pub fast_mm: [f64; 3],
+}
+
+/// A trace and its sources.
+#[derive(Clone, Debug)]
+pub struct Decomposition {
+    /// The cycle of the control, s.
+    pub cycle_s: f64,
+    /// Delay of the encoders and the loops.
+    pub servo: Option<Servo>,
+    /// Delay of the instrument; `None` where nothing was measured.
+    pub clock: Option<Clock>,
+    /// The runs, the slowest first.
+    pub runs: Vec<RunParts>,
+    /// The link errors.
+    pub links: Vec<Link>,
+    /// How motion errors are described.
+    pub smooth: Smooth,
+    /// What gives way.
+    pub compliances: Vec<super::Compliance>,
+    /// By run: its number in [`Decomposition::held_out_mm`].
+    folds: Vec<usize>,
+    /// RMS of the dynamic part of the runs of every feed as it is and as the other runs predict it, mm; averaged as accelerations are.
+    pub held_out_mm: Vec<[f64; 2]>,
+    /// The power law of the RMS along X, Y, Z (mm): of contouring, of dynamics.
+    pub laws: [[Option<PowerLaw>; 3]; 2],
+}
+
+impl Decomposition {
+    /// The number of a run in [`Decomposition::held_out_mm`]: runs of one feed are left out together.
+    #[must_use]
+    pub fn fold(&self, run: usize) -> usize {
+        self.folds.get(run).copied().unwrap_or(run)
+    }
+}
+
+/// Divides a trace into its sources.
+///
+/// # Errors
+/// [`Fault`].
+pub fn decompose(
+    machine: &Machine,
+    errors: &ErrorModel,
+    trace: &Trace,
+    options: &Options,
+    tell: &mut dyn FnMut(&str, f64),
+) -> Result<Decomposition, Fault> {
+    let whole = synchronous_telling(machine, trace, options, tell)?;
+    let Synchronous { axes, order, grids, poses, servo, clock, left, tool_mm, nominal } = whole;
+    let cycle_s = grids.first().map_or(0.0, |grid| grid.step_s);
+    let mut work = Work {
+        machine,
+        errors,
+        options,
+        nominal,
+        axes,
+        tool_mm,
+        poses: &poses,
+        feeds: order.iter().map(|&number| trace.runs[number].feed_mm_min).collect(),
+        left,
+        known: Vec::new(),
+        found: Compliances::default(),
+        quasi: None,
+    };
+    if clock.is_some() {
+        tell("links, motion, dynamics", 0.5);
+        work.divide(&trace.free, order[0])?;
+    }
+    tell("shares", 0.9);
+    let runs: Vec<RunParts> =
+        (0..order.len()).map(|place| work.parts(place, order[place], &grids[place], &servo)).collect();
+    let law = |source: usize, k: usize| {
+        let pairs: Vec<(f64, f64)> =
+            runs.iter().filter_map(|run| Some((run.feed_mm_min?, run.shares.rms_mm[source][k]))).collect();
+        power_law(&pairs)
+    };
+    let laws = [0, 4].map(|source| [0, 1, 2].map(|k| law(source, k)));
+    Ok(Decomposition {
+        cycle_s,
+        servo: Some(servo),
+        clock,
+        links: work.quasi.as_ref().map_or_else(Vec::new, |(links, _)| links.links.clone()),
+        smooth: options.smooth,
+        folds: folds(&work.feeds),
+        held_out_mm: work.found.held_out.clone(),
+        compliances: work.found.all.clone(),
+        laws,
+        runs,
+    })
+}
+
+/// The link errors that a machine has: the eight of five axes, else the squareness of linear axes.
+fn default_links(machine: &Machine) -> Vec<ParameterName> {
+    preset::location_errors(machine)
+}
+
+/// What the machine file knows of a sample: links, the other errors, dynamics; mm.
+type Known = [Vector; 3];
+
+/// The division while it is made.
+struct Work<'a> {
+    machine: &'a Machine,
+    errors: &'a ErrorModel,
+    options: &'a Options,
+    nominal: Model,
+    axes: Vec<Axis>,
+    tool_mm: Vector,
+    poses: &'a [Poses],
+    feeds: Vec<Option<f64>>,
+    /// χ − χenc.
+    left: Vec<Vec<Option<Vector>>>,
+    known: Vec<Vec<Known>>,
+    found: Compliances,
+    quasi: Option<(Links, Motion)>,
+}
+
+impl Work<'_> {
+    fn divide(&mut self, free: &[crate::measure::trace::Unknown], reference: usize) -> Result<(), Fault> {
+        self.known = self.known();
+        let names =
+            if self.options.links.is_empty() { default_links(self.machine) } else { self.options.links.clone() };
+        let slow = self.poses.first().ok_or(Fault::Still)?;
+        let basis = Basis::new(self.options.smooth, &self.axes, &slow.encoder);
+        for _ in 0..ROUNDS {
+            // What gives way in the slowest run is no motion error.
+            let rest = self.minus(0, |work, number| {
+                let known: Vector = work.known[0][number].iter().sum();
+                known + deflection(&work.nominal, &work.found.all, &work.tool_mm, slow, number)
+            });
+            let links =
+                links(&self.nominal, &names, free, &self.tool_mm, slow, &rest).ok_or(Fault::NotTold(reference))?;
+            let of_links =
+                |number: usize| links.at(&self.nominal, &self.tool_mm, slow, number) + links.setup_at(slow, number);
+            let rest: Vec<Option<Vector>> =
+                rest.iter().enumerate().map(|(k, rest)| rest.map(|rest| rest - of_links(k))).collect();
+            let motion = motion(basis.clone(), slow, &rest).ok_or(Fault::NotTold(reference))?;
+            self.quasi = Some((links, motion));
+            let dynamic: Vec<Vec<Option<Vector>>> = (0..self.poses.len())
+                .map(|run| {
+                    let offset = self.thermal(run);
+                    self.minus(run, |work, number| work.quasi_static(run, number) + offset + work.known[run][number][2])
+                })
+                .collect();
+            let folds = folds(&self.feeds);
+            let remainders: Vec<Remainder<'_>> = self
+                .poses
+                .iter()
+                .zip(&dynamic)
+                .zip(folds)
+                .map(|((poses, left), fold)| Remainder { poses, left, fold })
+                .collect();
+            self.found = compliances(&self.nominal, &self.axes, &self.tool_mm, &remainders);
+        }
+        Ok(())
+    }
+
+    /// What is left of a run when something is taken away.
+    fn minus(&self, run: usize, what: impl Fn(&Self, usize) -> Vector) -> Vec<Option<Vector>> {
+        let each = self.left[run].iter().enumerate();
+        each.map(|(number, left)| left.map(|left| left - what(self, number))).collect()
+    }
+
+    fn known(&self) -> Vec<Vec<Known>> {
+        let location = ErrorModel { location: self.errors.location.clone(), ..ErrorModel::default() };
+        let [location, all] = [&location, self.errors].map(|errors| Model::new(self.machine, errors));
+        let none = all.is_empty();
+        in_parts(self.poses, &|poses| {
+            let each = (0..poses.count()).map(|number| {
+                if none {
+                    return [Vector::zeros(); 3];
+                }
+                let links = poses.predicted(&location, &self.tool_mm, number, false);
+                let still = poses.predicted(&all, &self.tool_mm, number, false);
+                let whole = poses.predicted(&all, &self.tool_mm, number, true);
+                [links, still - links, whole - still]
+            });
+            each.collect()
+        })
+    }
+
+    fn of_links(&self, run: usize, number: usize) -> Vector {
+        let own =
+            self.quasi.as_ref().map(|(links, _)| links.at(&self.nominal, &self.tool_mm, &self.poses[run], number));
+        own.unwrap_or_default() + self.known[run][number][0]
+    }
+
+    fn of_motion(&self, run: usize, number: usize) -> Vector {
+        let poses = &self.poses[run];
+        let own = self.quasi.as_ref().map(|(_, motion)| motion.at(&poses.encoder[number], poses.share[number]));
+        own.unwrap_or_default() + self.known[run][number][1]
+    }
+
+    /// Links, motion and what the set-up adds.
+    fn quasi_static(&self, run: usize, number: usize) -> Vector {
+        let setup = self.quasi.as_ref().map(|(links, _)| links.setup_at(&self.poses[run], number));
+        self.of_links(run, number) + self.of_motion(run, number) + setup.unwrap_or_default()
+    }
+
+    /// The mean of what quasi-static errors and deflections leave of a run (eq. 18, with the deflections taken out); 0 in the slowest one.
+    fn thermal(&self, run: usize) -> Vector {
+        if run == 0 {
+            return Vector::zeros();
+        }
+        let rest = self.minus(run, |work, number| {
+            let given = deflection(&work.nominal, &work.found.all, &work.tool_mm, &work.poses[run], number);
+            work.quasi_static(run, number) + work.known[run][number][2] + given
+        });
+        let count = rest.iter().flatten().count().max(1) as f64;
+        rest.into_iter().flatten().sum::<Vector>() / count
+    }
+
+    fn parts(&self, run: usize, number: usize, grid: &Grid, servo: &Servo) -> RunParts {
+        let poses = &self.poses[run];
+        let count = poses.count();
+        let has_readings = self.quasi.is_some();
+        let thermal_mm = if has_readings { self.thermal(run) } else { Vector::zeros() };
+        let following: Vec<Vector> = (0..count).map(|k| poses.nominal[1][k] - poses.nominal[0][k]).collect();
+        let mut explained = vec![Vector::zeros(); count];
+        let mut parts = vec![None; count];
+        if has_readings {
+            for k in 0..count {
+                explained[k] =
+                    deflection(&self.nominal, &self.found.all, &self.tool_mm, poses, k) + self.known[run][k][2];
+                let Some(left) = self.left[run][k] else { continue };
+                let quasi = self.quasi_static(run, k) + thermal_mm;
+                let [links, motion] = [self.of_links(run, k), self.of_motion(run, k)];
+                parts[k] = Some([following[k], links, motion, thermal_mm, left - quasi]);
+            }
+        }
+        let first = poses.share.iter().position(|share| *share > BEGUN).unwrap_or(0);
+        let last = poses.share.iter().rposition(|share| *share < 1.0 - BEGUN).unwrap_or(count.saturating_sub(1));
+        let moving = first..(last + 1).max(first);
+        let none = Vector::zeros();
+        let shares = if has_readings {
+            shares(moving.clone().filter_map(|k| parts[k]))
+        } else {
+            shares(moving.clone().map(|k| [following[k], none, none, none, none]))
+        };
+        let tips = |of: &[ncfix_base::geometry::AxisVector]| -> Vec<Vector> {
+            of.iter().map(|at| self.nominal.nominal(at, &self.tool_mm).translation).collect()
+        };
+        let path = tips(&poses.set);
+        let window = ((WINDOW_S + servo.delay_s.abs()) / grid.step_s).ceil() as usize;
+        let actual = tips(&poses.encoder);
+        let contouring = (0..count).map(|k| poses.to_f[k] * from_path(&path, &actual[k], k, window)).collect();
+        RunParts {
+            number,
+            feed_mm_min: self.feeds[run],
+            t_s: (0..count).map(|k| grid.time(k)).collect(),
+            path: poses.share.clone(),
+            parts,
+            following,
+            contouring,
+            explained,
+            known: self.known.get(run).map_or_else(Vec::new, |known| known.iter().map(|own| own[0] + own[1]).collect()),
+            moving,
+            shares,
+            thermal_mm,
+            in_workpiece_mm: path.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum(),
+            fast_mm: grid.fast_mm,
+        }
+    }
+}
+
+/// Runs of one feed are left out together.
+fn folds(feeds: &[Option<f64>]) -> Vec<usize> {
+    let mut folds: Vec<usize> = Vec::with_capacity(feeds.len());
+    for (run, feed) in feeds.iter().enumerate() {
+        let same = |other: &Option<f64>| match (feed, other) {
+            (Some(a), Some(b)) => (a / b - 1.0).abs() < SAME_FEED,
+            _ => false,
+        };
+        let known = feeds[..run].iter().position(same).map(|other| folds[other]);
+        let next = folds.iter().map(|fold| fold + 1).max().unwrap_or(0);
+        folds.push(known.unwrap_or(next));
+    }
+    folds
+}

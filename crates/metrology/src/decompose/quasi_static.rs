@@ -1,0 +1,153 @@
+//! What does not depend on the speed: link errors, motion errors, and the set-up of the instrument.
+//!
+//! All from the slowest run, which is the reference state (Andolfatto, Lavernhe and Mayer 2011, section 3.3): the link errors by the Jacobian of the
+//! machine's own chain, then smooth functions of what they leave. Along one path a part of the motion errors looks like link errors, and counts as
+//! such: this is a division of what was measured on this path, no calibration of the machine.
+
+use crate::measure::trace::Unknown;
+use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_base::numeric::{Solution, System};
+use ncfix_machine::machine::State;
+use ncfix_model::{Model, ParameterName};
+
+use super::basis::Basis;
+use super::poses::Poses;
+
+/// Samples that are fitted.
+const SAMPLES: usize = 8_000;
+/// Smooth functions that differ by less than this along the path are one. Off the path by the lag of an axis, a thousandth of its range, they would else run
+/// away.
+const SMOOTH_LIMIT: f64 = 2e-3;
+
+/// A link error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// Which.
+    pub name: ParameterName,
+    /// Beyond what the machine file has, mm or rad.
+    pub value: f64,
+    /// Whether this path tells it from the others.
+    pub is_told: bool,
+}
+
+/// The part of links and set-up.
+#[derive(Clone, Debug)]
+pub(super) struct Links {
+    /// The links.
+    pub(super) links: Vec<Link>,
+    /// What is unknown of the set-up, and its three values, mm.
+    pub(super) setup: Vec<(Unknown, [f64; 3])>,
+}
+
+/// The smooth part: coefficients along X, Y, Z; the constant first.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    basis: Basis,
+    coefficients: [Vec<f64>; 3],
+}
+
+/// Finds the links in what is `left` of a run by sample, mm; `None` for samples without reading.
+#[must_use]
+pub(super) fn links(
+    model: &Model,
+    names: &[ParameterName],
+    free: &[Unknown],
+    tool_mm: &Vector,
+    poses: &Poses,
+    left: &[Option<Vector>],
+) -> Option<Links> {
+    let columns = names.len() + 3 * free.len();
+    let mut system = System::new(columns);
+    let every = poses.count().div_ceil(SAMPLES).max(1);
+    let mut rows = vec![vec![0.0; columns]; 3];
+    for number in (0..poses.count()).step_by(every) {
+        let Some(value) = left.get(number).copied().flatten() else { continue };
+        for (column, name) in names.iter().enumerate() {
+            let effect = effect(model, *name, tool_mm, poses, number);
+            (0..3).for_each(|k| rows[k][column] = effect[k]);
+        }
+        for (place, unknown) in free.iter().enumerate() {
+            for along in 0..3 {
+                let effect = of_setup(*unknown, along, poses, number);
+                (0..3).for_each(|k| rows[k][names.len() + 3 * place + along] = effect[k]);
+            }
+        }
+        for (k, row) in rows.iter().enumerate() {
+            system.add(row, value[k], 1.0);
+        }
+    }
+    if system.rows() < columns.max(1) {
+        return None;
+    }
+    let Solution { unknowns, inflation, .. } = system.solve()?;
+    let links = names
+        .iter()
+        .enumerate()
+        .map(|(k, &name)| Link { name, value: unknowns[k], is_told: inflation[k].is_finite() })
+        .collect();
+    let setup = free.iter().enumerate().map(|(k, &unknown)| {
+        let at = names.len() + 3 * k;
+        (unknown, [unknowns[at], unknowns[at + 1], unknowns[at + 2]])
+    });
+    Some(Links { links, setup: setup.collect() })
+}
+
+impl Links {
+    /// What the links do at a sample, mm.
+    #[must_use]
+    pub(super) fn at(&self, model: &Model, tool_mm: &Vector, poses: &Poses, number: usize) -> Vector {
+        self.links.iter().map(|link| effect(model, link.name, tool_mm, poses, number) * link.value).sum()
+    }
+
+    /// What the set-up adds to a reading, mm.
+    #[must_use]
+    pub(super) fn setup_at(&self, poses: &Poses, number: usize) -> Vector {
+        let all = self.setup.iter().flat_map(|(unknown, values)| (0..3).map(move |k| (*unknown, k, values[k])));
+        all.map(|(unknown, along, value)| of_setup(unknown, along, poses, number) * value).sum()
+    }
+}
+
+/// What a link of 1 mm or rad does.
+fn effect(model: &Model, name: ParameterName, tool_mm: &Vector, poses: &Poses, number: usize) -> Vector {
+    let weight = name.weight(&poses.encoder[number], &State::default());
+    poses.effect(model, name.component, tool_mm, number) * weight
+}
+
+/// What 1 mm of the set-up does.
+fn of_setup(unknown: Unknown, along: usize, poses: &Poses, number: usize) -> Vector {
+    match unknown {
+        Unknown::Offset => Vector::ith(along, 1.0),
+        Unknown::Place => -poses.to_f[number].column(along),
+    }
+}
+
+/// Fits smooth functions to what is `left` of a run.
+#[must_use]
+pub(super) fn motion(basis: Basis, poses: &Poses, left: &[Option<Vector>]) -> Option<Motion> {
+    let every = poses.count().div_ceil(SAMPLES).max(1);
+    let mut coefficients = [const { Vec::new() }; 3];
+    for (direction, out) in coefficients.iter_mut().enumerate() {
+        let mut system = System::new(1 + basis.len());
+        for number in (0..poses.count()).step_by(every) {
+            let Some(value) = left.get(number).copied().flatten() else { continue };
+            let mut row = vec![1.0];
+            basis.push(&poses.encoder[number], poses.share[number], &mut row);
+            system.add(&row, value[direction], 1.0);
+        }
+        if system.rows() < 2 * (1 + basis.len()) {
+            return None;
+        }
+        *out = system.solve_to(SMOOTH_LIMIT)?.unknowns.iter().copied().collect();
+    }
+    Some(Motion { basis, coefficients })
+}
+
+impl Motion {
+    /// Its value at a pose and a share of the path, mm.
+    #[must_use]
+    pub(super) fn at(&self, position: &AxisVector, share: f64) -> Vector {
+        let mut row = vec![1.0];
+        self.basis.push(position, share, &mut row);
+        Vector::from_fn(|k, _| self.coefficients[k].iter().zip(&row).map(|(a, b)| a * b).sum())
+    }
+}

@@ -1,0 +1,248 @@
+//! What lies between set-points and encoders: the delay of the recorder and the lag of the servo loops.
+//!
+//! A recorder that notes encoders later than set-points delays all axes alike, whatever the feed; a position loop with velocity gain K and
+//! velocity feed-forward f follows with
+//!
+//! ```text
+//! x' = K (s − x) + f s'        s − x = (1 − f) z,   z' = s' − K z
+//! ```
+//!
+//! which at constant velocity is a delay of (1 − f)/K, but not where the axis accelerates: z takes 1/K to follow. Both together are fitted to what
+//! the encoders say, x(t) = s(t − d) − (1 − f) z(t − d), with one d for all axes and runs. For a given d and K the share 1 − f is a straight
+//! line, so that only two numbers are searched.
+//!
+//! Andolfatto, Lavernhe and Mayer 2011, section 3.2, take the shift that fits best as that of their recorder (18 ms at all feeds). It is found here as
+//! well, axis by axis and run by run ([`AxisServo::shift_s`]): it holds the lag too.
+
+use ncfix_base::geometry::Axis;
+use ncfix_base::numeric::{in_parts, peak};
+
+use super::signal::{Signal, inflation};
+
+/// Delays that are looked for, s.
+const MOST_S: f64 = 0.25;
+/// Time constants 1/K, s: 300 m/min/mm to 0.1 m/min/mm.
+const TIMES_S: [f64; 2] = [2e-4, 0.6];
+/// An axis that moves less does not tell how it follows, mm or rad.
+const STILL: f64 = 1e-3;
+/// A lag that is this share of the noise at its largest is none.
+const LEAST_LAG: f64 = 2.0;
+/// Samples of a run that are compared in the search: a long one has more than are needed.
+const ENOUGH: usize = 10_000;
+/// Steps of searches.
+const STEPS: usize = 60;
+/// Delays are found to this, s.
+const CLOSE_S: f64 = 1e-7;
+/// How much further than the smallest shift the delay may be: noise, feed-forward that overshoots, s.
+const OVER_S: f64 = 2e-3;
+
+/// The signals of an axis in a run.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    /// Set-points.
+    pub set: Signal,
+    /// By the encoder; the same times.
+    pub encoder: Signal,
+}
+
+/// The servo loop of one axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisServo {
+    /// The axis.
+    pub axis: Axis,
+    /// By how much set-points must be shifted to fit the encoder best, with its standard uncertainty, s, by run; NaN where it stands.
+    pub shift_s: Vec<(f64, f64)>,
+    /// K, 1/s; `None` where no lag is seen.
+    pub velocity_gain: Option<f64>,
+    /// f; 1 where no lag is seen.
+    pub feed_forward: f64,
+    /// RMS of what is left, mm or rad.
+    pub rms: f64,
+}
+
+impl AxisServo {
+    /// The lag at constant velocity, s.
+    #[must_use]
+    pub fn lag_s(&self) -> f64 {
+        self.velocity_gain.map_or(0.0, |gain| (1.0 - self.feed_forward) / gain)
+    }
+}
+
+/// All loops.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Servo {
+    /// Delay of the record of the encoders behind that of the set-points, s.
+    pub delay_s: f64,
+    /// Its standard uncertainty, s.
+    pub uncertainty_s: f64,
+    /// The axes that move.
+    pub axes: Vec<AxisServo>,
+}
+
+/// What an axis does at one delay.
+#[derive(Clone, Copy, Debug)]
+struct Follows {
+    squares: f64,
+    /// 1/K, s, and 1 − f.
+    time_s: f64,
+    share: f64,
+}
+
+/// Finds delay and loops; `runs` are the pairs of each axis. `None` where no axis moves.
+#[must_use]
+pub fn servo(axes: &[(Axis, Vec<Pair>)]) -> Option<Servo> {
+    let moving: Vec<&(Axis, Vec<Pair>)> =
+        axes.iter().filter(|(_, runs)| runs.iter().any(|pair| travel(&pair.set) > STILL)).collect();
+    let shifts: Vec<Vec<(f64, f64)>> = in_parts(&moving, &|(_, runs)| runs.iter().map(shift).collect());
+    // A loop is never ahead of its set-points: the delay is at most the smallest shift.
+    let smallest =
+        shifts.iter().flatten().map(|(shift, _)| *shift).filter(|shift| shift.is_finite()).reduce(f64::min)?;
+    let at = |delay: f64| -> Vec<Follows> { in_parts(&moving, &|(_, runs)| follows(runs, delay)) };
+    let counts: Vec<f64> =
+        moving.iter().map(|(_, runs)| runs.iter().map(|pair| pair.set.values.len() as f64).sum()).collect();
+    let likely = |delay: f64| -> f64 {
+        // Twice the logarithm of the likelihood, with the noise of each axis as it is.
+        -at(delay)
+            .iter()
+            .zip(&counts)
+            .map(|(axis, count)| count * axis.squares.max(f64::MIN_POSITIVE).ln())
+            .sum::<f64>()
+    };
+    let (low, high) = (smallest - MOST_S.min(0.1), smallest + OVER_S);
+    // Coarse first: a long delay and a slow loop look alike from afar.
+    let coarse = (0..=20).map(|k| low + (high - low) * f64::from(k) / 20.0);
+    let (best, _) = coarse.map(|delay| (delay, likely(delay))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let step = (high - low) / 20.0;
+    let (delay_s, _) = peak(best - step, (best + step).min(high), CLOSE_S, STEPS, &likely);
+    let found = at(delay_s);
+    let servo_axes: Vec<AxisServo> = moving
+        .iter()
+        .zip(&found)
+        .zip(shifts)
+        .zip(&counts)
+        .map(|((((axis, runs), follows), shift_s), count)| {
+            let rms = (follows.squares / count).sqrt();
+            let most = runs.iter().map(|pair| largest(&lag(&pair.set, follows.time_s))).fold(0.0, f64::max);
+            let is_seen = (follows.share * most).abs() > LEAST_LAG * rms;
+            AxisServo {
+                axis: *axis,
+                shift_s,
+                velocity_gain: is_seen.then(|| 1.0 / follows.time_s),
+                feed_forward: if is_seen { 1.0 - follows.share } else { 1.0 },
+                rms,
+            }
+        })
+        .collect();
+    Some(Servo { delay_s, uncertainty_s: uncertainty(&moving, delay_s, &likely), axes: servo_axes })
+}
+
+fn travel(signal: &Signal) -> f64 {
+    let [low, high] =
+        signal.values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &v| [low.min(v), high.max(v)]);
+    high - low
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| value.abs().max(most))
+}
+
+/// The shift of a run with its standard uncertainty, s.
+fn shift(pair: &Pair) -> (f64, f64) {
+    if travel(&pair.set) <= STILL {
+        return (f64::NAN, f64::NAN);
+    }
+    let step = pair.set.step_s;
+    let most = (MOST_S / step).floor() as i32;
+    let squares = |shift: f64| -> f64 { left(pair, shift).iter().map(|value| value * value).sum() };
+    let lags = (-most..=most).map(|lag| f64::from(lag) * step);
+    let Some((mut best, _)) = lags.map(|shift| (shift, squares(shift))).min_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return (f64::NAN, f64::NAN);
+    };
+    let mut error = f64::INFINITY;
+    for _ in 0..20 {
+        let left = left(pair, best);
+        let slopes: Vec<f64> = (0..left.len()).map(|k| pair.set.slope(pair.encoder.time(k) - best)).collect();
+        let whole: f64 = slopes.iter().map(|slope| slope * slope).sum();
+        let change = -left.iter().zip(&slopes).map(|(value, slope)| value * slope).sum::<f64>() / whole;
+        let variance = left.iter().map(|value| value * value).sum::<f64>() / left.len() as f64;
+        error = (variance * inflation(&left) / whole).sqrt();
+        best += change.clamp(-step, step);
+        if change.abs() < CLOSE_S {
+            break;
+        }
+    }
+    (best, error)
+}
+
+/// Encoder less shifted set-points.
+fn left(pair: &Pair, shift: f64) -> Vec<f64> {
+    let each = pair.encoder.values.iter().enumerate();
+    each.map(|(k, value)| value - pair.set.at(pair.encoder.time(k) - shift)).collect()
+}
+
+/// z of [the module](self): what a loop without feed-forward lags behind, exactly for set-points that are straight between samples.
+fn lag(set: &Signal, time_s: f64) -> Vec<f64> {
+    let fade = (-set.step_s / time_s).exp();
+    let mut z = 0.0;
+    let mut out = vec![0.0; set.values.len()];
+    for (pair, out) in set.values.windows(2).zip(out.iter_mut().skip(1)) {
+        z = z * fade + time_s * (1.0 - fade) * (pair[1] - pair[0]) / set.step_s;
+        *out = z;
+    }
+    out
+}
+
+/// The loop that fits best for a delay.
+fn follows(runs: &[Pair], delay: f64) -> Follows {
+    let left: Vec<Vec<f64>> = runs.iter().map(|pair| left(pair, delay)).collect();
+    let with = |log_time: f64| -> Follows {
+        let time_s = log_time.exp();
+        let (mut zz, mut zl, mut ll) = (0.0, 0.0, 0.0);
+        for (pair, left) in runs.iter().zip(&left) {
+            let z = Signal { values: lag(&pair.set, time_s), ..pair.set };
+            let every = left.len().div_ceil(ENOUGH).max(1);
+            for (k, value) in left.iter().enumerate().step_by(every) {
+                // Each stands for those that are left out.
+                let weight = every as f64;
+                let z = z.at(pair.encoder.time(k) - delay);
+                zz += weight * z * z;
+                zl -= weight * z * value;
+                ll += weight * value * value;
+            }
+        }
+        // From far ahead to no feed-forward at all.
+        let share = if zz > 0.0 { (zl / zz).clamp(-0.5, 1.0) } else { 0.0 };
+        Follows { squares: (ll - 2.0 * share * zl + share * share * zz).max(0.0), time_s, share }
+    };
+    let ends = TIMES_S.map(f64::ln);
+    let step = (ends[1] - ends[0]) / 16.0;
+    let logs = (0..=16).map(|k| ends[0] + step * f64::from(k));
+    let best =
+        logs.map(|log| (log, with(log).squares)).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(ends[0], |best| best.0);
+    let (log, _) = peak((best - step).max(ends[0]), (best + step).min(ends[1]), 1e-5, STEPS, &|log| -with(log).squares);
+    with(log)
+}
+
+/// From how sharp the likelihood is about the best delay, and how much neighbours of what is left are alike.
+fn uncertainty(moving: &[&(Axis, Vec<Pair>)], delay: f64, likely: &dyn Fn(f64) -> f64) -> f64 {
+    let step = 2e-4;
+    let bend = 2.0 * likely(delay) - likely(delay - step) - likely(delay + step);
+    let alike: Vec<f64> = moving
+        .iter()
+        .flat_map(|(_, runs)| {
+            let found = follows(runs, delay);
+            runs.iter().map(move |pair| {
+                let z = Signal { values: lag(&pair.set, found.time_s), ..pair.set };
+                let left = left(pair, delay);
+                let rest: Vec<f64> = left
+                    .iter()
+                    .enumerate()
+                    .map(|(k, value)| value + found.share * z.at(pair.encoder.time(k) - delay))
+                    .collect();
+                inflation(&rest)
+            })
+        })
+        .collect();
+    let alike = alike.iter().sum::<f64>() / alike.len().max(1) as f64;
+    if bend > 0.0 { (2.0 * alike / bend).sqrt() * step } else { f64::INFINITY }
+}

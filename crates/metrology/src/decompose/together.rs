@@ -1,0 +1,144 @@
+//! A trace brought to one clock: the delays found, the runs at equal steps, the machine at every sample.
+
+use crate::measure::trace::{Run, Trace};
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::numeric::in_parts;
+use ncfix_machine::machine::Machine;
+use ncfix_model::{ErrorModel, Model};
+
+use super::clock::{Clock, clock, reading};
+use super::grid::Grid;
+use super::parts::{Fault, Options};
+use super::poses::Poses;
+use super::servo::{Servo, servo};
+
+/// Accelerations are means over this time to both sides, s.
+const REACH_S: f64 = 0.009;
+/// Runs whose paths differ in length by more have not run the same program.
+const SAME_PATH: f64 = 0.02;
+/// A path shorter than this tells nothing, mm.
+const LEAST_MM: f64 = 1.0;
+/// Encoders that go so many times as far as set-points, or as little, are in another unit.
+const OTHER_UNIT: f64 = 2.0;
+
+/// The runs at equal steps, the slowest first, and their numbers in the trace.
+fn grids(machine: &Machine, trace: &Trace) -> (Vec<Axis>, Vec<usize>, Vec<Grid>) {
+    let axes: Vec<Axis> = machine.axes.iter().flatten().map(|data| data.axis).collect();
+    let mut order: Vec<usize> = (0..trace.runs.len()).collect();
+    let feed = |run: &Run| run.feed_mm_min.unwrap_or(0.0);
+    order.sort_by(|&a, &b| feed(&trace.runs[a]).total_cmp(&feed(&trace.runs[b])));
+    let runs: Vec<&Run> = order.iter().map(|&number| &trace.runs[number]).collect();
+    let grids = in_parts(&runs, &|run| Grid::new(run, &axes));
+    (axes, order, grids)
+}
+
+/// Finds the delay between the records, where it is not known.
+fn find_servo(axes: &[Axis], grids: &[Grid], options: &Options) -> Option<Servo> {
+    let pairs: Vec<_> = axes
+        .iter()
+        .enumerate()
+        .map(|(place, &axis)| (axis, grids.iter().map(|grid| grid.axes[place].1.clone()).collect()))
+        .collect();
+    let mut found = servo(&pairs)?;
+    if let Some(known) = options.record_delay_s {
+        (found.delay_s, found.uncertainty_s) = (known, 0.0);
+    }
+    Some(found)
+}
+
+/// A trace brought to one clock.
+#[derive(Clone, Debug)]
+pub(super) struct Synchronous {
+    /// The axes of the machine.
+    pub(super) axes: Vec<Axis>,
+    /// The numbers of the runs in the trace, the slowest first; all lists are in this order.
+    pub(super) order: Vec<usize>,
+    /// The runs at equal steps.
+    pub(super) grids: Vec<Grid>,
+    /// Where the machine is at them.
+    pub(super) poses: Vec<Poses>,
+    /// χ − χenc by run and sample, mm.
+    pub(super) left: Vec<Vec<Option<Vector>>>,
+    /// Delay of the encoders, and the loops.
+    pub(super) servo: Servo,
+    /// Delay of the instrument.
+    pub(super) clock: Option<Clock>,
+    /// The tool vector, mm.
+    pub(super) tool_mm: Vector,
+    /// The machine without errors.
+    pub(super) nominal: Model,
+}
+
+/// Brings a trace to one clock.
+///
+/// # Errors
+/// [`Fault`].
+pub(super) fn synchronous(machine: &Machine, trace: &Trace, options: &Options) -> Result<Synchronous, Fault> {
+    synchronous_telling(machine, trace, options, &mut |_, _| {})
+}
+
+pub(super) fn synchronous_telling(
+    machine: &Machine,
+    trace: &Trace,
+    options: &Options,
+    tell: &mut dyn FnMut(&str, f64),
+) -> Result<Synchronous, Fault> {
+    tell("delays and servo loops", 0.0);
+    let (axes, order, grids) = grids(machine, trace);
+    check_units(&grids)?;
+    let servo = find_servo(&axes, &grids, options).ok_or(Fault::Still)?;
+    let nominal = Model::new(machine, &ErrorModel::default());
+    let tool_mm = trace.runs.first().map_or_else(Vector::zeros, |run| run.tool_mm);
+    let pose = |grid: &Grid| {
+        let reach = ((REACH_S / grid.step_s).round() as usize).max(1);
+        Poses::new(&nominal, trace, &tool_mm, grid, servo.delay_s, reach)
+    };
+    let poses = in_parts(&grids, &pose);
+    check_paths(&poses, &order)?;
+    tell("clock of the instrument", 0.3);
+    let mut clock = if trace.has_readings() { Some(clock(&grids, &poses, &axes).ok_or(Fault::Apart)?) } else { None };
+    if let (Some(clock), Some(known)) = (&mut clock, options.reading_delay_s) {
+        (clock.delay_s, clock.uncertainty_s) = (known, 0.0);
+    }
+    let left = left(&grids, &poses, clock.as_ref());
+    Ok(Synchronous { axes, order, grids, poses, left, servo, clock, tool_mm, nominal })
+}
+
+/// Whether the encoders go as far as the set-points do.
+fn check_units(grids: &[Grid]) -> Result<(), Fault> {
+    let span = |values: &[f64]| {
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        most - values.iter().copied().fold(f64::INFINITY, f64::min)
+    };
+    for (axis, pair) in grids.iter().flat_map(|grid| &grid.axes) {
+        let [set, encoder] = [&pair.set, &pair.encoder].map(|signal| span(&signal.values));
+        let least = if axis.is_rotary() { LEAST_MM / 100.0 } else { LEAST_MM };
+        if set > least && !(1.0 / OTHER_UNIT..OTHER_UNIT).contains(&(encoder / set)) {
+            return Err(Fault::Units(*axis, [set, encoder]));
+        }
+    }
+    Ok(())
+}
+
+/// Whether all runs follow one path.
+fn check_paths(poses: &[Poses], order: &[usize]) -> Result<(), Fault> {
+    let Some(first) = poses.first() else { return Err(Fault::Still) };
+    if first.length_mm < LEAST_MM {
+        return Err(Fault::Still);
+    }
+    for (other, &number) in poses.iter().zip(order).skip(1) {
+        if (other.length_mm / first.length_mm - 1.0).abs() > SAME_PATH {
+            return Err(Fault::OtherPath([order[0], number], [first.length_mm, other.length_mm]));
+        }
+    }
+    Ok(())
+}
+
+/// χ − χenc by run and sample.
+fn left(grids: &[Grid], poses: &[Poses], clock: Option<&Clock>) -> Vec<Vec<Option<Vector>>> {
+    let one = |(grid, poses): (&Grid, &Poses)| {
+        let at = |number: usize| Some(reading(grid, number, clock?.delay_s)? - poses.nominal[1][number]);
+        (0..poses.count()).map(at).collect()
+    };
+    grids.iter().zip(poses).map(one).collect()
+}

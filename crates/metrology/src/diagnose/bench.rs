@@ -1,0 +1,48 @@
+//! Scenes for tests of this room: tables of a machine without errors, and candidates.
+
+use super::cause::{CAUSES, Candidate, Effect, Weight};
+use super::row::Row;
+use super::scene::{Scene, Through};
+use super::search::Weights;
+pub(super) use crate::calibrate::bench::{machine, table, turning};
+use crate::measure::data::DataSet;
+use ncfix_machine::machine::Machine;
+use ncfix_model::ErrorModel;
+
+/// Displacements at some positions of X, which are all zero, with more columns of each row.
+pub(super) fn along_x(machine: &Machine, more: &str, rows: &[(f64, &str)]) -> DataSet {
+    let mut text = format!("X,Y,Z,dx_um,dy_um,dz_um{more}\n");
+    for (x, cells) in rows {
+        text += &format!("{x},0,0,0,0,0{cells}\n");
+    }
+    table(machine, &text, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")
+}
+
+/// Readings along X at every tenth of a millimetre, µm.
+pub(super) fn reads_along_x(machine: &Machine, um: &[f64]) -> DataSet {
+    let mut text = "X,Y,Z,dx_um\n".to_owned();
+    for (place, um) in um.iter().enumerate() {
+        text += &format!("{}.{},0,0,{um}\n", place / 10, place % 10);
+    }
+    table(machine, &text, "[measurement]\nkind = \"displacement\"\nsigma_um = 1\n")
+}
+
+/// Held against a model without errors.
+pub(super) fn scene<'a>(machine: &'a Machine, sets: &'a [DataSet]) -> Scene<'a> {
+    Scene::new(machine, &ErrorModel::default(), sets).unwrap()
+}
+
+/// A candidate with one column.
+pub(super) fn candidate(
+    effect: Effect,
+    through: Through,
+    weight: impl Fn(&Row) -> f64 + Send + Sync + 'static,
+) -> Candidate {
+    let cause = CAUSES.iter().find(|cause| cause.effect == effect).unwrap();
+    Candidate::one(cause, "X", through, Weight::new(weight))
+}
+
+/// One reading counts as another.
+pub(super) fn even(scene: &Scene<'_>) -> Weights {
+    Weights { items: vec![1.0; scene.items.len()], series: vec![0; scene.items.len()] }
+}

@@ -1,0 +1,166 @@
+//! Terms that nearly cancel each other: of two columns that are nearly the same, one is a large amount and the other its opposite. Together they say
+//! what little both differ by; where was not measured they are metres.
+//!
+//! And terms that readings hardly show: for micrometres that are read they would have to be larger than any machine errs.
+
+use super::cause::{Candidate, range};
+use super::row::{NOWHERE, Row};
+use super::scene::Through;
+use super::search::Field;
+use super::size::weights_at;
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_base::numeric::Series;
+
+/// A term that does so many times what there is to explain is cancelled by others.
+const CANCELS: f64 = 3.0;
+
+/// No machine errs so much where readings show little of it, mm and rad.
+const ABSURD: [f64; 2] = [1.0, 1e-2];
+/// Readings that show little: so much at most, mm or rad.
+const LITTLE: f64 = 0.05;
+/// Rows at which a deviation is looked at.
+const ROWS: usize = 400;
+impl Field<'_, '_> {
+    /// Whether a candidate beside what a series has would be larger than any machine errs, in readings that show little.
+    pub(super) fn is_absurd(&self, number: usize, series: &Series) -> bool {
+        let most = |one: &Candidate| match one.columns.first()?.first()?.0 {
+            Through::Component(name) => Some(ABSURD[usize::from(name.direction.is_rotation())]),
+            Through::Tip(_) => Some(ABSURD[0]),
+            Through::Reading(_) | Through::Value(_) => None,
+        };
+        let Some((one, most)) = self.candidates.get(number).and_then(|one| Some((one, most(one)?))) else {
+            return false;
+        };
+        let (amounts, _) = series.amounts(&self.columns(one));
+        let step = (self.scene.rows.len() / ROWS).max(1);
+        let is_large = |row: &Row| {
+            let all = weights_at(one, row);
+            all.iter().zip(&amounts).map(|(weight, amount)| weight * amount).sum::<f64>().abs() > most
+        };
+        // What goes with two axes is looked at where both are at their ends: lines show the middle of it only.
+        let is_beyond = self.scene.rows.iter().step_by(step).any(is_large) || self.corners(one).iter().any(is_large);
+        let squares: f64 = self.scene.items.iter().map(|item| item.left * item.left).sum();
+        is_beyond && squares < LITTLE * LITTLE * self.scene.items.len() as f64
+    }
+}
+
+impl Field<'_, '_> {
+    /// Where the axes on which one depends are at the ends of what was measured; none where it depends on anything else.
+    fn corners(&self, one: &Candidate) -> Vec<Row> {
+        let axis = |driver: &String| AXES.into_iter().find(|axis| axis.to_string() == *driver);
+        let axes: Option<Vec<Axis>> = one.drivers.iter().map(axis).collect();
+        let (Some(axes), Some(first)) = (axes.filter(|axes| axes.len() == 2), self.scene.rows.first()) else {
+            return Vec::new();
+        };
+        let mut out = vec![Row { number: NOWHERE, ..first.clone() }];
+        for axis in axes {
+            let Some(ends) = range(self.scene, axis) else { return Vec::new() };
+            let at = |row: &Row, place: f64| {
+                let mut row = row.clone();
+                row.position[axis] = place;
+                row
+            };
+            out = out.iter().flat_map(|row| ends.map(|place| at(row, place))).collect();
+        }
+        out
+    }
+}
+
+/// What columns of candidates are of those of a basis, in the order in which they were taken: the triangle of their regression.
+#[derive(Clone, Debug)]
+pub(super) struct Triangle {
+    /// Columns of the basis that are none of candidates.
+    before: usize,
+    /// What there was to explain.
+    squares: f64,
+    /// The candidate of each column, and what it is of the columns of the basis behind those.
+    columns: Vec<(usize, Vec<f64>)>,
+    /// What each of these explains.
+    explained: Vec<f64>,
+}
+
+impl Triangle {
+    /// Nothing is taken behind what a series has.
+    pub(super) fn new(series: &Series) -> Triangle {
+        Triangle { before: series.rank(), squares: series.squares(), columns: Vec::new(), explained: Vec::new() }
+    }
+
+    /// Takes the columns of a candidate into a series.
+    pub(super) fn take(&mut self, series: &mut Series, number: usize, columns: &[Vec<f64>]) {
+        for column in columns {
+            if let Some((shares, explained)) = series.take_with_shares(column) {
+                self.columns.push((number, shares.get(self.before..).unwrap_or_default().to_vec()));
+                self.explained.push(explained);
+            }
+        }
+    }
+
+    /// The last one that was taken, not one of some, and does much more to the readings beside the set-ups than there was to explain.
+    pub(super) fn cancelled(&self, kept: &[usize]) -> Option<usize> {
+        let count = self.columns.len();
+        let mut amounts = self.explained.clone();
+        for k in (0..count).rev() {
+            let own = self.columns[k].1.get(k).copied().unwrap_or(1.0);
+            amounts[k] /= own;
+            for (l, share) in self.columns[k].1.iter().enumerate().take(k) {
+                amounts[l] -= share * amounts[k];
+            }
+        }
+        let mut does: Vec<(usize, Vec<f64>)> = Vec::new();
+        for ((number, shares), amount) in self.columns.iter().zip(&amounts) {
+            if does.last().is_none_or(|(last, _)| last != number) {
+                does.push((*number, vec![0.0; count]));
+            }
+            if let Some((_, sums)) = does.last_mut() {
+                sums.iter_mut().zip(shares).for_each(|(sum, share)| *sum += amount * share);
+            }
+        }
+        let most = CANCELS * CANCELS * self.squares;
+        let is_large = |sums: &[f64]| sums.iter().map(|sum| sum * sum).sum::<f64>() > most;
+        does.iter().rev().find(|(number, sums)| !kept.contains(number) && is_large(sums)).map(|(number, _)| *number)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::cause::{Effect, Weight};
+
+    #[test]
+    fn of_two_that_are_nearly_one_the_later_is_cancelled() {
+        let rows = 40;
+        let first: Vec<f64> = (0..rows).map(f64::from).collect();
+        let wave: Vec<f64> = (0..rows).map(|k| (f64::from(k) * 0.9).sin()).collect();
+        // A hundredth of the wave tells it from the first: to say the wave takes a hundred times both.
+        let nearly: Vec<f64> = first.iter().zip(&wave).map(|(a, b)| a + 0.01 * b).collect();
+        let other: Vec<f64> = (0..rows).map(|k| f64::from(k % 2)).collect();
+        let taken = |columns: &[&Vec<f64>]| {
+            let mut series = Series::new(&[0; 40], &[1.0; 40], 0.0);
+            series.set_values(&wave);
+            let mut triangle = Triangle::new(&series);
+            for (number, column) in columns.iter().enumerate() {
+                triangle.take(&mut series, number, &[(*column).clone()]);
+            }
+            triangle.cancelled(&[])
+        };
+        assert_eq!(taken(&[&first, &nearly, &other]), Some(1));
+        assert_eq!(taken(&[&first, &wave, &other]), None);
+    }
+
+    #[test]
+    fn millimetres_for_readings_of_micrometres_are_absurd() {
+        let machine = bench::machine();
+        let found = |um: f64| {
+            let sets = [bench::reads_along_x(&machine, &[um; 8])];
+            let scene = bench::scene(&machine, &sets);
+            // Readings show a thousandth of it.
+            let mut one = bench::candidate(Effect::Unknown, Through::Tip(0), |_| 1.0);
+            one.columns[0].push((Through::Tip(0), Weight::new(|_| -0.999)));
+            let field = Field::new(&scene, vec![one]);
+            field.is_absurd(0, &field.series(&bench::even(&scene), &[], 0.0))
+        };
+        // 0.5 mm is none, 10 mm is; readings of 0.1 mm show that something is far off.
+        assert_eq!([0.5, 10.0, 100.0].map(found), [false, true, false]);
+    }
+}

@@ -1,0 +1,102 @@
+//! Play: the carriage lags behind at a turn, along the axis (backlash), across it or turned (lateral play).
+
+use super::{Candidate, Cause, Correctable, Effect, Weight, own};
+use crate::diagnose::scene::{Scene, Through};
+use ncfix_base::geometry::Axis;
+use ncfix_model::ParameterName;
+use ncfix_model::name::{DIRECTIONS, ErrorName};
+
+pub(super) const BACKLASH: Cause = Cause {
+    name: "backlash",
+    effect: Effect::Backlash,
+    made_by: "play of nut, preload or gear; wind-up of the screw",
+    shown_by: "ball-bar: steps at the turns of the axis, of opposite sign in the two senses; laser forth and back",
+    separate_by: "a second feed: lag grows with it, backlash does not",
+    correctable: Correctable::Program,
+    propose: |scene, out| propose(scene, out, &BACKLASH, true),
+};
+
+pub(super) const LATERAL_PLAY: Cause = Cause {
+    name: "lateral play",
+    effect: Effect::LateralPlay,
+    made_by: "clearance of the guideway",
+    shown_by: "ball-bar: the traces of the two senses split across the axis, without steps",
+    separate_by: "both senses of the ball-bar; forth and back along the axis with an indicator across it",
+    correctable: Correctable::Program,
+    propose: |scene, out| propose(scene, out, &LATERAL_PLAY, false),
+};
+
+/// The share of where an axis was over which it must have come from both sides for play that changes along it.
+const WAY: f64 = 0.5;
+
+/// Wind-up grows with the length of the screw between bearing and nut.
+pub(super) const WIND_UP: Cause = Cause {
+    name: "backlash that depends on the position",
+    effect: Effect::Backlash,
+    made_by: "a screw that winds up, worn where it is used most",
+    shown_by: "laser forth and back over the whole travel: the two lines are not parallel",
+    separate_by: "forth and back at three places at least",
+    correctable: Correctable::Program,
+    propose: wind_up,
+};
+
+fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>, cause: &'static Cause, along: bool) {
+    for axis in super::axes(scene).filter(|axis| both_ways(scene, *axis, 0.0)) {
+        let sense = Weight::new(move |row| row.sense_of(axis));
+        for name in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
+            if (name == own(axis)) != along {
+                continue;
+            }
+            let one = Candidate::one(cause, name, Through::Component(name), sense.clone());
+            out.push(one.driven_by(&[&format!("{axis}_dir")]).extends(&[ParameterName::backlash(name)]));
+        }
+    }
+}
+
+/// Whether an axis was measured behind motions in both senses, each over a share of where it was: from one side alone play is a constant, and play that
+/// grows a scale.
+fn both_ways(scene: &Scene<'_>, axis: Axis, share: f64) -> bool {
+    let spread = |of: fn(f64) -> bool| {
+        let places = scene.rows.iter().filter(|row| of(row.sense_of(axis))).map(|row| row.position[axis]);
+        super::spread(places).map(|[low, high]| high - low)
+    };
+    let [Some(all), Some(up), Some(down)] =
+        [spread(|_| true), spread(|sense| sense > 0.0), spread(|sense| sense < 0.0)]
+    else {
+        return false;
+    };
+    up.min(down) >= share * all
+}
+
+fn wind_up(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    for axis in super::axes(scene).filter(|axis| both_ways(scene, *axis, WAY)) {
+        let Some([low, high]) = super::range(scene, axis) else { continue };
+        let through = Through::Component(own(axis));
+        let share = move |row: &crate::diagnose::row::Row| (row.position[axis] - low) / (high - low);
+        let columns = [0, 1].map(|power| Weight::new(move |row| row.sense_of(axis) * share(row).powi(power)));
+        let mut one = Candidate::one(&WIND_UP, own(axis), through, Weight::new(|_| 0.0));
+        one.columns = columns.into_iter().map(|weight| vec![(through, weight)]).collect();
+        out.push(one.driven_by(&[&format!("{axis}_dir"), &axis]));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn play_shows_where_an_axis_came_from_both_sides() {
+        let machine = bench::machine();
+        let found = |places: &[f64], share: f64| {
+            let cells: Vec<(f64, &str)> = places.iter().map(|&x| (x, "")).collect();
+            let sets = [bench::along_x(&machine, "", &cells)];
+            both_ways(&bench::scene(&machine, &sets), Axis::X, share)
+        };
+        // Where it stands first it came from no side.
+        assert!(!found(&[300.0, 200.0, 100.0], 0.0));
+        assert!(found(&[300.0, 200.0, 100.0, 150.0, 190.0], 0.0));
+        // Up over 40 mm of 200 mm.
+        assert_eq!([0.1, 0.3].map(|share| found(&[300.0, 200.0, 100.0, 150.0, 190.0], share)), [true, false]);
+    }
+}

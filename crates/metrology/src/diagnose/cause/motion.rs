@@ -1,0 +1,126 @@
+//! Errors of the motion of axes that are smooth in the position: scale, straightness, roll, pitch and yaw (ISO 230-1).
+
+use super::{Candidate, Cause, Correctable, Effect, Weight};
+use crate::diagnose::scene::{Scene, Through};
+use ncfix_model::ParameterName;
+use ncfix_model::name::{DIRECTIONS, ErrorName};
+use ncfix_model::parameter::Term;
+
+pub(super) const CAUSE: Cause = Cause {
+    name: "motion of an axis",
+    effect: Effect::Motion,
+    made_by: "guideways, ball screw, scale",
+    shown_by: "laser, level, hole plate; ball-bar: lobes that are the same in both senses and at all feeds",
+    separate_by: "a second tool length or plate height tells angles from straightness, two radii a scale from the length of the bar",
+    correctable: Correctable::Program,
+    propose,
+};
+
+/// Degrees that are tried together.
+const DEGREES: [u8; 5] = [1, 2, 3, 4, 5];
+/// Where shapes bend that no polynomial of these degrees has: shares of the range that was measured.
+const KNOTS: [&[f64]; 2] = [&[0.33, 0.67], &[0.2, 0.4, 0.6, 0.8]];
+
+/// Columns of one axis: weights with what they are called.
+type Shape = Vec<(Weight, Term)>;
+
+fn propose(scene: &Scene<'_>, out: &mut Vec<Candidate>) {
+    for axis in super::axes(scene) {
+        let Some([low, high]) = super::range(scene, axis) else { continue };
+        let powers: Shape = DEGREES
+            .into_iter()
+            .map(|degree| {
+                (Weight::new(move |row| row.position[axis].powi(i32::from(degree))), Term::Coefficient(degree))
+            })
+            .collect();
+        let mut shapes: Vec<Shape> =
+            (1..=powers.len()).map(|most| powers.iter().take(most).cloned().collect()).collect();
+        for knots in KNOTS.into_iter().filter(|_| !axis.is_rotary()) {
+            let mut shape: Shape = powers.iter().take(2).cloned().collect();
+            for share in knots {
+                let at = (low + share * (high - low)).round();
+                let weight = Weight::new(move |row| (row.position[axis] - at).max(0.0).powi(2));
+                shape.push((weight, Term::Knot { degree: 2, at: at as i32 }));
+            }
+            shapes.push(shape);
+        }
+        // An angle has a value where the axis is at zero, too, which levers show.
+        let always = (Weight::new(|_| 1.0), Term::Coefficient(0));
+        let tilted: Vec<Shape> =
+            (1..=2).map(|most| powers.iter().take(most).chain([&always]).cloned().collect()).collect();
+        for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
+            for shape in shapes.iter().chain(tilted.iter().filter(|_| component.direction.is_rotation())) {
+                let mut one = Candidate::one(&CAUSE, component, Through::Component(component), Weight::new(|_| 0.0));
+                one.columns =
+                    shape.iter().map(|(weight, _)| vec![(Through::Component(component), weight.clone())]).collect();
+                let parameters: Vec<_> =
+                    shape.iter().map(|(_, term)| ParameterName { component, term: *term }).collect();
+                out.push(one.driven_by(&[&axis]).extends(&parameters));
+            }
+        }
+    }
+}
+
+/// Motions of linear axes without their slope, of the second degree and with the third: Legendre's polynomials over the range that was measured. Beside
+/// a squareness, which has the slope, they are all of a straightness.
+pub(in crate::diagnose) fn bows(scene: &Scene<'_>) -> Vec<Candidate> {
+    let mut out = Vec::new();
+    for axis in super::linear(scene) {
+        let Some([low, high]) = super::range(scene, axis) else { continue };
+        let (middle, half) = (f64::midpoint(low, high), 0.5 * (high - low));
+        let of = |shape: fn(f64) -> f64| Weight::new(move |row| shape((row.position[axis] - middle) / half));
+        let [second, third] = [of(|u| u * u), of(|u| u * (u * u - 0.6))];
+        for component in DIRECTIONS.map(|direction| ErrorName::motion(direction, axis)) {
+            let through = Through::Component(component);
+            let one = Candidate::one(&CAUSE, component, through, second.clone()).driven_by(&[&axis]);
+            let mut both = one.clone();
+            both.columns.push(vec![(through, third.clone())]);
+            out.extend([one, both]);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn pieces_meet_at_shares_of_the_range_and_bend_behind_them() {
+        let machine = bench::machine();
+        let sets = [bench::along_x(&machine, "", &[(-100.0, ""), (0.0, ""), (200.0, "")])];
+        let scene = bench::scene(&machine, &sets);
+        let mut found = Vec::new();
+        propose(&scene, &mut found);
+        // A third and two thirds of 300 mm from −100 mm on.
+        let knots = |one: &&Candidate| one.columns.len() == 4 && one.term == knotted([-1, 101]);
+        let one = found.iter().find(knots).unwrap();
+        let at = |column: usize, row: usize| one.columns[column][0].1.of(&scene.rows[row]);
+        assert_eq!([0, 1, 2].map(|row| at(2, row)), [0.0, 1.0, 201.0 * 201.0]);
+        assert_eq!([0, 1, 2].map(|row| at(3, row)), [0.0, 0.0, 99.0 * 99.0]);
+    }
+
+    fn knotted(knots: [i32; 2]) -> super::super::Term {
+        let component = ErrorName::motion(DIRECTIONS[1], ncfix_base::geometry::Axis::X);
+        let terms = [Term::Coefficient(1), Term::Coefficient(2)]
+            .into_iter()
+            .chain(knots.map(|at| Term::Knot { degree: 2, at }));
+        super::super::Term::Parameters(terms.map(|term| ParameterName { component, term }).collect())
+    }
+
+    #[test]
+    fn bows_are_those_of_legendre_over_the_range() {
+        let machine = bench::machine();
+        let sets = [bench::along_x(&machine, "", &[(100.0, ""), (200.0, ""), (250.0, ""), (300.0, "")])];
+        let scene = bench::scene(&machine, &sets);
+        let found = bows(&scene);
+        let both = found.iter().find(|one| one.parameter == "EYX" && one.columns.len() == 2).unwrap();
+        let at = |column: usize| [0, 1, 2, 3].map(|row| both.columns[column][0].1.of(&scene.rows[row]));
+        // At −1, 0, 1/2 and 1: u² and u³ − 3/5 u.
+        let expected = [[1.0, 0.0, 0.25, 1.0], [-0.4, 0.0, 0.125 - 0.3, 0.4]];
+        for (column, expected) in expected.iter().enumerate() {
+            assert!(at(column).iter().zip(expected).all(|(own, expected)| (own - expected).abs() < 1e-12), "{column}");
+        }
+    }
+}

@@ -1,0 +1,362 @@
+//! Which findings readings do not tell from other errors that would move the tool otherwise where was not measured.
+//!
+//! Readings of a few places fit several errors alike: on circles that are off the middle a yaw that grows along an axis is a squareness and a scale.
+//! Which of them is named does not matter where was measured, and matters all the more elsewhere. So a finding is held against the rivals of its class,
+//! and against two errors that are less far-fetched, or a few of them where it is far-fetched itself: if these explain the readings as well, and the
+//! correction of the finding would then not help over the whole travel of the machine, it is in doubt.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::cause::{Candidate, Effect, Term, circle};
+use super::mimic::RIVAL;
+use super::scene::Through;
+use super::search::{Field, Weights};
+use super::separate::separating;
+use super::size::{Amounts, EXPANDED};
+use super::volume::Volume;
+use ncfix_base::geometry::AXES;
+use ncfix_base::numeric::Series;
+use ncfix_base::numeric::sums::dot;
+use ncfix_model::parameter::Term as Part;
+
+/// A correction helps where it leaves less than this share of an error.
+const LEAVES: f64 = 0.8;
+/// Others that would do so many times what the finding does over the travel are none.
+const LARGER: f64 = 2.0;
+/// Rivals that are more far-fetched by less than this count.
+const AS_FAR: u32 = 100;
+/// Those that are not count where they explain so much of χ² more; then a correction must leave less of them.
+const BETTER: f64 = 4.0;
+const HALF: f64 = 0.5;
+/// Several simple errors are less far-fetched than what is so far-fetched: angles that one arm shows, cross-couplings, what has no name.
+const FAR: u32 = 400;
+/// So many of them.
+const MOST: usize = 6;
+/// Lobes that a ball out of round may have; fewer are what slopes and bows do to a circle.
+const LOBES: std::ops::Range<u32> = 4..13;
+/// Of a column of which less than this share of the square is left beside others these have all.
+const OWN: f64 = 1e-4;
+
+/// Why a finding is in doubt.
+#[derive(Clone, Debug)]
+pub struct Doubt {
+    /// Names of errors that together do the same to the readings; none where it is less sure over the travel than it is large.
+    pub rivals: Vec<String>,
+    /// What tells it from the first of them.
+    pub separate_by: String,
+}
+
+/// A simple error: what it does to readings beside others, and over the travel, per amount.
+struct Simple {
+    candidate: usize,
+    reads: Vec<f64>,
+    moves: Vec<f64>,
+}
+
+impl Field<'_, '_> {
+    /// Why one beside others, with its amounts and its class (itself first), is in doubt.
+    pub(super) fn doubt(
+        &self,
+        weights: &Weights,
+        volume: &Volume,
+        (number, others): (usize, &[usize]),
+        (amounts, class): (&Amounts, &[usize]),
+        (memory, noise): (f64, f64),
+    ) -> Option<Doubt> {
+        let one = self.candidates.get(number)?;
+        if let Some(doubt) = self.turn_in_doubt(one, class) {
+            return Some(doubt);
+        }
+        if !is_of_place(one) {
+            return None;
+        }
+        let fields = volume.fields(one, is_bounded(one));
+        let moves = sum(&fields, &amounts.values);
+        if dot(&moves, &moves) <= 0.0 {
+            return None;
+        }
+        if is_unsure(one, &fields, amounts, dot(&moves, &moves)) {
+            return Some(Doubt { rivals: Vec::new(), separate_by: "at more places, or more often".to_owned() });
+        }
+        let mut series = self.series(weights, others, memory);
+        let own = series.gain(&self.columns(one)).squares;
+        let said = |rivals: &[usize]| {
+            let rivals: Vec<&Candidate> = rivals.iter().filter_map(|&number| self.candidates.get(number)).collect();
+            // A slope and a bow of one motion are one motion.
+            let mut names: Vec<String> = Vec::new();
+            for one in &rivals {
+                let name = format!("{} {}", one.cause.effect, one.parameter);
+                if !names.contains(&name) {
+                    names.push(name);
+                }
+            }
+            Some(Doubt { rivals: names, separate_by: separating(self.scene, one, rivals.first()?) })
+        };
+        for &rival in class.iter().skip(1) {
+            let Some(other) = self.candidates.get(rival).filter(|other| is_of_place(other)) else { continue };
+            // Cross-couplings with and without what each axis does alone are one kind.
+            let are_cross = [one, other].iter().all(|one| one.cause.effect == Effect::Cross);
+            let is_as_short = are_cross || other.columns.len() <= one.columns.len();
+            let [far, of_other] = [one, other].map(Candidate::far_fetched);
+            let columns = self.columns(other);
+            let is_better = series.gain(&columns).squares > own + BETTER * noise;
+            // A bow with a slope of its own says more by chance; what has no name was found among many.
+            let is_any = one.cause.effect == Effect::Unknown;
+            let is_longer = other.columns.len() == one.columns.len() + 1 && (is_better || is_any);
+            // An angle that is seen at one arm is any displacement that goes the same way.
+            let is_angle = far >= FAR && one.cause.effect == Effect::Motion;
+            let is_simpler = of_other.saturating_add(AS_FAR) < far && (is_as_short || is_longer || is_angle);
+            let is_alike = is_as_short && of_other <= far.saturating_add(AS_FAR) && other.parameter != one.parameter;
+            let is_better = is_as_short && is_better;
+            if is_simpler || is_alike || is_better {
+                let (parts, _) = series.amounts(&columns);
+                let field = sum(&volume.fields(other, is_bounded(other)), &parts);
+                // What is simpler may also do much more than what was found.
+                let is_left = is_simpler && leaves(&moves, &field, LEAVES);
+                if harms(&moves, &field) || is_left || (is_better && leaves(&moves, &field, HALF)) {
+                    return said(&[rival]);
+                }
+            }
+        }
+        if let Some(rival) = self.single_instead(weights, volume, (one, others), memory) {
+            return said(&[rival]);
+        }
+        if let Some(doubt) = self.lobes_instead(&series, one, own - RIVAL * noise) {
+            return Some(doubt);
+        }
+        let left = series.left().to_vec();
+        let mut simple: Vec<Simple> = Vec::new();
+        for candidate in self.simpler(one) {
+            let Some(other) = self.candidates.get(candidate) else { continue };
+            let columns = self.columns(other).pop().zip(volume.fields(other, false).pop());
+            let Some((column, moves)) = columns else { continue };
+            let whitened = series.whitened(&column);
+            let whole = dot(&whitened, &whitened);
+            series.set_values(&column);
+            let reads = series.left().to_vec();
+            if dot(&reads, &reads) > OWN * whole {
+                simple.push(Simple { candidate, reads, moves });
+            }
+        }
+        let needed = own - RIVAL * noise;
+        let rivals = Rivals::new(&simple, &left);
+        let found = rivals
+            .pair(needed, &moves)
+            .or_else(|| (one.far_fetched() >= FAR).then(|| rivals.several(needed, &moves)).flatten())?;
+        said(&found)
+    }
+
+    /// Whether a turn of a carriage where it reverses may as well be a plain play, which acts alike wherever the tool is.
+    fn turn_in_doubt(&self, one: &Candidate, class: &[usize]) -> Option<Doubt> {
+        let is_play = |one: &Candidate| matches!(one.cause.effect, Effect::Backlash | Effect::LateralPlay);
+        if !is_play(one) || one.far_fetched() < FAR {
+            return None;
+        }
+        let others = class.iter().skip(1).filter_map(|&number| self.candidates.get(number));
+        let plain = others.into_iter().find(|other| is_play(other) && other.far_fetched() < FAR)?;
+        Some(Doubt {
+            rivals: vec![format!("{} {}", plain.cause.effect, plain.parameter)],
+            separate_by: separating(self.scene, one, plain),
+        })
+    }
+
+    /// One error that explains more than a simple one and another that was found do together: then it is no chance that both are there.
+    fn single_instead(
+        &self,
+        weights: &Weights,
+        volume: &Volume,
+        (one, others): (&Candidate, &[usize]),
+        memory: f64,
+    ) -> Option<usize> {
+        let is_simple = |one: &Candidate| {
+            let is_known = matches!(one.cause.effect, Effect::Location | Effect::Motion);
+            is_known && one.columns.len() == 1 && matches!(one.term, Term::Parameters(_))
+        };
+        let at = |number: usize| self.candidates.get(number).filter(|one| is_simple(one));
+        others.iter().filter(|_| is_simple(one)).find_map(|&number| {
+            let other = at(number)?;
+            let rest: Vec<usize> = others.iter().copied().filter(|&third| third != number).collect();
+            let series = self.series(weights, &rest, memory);
+            let both = [self.columns(one), self.columns(other)].concat();
+            let (amounts, _) = series.amounts(&both);
+            let fields = [volume.fields(one, false), volume.fields(other, false)].concat();
+            let (moves, explained) = (sum(&fields, &amounts), series.gain(&both).squares);
+            (0..self.bows.start).find(|&rival| {
+                at(rival).is_some_and(|rival| {
+                    let columns = self.columns(rival);
+                    series.gain(&columns).squares > explained && {
+                        let (amounts, _) = series.amounts(&columns);
+                        leaves(&moves, &sum(&volume.fields(rival, false), &amounts), HALF)
+                    }
+                })
+            })
+        })
+    }
+
+    /// Lobes that go round with the angle of circles and explain as much with no more unknowns: they are no errors of axes.
+    fn lobes_instead(&self, series: &Series, one: &Candidate, needed: f64) -> Option<Doubt> {
+        let most = one.columns.len() / 2;
+        let places = if most > 0 { circle::places(self.scene)? } else { return None };
+        let mut planes: Vec<usize> =
+            places.planes.iter().flatten().filter(|plane| plane.is_finite()).map(|&plane| plane as usize).collect();
+        planes.sort_unstable();
+        planes.dedup();
+        let mut found = LOBES.flat_map(|count| {
+            let with = |planes: &[usize], are_alike| {
+                let one = circle::lobes(&places, planes, count, are_alike);
+                (series.gain(&self.columns(&one)).squares, one)
+            };
+            let mut each: Vec<(f64, usize)> = planes.iter().map(|&plane| (with(&[plane], true).0, plane)).collect();
+            each.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let some: Vec<usize> = each.into_iter().take(most).map(|(_, plane)| plane).collect();
+            [with(&planes, true), with(&some, false)]
+        });
+        let (_, lobes) = found.find(|(gain, _)| *gain >= needed)?;
+        let count = lobes.constant.map_or(0.0, |(count, _)| count);
+        Some(Doubt {
+            rivals: vec![format!("{count} lobes over the angle of circles ({})", lobes.parameter)],
+            separate_by: lobes.cause.separate_by.to_owned(),
+        })
+    }
+
+    /// Simple errors that are less far-fetched: locations, slopes of motions and bows.
+    fn simpler(&self, than: &Candidate) -> Vec<usize> {
+        let is_simple = |&number: &usize| {
+            let Some(one) = self.candidates.get(number).filter(|one| one.columns.len() == 1) else { return false };
+            let is_kind = match (&one.cause.effect, &one.term) {
+                (Effect::Location, Term::Parameters(_)) => true,
+                (Effect::Motion, Term::Parameters(names)) => names.iter().all(|name| name.term == Part::Coefficient(1)),
+                (Effect::Motion, Term::None) => self.bows.contains(&number),
+                _ => false,
+            };
+            is_kind && one.far_fetched() / 10 < than.far_fetched() / 10
+        };
+        (0..self.bows.end).filter(is_simple).collect()
+    }
+}
+
+/// Simple errors and what products of them and of readings are.
+struct Rivals<'a> {
+    simple: &'a [Simple],
+    products: DMatrix<f64>,
+    right: DVector<f64>,
+}
+
+impl<'a> Rivals<'a> {
+    fn new(simple: &'a [Simple], left: &[f64]) -> Rivals<'a> {
+        let count = simple.len();
+        let mut products = DMatrix::zeros(count, count);
+        for k in 0..count {
+            for l in 0..=k {
+                let product = dot(&simple[k].reads, &simple[l].reads);
+                products[(k, l)] = product;
+                products[(l, k)] = product;
+            }
+        }
+        let right = DVector::from_fn(count, |k, _| dot(&simple[k].reads, left));
+        Rivals { simple, products, right }
+    }
+
+    /// Amounts of some and what they explain; `None` where they are not told apart.
+    fn amounts(&self, some: &[usize]) -> Option<(Vec<f64>, f64)> {
+        let scale: Vec<f64> = some.iter().map(|&k| self.products[(k, k)].sqrt()).collect();
+        let matrix =
+            DMatrix::from_fn(some.len(), some.len(), |k, l| self.products[(some[k], some[l])] / (scale[k] * scale[l]));
+        let right = DVector::from_fn(some.len(), |k, _| self.right[some[k]] / scale[k]);
+        if matrix.determinant() < OWN {
+            return None;
+        }
+        let found = matrix.cholesky()?.solve(&right);
+        let explained = found.dot(&right);
+        Some((found.iter().zip(&scale).map(|(amount, scale)| amount / scale).collect(), explained))
+    }
+
+    fn moves(&self, some: &[usize], amounts: &[f64]) -> Vec<f64> {
+        let all: Vec<&[f64]> = some.iter().map(|&k| self.simple[k].moves.as_slice()).collect();
+        sum(&all, amounts)
+    }
+
+    fn numbers(&self, some: &[usize]) -> Vec<usize> {
+        some.iter().map(|&k| self.simple[k].candidate).collect()
+    }
+
+    /// The two that explain most, if that is as much as is needed and a correction would do harm.
+    fn pair(&self, needed: f64, own: &[f64]) -> Option<Vec<usize>> {
+        let count = self.simple.len();
+        let pairs = (0..count).flat_map(|k| (0..k).map(move |l| [l, k]));
+        let alike = pairs.filter_map(|pair| {
+            let (amounts, explained) = self.amounts(&pair)?;
+            (explained >= needed && harms(own, &self.moves(&pair, &amounts))).then_some((explained, pair))
+        });
+        let best = alike.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(self.numbers(&best.1))
+    }
+
+    /// A few, the next always the one that explains most beside the others.
+    fn several(&self, needed: f64, own: &[f64]) -> Option<Vec<usize>> {
+        let mut some: Vec<usize> = Vec::new();
+        while some.len() < MOST {
+            let with = |k: usize| some.iter().copied().chain([k]).collect::<Vec<_>>();
+            let open = (0..self.simple.len()).filter(|k| !some.contains(k));
+            let all = open.filter_map(|k| Some((self.amounts(&with(k))?, k)));
+            let ((amounts, explained), next) = all.max_by(|a, b| a.0.1.total_cmp(&b.0.1))?;
+            some.push(next);
+            if explained >= needed {
+                return harms(own, &self.moves(&some, &amounts)).then(|| self.numbers(&some));
+            }
+        }
+        None
+    }
+}
+
+/// Whether the amounts of a shape of several columns are less sure over the travel than it is large.
+fn is_unsure(one: &Candidate, fields: &[Vec<f64>], amounts: &Amounts, square: f64) -> bool {
+    // A constant that is not told is not written.
+    let is_constant = |k: usize| match &one.term {
+        Term::Parameters(names) => names.get(k).is_some_and(|name| name.term == Part::Coefficient(0)),
+        Term::None => false,
+    };
+    let told: Vec<usize> = (0..fields.len()).filter(|&k| !is_constant(k)).collect();
+    let entry = |k: usize, l: usize| amounts.covariance.get(k).and_then(|row| row.get(l)).copied().unwrap_or(0.0);
+    let pairs = told.iter().flat_map(|&k| told.iter().map(move |&l| (k, l)));
+    let variance: f64 = pairs.map(|(k, l)| entry(k, l) * dot(&fields[k], &fields[l])).sum();
+    told.len() > 1 && EXPANDED * EXPANDED * variance >= square
+}
+
+/// Whether it does not help to correct by one where the other is true, which is no larger than may be.
+fn harms(own: &[f64], other: &[f64]) -> bool {
+    dot(other, other) <= LARGER * LARGER * dot(own, own) && leaves(own, other, LEAVES)
+}
+
+/// Whether correcting by one leaves so much of the other, or more.
+fn leaves(own: &[f64], other: &[f64], share: f64) -> bool {
+    let left: f64 = own.iter().zip(other).map(|(own, other)| (own - other).powi(2)).sum();
+    left > share * share * dot(other, other)
+}
+
+/// A sum of columns times amounts.
+fn sum(columns: &[impl AsRef<[f64]>], amounts: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; columns.first().map_or(0, |column| column.as_ref().len())];
+    for (column, amount) in columns.iter().zip(amounts) {
+        out.iter_mut().zip(column.as_ref()).for_each(|(sum, value)| *sum += amount * value);
+    }
+    out
+}
+
+/// Whether it is taken for no more beyond the last places that were measured than there: what bends.
+fn is_bounded(one: &Candidate) -> bool {
+    let is_straight = |term: Part| matches!(term, Part::Coefficient(0 | 1) | Part::Whole);
+    !matches!(&one.term, Term::Parameters(names) if names.iter().all(|name| is_straight(name.term)))
+}
+
+/// Whether it is an error of the machine that depends on places alone.
+fn is_of_place(one: &Candidate) -> bool {
+    let is_place = |driver: &String| AXES.iter().any(|axis| axis.to_string() == *driver);
+    matches!(one.cause.effect, Effect::Location | Effect::Motion | Effect::Cross | Effect::Unknown)
+        && one.constant.is_none()
+        && one.drivers.iter().all(is_place)
+        && one.columns.iter().flatten().all(|(through, _)| matches!(through, Through::Component(_) | Through::Tip(_)))
+}
+
+#[cfg(test)]
+mod tests;

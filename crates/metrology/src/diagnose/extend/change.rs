@@ -1,0 +1,281 @@
+//! Changes of a machine file: terms are added to those of the same kind that are there, so that none is there twice.
+
+use ncfix_base::geometry::Axis;
+use ncfix_machine::machine::edit::{Edit, Given};
+use ncfix_model::ParameterName;
+use ncfix_model::name::{ErrorKind, ErrorName};
+
+use super::{unit_of, warm};
+
+/// Positions, periods, forces are the same up to this share.
+const SAME: f64 = 1e-9;
+
+/// Waves are the same that are apart by this share of a turn at most between both ends of the travel.
+const TOGETHER: f64 = 0.05;
+
+/// A change.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// A parameter of the geometry grows, mm or rad per power.
+    Parameter {
+        /// Which.
+        name: ParameterName,
+        /// By how much.
+        amount: f64,
+    },
+    /// A wave: `sine` sin(2π q/p) + `cosine` cos(2π q/p), mm or rad.
+    Wave {
+        /// The component.
+        name: ErrorName,
+        /// p, mm or degrees.
+        period: f64,
+        /// Amplitudes.
+        parts: [f64; 2],
+        /// From where to where it was seen, mm or degrees.
+        travel: [f64; 2],
+    },
+    /// A table, a grid or a backlash that changes along the axis.
+    Shape {
+        /// The component.
+        name: ErrorName,
+        /// `table`, `grid`, `backlash`.
+        kind: &'static str,
+        /// Where, mm or degrees.
+        places: Vec<f64>,
+        /// The other axis of a grid and its places.
+        with: Option<(Axis, Vec<f64>)>,
+        /// Values, µm or µrad: one row, or one for each place.
+        values: Vec<Vec<f64>>,
+        /// Expanded uncertainty of each of them, in the same way.
+        u95: Vec<Vec<f64>>,
+    },
+    /// A drift with a sensor.
+    Drift {
+        /// `X`, `Y`, `Z`.
+        direction: &'static str,
+        /// The sensor.
+        sensor: String,
+        /// Its time constant.
+        lag_s: f64,
+        /// Its coefficient.
+        um_per_k: f64,
+    },
+    /// Growth of a scale.
+    Growth {
+        /// The axis.
+        axis: Axis,
+        /// The sensor.
+        sensor: String,
+        /// Its time constant.
+        lag_s: f64,
+        /// Its coefficient.
+        um_per_m_k: f64,
+        /// Coefficient times the place where it is held, µm/K: the file has the place.
+        um_per_k: f64,
+    },
+    /// What a weight does: `reference_N` and, with `lean`, at a place along a direction.
+    Load {
+        /// The component.
+        name: ErrorName,
+        /// The reference.
+        reference_n: f64,
+        /// `along` and `at_mm`.
+        lean: Option<(&'static str, f64)>,
+        /// The value of a location error, or the coefficients of a polynomial, mm or rad per power.
+        values: Vec<f64>,
+    },
+}
+
+/// Where a change stands in the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// A key of a section.
+    Key(&'static str, String),
+    /// An entry of a list.
+    Entry(&'static str, usize),
+}
+
+pub(super) fn same(one: f64, other: f64) -> bool {
+    (one - other).abs() <= SAME * one.abs().max(other.abs())
+}
+
+pub(super) fn text(key: &str, text: impl Into<String>) -> (String, Given) {
+    (key.to_owned(), Given::Text(text.into()))
+}
+
+pub(super) fn number(key: &str, number: f64) -> (String, Given) {
+    (key.to_owned(), Given::Number(number))
+}
+
+/// Entries of a list of sections whose words are these.
+pub(super) fn entries<'a>(
+    edit: &'a Edit,
+    list: &'a str,
+    words: &'a [(&'a str, String)],
+) -> impl Iterator<Item = usize> + 'a {
+    (0..edit.count(list))
+        .filter(move |&index| words.iter().all(|(key, word)| edit.word(list, index, key) == Some(word.as_str())))
+}
+
+impl Change {
+    /// Makes it in a text. Returns where it stands then, or why it does not go. Parameters are written by [`ncfix_model::write`].
+    ///
+    /// # Errors
+    /// A sentence without a full stop.
+    pub fn make(&self, edit: &mut Edit) -> Result<Anchor, String> {
+        let is_done = match self {
+            Change::Parameter { name, .. } => return Err(format!("{} is no entry", name.component)),
+            Change::Wave { name, period, parts, travel } => wave(edit, *name, (*period, *travel), *parts),
+            Change::Shape { .. } => self.shape(edit),
+            Change::Drift { direction, sensor, lag_s, um_per_k } => {
+                warm::drift(edit, direction, (sensor, *lag_s), *um_per_k)
+            }
+            Change::Growth { axis, sensor, lag_s, um_per_m_k, um_per_k } => {
+                return warm::growth(edit, *axis, (sensor, *lag_s), [*um_per_m_k, *um_per_k]);
+            }
+            Change::Load { name, reference_n, lean, values } => load(edit, *name, (*reference_n, *lean), values),
+        };
+        is_done.ok_or_else(|| "the machine file has its list in a form that cannot be added to".into())
+    }
+
+    fn shape(&self, edit: &mut Edit) -> Option<Anchor> {
+        let Change::Shape { name, kind, places, with, values, .. } = self else { return None };
+        let (_, unit) = unit_of(*name);
+        let key = |axis: Option<Axis>| if axis.is_some_and(Axis::is_rotary) { "positions_deg" } else { "positions_mm" };
+        let (own, values_key) = (key(name.axis()), format!("values_{unit}"));
+        let across = with.as_ref().map(|(axis, _)| format!("with_{}", key(Some(*axis))));
+        let are = |edit: &Edit, index: usize, key: &str, places: &[f64]| {
+            edit.length("motion", index, key) == places.len()
+                && places.iter().enumerate().all(|(k, &place)| {
+                    edit.number("motion", index, &format!("{key}[{k}]")).is_some_and(|own| same(own, place))
+                })
+        };
+        let words = [("component", name.to_string()), ("kind", (*kind).to_owned())];
+        let found = entries(edit, "motion", &words).find(|&index| {
+            are(edit, index, own, places)
+                && with.as_ref().zip(across.as_ref()).is_none_or(|((axis, others), key)| {
+                    edit.word("motion", index, "with") == Some(axis.to_string().as_str())
+                        && are(edit, index, key, others)
+                })
+        });
+        if let Some(index) = found {
+            for (row, values) in values.iter().enumerate() {
+                for (k, value) in values.iter().enumerate() {
+                    let path =
+                        if with.is_some() { format!("{values_key}[{row}][{k}]") } else { format!("{values_key}[{k}]") };
+                    let sum = edit.number("motion", index, &path)? + value;
+                    edit.set_at("motion", index, &path, &Given::Number(sum)).then_some(())?;
+                }
+            }
+            return Some(Anchor::Entry("motion", index));
+        }
+        let mut keys = vec![text("component", name.to_string()), text("kind", *kind)];
+        keys.push((own.to_owned(), Given::Numbers(places.clone())));
+        match with.as_ref().zip(across) {
+            Some(((axis, others), key)) => {
+                keys.push(text("with", axis.to_string()));
+                keys.push((key, Given::Numbers(others.clone())));
+                keys.push((values_key, Given::Rows(values.clone())));
+            }
+            None => keys.push((values_key, Given::Numbers(values.first()?.clone()))),
+        }
+        pushed(edit, "motion", &keys)
+    }
+}
+
+pub(super) fn pushed(edit: &mut Edit, list: &'static str, keys: &[(String, Given)]) -> Option<Anchor> {
+    edit.push(list, keys).then(|| Anchor::Entry(list, edit.count(list).saturating_sub(1)))
+}
+
+fn wave(
+    edit: &mut Edit,
+    name: ErrorName,
+    (period, [low, high]): (f64, [f64; 2]),
+    [sine, cosine]: [f64; 2],
+) -> Option<Anchor> {
+    let (factor, unit) = unit_of(name);
+    let (amplitude, phase) = (format!("amplitude_{unit}"), "phase_deg");
+    let key = if name.axis().is_some_and(Axis::is_rotary) { "period_deg" } else { "period_mm" };
+    let words = [("component", name.to_string()), ("kind", "periodic".to_owned())];
+    // Waves that stay together over the travel are one.
+    let apart = |own: f64| 1.0 / period - 1.0 / own;
+    let found = entries(edit, "motion", &words).find_map(|index| {
+        let own = edit.number("motion", index, key).filter(|&own| apart(own).abs() * (high - low).abs() < TOGETHER)?;
+        Some((index, own))
+    });
+    let (mut sine, mut cosine) = (factor * sine, factor * cosine);
+    if let Some((index, own)) = found {
+        let old = edit.number("motion", index, &amplitude)?;
+        let angle = edit.number("motion", index, phase).unwrap_or(0.0).to_radians();
+        // With the period of the other, in step in the middle.
+        let (turned, straight) = (std::f64::consts::TAU * apart(own) * f64::midpoint(low, high)).sin_cos();
+        (sine, cosine) = (sine * straight - cosine * turned, sine * turned + cosine * straight);
+        sine += old * angle.cos();
+        cosine += old * angle.sin();
+    }
+    let found = found.map(|(index, _)| index);
+    let keys =
+        [number(&amplitude, rounded(sine.hypot(cosine))), number(phase, rounded(cosine.atan2(sine).to_degrees()))];
+    match found {
+        Some(index) => keys
+            .iter()
+            .all(|(key, given)| edit.set_in("motion", index, key, given))
+            .then_some(Anchor::Entry("motion", index)),
+        None => {
+            let head = [text("component", name.to_string()), text("kind", "periodic"), number(key, period)];
+            pushed(edit, "motion", &head.into_iter().chain(keys).collect::<Vec<_>>())
+        }
+    }
+}
+
+/// To 1 pm, or 1e-6 of a degree.
+pub(super) fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
+fn load(
+    edit: &mut Edit,
+    name: ErrorName,
+    (reference_n, lean): (f64, Option<(&str, f64)>),
+    values: &[f64],
+) -> Option<Anchor> {
+    const LIST: &str = "load";
+    let is_constant = name.kind == ErrorKind::Location;
+    let (factor, unit) = unit_of(name);
+    let value_key = format!("value_{unit}");
+    let words = [("component", name.to_string())];
+    let found = entries(edit, LIST, &words).find(|&index| {
+        let at = |key: &str| edit.number(LIST, index, key);
+        let is_form = if is_constant {
+            edit.has(LIST, index, &value_key)
+        } else {
+            edit.word(LIST, index, "kind") == Some("polynomial")
+                && edit.length(LIST, index, "coefficients") >= values.len()
+        };
+        let leans = match lean {
+            None => !edit.has(LIST, index, "along"),
+            Some((along, place)) => {
+                edit.word(LIST, index, "along") == Some(along) && at("at_mm").is_some_and(|own| same(own, place))
+            }
+        };
+        is_form && leans && at("reference_N").is_some_and(|own| same(own, reference_n))
+    });
+    if let Some(index) = found {
+        for (k, value) in values.iter().enumerate() {
+            let (path, value) =
+                if is_constant { (value_key.clone(), factor * value) } else { (format!("coefficients[{k}]"), *value) };
+            let sum = edit.number(LIST, index, &path)? + value;
+            edit.set_at(LIST, index, &path, &Given::Number(sum)).then_some(())?;
+        }
+        return Some(Anchor::Entry(LIST, index));
+    }
+    let mut keys = vec![text("component", name.to_string()), number("reference_N", reference_n)];
+    keys.extend(lean.into_iter().flat_map(|(along, place)| [text("along", along), number("at_mm", place)]));
+    if is_constant {
+        keys.push(number(&value_key, factor * values.first()?));
+    } else {
+        keys.push(text("kind", "polynomial"));
+        keys.push(("coefficients".to_owned(), Given::Numbers(values.to_vec())));
+    }
+    pushed(edit, LIST, &keys)
+}

@@ -1,0 +1,134 @@
+//! Entries of findings that have a form of their own in the machine file: waves, temperatures, weights.
+
+use ncfix_base::units::um_from_mm;
+use ncfix_model::name::ErrorKind;
+
+use super::super::cause::{Candidate, thermal};
+use super::super::scene::{Scene, Through};
+use super::super::verdict::Finding;
+use super::change::{Change, rounded};
+use super::component;
+
+/// Parts in a million: µm/(m K).
+const MILLION: f64 = 1e6;
+/// An axis that is so straight along a coordinate is along it.
+const ALONG: f64 = 1e-6;
+/// The weight and the arm with which columns of loads count, N and mm.
+const LOAD: [f64; 2] = [1000.0, 100.0];
+
+pub(super) fn periodic(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
+    let ([sine, cosine], Some((period, _)), Some(name)) =
+        (one.amounts.values.as_slice(), one.candidate.constant, component(&one.candidate))
+    else {
+        return Err("it is no wave of one component of the error".into());
+    };
+    let axis = name.axis().ok_or("it is no error of an axis")?;
+    let travel = super::super::cause::range(scene, axis).ok_or("it has no travel")?;
+    let travel = travel.map(|place| if axis.is_rotary() { place.to_degrees() } else { place });
+    Ok(vec![Change::Wave { name, period, parts: [*sine, *cosine], travel }])
+}
+
+/// The name of a sensor by its column.
+fn sensor_of(candidate: &Candidate) -> Option<String> {
+    let column = candidate.sensor.as_deref()?;
+    Some(column.strip_suffix("_C").unwrap_or(column).to_owned())
+}
+
+fn lag_of(candidate: &Candidate) -> f64 {
+    match candidate.constant {
+        Some((lag, "s")) => lag,
+        _ => 0.0,
+    }
+}
+
+pub(super) fn expansion(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
+    let candidate = &one.candidate;
+    let axis = component(candidate).filter(|name| name.kind == ErrorKind::Motion).and_then(|name| name.axis());
+    let data = axis.and_then(|axis| scene.machine.axis(axis));
+    let (Some(sensor), Some(axis), Some(data)) = (sensor_of(candidate), axis, data) else {
+        return Err("it is no growth of one axis with one sensor".into());
+    };
+    let share = data.direction[axis.dimension()];
+    if axis.is_rotary() || (share.abs() - 1.0).abs() > ALONG {
+        return Err(format!("{axis} is not along a coordinate of the machine"));
+    }
+    let (slope, offset) = match one.amounts.values.as_slice() {
+        [slope] => (*slope, 0.0),
+        [slope, offset] => (*slope, *offset),
+        _ => return Err("it is no straight line".into()),
+    };
+    // e = slope · x + offset = strain · (x − fixed).
+    Ok(vec![Change::Growth {
+        axis,
+        sensor,
+        lag_s: lag_of(candidate),
+        um_per_m_k: rounded(MILLION * slope / share),
+        um_per_k: -um_from_mm(offset) / share,
+    }])
+}
+
+pub(super) fn drift(one: &Finding) -> Result<Vec<Change>, String> {
+    let candidate = &one.candidate;
+    if candidate.cause.name == thermal::ON.name {
+        return Err("a drift counts from the first row of each set-up in each run, and this one goes on from run to run: give the runs between which the \
+             instrument was not set to zero one label"
+            .into());
+    }
+    let (Some(sensor), [amount]) = (sensor_of(candidate), one.amounts.values.as_slice()) else {
+        return Err("[[drift]] is proportional to the temperatures of sensors, and this is not".into());
+    };
+    let mut all = candidate.columns.iter().flatten();
+    let (Some((Through::Tip(direction), _)), None) = (all.next(), all.next()) else {
+        return Err("it is no displacement along one direction".into());
+    };
+    if candidate.drivers.len() != 1 {
+        return Err(format!("it goes with {}, and [[drift]] with temperatures alone", candidate.drivers.join(" and ")));
+    }
+    let direction = ["X", "Y", "Z"].get(*direction).copied().unwrap_or("Z");
+    let um_per_k = rounded(um_from_mm(*amount));
+    Ok(vec![Change::Drift { direction, sensor, lag_s: lag_of(candidate), um_per_k }])
+}
+
+/// Columns are weight/1000 N · share of the travel to a power, and the same times place/100 mm.
+pub(super) fn load(one: &Finding, scene: &Scene<'_>) -> Result<Vec<Change>, String> {
+    const NO: &str = "it is no weight on one component of the error";
+    let candidate = &one.candidate;
+    let name = component(candidate).ok_or(NO)?;
+    let along = candidate.drivers.iter().find_map(|driver| match driver.as_str() {
+        "load_x_mm" => Some("X"),
+        "load_y_mm" => Some("Y"),
+        "load_z_mm" => Some("Z"),
+        _ => None,
+    });
+    let lean = along.map(|along| (along, LOAD[1]));
+    let change = |lean, values| Change::Load { name, reference_n: LOAD[0], lean, values };
+    let amounts = one.amounts.values.as_slice();
+    let Some(axis) = name.axis().filter(|_| name.kind == ErrorKind::Motion) else {
+        return match amounts {
+            [amount] => Ok(vec![change(lean, vec![*amount])]),
+            _ => Err(NO.into()),
+        };
+    };
+    let [low, high] = super::super::cause::range(scene, axis).ok_or(NO)?;
+    // Powers of the share (2x − low − high)/(high − low) by x.
+    let (factor, middle) = (2.0 / (high - low), f64::midpoint(low, high));
+    let powers = |[flat, slope, bend]: [f64; 3]| {
+        vec![
+            flat - slope * factor * middle + bend * (factor * middle).powi(2),
+            slope * factor - 2.0 * bend * factor * factor * middle,
+            bend * factor * factor,
+        ]
+    };
+    let of = |lean, parts: [f64; 3]| change(lean, powers(parts));
+    match (amounts, lean) {
+        ([slope, bend], None) => Ok(vec![of(None, [0.0, *slope, *bend])]),
+        ([slope, bend, flat], None) => Ok(vec![of(None, [*flat, *slope, *bend])]),
+        ([slope, bend, off_slope, off_bend], Some(_)) => {
+            Ok(vec![of(None, [0.0, *slope, *bend]), of(lean, [0.0, *off_slope, *off_bend])])
+        }
+        ([slope, bend, off_slope, off_bend, flat, off_flat], Some(_)) => {
+            Ok(vec![of(None, [*flat, *slope, *bend]), of(lean, [*off_flat, *off_slope, *off_bend])])
+        }
+        _ => Err(NO.into()),
+    }
+}

@@ -1,0 +1,287 @@
+//! Laws over places and senses as tables: a shape is read off where it bends.
+
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
+
+use super::super::row::{NOWHERE, Row};
+use super::super::scene::{Scene, Through};
+use super::super::size::{EXPANDED, weights_at};
+use super::super::verdict::Finding;
+use super::change::{Change, rounded};
+use super::unit_of;
+
+/// Places along an axis at which a law is looked at, beside those where it says that it bends.
+const LOOKS: usize = 33;
+/// A step is so wide, as a share of the travel.
+const STEP: f64 = 1e-5;
+/// Straight lines between places of a table are off by this share of the largest value at most.
+const OFF: f64 = 5e-3;
+/// Directions are the same up to this share.
+const SAME: f64 = 1e-6;
+
+/// On what a law depends.
+struct Drivers {
+    places: Vec<Axis>,
+    senses: Vec<Axis>,
+}
+
+fn drivers(one: &Finding) -> Result<Drivers, String> {
+    let mut out = Drivers { places: Vec::new(), senses: Vec::new() };
+    for driver in &one.candidate.drivers {
+        let axis = |name: &str| AXES.into_iter().find(|axis| axis.to_string() == name);
+        if let Some(axis) = axis(driver) {
+            out.places.push(axis);
+        } else if let Some(axis) = driver.strip_suffix("_dir").and_then(axis) {
+            out.senses.push(axis);
+        } else {
+            return Err(format!(
+                "it goes with {driver}, and tables of the machine file with positions and senses of axes alone"
+            ));
+        }
+    }
+    Ok(out)
+}
+
+/// The component that a law acts on, and the factor of the component in what it says.
+fn component_of(one: &Finding, scene: &Scene<'_>, drivers: &Drivers) -> Result<(ErrorName, f64), String> {
+    let mut all = one.candidate.columns.iter().flatten().map(|(through, _)| *through);
+    let first = all.next().ok_or("it has no shape")?;
+    if one.candidate.columns.iter().any(|parts| parts.len() != 1) || all.any(|own| own != first) {
+        return Err("it acts in several ways at once".into());
+    }
+    match first {
+        Through::Component(name) if name.kind == ErrorKind::Motion => Ok((name, 1.0)),
+        Through::Tip(direction) => {
+            let axis = *drivers.senses.first().or(drivers.places.first()).ok_or("it goes with nothing")?;
+            let direction = *DIRECTIONS.get(direction).ok_or("it has no direction")?;
+            let name = ErrorName::motion(direction, axis);
+            let [own, tip] = [Through::Component(name), first].map(|through| scene.factors(through));
+            let most = tip.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
+            let is = |sign: f64| own.iter().zip(&tip).all(|(own, tip)| (own - sign * tip).abs() <= SAME * most);
+            [1.0, -1.0]
+                .into_iter()
+                .find(|&sign| most > 0.0 && is(sign))
+                .map(|sign| (name, sign))
+                .ok_or_else(|| format!("errors of {axis} turn with other axes, and this does not"))
+        }
+        _ => Err("it is no error of an axis".into()),
+    }
+}
+
+/// A law where it was measured.
+struct Law<'a> {
+    one: &'a Finding,
+    row: Row,
+    low: ncfix_base::geometry::AxisVector,
+    high: ncfix_base::geometry::AxisVector,
+    factor: f64,
+    /// Weights of the place from which on values are told; none where they are as they were found.
+    zero: Vec<f64>,
+}
+
+impl Law<'_> {
+    /// Value and expanded uncertainty at places, µm or µrad.
+    fn at(&self, places: &[(Axis, f64)], sense: Option<(Axis, i8)>) -> [f64; 2] {
+        let mut row = self.row.clone();
+        places.iter().for_each(|&(axis, place)| row.position[axis] = place);
+        if let Some((axis, sense)) = sense
+            && let Some(own) = row.sense.get_mut(axis.slot())
+        {
+            *own = sense;
+        }
+        let mut weights = weights_at(&self.one.candidate, &row);
+        weights.iter_mut().zip(&self.zero).for_each(|(weight, zero)| *weight -= zero);
+        let (value, sigma) = self.one.amounts.form(&weights);
+        [self.factor * value, EXPANDED * self.factor.abs() * sigma]
+    }
+
+    /// Where an axis is looked at.
+    fn looks(&self, axis: Axis) -> Vec<f64> {
+        let (low, high) = (self.low[axis], self.high[axis]);
+        let step = STEP * (high - low);
+        let mut out: Vec<f64> = (0..LOOKS).map(|k| low + (high - low) * k as f64 / (LOOKS - 1) as f64).collect();
+        for &at in self.one.candidate.points.iter().flatten() {
+            out.extend([at - step, at, at + step].into_iter().filter(|at| low < *at && *at < high));
+        }
+        out.sort_by(f64::total_cmp);
+        out.dedup_by(|one, other| (*one - *other).abs() < 0.5 * step);
+        out
+    }
+}
+
+/// Numbers of the places that a table needs, so that straight lines between them say all rows.
+fn needed(places: &[f64], rows: &[Vec<f64>]) -> Vec<usize> {
+    let most = rows.iter().flatten().fold(0.0, |most, value| f64::max(most, value.abs()));
+    let last = places.len().saturating_sub(1);
+    let mut kept = vec![0, last];
+    let mut parts = vec![[0, last]];
+    while let Some([from, until]) = parts.pop() {
+        let off = |k: usize| {
+            let share = (places[k] - places[from]) / (places[until] - places[from]);
+            let of = |row: &Vec<f64>| (row[k] - row[from] - share * (row[until] - row[from])).abs();
+            rows.iter().map(of).fold(0.0, f64::max)
+        };
+        let worst = (from + 1..until).map(|k| (off(k), k)).max_by(|one, other| one.0.total_cmp(&other.0));
+        if let Some((off, k)) = worst
+            && off > OFF * most
+        {
+            kept.push(k);
+            parts.extend([[from, k], [k, until]]);
+        }
+    }
+    kept.sort_unstable();
+    kept.dedup();
+    kept
+}
+
+/// Places as the file has them.
+fn shown(axis: Axis, places: impl Iterator<Item = f64>) -> Vec<f64> {
+    places.map(|place| rounded(if axis.is_rotary() { place.to_degrees() } else { place })).collect()
+}
+
+/// Values as the file has them, to 10 pm.
+fn coarse(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    values.map(|value| (value * 1e5).round() / 1e5).collect()
+}
+
+/// A table over one axis, a grid over two, or play that changes along the axis.
+pub(super) fn law(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Change, String> {
+    let drivers = drivers(one)?;
+    let (name, sign) = component_of(one, scene, &drivers)?;
+    let own = name.axis().ok_or("it is no error of an axis")?;
+    let mut rows = scene.rows.iter().filter(|row| row.set < used);
+    let first = rows.next().ok_or("there is no reading")?;
+    let (mut low, mut high) = (first.position, first.position);
+    for row in rows {
+        for axis in AXES {
+            low[axis] = low[axis].min(row.position[axis]);
+            high[axis] = high[axis].max(row.position[axis]);
+        }
+    }
+    let (factor, _) = unit_of(name);
+    let row = Row { number: NOWHERE, ..first.clone() };
+    let mut law = Law { one, row, low, high, factor: factor * sign, zero: Vec::new() };
+    if drivers.places.iter().chain([&own]).any(|&axis| high[axis] < low[axis] || !(high[axis] - low[axis]).is_finite())
+    {
+        return Err("the travel is not known".into());
+    }
+    let others: Vec<Axis> = drivers.places.iter().copied().filter(|&axis| axis != own).collect();
+    let change = |law: &Law<'_>| match (drivers.senses.as_slice(), others.as_slice()) {
+        ([], []) => line(law, name, own, None),
+        ([sense], []) if *sense == own => line(law, name, own, Some(own)),
+        ([], [other]) => grid(law, name, own, (*other, drivers.places.contains(&own))),
+        ([_, ..], _) => {
+            Err("it turns over with the sense of one axis and goes with another, which no entry has".into())
+        }
+        _ => Err("it goes with more than two axes".into()),
+    };
+    let mut found = change(&law)?;
+    // A set-up with a zero of its own does not tell what all places have in common: it may be anything.
+    if matches!(&found, Change::Shape { kind, values, .. } if *kind != "backlash" && is_offset(values)) {
+        let mut row = law.row.clone();
+        drivers.places.iter().for_each(|&axis| row.position[axis] = law.low[axis]);
+        law.zero = weights_at(&one.candidate, &row);
+        found = change(&law)?;
+    }
+    let change = found;
+    match &change {
+        // Where the tool reaches other places than the axes do, or what else counts is not known.
+        Change::Shape { values, .. } if values.iter().flatten().all(|value| *value == 0.0) => {
+            Err("it goes with the place in the workpiece, and errors of the machine file with positions of axes".into())
+        }
+        _ => Ok(change),
+    }
+}
+
+/// Whether all values have more in common than they differ by.
+fn is_offset(values: &[Vec<f64>]) -> bool {
+    let all = || values.iter().flatten().copied();
+    let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+    low * high > 0.0 && low.abs().min(high.abs()) > high - low && high > low
+}
+
+fn line(law: &Law<'_>, name: ErrorName, own: Axis, sense: Option<Axis>) -> Result<Change, String> {
+    let looks = if law.high[own] > law.low[own] { law.looks(own) } else { vec![law.low[own]] };
+    let at = |place: f64, sense: Option<(Axis, i8)>| law.at(&[(own, place)], sense);
+    let is_odd = |&place: &f64| {
+        let [up, down] = [1, -1].map(|sign| at(place, sense.map(|axis| (axis, sign)))[0]);
+        (up + down).abs() <= 1e-9 * up.abs().max(down.abs())
+    };
+    // What turns over with the sense is play: the whole of it.
+    let (kind, times, sense) = match sense {
+        Some(axis) if looks.iter().all(is_odd) => ("backlash", 2.0, Some((axis, 1))),
+        Some(_) => return Err("it goes with the sense and does not turn over with it, which no entry has".into()),
+        None => ("table", 1.0, Some((own, 0))),
+    };
+    let all: Vec<[f64; 2]> = looks.iter().map(|&place| at(place, sense)).collect();
+    let kept = needed(&looks, &[all.iter().map(|pair| pair[0]).collect()]);
+    let of = |which: usize| coarse(kept.iter().filter_map(|&k| all.get(k)).map(move |pair| times * pair[which]));
+    let places = shown(own, kept.iter().filter_map(|&k| looks.get(k).copied()));
+    Ok(Change::Shape { name, kind, places, with: None, values: vec![of(0)], u95: vec![of(1)] })
+}
+
+fn grid(law: &Law<'_>, name: ErrorName, own: Axis, (other, has_own): (Axis, bool)) -> Result<Change, String> {
+    let along = if has_own { law.looks(own) } else { vec![f64::midpoint(law.low[own], law.high[own])] };
+    let across = law.looks(other);
+    let all: Vec<Vec<[f64; 2]>> = along
+        .iter()
+        .map(|&place| across.iter().map(|&with| law.at(&[(own, place), (other, with)], Some((own, 0)))).collect())
+        .collect();
+    let rows: Vec<Vec<f64>> = all.iter().map(|row| row.iter().map(|pair| pair[0]).collect()).collect();
+    let columns: Vec<Vec<f64>> =
+        (0..across.len()).map(|k| rows.iter().filter_map(|row| row.get(k).copied()).collect()).collect();
+    let (kept, kept_across) = (needed(&along, &columns), needed(&across, &rows));
+    let of = |which: usize| -> Vec<Vec<f64>> {
+        let row = |row: &Vec<[f64; 2]>| coarse(kept_across.iter().filter_map(|&k| row.get(k)).map(|pair| pair[which]));
+        kept.iter().filter_map(|&k| all.get(k)).map(row).collect()
+    };
+    let places = shown(own, kept.iter().filter_map(|&k| along.get(k).copied()));
+    let others = shown(other, kept_across.iter().filter_map(|&k| across.get(k).copied()));
+    Ok(Change::Shape { name, kind: "grid", places, with: Some((other, others)), values: of(0), u95: of(1) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::cause::Effect;
+    use crate::diagnose::size::Amounts;
+
+    #[test]
+    fn what_all_places_have_in_common_is_an_offset() {
+        assert!(is_offset(&[vec![-570.6, -560.8, -568.9]]));
+        assert!(!is_offset(&[vec![0.0, 0.0, 12.0]]));
+        assert!(!is_offset(&[vec![2.0, 12.0], vec![3.0, 4.0]]));
+        assert!(!is_offset(&[vec![-4.0, 3.0]]));
+        // A constant alone is what was found.
+        assert!(!is_offset(&[vec![5.0, 5.0]]));
+    }
+
+    #[test]
+    fn a_straight_line_needs_its_ends_and_a_bend_its_place() {
+        let places = [10.0, 20.0, 40.0, 50.0];
+        // 3 per mm throughout; and half of it from 20 on.
+        assert_eq!(needed(&places, &[vec![0.0, 30.0, 90.0, 120.0]]), [0, 3]);
+        assert_eq!(needed(&places, &[vec![0.0, 30.0, 60.0, 75.0]]), [0, 1, 3]);
+    }
+
+    #[test]
+    fn what_turns_over_with_the_sense_is_play_and_nothing_else_is() {
+        let component: ErrorName = "EXX".parse().unwrap();
+        let of = |shift: f64| {
+            let mut one = super::super::tests::finding(5.0, 1e-3);
+            let weight = move |row: &Row| row.sense_of(Axis::X) + shift;
+            one.candidate = bench::candidate(Effect::Backlash, Through::Component(component), weight);
+            one.amounts = Amounts { values: vec![2.0], covariance: vec![vec![0.01]] };
+            let machine = bench::machine();
+            let row = bench::scene(&machine, &[bench::reads_along_x(&machine, &[0.0; 3])]).rows[0].clone();
+            let (mut low, mut high) = (row.position, row.position);
+            (low[Axis::X], high[Axis::X]) = (0.0, 100.0);
+            line(&Law { one: &one, row, low, high, factor: 1.0, zero: vec![0.0] }, component, Axis::X, Some(Axis::X))
+        };
+        // From one side to the other it is 2 less −2.
+        let Ok(Change::Shape { kind: "backlash", values, .. }) = of(0.0) else { panic!("{:?}", of(0.0)) };
+        assert!(values[0].iter().all(|value| *value == 4.0), "{values:?}");
+        assert!(of(0.5).unwrap_err().contains("does not turn over"));
+    }
+}

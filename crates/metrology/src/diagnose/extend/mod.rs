@@ -1,0 +1,397 @@
+//! What findings add to the machine file: parameters of the geometry, and entries for what is no parameter, each with its size and evidence beside it.
+//!
+//! [`extension`] says for every finding which [`Change`]s of the file hold it, or why none does. [`change`] makes them in the text, [`note`] says what is
+//! written beside them.
+
+pub mod change;
+mod entry;
+mod law;
+pub mod note;
+mod warm;
+
+use crate::calibrate::Parameter;
+use crate::calibrate::effect::effect_parameters;
+use crate::measure::data::DataSet;
+use ncfix_base::numeric::sums::dot;
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_model::name::ErrorName;
+use ncfix_model::parameter::Term as Part;
+use ncfix_model::{ErrorModel, ParameterName};
+
+use super::cause::{Candidate, Correctable, Effect, Term};
+use super::doubt::Doubt;
+use super::row::{NOWHERE, Row};
+use super::scene::{NO_ROW, Scene, Through};
+use super::size::weights_at;
+use super::verdict::{Diagnosis, Finding};
+pub use change::{Anchor, Change};
+
+/// µrad in a rad.
+const MICRO: f64 = 1e6;
+/// A constant that is told so many times worse than the size of the whole is one of the set-ups.
+const VAGUE: f64 = 30.0;
+
+/// No machine is so far from its model, mm.
+const MOST_MM: f64 = 1.0;
+/// A polynomial is not trusted beyond what was measured where it does this share more there, looked at so many places of the travel.
+const REACHES: f64 = 0.5;
+const LOOKS: u32 = 64;
+/// A finding that does so many times what the model leaves is cancelled by others.
+const CANCELS: f64 = 1.5;
+
+/// Findings whose doings have less than this correlation, negative, are parts of one.
+const AGAINST: f64 = 0.3;
+
+/// The changes for every finding of a diagnosis, or why the machine file cannot hold it. The first measurements of the scene were `used`.
+#[must_use]
+pub fn extension(found: &Diagnosis, scene: &Scene<'_>, used: usize) -> Vec<Result<Vec<Change>, String>> {
+    let left = found.used.before.rms;
+    let sound = |one: &Finding| is_sound(one, left).and_then(|()| changes(one, scene, used));
+    let mut out: Vec<Result<Vec<Change>, String>> = found.findings.iter().map(sound).collect();
+    while let Some(number) = leaning(found, scene, &out) {
+        if let Some(one) = out.get_mut(number) {
+            *one = Err("it is only right together with findings that are not corrected: alone it may make the machine worse; measure what tells those from their rivals".into());
+        }
+    }
+    out
+}
+
+/// Of the findings that would be written the one without which what is written would say the readings better.
+fn leaning(found: &Diagnosis, scene: &Scene<'_>, written: &[Result<Vec<Change>, String>]) -> Option<usize> {
+    let is_written = |number: &usize| written.get(*number).is_some_and(Result::is_ok);
+    let numbers: Vec<usize> = (0..found.findings.len()).filter(is_written).collect();
+    if numbers.len() == found.findings.len() {
+        return None;
+    }
+    let squares = |numbers: &[usize]| -> f64 {
+        let left = |place: usize| {
+            let does = |number: &usize| found.findings.get(*number)?.doing.get(place).copied();
+            found.account.before.get(place).copied().unwrap_or(0.0) - numbers.iter().filter_map(does).sum::<f64>()
+        };
+        let items = scene.items.iter().zip(&found.account.counts).enumerate();
+        let counted = items.filter(|(_, (item, counts))| **counts && item.sigma.is_finite() && item.sigma > 0.0);
+        counted.map(|(place, (item, _))| (left(place) / item.sigma).powi(2)).sum()
+    };
+    // What nearly cancels a part of what is not written is a part of that.
+    let doing = |number: usize| found.findings.get(number).map_or(&[][..], |one| one.doing.as_slice());
+    let cancels = |one: usize, other: usize| {
+        let [own, with, others] = [(one, one), (one, other), (other, other)].map(|(a, b)| dot(doing(a), doing(b)));
+        with < -AGAINST * (own * others).sqrt()
+    };
+    let is_against = |one: &usize| (0..found.findings.len()).any(|other| !is_written(&other) && cancels(*one, other));
+    if let Some(&one) = numbers.iter().find(|one| is_against(one)) {
+        return Some(one);
+    }
+    let whole = squares(&numbers);
+    let without = |number: usize| {
+        let rest: Vec<usize> = numbers.iter().copied().filter(|&other| other != number).collect();
+        (squares(&rest), number)
+    };
+    let worst = numbers.iter().map(|&number| without(number)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (worst.0 <= whole).then_some(worst.1)
+}
+
+/// Refuses what a program must not be moved by: a wave whose period is not told; terms that nearly cancel each other are far larger than all that is left, and what is less sure than it is
+/// large may as well have the other sign.
+///
+/// # Errors
+/// Why it must not.
+fn is_sound(one: &Finding, left: f64) -> Result<(), String> {
+    if largest(one.size.unit).is_some_and(|most| one.size.value.abs() > most) || one.rms > MOST_MM {
+        return Err(
+            "no machine errs so much: the columns, their units or the description say something else than was measured"
+                .into(),
+        );
+    }
+    if one.rms > CANCELS * left {
+        let times = one.rms / left;
+        return Err(format!(
+            "alone it would do {times:.1} times what the model leaves: others cancel it, and where was not measured they do not; measure at more places"
+        ));
+    }
+    if !one.aliases.is_empty() {
+        let what = if one.candidate.cause.effect == Effect::Periodic {
+            "it may as well have other periods"
+        } else {
+            "a short wave of other periods does the same at the places that were measured, as the class has it"
+        };
+        return Err(format!(
+            "{what}: between these places nobody knows what it does; measure at points of uneven spacing or in small steps"
+        ));
+    }
+    if let Some(doubt) = &one.doubt {
+        return Err(doubtful(doubt));
+    }
+    if !one.by_file.is_empty() {
+        return Err(
+            "it is not the same in all files: the machine, or how it was measured, became another one between them; diagnose the latest by itself"
+                .into(),
+        );
+    }
+    if one.size.u95 >= one.size.value.abs() {
+        return Err("it is less sure than it is large; measure more often or at more places".into());
+    }
+    Ok(())
+}
+
+/// Why what is in doubt is not corrected.
+fn doubtful(doubt: &Doubt) -> String {
+    if doubt.rivals.is_empty() {
+        return format!("over the whole travel it is less sure than it is large; measure {}", doubt.separate_by);
+    }
+    let (verb, does) = if doubt.rivals.len() > 1 { ("do", "together ") } else { ("does", "") };
+    format!(
+        "{} {does}{verb} the same to the readings, and something else where was not measured: a correction may as well make it worse; to tell them apart: {}",
+        doubt.rivals.join(" and "),
+        doubt.separate_by
+    )
+}
+
+/// The largest of a unit that a machine may have.
+fn largest(unit: &str) -> Option<f64> {
+    match unit {
+        "um" => Some(um_from_mm(MOST_MM)),
+        "urad" | "um/m" | "urad/rad" => Some(10.0 * um_from_mm(MOST_MM)),
+        _ => None,
+    }
+}
+
+fn changes(one: &Finding, scene: &Scene<'_>, used: usize) -> Result<Vec<Change>, String> {
+    let candidate = &one.candidate;
+    if let Term::Parameters(names) = &candidate.term {
+        let all = names.iter().zip(&one.amounts.values).enumerate();
+        // What depends on the others is 0 and stays so. A constant that set-ups take up as well is as large as it likes.
+        let sizes = one.size.u95 / MICRO;
+        let is_told = |&(k, (name, amount)): &(usize, (&ParameterName, &f64))| {
+            let is_constant = names.len() > 1 && name.term == Part::Coefficient(0);
+            *amount != 0.0 && !(is_constant && one.amounts.u95(k) > VAGUE * sizes)
+        };
+        if reaches_out(candidate, &one.amounts.values, scene, used) {
+            // The same without what set-ups take up as well, where it was measured, and beyond it as it is at the last places.
+            let mut told = one.clone();
+            for ((k, (_, amount)), own) in all.clone().zip(&mut told.amounts.values) {
+                if !is_told(&(k, (&names[k], amount))) {
+                    *own = 0.0;
+                }
+            }
+            return law::law(&told, scene, used).map(|change| vec![change]);
+        }
+        let all = all.filter(is_told);
+        return Ok(all.map(|(_, (name, amount))| Change::Parameter { name: *name, amount: *amount }).collect());
+    }
+    match candidate.cause.effect {
+        Effect::Periodic => entry::periodic(one, scene),
+        Effect::ThermalExpansion => entry::expansion(one, scene),
+        Effect::ThermalDrift => entry::drift(one),
+        Effect::Load => entry::load(one, scene),
+        Effect::Backlash | Effect::LateralPlay | Effect::Cross | Effect::Unknown | Effect::Motion => {
+            law::law(one, scene, used).map(|change| vec![change])
+        }
+        Effect::ThermalSquareness => Err("the machine file has no angle between axes that goes with a temperature: a drift ends where the zero \
+             point is set, and an angle stays; beams ([[segment]]) tilt axes where the structure and its sensors are known"
+            .into()),
+        Effect::Drift => {
+            Err("it goes with time, and nobody knows when a program will run; log temperatures: one that it \
+                              goes with has an entry ([[drift]])"
+                .into())
+        }
+        Effect::Setup | Effect::Probe => Err("it belongs to the instrument and its set-up, not to the machine".into()),
+        Effect::Sensor | Effect::Outlier | Effect::Program => Err("it belongs to the data, not to the machine".into()),
+        Effect::Dynamic => Err("it goes with the acceleration, which no position tells: ncfix decompose fits it to traces and writes [[dynamic]], and a lower feed \
+             makes it smaller"
+            .into()),
+        Effect::ServoMismatch | Effect::Following | Effect::Delay | Effect::ReversalSpike => Err(
+            "it goes with the speed or with what was before, and errors of the machine file with positions: tune the \
+                 drive, or compensate it in the control"
+                .into(),
+        ),
+        Effect::Location => Err("it has no parameter of the error model".into()),
+    }
+}
+
+/// Whether a shape of one axis that is no straight line does more where was not measured than where it was.
+fn reaches_out(candidate: &Candidate, amounts: &[f64], scene: &Scene<'_>, used: usize) -> bool {
+    let Some(axis) = component(candidate).and_then(|name| name.axis()).filter(|axis| !axis.is_rotary()) else {
+        return false;
+    };
+    let is_straight =
+        |name: &ParameterName| matches!(name.term, Part::Coefficient(0 | 1) | Part::Whole | Part::Backlash);
+    if !matches!(&candidate.term, Term::Parameters(names) if !names.iter().all(is_straight)) {
+        return false;
+    }
+    let rows = || scene.rows.iter().filter(|row| row.set < used);
+    let travel = scene.machine.axis(axis).and_then(|data| data.travel);
+    let (Some(first), Some([low, high])) = (rows().next(), travel) else { return false };
+    let value = |place: f64| {
+        let mut row = Row { number: NOWHERE, ..first.clone() };
+        row.position[axis] = place;
+        weights_at(candidate, &row).iter().zip(amounts).map(|(weight, amount)| weight * amount).sum::<f64>()
+    };
+    let ends = |all: &mut dyn Iterator<Item = f64>| {
+        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+    };
+    let inside = ends(&mut rows().map(|row| value(row.position[axis])));
+    let looks = (0..=LOOKS).map(|k| low + (high - low) * f64::from(k) / f64::from(LOOKS));
+    let outside = ends(&mut looks.map(value));
+    (inside[0] - outside[0]).max(outside[1] - inside[1]) > REACHES * (inside[1] - inside[0])
+}
+
+/// The component through which all columns act, where there is one.
+fn component(candidate: &Candidate) -> Option<ErrorName> {
+    let mut all = candidate.columns.iter().flatten().map(|(through, _)| *through);
+    let Through::Component(name) = all.next()? else { return None };
+    (candidate.columns.iter().all(|parts| parts.len() == 1) && all.all(|own| own == Through::Component(name)))
+        .then_some(name)
+}
+
+/// The unit of a deviation in the file, and the factor to it.
+fn unit_of(name: ErrorName) -> (f64, &'static str) {
+    if name.direction.is_rotation() { (urad_from_rad(1.0), "urad") } else { (um_from_mm(1.0), "um") }
+}
+
+/// What a finding does to every reading of a scene, mm or rad.
+fn doing(one: &Finding, scene: &Scene<'_>) -> Vec<f64> {
+    let mut out = vec![0.0; scene.items.len()];
+    for (parts, amount) in one.candidate.columns.iter().zip(&one.amounts.values) {
+        for (through, weight) in parts {
+            for ((out, factor), item) in out.iter_mut().zip(scene.factors(*through)).zip(&scene.items) {
+                if let Some(row) = scene.rows.get(item.row) {
+                    *out += factor * amount * weight.of(row);
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The measurements that were used, without readings that did not count and without what findings do that the file does not hold: what the
+/// terms that it holds are fitted to again. `None` where these findings cannot be taken out of the readings.
+#[must_use]
+pub fn cleaned(found: &Diagnosis, scene: &Scene<'_>, used: usize, holds: &[bool]) -> Option<Vec<DataSet>> {
+    let mut sets: Vec<DataSet> = scene.sets.iter().take(used).cloned().collect();
+    let mut away = vec![0.0; scene.items.len()];
+    let mut is_less = false;
+    for (one, _) in found.findings.iter().zip(holds).filter(|(_, holds)| !**holds) {
+        is_less = true;
+        away.iter_mut().zip(doing(one, scene)).for_each(|(away, own)| *away += own);
+    }
+    let mut out: Vec<(usize, usize)> = Vec::new();
+    for (item, away) in scene.items.iter().zip(away).filter(|(item, _)| item.row != NO_ROW) {
+        let Some(row) = scene.rows.get(item.row).filter(|row| row.set < used) else { continue };
+        let observation = sets.get_mut(row.set).and_then(|set| set.observations.get_mut(row.number));
+        let Some(value) = observation.and_then(|own| own.values.get_mut(item.value)) else { continue };
+        let counts = item.sigma.is_finite() && !found.outliers.contains(&(row.set, row.number));
+        match value {
+            Some(_) if !counts => *value = None,
+            Some(value) => *value -= away,
+            // A probing has no values: what it reads is where the axes stand.
+            None if !counts => out.push((row.set, row.number)),
+            None if is_less => return None,
+            None => {}
+        }
+    }
+    out.sort_unstable();
+    out.dedup();
+    for (set, number) in out.into_iter().rev() {
+        if let Some(set) = sets.get_mut(set) {
+            set.observations.remove(number);
+        }
+    }
+    Some(sets)
+}
+
+/// Parameters of a model that is extended, which a fit of all finds again: those to which errors are proportional, and time constants of drifts.
+#[must_use]
+pub fn again(original: &ErrorModel, read: &ErrorModel, changes: &[Change]) -> Vec<Parameter> {
+    let of = |errors: &ErrorModel| -> Vec<Parameter> {
+        effect_parameters(errors).into_iter().map(Parameter::from).collect()
+    };
+    let known: Vec<(String, u64)> =
+        of(original).iter().map(|one| (one.to_string(), one.get(original).to_bits())).collect();
+    // What is new, and what is not what it was.
+    let new = of(read).into_iter().filter(|one| !known.contains(&(one.to_string(), one.get(read).to_bits())));
+    let is_lag = |name: &str| name.starts_with("drift.") && name.ends_with(".lag_s");
+    let mut out: Vec<Parameter> = new.filter(|one| one.is_linear() || is_lag(&one.to_string())).collect();
+    for change in changes {
+        if let Change::Parameter { name, .. } = change {
+            let own = Parameter::from(*name);
+            if !out.contains(&own) {
+                out.push(own);
+            }
+        }
+    }
+    out
+}
+
+/// What can be done about a finding, in words.
+fn remedy(candidate: &Candidate) -> &'static str {
+    match candidate.cause.correctable {
+        Correctable::Program => "a corrected program takes it away",
+        Correctable::Live => "only live readings can take it away",
+        // What the file has as a table needs no name.
+        Correctable::No => "a corrected program takes it away, whatever makes it",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::share::Share;
+    use crate::diagnose::size::{Amounts, Size};
+
+    pub(super) fn finding(um: f64, rms: f64) -> Finding {
+        Finding {
+            candidate: bench::candidate(Effect::Motion, Through::Component("EXX".parse().unwrap()), |_| 1.0),
+            amounts: Amounts::default(),
+            size: Size { value: um, u95: 0.1, unit: "um" },
+            rms,
+            doing: Vec::new(),
+            alone: 0.0,
+            chance: 0.0,
+            gain_unseen: 0.0,
+            share: Share::default(),
+            class: Vec::new(),
+            aliases: Vec::new(),
+            doubt: None,
+            by_file: Vec::new(),
+            separate_by: None,
+        }
+    }
+
+    #[test]
+    fn no_machine_errs_by_more_than_a_millimetre() {
+        let why = |um: f64, rms: f64| is_sound(&finding(um, rms), 10.0).err().unwrap_or_default();
+        assert_eq!(why(900.0, 0.9), "");
+        assert!(why(1100.0, 0.5).contains("no machine errs so much"));
+        // A small size may do much to the readings.
+        assert!(why(500.0, 1.1).contains("no machine errs so much"));
+    }
+
+    #[test]
+    fn what_does_more_than_there_is_left_is_cancelled_by_others() {
+        let why = |rms: f64| is_sound(&finding(100.0, rms), 0.1).err().unwrap_or_default();
+        assert_eq!(why(0.14), "");
+        assert!(why(0.2).contains("2.0 times what the model leaves"));
+    }
+
+    #[test]
+    fn cleaned_data_are_those_that_were_used_without_readings_that_did_not_count() {
+        let machine = bench::machine();
+        let sets = [bench::reads_along_x(&machine, &[1.0; 12]), bench::reads_along_x(&machine, &[2.0; 12])];
+        let scene = bench::scene(&machine, &sets);
+        let mut found = crate::diagnose::diagnose(&scene, &scene, 1, &mut |_, _| {});
+        (found.findings, found.outliers) = (vec![finding(5.0, 5e-3)], vec![(0, 3)]);
+        found.findings[0].candidate = bench::candidate(Effect::Unknown, Through::Tip(0), |_| 1.0);
+        found.findings[0].amounts = Amounts { values: vec![0.25e-3], covariance: vec![vec![0.0]] };
+        let reads = |holds: bool| -> Vec<Vec<Option<f64>>> {
+            let sets = cleaned(&found, &scene, 1, &[holds]).unwrap();
+            let round = |value: f64| (value * 1e9).round() / 1e6;
+            sets.iter().map(|set| set.observations.iter().map(|one| one.values[0].map(round)).collect()).collect()
+        };
+        let all = |um: f64| (0..12).map(|row| (row != 3).then_some(um)).collect::<Vec<_>>();
+        // What the file holds stays in the readings, what it does not is taken away.
+        assert_eq!(reads(true), [all(1.0)]);
+        assert_eq!(reads(false), [all(0.75)]);
+    }
+}

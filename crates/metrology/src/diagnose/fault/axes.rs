@@ -1,0 +1,274 @@
+//! Columns that are exchanged, and columns or components with the wrong sign.
+//!
+//! All permutations and signs of the columns of readings are tried, then those of the positions of the linear axes, each with the best set-ups that it
+//! allows. Only where the readings as they are do not fit, others fit to the noise, and the simplest of these is clear, it is said. A machine may have
+//! errors of its own beside that: what grows with an axis, turns over with its sense or bends over it is let go with all ways alike where they do not
+//! fit without.
+
+use super::exchanged_positions::{self, Turned};
+use super::readings::{Beside, Readings};
+use super::single::{by_one_cause, left, thinned};
+use super::{Check, Fault, Then, View};
+use crate::measure::data::DataSet;
+use ncfix_base::units::um_from_mm;
+
+pub(super) const CHECK: Check = Check {
+    name: "exchanged or reversed axes",
+    made_by: "cables or columns that are confused, an instrument that counts the other way",
+    shown_by: "readings that fit the model to the noise when two columns are exchanged or one is reversed, and not as they are",
+    source: "likelihood over permutations",
+    look,
+};
+
+/// What is left in squares of the noise where readings fit.
+const FITS: f64 = 4.0;
+/// Where nothing but noise is left.
+const CLEAN: f64 = 1.7;
+/// As they are they leave at least so many times more.
+const WORSE: f64 = 2.5;
+/// And so much where causes go with them.
+const MUCH: f64 = 9.0;
+/// Explanations within this factor are as good as each other.
+const TIE: f64 = 1.15;
+/// Columns that are exchanged or reversed, where causes go with the readings, at most: two.
+const SIMPLE: usize = 2;
+/// Runs in which it is so at least, where a cause beside it hides how well it fits.
+const RUNS: usize = 3;
+/// And in this share of all that differs.
+const SHARE: f64 = 0.9;
+/// The prediction is at least so large in units of the noise.
+const SIZE: f64 = 2.0;
+/// No machine is so far from its model, mm: the readings belong to other positions.
+const PLAUSIBLE_MM: f64 = 1.0;
+const PERMUTATIONS: [[usize; 3]; 6] = [[0, 1, 2], [1, 0, 2], [2, 1, 0], [0, 2, 1], [1, 2, 0], [2, 0, 1]];
+const COLUMNS: [&str; 3] = ["dx_um", "dy_um", "dz_um"];
+/// A ball-bar has one column.
+const OF_ONE: [&str; 3] = ["dr_um", "", ""];
+
+/// A way to read three columns: how each comes from them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub(super) permutation: [usize; 3],
+    pub(super) sign: [f64; 3],
+}
+
+impl Way {
+    /// All, the one as they are first.
+    pub(super) fn all() -> impl Iterator<Item = Way> {
+        PERMUTATIONS.into_iter().flat_map(|permutation| {
+            let sign = |signs: usize| [0, 1, 2].map(|k| if signs >> k & 1 == 1 { -1.0 } else { 1.0 });
+            (0..8).map(move |signs| Way { permutation, sign: sign(signs) })
+        })
+    }
+
+    /// How many columns are not as they are.
+    pub(super) fn moved(&self) -> usize {
+        (0..3).map(|k| usize::from(self.permutation[k] != k) + usize::from(self.sign[k] < 0.0)).sum()
+    }
+
+    /// What a column reads from all three.
+    fn of(&self, value: usize, all: [f64; 3]) -> f64 {
+        let value = value.min(2);
+        self.sign[value] * all[self.permutation[value]]
+    }
+
+    /// Whether it is one of columns that there are.
+    pub(super) fn is_of(&self, columns: &[usize]) -> bool {
+        (0..3).all(|k| columns.contains(&k) || self.permutation[k] == k && self.sign[k] > 0.0)
+    }
+
+    /// Names of the columns, and what they are.
+    fn words(&self, columns: [&str; 3]) -> (String, &'static str) {
+        let named = |is_one: &dyn Fn(usize) -> bool| -> Vec<&str> {
+            (0..3).filter(|&k| is_one(k)).map(|k| columns[k]).collect()
+        };
+        let moved = named(&|k| self.permutation[k] != k);
+        let reversed = named(&|k| self.sign[k] < 0.0);
+        let what = match (moved.is_empty(), reversed.is_empty()) {
+            (false, true) => "swapped",
+            (true, _) => "reversed",
+            (false, false) => "swapped and reversed",
+        };
+        (if moved.is_empty() { reversed } else { moved }.join(" "), what)
+    }
+}
+
+/// What several ways leave, the one as it is first.
+struct Left<'w> {
+    ways: &'w [Way],
+    left: Vec<f64>,
+    columns: [&'static str; 3],
+    beside: Beside,
+}
+
+/// What was found.
+struct Told {
+    name: String,
+    what: String,
+    left: [f64; 2],
+    beside: Beside,
+}
+
+fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+    for (set, data) in view.sets() {
+        let (Some(readings), Some(trail)) = (Readings::new(view.scene, set), view.trails.get(set)) else { continue };
+        let noise = trail.noise_ratio().unwrap_or(1.0).powi(2).max(1e-6);
+        let mut add = |name: String, what: String, evidence: String| {
+            let rows = [0, data.observations.len().saturating_sub(1)];
+            out.push(Fault { kind: "axes", set, name, what, rows, evidence, then: Then::Refuse });
+        };
+        if data.observations.iter().any(|one| one.component.is_some()) {
+            for (number, name) in data.targets.iter().enumerate() {
+                if let Some(told) = component(view, &readings, number, noise) {
+                    add(name.clone(), told.what.clone(), told.evidence(noise));
+                }
+            }
+            continue;
+        }
+        if let Some(told) = columns(view, data, &readings, noise).filter(|told| !is_one_cause(view, data, told)) {
+            let evidence = told.evidence(noise);
+            add(told.name, told.what, evidence);
+            continue;
+        }
+        // What grows with an axis may be metres of an instrument; the length of a ball-bar is known.
+        let beside = if is_circle(data) { Beside::Nothing } else { Beside::Straight };
+        let away = readings.beside(view.scene, view.tips(), beside).map_or(0.0, |readings| readings.middle());
+        if away > PLAUSIBLE_MM {
+            let evidence = format!(
+                "half of the readings are {:.0} µm or more from what they should be there; no machine errs so much",
+                um_from_mm(away)
+            );
+            add(data.name.clone(), "not of these positions".into(), evidence);
+        }
+    }
+}
+
+/// Whether a single cause of the machine says the readings as well, as they are; better where they are reversed, as a slope says what another sign does.
+fn is_one_cause(view: &View<'_, '_>, data: &DataSet, told: &Told) -> bool {
+    let sets = [thinned(data)];
+    let machine = view.scene.machine;
+    let Some(as_is) = left(machine, view.scene, &sets, f64::INFINITY) else { return false };
+    let single = by_one_cause(machine, &sets, &as_is) / as_is.values.len().max(1) as f64;
+    let factor = if told.what.contains("reversed") { 1.0 / TIE } else { TIE };
+    single < factor * told.left[1]
+}
+
+impl Told {
+    fn evidence(&self, noise: f64) -> String {
+        let [as_is, otherwise] = self.left.map(|left| (left / noise).sqrt());
+        let beside = match self.beside {
+            Beside::Nothing => "",
+            Beside::Turning => " beside all that turns over with the sense of an axis",
+            Beside::Straight => " beside all that grows with an axis or turns over with its sense",
+            Beside::Bent => " beside all that grows with an axis, turns over with its sense or bends over it",
+        };
+        let what = &self.what;
+        let open = if self.left[1] > CLEAN * noise {
+            "; what else is wrong beside it leaves open which columns they are"
+        } else {
+            ""
+        };
+        format!(
+            "as they are the readings leave {as_is:.1} times their noise{beside}, {what} {otherwise:.1} times{open}"
+        )
+    }
+}
+
+/// A component with the other sign.
+fn component(view: &View<'_, '_>, readings: &Readings, number: usize, noise: f64) -> Option<Told> {
+    for beside in Beside::ALL {
+        let readings = readings.beside(view.scene, view.tips(), beside)?;
+        let left = [1.0, -1.0].map(|times| readings.left_with(Some(number), times));
+        if left[0] < FITS * noise.min(1.0) || readings.matched(Some(number)).size < SIZE * noise.sqrt() {
+            return None;
+        }
+        if left[1] < FITS * noise {
+            let told = Told { name: String::new(), what: "reversed".into(), left, beside };
+            return (left[0] > WORSE * left[1]).then_some(told);
+        }
+    }
+    None
+}
+
+/// A ball-bar has one column of readings.
+fn is_circle(data: &DataSet) -> bool {
+    data.setups.iter().any(|setup| setup.length_mm > 0.0)
+}
+
+/// The simplest of the other ways to read the columns that fits.
+fn columns(view: &View<'_, '_>, data: &DataSet, readings: &Readings, noise: f64) -> Option<Told> {
+    let values = readings.values();
+    let ways: Vec<Way> = Way::all().filter(|way| way.is_of(&values)).collect();
+    let columns = if is_circle(data) { OF_ONE } else { COLUMNS };
+    let mut turned: Option<Turned> = None;
+    let mut told: Option<Told> = None;
+    let mut first: Option<Vec<f64>> = None;
+    for beside in Beside::ALL {
+        let Some(own) = readings.beside(view.scene, view.tips(), beside) else { break };
+        let left: Vec<f64> = ways.iter().map(|way| own.left_if(None, &|value, all| way.of(value, all), 1.0)).collect();
+        let left = Left { ways: &ways, left, columns, beside };
+        // Where much goes with it, the readings as they are fit better than they did.
+        if left.fits_as_is(noise) && (beside == Beside::Nothing || left.told(noise, CLEAN).is_none()) {
+            break;
+        }
+        let as_is = left.as_is();
+        first.get_or_insert_with(|| left.left.clone());
+        // Each way to read the positions is a prediction of its own, by fewer rows.
+        let turned = turned.get_or_insert_with(|| exchanged_positions::turned(view.scene, data));
+        let of_positions = std::iter::once(as_is).chain(turned.left.iter().map(|left| left[beside as usize])).collect();
+        let of_positions = Left { ways: &turned.ways, left: of_positions, columns: ["X", "Y", "Z"], beside };
+        for left in [&left, &of_positions] {
+            if let Some(own) =
+                left.told(noise, FITS).filter(|own| told.as_ref().is_none_or(|told| own.left[1] < told.left[1]))
+            {
+                told = Some(own);
+            }
+        }
+        if told.as_ref().is_some_and(|told| told.left[1] < CLEAN * noise) {
+            return told;
+        }
+    }
+    // Where a cause stands beside it nothing fits before so much may go with it that everything does: then the simplest level says, if all runs do.
+    told.or_else(|| {
+        let first = Left { ways: &ways, left: first?, columns, beside: Beside::Nothing };
+        let (_, best) = first.left.iter().zip(&ways).min_by(|a, b| a.0.total_cmp(b.0))?;
+        let (runs, share) = readings.better_if(&|value, all| best.of(value, all));
+        first.told(noise, f64::INFINITY).filter(|_| runs >= RUNS && share > SHARE)
+    })
+}
+
+impl Left<'_> {
+    fn as_is(&self) -> f64 {
+        self.left.first().copied().unwrap_or(0.0)
+    }
+
+    fn fits_as_is(&self, noise: f64) -> bool {
+        self.as_is() < FITS * noise.min(1.0)
+    }
+
+    /// The simplest way that is good, where what is left of it is within so many squares of the noise.
+    fn told(&self, noise: f64, fits: f64) -> Option<Told> {
+        let as_is = self.as_is();
+        let best = self.left.iter().copied().fold(f64::INFINITY, f64::min);
+        // What goes with it may fit better by chance: causes that are not among it leave a little more than noise either way.
+        let least = if self.beside == Beside::Nothing { 0.0 } else { MUCH * noise };
+        if best > fits * noise || as_is < (WORSE * best).max(least) {
+            return None;
+        }
+        let good = || self.ways.iter().zip(&self.left).filter(|(_, left)| **left < TIE * best);
+        let simplest = good().map(|(way, _)| way.moved()).min()?;
+        // With much that goes with them, one of many ways fits by chance.
+        if self.beside != Beside::Nothing && simplest > SIMPLE {
+            return None;
+        }
+        let mut simple = good().filter(|(way, _)| way.moved() == simplest);
+        let (way, left) = simple.next()?;
+        let (name, what) = way.words(self.columns);
+        let mut what = what.to_owned();
+        // The set-ups hide which it is; that it is one of them is sure.
+        for (other, how) in simple.map(|(way, _)| way.words(self.columns)) {
+            what.push_str(&format!(", or {other} {how}"));
+        }
+        Some(Told { name, what, left: [as_is, *left], beside: self.beside })
+    }
+}

@@ -1,0 +1,82 @@
+//! A sensor that is dead: −180 °C of an open circuit, exactly 0 of a logger without a signal, anything that no machine has.
+
+use super::{Check, Fault, Then, View};
+use ncfix_machine::machine::condition::file::PLAUSIBLE_C;
+
+pub(super) const CHECK: Check = Check {
+    name: "dead sensor",
+    made_by: "an open circuit, a plug that is out, a logger without a signal",
+    shown_by: "temperatures that no machine has, or exactly 0 °C while all others are warm",
+    source: "Spaan 1995, ch. 6: sensors that fail during a day",
+    look,
+};
+
+/// What machines may have, °C.
+const POSSIBLE_C: std::ops::RangeInclusive<f64> = PLAUSIBLE_C[0]..=PLAUSIBLE_C[1];
+/// Others are warmer than this where 0 is no temperature, °C.
+const WARM_C: f64 = 5.0;
+/// So often exactly 0 is no chance.
+const ZEROS: usize = 3;
+
+fn look(view: &View<'_, '_>, out: &mut Vec<Fault>) {
+    for (set, sensors) in view.sensors.iter().enumerate() {
+        for sensor in sensors {
+            let others = super::median(
+                sensors.iter().filter(|other| other.name != sensor.name).flat_map(super::Sensor::said).collect(),
+            );
+            let own = super::median(sensor.said().filter(|value| *value != 0.0).collect());
+            let zeros = sensor.said().filter(|value| *value == 0.0).count();
+            let no_signal = zeros >= ZEROS && own.max(others) > WARM_C;
+            let is_dead =
+                |value: f64| value.is_finite() && (!POSSIBLE_C.contains(&value) || (no_signal && value == 0.0));
+            let rows: Vec<usize> = (0..sensor.values.len()).filter(|&row| is_dead(sensor.values[row])).collect();
+            // Pieces; a few good rows between them are no recovery.
+            for piece in rows.chunk_by(|one, next| next - one <= ZEROS) {
+                let (Some(&first), Some(&last)) = (piece.first(), piece.last()) else { continue };
+                let value = sensor.values[first];
+                out.push(Fault {
+                    kind: "sensor",
+                    set,
+                    name: sensor.name.clone(),
+                    what: "dead".into(),
+                    rows: [first, last],
+                    evidence: format!(
+                        "it reads {value} °C in {} rows, while it else and the other sensors have about {:.1} °C",
+                        piece.len(),
+                        if own == 0.0 || !POSSIBLE_C.contains(&own) { others } else { own }
+                    ),
+                    then: Then::WithoutSensors(vec![sensor.name.clone()]),
+                });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Sensor;
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn exactly_nothing_in_a_warm_shop_is_no_temperature() {
+        let machine = bench::machine();
+        let sets = [bench::reads_along_x(&machine, &[0.0; 20])];
+        let scene = bench::scene(&machine, &sets);
+        let found = |shop: f64| {
+            let own = |row: usize| if (7..10).contains(&row) { 0.0 } else { shop + 0.1 * row as f64 };
+            let sensor = |name: &str, values: Vec<f64>| Sensor { name: name.into(), values };
+            let sensors = vec![
+                sensor("T_nose_C", (0..20).map(own).collect()),
+                sensor("T_other_C", (0..20).map(|row| shop + 0.1 * f64::from(row)).collect()),
+            ];
+            let view = View::new(&scene, vec![sensors]);
+            let mut out = Vec::new();
+            look(&view, &mut out);
+            out.into_iter().map(|fault| (fault.name, fault.rows)).collect::<Vec<_>>()
+        };
+        assert_eq!(found(20.0), [("T_nose_C".to_owned(), [7, 9])]);
+        // In the cold it may be one.
+        assert_eq!(found(-1.0), []);
+    }
+}

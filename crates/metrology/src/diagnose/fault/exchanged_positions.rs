@@ -1,0 +1,126 @@
+//! Positions of the linear axes in each other's columns, or with the other sign: what would be left of the readings if they were so.
+
+use super::axes::Way;
+use super::readings::{Beside, Readings};
+use crate::diagnose::scene::{Scene, Through};
+use crate::measure::data::DataSet;
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_machine::machine::Machine;
+use ncfix_model::ErrorModel;
+
+/// Rows that tell it.
+const ROWS: usize = 400;
+/// Places at which an axis stands, at least.
+const PLACES: usize = 3;
+/// Positions this far beyond a limit are within it, mm.
+const BEYOND_MM: f64 = 1.0;
+
+/// Ways to read the positions, the one as they are first, and what each of the others leaves beside what.
+pub(super) struct Turned {
+    pub(super) ways: Vec<Way>,
+    pub(super) left: Vec<[f64; 4]>,
+}
+
+/// All ways in which every axis stays within its travel.
+pub(super) fn turned(scene: &Scene<'_>, data: &DataSet) -> Turned {
+    let linear: Vec<Axis> = AXES.into_iter().filter(|axis| !axis.is_rotary()).collect();
+    let few = thinned(data);
+    // Nobody takes a column that stands still for one that moves.
+    let moves = |axis: Axis| {
+        let mut at: Vec<u64> = few.observations.iter().map(|row| row.reading.position[axis].to_bits()).collect();
+        at.sort_unstable();
+        at.dedup();
+        at.len() >= PLACES
+    };
+    let there: Vec<usize> = (0..linear.len().min(3)).filter(|&k| moves(linear[k])).collect();
+    let mut out = Turned { ways: Way::all().take(1).collect(), left: Vec::new() };
+    for way in Way::all().skip(1).filter(|way| way.is_of(&there)) {
+        let mut best: Option<[f64; 4]> = None;
+        // The senses may stand in columns of their own, or follow from the positions.
+        for with_senses in [false, true] {
+            let Some(own) = read_by(&few, &way, &linear, with_senses) else { continue };
+            if !is_within(scene.machine, &own) {
+                continue;
+            }
+            let Some(left) = left(scene.machine, &scene.errors, own) else { continue };
+            best = Some(best.map_or(left, |best| [0, 1, 2, 3].map(|k| best[k].min(left[k]))));
+        }
+        if let Some(left) = best {
+            out.ways.push(way);
+            out.left.push(left);
+        }
+    }
+    out
+}
+
+/// Fewer rows, from all over.
+fn thinned(data: &DataSet) -> DataSet {
+    let count = data.observations.len();
+    let mut out = data.clone();
+    if count > ROWS {
+        let rows = || (0..ROWS).map(|k| k * count / ROWS);
+        out.observations = rows().map(|row| data.observations[row]).collect();
+        for (driver, all) in out.drivers.iter_mut().zip(&data.drivers) {
+            driver.values = rows().map(|row| all.values.get(row).copied().unwrap_or(f64::NAN)).collect();
+        }
+    }
+    out
+}
+
+fn read_by(data: &DataSet, way: &Way, linear: &[Axis], with_senses: bool) -> Option<DataSet> {
+    let mut out = data.clone();
+    for (to, from) in out.observations.iter_mut().zip(&data.observations) {
+        for k in 0..3 {
+            let (axis, of) = (*linear.get(k)?, *linear.get(way.permutation[k])?);
+            to.reading.position[axis] = way.sign[k] * from.reading.position[of];
+            if with_senses {
+                let sense = from.reading.state.direction.get(of.slot()).copied()?;
+                *to.reading.state.direction.get_mut(axis.slot())? = if way.sign[k] < 0.0 { -sense } else { sense };
+            }
+        }
+    }
+    Some(out)
+}
+
+fn is_within(machine: &Machine, data: &DataSet) -> bool {
+    machine.axes.iter().flatten().filter(|one| !one.axis.is_rotary()).all(|one| {
+        let [low, high] = one.travel.unwrap_or([f64::MIN, f64::MAX]);
+        let mut at = data.observations.iter().map(|row| row.reading.position[one.axis]);
+        at.all(|at| (low - BEYOND_MM..=high + BEYOND_MM).contains(&at))
+    })
+}
+
+/// What is left in squares of the uncertainty, beside what.
+fn left(machine: &Machine, errors: &ErrorModel, data: DataSet) -> Option<[f64; 4]> {
+    let sets = [data];
+    let scene = Scene::new(machine, errors, &sets).ok()?;
+    let readings = Readings::new(&scene, 0)?;
+    let tips = [0, 1, 2].map(|k| scene.factors(Through::Tip(k)));
+    Some(Beside::ALL.map(|beside| {
+        let own = readings.beside(&scene, &tips, beside);
+        own.map_or(f64::INFINITY, |own| own.left_with(None, 1.0))
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+
+    #[test]
+    fn what_is_left_is_in_squares_of_the_uncertainty_by_degrees_of_freedom() {
+        let machine = bench::machine();
+        // Twice the uncertainty of 1 µm, up and down.
+        let um: Vec<f64> = (0..40).map(|k| if k % 2 == 0 { 2.0 } else { -2.0 }).collect();
+        let found = left(&machine, &ErrorModel::default(), bench::reads_along_x(&machine, &um)).unwrap();
+        assert!((found[0] - 4.0).abs() < 1e-9, "{found:?}");
+        // Sense, slope and bend of X say nothing of that, and each takes one of 40 degrees of freedom.
+        for (left, taken) in found.iter().zip([0.0, 1.0, 2.0, 3.0]) {
+            assert!((left / (4.0 * 40.0 / (40.0 - taken)) - 1.0).abs() < 0.01, "{found:?}");
+        }
+        // What grows with X is nothing beside all that grows with an axis.
+        let um: Vec<f64> = (0..40).map(|k| f64::from(k) * 0.1 - 1.95).collect();
+        let found = left(&machine, &ErrorModel::default(), bench::reads_along_x(&machine, &um)).unwrap();
+        assert!(found[0] > 1.0 && found[2] < 1e-9 && found[3] < 1e-9, "{found:?}");
+    }
+}

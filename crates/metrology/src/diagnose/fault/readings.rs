@@ -1,0 +1,231 @@
+//! The readings of a measurement beside what the model says of them, both without what the set-ups may take up.
+
+use crate::diagnose::scene::{NO_ROW, Scene};
+use ncfix_base::geometry::AXES;
+use ncfix_base::numeric::Series;
+
+/// Squares of what is left count up to this: a single reading decides nothing.
+const MOST: f64 = 25.0;
+
+/// One measurement, in units of the uncertainty of each reading.
+#[derive(Debug)]
+pub(super) struct Readings {
+    /// Row, value and number of the component of each.
+    pub(super) at: Vec<[usize; 3]>,
+    read: Vec<f64>,
+    predicted: Vec<f64>,
+    /// Their numbers among the items of the scene.
+    items: Vec<usize>,
+    sigma: Vec<f64>,
+    /// All values of its row.
+    of_row: Vec<[f64; 3]>,
+    /// The run of each.
+    run: Vec<usize>,
+    series: Series,
+}
+
+/// How much of what may be wrong with the machine is let go with the readings: a fault beside a cause is else not told from what it makes of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Beside {
+    /// The set-ups only.
+    Nothing,
+    /// Also everything that turns over with the sense of an axis.
+    Turning,
+    /// Also everything that grows with an axis.
+    Straight,
+    /// Also everything that bends over an axis.
+    Bent,
+}
+
+impl Beside {
+    /// From the least to the most.
+    pub(super) const ALL: [Beside; 4] = [Beside::Nothing, Beside::Turning, Beside::Straight, Beside::Bent];
+}
+
+/// How readings go with the prediction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Match {
+    /// Readings that count.
+    pub(super) count: f64,
+    /// Readings per prediction.
+    pub(super) gain: f64,
+    /// Share of the squares of the readings that the prediction explains.
+    pub(super) share: f64,
+    /// Root of the mean square of the prediction.
+    pub(super) size: f64,
+}
+
+impl Readings {
+    pub(super) fn new(scene: &Scene<'_>, set: usize) -> Option<Readings> {
+        let data = scene.sets.get(set)?;
+        let (mut at, mut read, mut predicted, mut weights) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut items, mut numbers, mut sigma, mut run) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut of_row = Vec::new();
+        for (number, item) in scene.items.iter().enumerate().filter(|(_, item)| item.row != NO_ROW) {
+            let Some(row) = scene.rows.get(item.row).filter(|row| row.set == set) else { continue };
+            let one = data.observations.get(row.number)?;
+            // A probing says where axes stood, not how far from anything.
+            let value = one.values.get(item.value).copied().flatten()?;
+            at.push([row.number, item.value, one.component.and(one.target).unwrap_or(0)]);
+            read.push(value);
+            predicted.push(value - item.left);
+            weights.push(1.0 / item.sigma);
+            sigma.push(item.sigma);
+            of_row.push(one.values.map(|value| value.unwrap_or(f64::NAN)));
+            run.push(row.sequence);
+            numbers.push(number);
+            items.push(item);
+        }
+        let mut unknowns: Vec<usize> =
+            items.iter().flat_map(|item| &item.by_unknown).map(|(number, _)| *number).collect();
+        unknowns.sort_unstable();
+        unknowns.dedup();
+        let mut columns = vec![vec![0.0; items.len()]; unknowns.len()];
+        for (place, item) in items.iter().enumerate() {
+            for (unknown, factor) in &item.by_unknown {
+                if let Ok(number) = unknowns.binary_search(unknown) {
+                    columns[number][place] += factor;
+                }
+            }
+        }
+        let mut series = Series::new(&vec![0; items.len()], &weights, 0.0);
+        columns.iter().for_each(|column| {
+            series.take(column);
+        });
+        (!at.is_empty()).then_some(Readings { at, read, predicted, items: numbers, sigma, of_row, run, series })
+    }
+
+    /// The same where something may go with the readings beside the set-ups; `None` where too few are left to say anything.
+    pub(super) fn beside(&self, scene: &Scene<'_>, tips: &[Vec<f64>], what: Beside) -> Option<Readings> {
+        /// Readings for each unknown at least.
+        const READINGS: usize = 3;
+        let mut out = Readings {
+            at: self.at.clone(),
+            read: self.read.clone(),
+            predicted: self.predicted.clone(),
+            items: self.items.clone(),
+            sigma: self.sigma.clone(),
+            of_row: self.of_row.clone(),
+            run: self.run.clone(),
+            series: self.series.clone(),
+        };
+        if what == Beside::Nothing {
+            return Some(out);
+        }
+        let row = |item: usize| scene.items.get(item).and_then(|item| scene.rows.get(item.row));
+        for tip in tips {
+            let own = |weight: &dyn Fn(&crate::diagnose::row::Row) -> f64| -> Vec<f64> {
+                let of = |item: usize| tip.get(item).zip(row(item)).map_or(0.0, |(tip, row)| tip * weight(row));
+                self.items.iter().map(|&item| of(item)).collect()
+            };
+            out.series.take(&own(&|_| 1.0));
+            for axis in AXES {
+                let at = self.items.iter().filter_map(|&item| row(item)).map(|row| row.position[axis]);
+                let [low, high] = at.fold([f64::MAX, f64::MIN], |[low, high], at| [low.min(at), high.max(at)]);
+                let (middle, half) = (f64::midpoint(low, high), ((high - low) / 2.0).max(f64::MIN_POSITIVE));
+                out.series.take(&own(&|row| row.sense_of(axis)));
+                if high > low && what != Beside::Turning {
+                    out.series.take(&own(&|row| (row.position[axis] - middle) / half));
+                    if what == Beside::Bent {
+                        out.series.take(&own(&|row| ((row.position[axis] - middle) / half).powi(2)));
+                    }
+                }
+            }
+        }
+        (self.at.len() >= READINGS * out.series.rank()).then_some(out)
+    }
+
+    /// The middle of the absolute values of what is left, mm or rad.
+    pub(super) fn middle(&self) -> f64 {
+        let all: Vec<f64> = self.read.iter().zip(&self.predicted).map(|(read, predicted)| read - predicted).collect();
+        let left = self.without_setups(&all);
+        super::median(left.iter().zip(&self.sigma).map(|(left, sigma)| (left * sigma).abs()).collect())
+    }
+
+    /// Whether all lengths that were read are less than any machine errs.
+    pub(super) fn are_tiny(&self) -> bool {
+        /// mm.
+        const TINY: f64 = 5e-5;
+        let left = self.without_setups(&self.read);
+        let sizes = || left.iter().zip(&self.sigma).map(|(left, sigma)| (left * sigma).abs());
+        sizes().all(|size| size < TINY) && sizes().any(|size| size > 0.0)
+    }
+
+    /// What is left, in units of the uncertainty.
+    pub(super) fn left(&self) -> Vec<f64> {
+        let all: Vec<f64> = self.read.iter().zip(&self.predicted).map(|(read, predicted)| read - predicted).collect();
+        self.without_setups(&all)
+    }
+
+    /// What something does to them beyond what set-ups take up, in units of the uncertainty: from what it does to all readings of the scene.
+    pub(super) fn column(&self, of_all: &[f64]) -> Vec<f64> {
+        let own: Vec<f64> = self.items.iter().map(|&item| of_all.get(item).copied().unwrap_or(0.0)).collect();
+        self.without_setups(&own)
+    }
+
+    /// By how much less squares are because unknowns take them up.
+    fn freedom(&self) -> f64 {
+        let count = self.at.len() as f64;
+        count / (count - self.series.rank() as f64).max(1.0)
+    }
+
+    fn without_setups(&self, values: &[f64]) -> Vec<f64> {
+        let mut series = self.series.clone();
+        series.set_values(values);
+        series.left().to_vec()
+    }
+
+    /// How the readings of a component, or all, go with the prediction.
+    pub(super) fn matched(&self, of: Option<usize>) -> Match {
+        let (read, predicted) = (self.without_setups(&self.read), self.without_setups(&self.predicted));
+        let is_in = |place: &usize| of.is_none_or(|of| self.at[*place][2] == of);
+        let places: Vec<usize> = (0..self.at.len()).filter(is_in).collect();
+        let sum = |a: &[f64], b: &[f64]| places.iter().map(|&place| a[place] * b[place]).sum::<f64>();
+        let (rr, rp, pp) = (sum(&read, &read), sum(&read, &predicted), sum(&predicted, &predicted));
+        let count = places.len() as f64;
+        let gain = if pp > 0.0 { rp / pp } else { 0.0 };
+        let share = if pp > 0.0 && rr > 0.0 { rp * rp / (rr * pp) } else { 0.0 };
+        Match { count, gain, share, size: (pp / count.max(1.0)).sqrt() }
+    }
+
+    /// What is left in squares of σ where the readings are taken otherwise: `of` gives each from all values of its row.
+    fn squares_if(&self, of: &dyn Fn(usize, [f64; 3]) -> f64, times: f64) -> Vec<f64> {
+        let all: Vec<f64> = self
+            .at
+            .iter()
+            .zip(self.of_row.iter().zip(&self.predicted))
+            .map(|([_, value, _], (all, predicted))| of(*value, *all) - times * predicted)
+            .collect();
+        self.without_setups(&all).into_iter().map(|left| (left * left).min(MOST)).collect()
+    }
+
+    /// In how many runs, and in which share of all that differs, readings fit better where they are taken otherwise.
+    pub(super) fn better_if(&self, of: &dyn Fn(usize, [f64; 3]) -> f64) -> (usize, f64) {
+        let as_is = self.squares_if(&|value, all| all[value.min(2)], 1.0);
+        let mut runs: std::collections::BTreeMap<usize, f64> = std::collections::BTreeMap::new();
+        for ((run, as_is), otherwise) in self.run.iter().zip(as_is).zip(self.squares_if(of, 1.0)) {
+            *runs.entry(*run).or_insert(0.0) += as_is - otherwise;
+        }
+        let better = || runs.values().filter(|less| **less > 0.0);
+        let whole: f64 = runs.values().map(|less| less.abs()).sum();
+        (better().count(), if whole > 0.0 { better().sum::<f64>() / whole } else { 0.0 })
+    }
+
+    /// Mean square of what is left of a component, or all, where the readings are taken otherwise.
+    pub(super) fn left_if(&self, component: Option<usize>, of: &dyn Fn(usize, [f64; 3]) -> f64, times: f64) -> f64 {
+        let squares = self.squares_if(of, times);
+        let own = squares.iter().zip(&self.at).filter(|(_, at)| component.is_none_or(|of| at[2] == of));
+        let squares: Vec<f64> = own.map(|(left, _)| *left).collect();
+        self.freedom() * squares.iter().sum::<f64>() / squares.len().max(1) as f64
+    }
+
+    /// The same with the readings as they are, and a part of the prediction.
+    pub(super) fn left_with(&self, component: Option<usize>, times: f64) -> f64 {
+        self.left_if(component, &|value, all| all[value.min(2)], times)
+    }
+
+    /// Which values rows have.
+    pub(super) fn values(&self) -> Vec<usize> {
+        (0..3).filter(|value| self.at.iter().any(|at| at[1] == *value)).collect()
+    }
+}

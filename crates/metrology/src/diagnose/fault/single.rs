@@ -1,0 +1,82 @@
+//! What a single cause of the machine explains: a fault of the data is said only where none does it as well.
+
+use super::readings::Readings;
+use crate::diagnose::scene::{Scene, Through};
+use crate::measure::data::DataSet;
+use ncfix_machine::machine::Machine;
+use ncfix_model::name::{DIRECTIONS, ErrorName};
+
+/// Rows of a measurement that are looked at.
+const ROWS: usize = 300;
+/// Readings count up to this, in σ, where a few may be far off.
+pub(super) const MOST: f64 = 5.0;
+
+/// What is left of all measurements, in units of the uncertainty, one after the other.
+#[derive(Debug)]
+pub(super) struct Left {
+    pub(super) values: Vec<f64>,
+    pub(super) squares: f64,
+}
+
+/// Fewer rows, from all over.
+pub(super) fn thinned(data: &DataSet) -> DataSet {
+    let count = data.observations.len();
+    let mut out = data.clone();
+    if count > ROWS {
+        let rows = || (0..ROWS).map(|k| k * count / ROWS);
+        out.observations = rows().filter_map(|row| data.observations.get(row).copied()).collect();
+        for (driver, all) in out.drivers.iter_mut().zip(&data.drivers) {
+            driver.values = rows().map(|row| all.values.get(row).copied().unwrap_or(f64::NAN)).collect();
+        }
+    }
+    out
+}
+
+/// The readings of some measurements beside what a machine with the known errors says of them, each up to `most` in σ.
+pub(super) fn left(machine: &Machine, scene: &Scene<'_>, sets: &[DataSet], most: f64) -> Option<Left> {
+    let own = Scene::new(machine, &scene.errors, sets).ok()?;
+    let values: Vec<f64> =
+        (0..sets.len()).filter_map(|set| Readings::new(&own, set)).flat_map(|one| one.left()).collect();
+    let values: Vec<f64> = values.into_iter().map(|left| left.clamp(-most, most)).collect();
+    let squares = values.iter().map(|left| left * left).sum();
+    Some(Left { values, squares })
+}
+
+/// What is left with the cause that explains most: an error of one axis that is constant, grows, bends or turns over with its sense.
+pub(super) fn by_one_cause(machine: &Machine, sets: &[DataSet], as_is: &Left) -> f64 {
+    let Ok(scene) = Scene::new(machine, &ncfix_model::ErrorModel::default(), sets) else { return 0.0 };
+    let readings: Vec<Readings> = (0..sets.len()).filter_map(|set| Readings::new(&scene, set)).collect();
+    let mut most = 0.0_f64;
+    for axis in machine.axes.iter().flatten().map(|data| data.axis) {
+        let at = |row: usize| scene.rows.get(row).map_or(0.0, |row| row.position[axis]);
+        let ends =
+            (0..scene.rows.len()).map(at).fold([f64::MAX, f64::MIN], |ends, at| [ends[0].min(at), ends[1].max(at)]);
+        let (middle, half) = (f64::midpoint(ends[0], ends[1]), ((ends[1] - ends[0]) / 2.0).max(f64::MIN_POSITIVE));
+        for direction in DIRECTIONS {
+            let factors = scene.factors(Through::Component(ErrorName::motion(direction, axis)));
+            for shape in 0..4 {
+                let weight = |row: usize| {
+                    let along = (at(row) - middle) / half;
+                    match shape {
+                        0 => 1.0,
+                        1 => along,
+                        2 => along * along,
+                        _ => scene.rows.get(row).map_or(0.0, |row| row.sense_of(axis)),
+                    }
+                };
+                let column: Vec<f64> = factors
+                    .iter()
+                    .zip(&scene.items)
+                    .map(|(factor, item)| if *factor == 0.0 { 0.0 } else { factor * weight(item.row) })
+                    .collect();
+                let does: Vec<f64> = readings.iter().flat_map(|one| one.column(&column)).collect();
+                let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+                let squares = sum(&does, &does);
+                if squares > 0.0 {
+                    most = most.max(sum(&does, &as_is.values).powi(2) / squares);
+                }
+            }
+        }
+    }
+    as_is.squares - most
+}

@@ -1,0 +1,296 @@
+//! Many errors of a machine at once: one after the other the first that is taken explains a bit of each, and what is taken then mends it.
+//!
+//! All simple errors – locations, polynomials of the motion of axes – are taken at once, the least far-fetched first, those that depend on others not
+//! at all, and those that are not worth their number taken out again, the most far-fetched first. Where that is as good as what was found one after the other
+//! it is what is named.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::cause::{Candidate, Effect, Term};
+use super::gates::LIMIT;
+use super::price::Price;
+use super::scene::Through;
+use super::search::{Field, TIE, Weights};
+use ncfix_base::numeric::in_parts;
+use ncfix_base::numeric::sums::dot;
+use ncfix_model::ParameterName;
+use ncfix_model::name::ErrorName;
+use ncfix_model::parameter::Term as Part;
+
+/// So many terms one after the other make it worth trying.
+const MANY: usize = 3;
+/// As far-fetched as this are angles that are seen as displacements, what two axes do together, what has no name: two simple ones are less so.
+const FAR: u32 = 300;
+/// A group has so many times the terms at most.
+const MORE: usize = 2;
+/// Degrees of polynomials.
+const DEGREE: u8 = 3;
+/// A column of which less than this share of the square is left beside those before it is no column of its own; beside set-ups of less than the second
+/// nothing is left.
+const OWN: f64 = 1e-2;
+const NOTHING: f64 = 1e-9;
+/// Columns that are looked at together.
+const AT_ONCE: usize = 32;
+/// Candidates at most.
+const MOST: usize = 16;
+
+/// A simple error.
+struct Simple {
+    name: ErrorName,
+    /// 0 for a location.
+    degree: u8,
+    candidate: usize,
+    /// The candidate that has no slope.
+    bow: Option<usize>,
+}
+
+/// A column: its name, the candidate that has it and those of lower degrees.
+struct Single {
+    name: ErrorName,
+    /// 0 for a location.
+    degree: u8,
+    candidate: usize,
+    /// What it does beside the set-ups, of unit length, whitened.
+    does: Vec<f64>,
+}
+
+/// One that was looked at beside the set-ups.
+struct Fresh<'s> {
+    one: &'s Simple,
+    /// As [`Single::does`].
+    does: Vec<f64>,
+    /// Whether more than nothing is left of it.
+    is_seen: bool,
+}
+
+/// A column without its parts along directions, one after the other.
+fn without(mut column: Vec<f64>, directions: &[Vec<f64>]) -> Vec<f64> {
+    for other in directions {
+        let share = dot(&column, other);
+        column.iter_mut().zip(other).for_each(|(value, part)| *value -= share * part);
+    }
+    column
+}
+
+impl Field<'_, '_> {
+    /// What explains the readings better: what was taken one after the other, or a group of simple errors and what is left beside it.
+    pub(super) fn together(&mut self, weights: &Weights, taken: Vec<usize>) -> Vec<usize> {
+        // Two simple errors at once look like one angle over a part of what was measured.
+        let is_far = |one: &Candidate| one.far_fetched() >= FAR;
+        let is_pair = |one: &Candidate| is_far(one) && matches!(one.cause.effect, Effect::Motion | Effect::Cross);
+        let is_any_far = taken.iter().filter_map(|&number| self.candidates.get(number)).any(is_far);
+        if taken.len() < MANY && !is_any_far {
+            return taken;
+        }
+        let group = self.group(weights);
+        // One that would not stand beside the others takes the place of nothing.
+        let group: Vec<usize> =
+            self.backward(weights, group, LIMIT, &mut |_| {}).into_iter().map(|term| term.candidate).collect();
+        if group.is_empty() {
+            return taken;
+        }
+        let group = self.sound_steps(weights, &group, &[]);
+        // Many small ones fit what one of another shape does.
+        if group.len() > MORE * taken.len() {
+            return taken;
+        }
+        let far = taken.iter().filter_map(|&number| self.candidates.get(number)).filter(|one| is_far(one));
+        let (count, pairs) = far.fold((0_u32, 0), |(count, pairs), one| (count + 1, pairs + usize::from(is_pair(one))));
+        let [one, other] = [&taken, &group].map(|all| self.criterion(weights, all));
+        // What may be two simple errors is that where these explain as much: their number is no reason against them.
+        let more = other.1.saturating_sub(one.1).min(pairs);
+        let price = Price::new(weights.items.iter().filter(|weight| **weight > 0.0).count() as f64, self.tried);
+        if other.0 < one.0 + TIE * f64::from(count) + price.of(more) { group } else { taken }
+    }
+
+    /// Some with a simple error in the place of one that explains the readings worse – by the memory of the noise, which the search does not know – or of a
+    /// cross-coupling that explains them no better. `None` where there is none.
+    pub(super) fn better(&self, weights: &Weights, taken: &[usize]) -> Option<Vec<usize>> {
+        let is_simple = |one: &Candidate| {
+            let is_one = one.columns.len() == 1 && matches!(one.term, Term::Parameters(_));
+            is_one && matches!(one.cause.effect, Effect::Location | Effect::Motion)
+        };
+        let is_simple = |number: &usize| self.candidates.get(*number).is_some_and(is_simple);
+        let is_cross = |one: &Candidate| one.columns.len() == 1 && one.cause.effect == Effect::Cross;
+        // A turn of the carriage that is seen at one arm is a plain play; there is no play that is a bow.
+        let is_play = |one: &Candidate| {
+            one.columns.len() == 1 && matches!(one.cause.effect, Effect::Backlash | Effect::LateralPlay)
+        };
+        let play = |number: &usize| {
+            self.candidates.get(*number).filter(|one| is_play(one)).map(|one| one.far_fetched() >= FAR)
+        };
+        let is_cross = |number: &usize| self.candidates.get(*number).is_some_and(is_cross);
+        let is_near = |number: &usize| self.candidates.get(*number).is_some_and(|one| one.far_fetched() < FAR);
+        let is_bow = |number: &usize| {
+            self.bows.contains(number) && self.candidates.get(*number).is_some_and(|one| one.columns.len() == 1)
+        };
+        let memory = self.memory(weights, taken);
+        let mut out = taken.to_vec();
+        for place in 0..out.len() {
+            let number = out[place];
+            let is_turn = play(&number) == Some(true);
+            let [may_be, is_far] = [is_simple(&number), is_cross(&number) || is_turn];
+            if !may_be && !is_far {
+                continue;
+            }
+            let others: Vec<usize> = out.iter().copied().filter(|&other| other != number).collect();
+            let series = self.series(weights, &others, memory);
+            let gain =
+                |number: usize| self.candidates.get(number).map_or(0.0, |one| series.gain(&self.columns(one)).squares);
+            let own = gain(number);
+            let noise = (series.squares() - own) / series.count().saturating_sub(series.rank() + 1).max(1) as f64;
+            let tie = TIE * noise * self.inflation(weights, &out, &others, number);
+            let least = if is_far { own - tie } else { own + tie };
+            let is_open = |number: &usize| {
+                if is_turn {
+                    play(number) == Some(false)
+                } else if is_far {
+                    is_near(number) && (is_simple(number) || is_bow(number))
+                } else {
+                    is_simple(number)
+                }
+            };
+            let end = if is_turn { self.candidates.len() } else { self.bows.end };
+            let open = (0..end).filter(is_open).filter(|number| !out.contains(number));
+            let all = open.map(|number| (gain(number), number)).filter(|(gain, _)| *gain > least);
+            if let Some((_, number)) = all.max_by(|a, b| a.0.total_cmp(&b.0)) {
+                out[place] = number;
+            }
+        }
+        (out != taken).then_some(out)
+    }
+
+    /// −2 ln of the likelihood and the price of all columns; how many these are.
+    fn criterion(&self, weights: &Weights, taken: &[usize]) -> (f64, usize) {
+        let [without, with] = [self.series(weights, &[], 0.0), self.series(weights, taken, 0.0)];
+        let rank = with.rank().saturating_sub(without.rank());
+        let gain = ncfix_base::numeric::Gain { squares: without.squares() - with.squares(), rank };
+        (-Price::new(with.count() as f64, self.tried).worth(without.squares(), &gain), rank)
+    }
+
+    /// Simple errors that are worth their number beside each other, in the order in which they are named.
+    fn group(&self, weights: &Weights) -> Vec<usize> {
+        let mut series = self.series(weights, &[], 0.0);
+        let left = series.left().to_vec();
+        let mut all: Vec<Single> = Vec::new();
+        let mut own: Vec<Vec<f64>> = Vec::new();
+        // Components whose slope is that of a location.
+        let mut bent: Vec<ErrorName> = Vec::new();
+        for some in self.simple().chunks(AT_ONCE) {
+            let mut fresh: Vec<Fresh<'_>> = Vec::new();
+            for one in some {
+                // What bends is looked at without its slope: of a line far from zero a square is nearly all slope.
+                let columns = self.candidates.get(one.bow.unwrap_or(one.candidate)).map(|one| self.columns(one));
+                let Some(column) = columns.and_then(|mut all| all.pop()) else { continue };
+                let whitened = series.whitened(&column);
+                let whole = dot(&whitened, &whitened);
+                series.set_values(&column);
+                let mut does = series.left().to_vec();
+                let beside = dot(&does, &does);
+                let length = beside.sqrt();
+                does.iter_mut().for_each(|value| *value /= length);
+                fresh.push(Fresh { one, does, is_seen: beside > NOTHING * whole });
+            }
+            let from = own.len();
+            let directions = in_parts(&fresh, &|fresh: &Fresh<'_>| without(fresh.does.clone(), &own));
+            for (Fresh { one, does, is_seen }, direction) in fresh.into_iter().zip(directions) {
+                let mut direction = without(direction, &own[from..]);
+                let rest = dot(&direction, &direction);
+                if !(is_seen && rest > OWN) {
+                    bent.push(one.name);
+                    continue;
+                }
+                direction.iter_mut().for_each(|value| *value /= rest.sqrt());
+                own.push(direction);
+                let candidate = one.bow.filter(|_| bent.contains(&one.name)).unwrap_or(one.candidate);
+                all.push(Single { name: one.name, degree: one.degree, candidate, does });
+            }
+        }
+        series.set_values(&[]);
+        let squares = dot(&left, &left);
+        self.pruned(all, (&left, squares), series.count() as f64)
+    }
+
+    /// Locations and motions by degree, the least far-fetched first.
+    fn simple(&self) -> Vec<Simple> {
+        let mut out: Vec<(u32, Simple)> = Vec::new();
+        let bow = |name: ErrorName, degree: u8| {
+            let is_it = |&number: &usize| {
+                self.candidates.get(number).is_some_and(|one| {
+                    one.columns.len() + 1 == usize::from(degree)
+                        && one
+                            .columns
+                            .first()
+                            .and_then(|parts| parts.first())
+                            .is_some_and(|part| part.0 == Through::Component(name))
+                })
+            };
+            self.bows.clone().find(is_it)
+        };
+        for (candidate, one) in self.candidates.iter().enumerate() {
+            let Term::Parameters(parameters) = &one.term else { continue };
+            let degrees: Option<Vec<u8>> = parameters.iter().map(degree).collect();
+            let (Some(degrees), Some(first)) = (degrees, parameters.first()) else { continue };
+            let degree = match one.cause.effect {
+                Effect::Location if parameters.len() == 1 => 0,
+                Effect::Motion if degrees.iter().copied().eq(1..=degrees.len() as u8) => degrees.len() as u8,
+                _ => continue,
+            };
+            let name = first.component;
+            let bow = bow(name, degree).filter(|_| degree > 1);
+            if degree <= 1 || (degree <= DEGREE && bow.is_some()) {
+                out.push((one.far_fetched(), Simple { name, degree, candidate, bow }));
+            }
+        }
+        out.sort_by_key(|(far, one)| (one.degree, *far, one.candidate));
+        out.into_iter().map(|(_, one)| one).collect()
+    }
+
+    /// Takes out what is not worth its price, the most far-fetched first and no degree before higher ones.
+    fn pruned(&self, all: Vec<Single>, (left, squares): (&[f64], f64), count: f64) -> Vec<usize> {
+        let places: Vec<usize> = (0..all.len()).collect();
+        let row = |&k: &usize| -> Vec<f64> { all[..=k].iter().map(|other| dot(&all[k].does, &other.does)).collect() };
+        let rows = in_parts(&places, &row);
+        let products = DMatrix::from_fn(all.len(), all.len(), |k, l| rows[k.max(l)][k.min(l)]);
+        let right = DVector::from_fn(all.len(), |k, _| dot(&all[k].does, left));
+        let price = Price::new(count, self.tried);
+        let mut open: Vec<usize> = (0..all.len()).collect();
+        while !open.is_empty() {
+            let part = DMatrix::from_fn(open.len(), open.len(), |k, l| products[(open[k], open[l])]);
+            let own = DVector::from_fn(open.len(), |k, _| right[open[k]]);
+            let Some(inverse) = part.cholesky().map(|one| one.inverse()) else { return Vec::new() };
+            let amounts = &inverse * &own;
+            let rest = (squares - own.dot(&amounts)).max(squares * 1e-12);
+            let is_top = |k: usize| {
+                let one = &all[open[k]];
+                !open.iter().any(|&other| all[other].name == one.name && all[other].degree > one.degree)
+            };
+            let loss = |k: usize| amounts[k] * amounts[k] / inverse[(k, k)];
+            let worth =
+                |k: usize| price.worth(rest + loss(k), &ncfix_base::numeric::Gain { squares: loss(k), rank: 1 });
+            let tops: Vec<usize> = (0..open.len()).filter(|&k| is_top(k)).collect();
+            // The most far-fetched of those that are not worth it; only where there are too many the one that is worth least.
+            let out = tops.iter().copied().rfind(|&k| worth(k) <= 0.0);
+            let least = || tops.iter().copied().min_by(|&k, &l| loss(k).total_cmp(&loss(l)));
+            let Some(k) = out.or_else(|| least().filter(|_| tops.len() > MOST)) else { break };
+            open.remove(k);
+        }
+        let mut out: Vec<usize> = Vec::new();
+        for &k in &open {
+            let one = &all[k];
+            if !open.iter().any(|&other| all[other].name == one.name && all[other].degree > one.degree) {
+                out.push(one.candidate);
+            }
+        }
+        out
+    }
+}
+
+/// The degree of a coefficient of a polynomial.
+fn degree(parameter: &ParameterName) -> Option<u8> {
+    match parameter.term {
+        Part::Coefficient(degree) => Some(degree),
+        Part::Whole => Some(0),
+        _ => None,
+    }
+}

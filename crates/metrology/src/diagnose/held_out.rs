@@ -1,0 +1,294 @@
+//! What terms gain on a part of the readings that is left out, with the selection repeated without it.
+
+use std::collections::HashMap;
+
+use super::cause::Candidate;
+use super::fold::NO_PART;
+use super::known::Starts;
+use super::search::{Field, Weights, contains_all};
+use ncfix_base::numeric::{Series, in_parts};
+
+/// A part says something of a term that has this share of what shows it, and leaves that share to the others.
+const SHOWN: f64 = 0.02;
+const KEPT: f64 = 0.2;
+/// Other candidates that explain this share of what one does stand for it.
+const ALIKE: f64 = 0.9;
+/// Each of them this much at least.
+const PARTLY: f64 = 0.05;
+/// Parts that are looked at side by side.
+const AT_ONCE: usize = 2;
+
+/// What was selected without a part.
+#[derive(Clone, Debug)]
+pub(super) struct Selection {
+    all: Vec<usize>,
+    /// Whether the search went on to its end.
+    is_whole: bool,
+}
+
+/// What was selected, by the kind of parts and the number of the part: it depends on the weights only.
+pub(super) type Selections = HashMap<(usize, usize), Selection>;
+
+/// What was gained on a part: squares without a term, and with it.
+struct Part {
+    /// How much of the term its readings show.
+    shown: f64,
+    without: f64,
+    with: f64,
+}
+
+/// What is asked of a part.
+struct Question<'q> {
+    weights: &'q Weights,
+    /// The part of each reading.
+    parts: &'q [usize],
+    /// What is judged, and what each of these does.
+    judged: &'q [usize],
+    does: Vec<Does>,
+    /// Places of those among them whose gain is asked for.
+    places: &'q [usize],
+}
+
+/// What a part says.
+struct Answer {
+    /// Of each that was asked for.
+    gains: Vec<Option<Part>>,
+    selection: Option<Selection>,
+    /// Candidates that only this search found, numbered behind those that there were before.
+    found: Vec<Candidate>,
+}
+
+/// The gain of each term over some parts; `None` where they do not say. Parts are looked at side by side, each with a field of its own: what the
+/// search finds without one part has seen the others, so that no other search must know of it.
+pub(super) fn of_parts(
+    field: &mut Field<'_, '_>,
+    weights: &Weights,
+    (kind, parts): (usize, &[usize]),
+    (judged, places): (&[usize], &[usize]),
+    known: &mut Selections,
+    note: &mut dyn FnMut(f64),
+) -> Vec<Option<f64>> {
+    let count = parts.iter().filter(|&&part| part != NO_PART).max().map_or(0, |most| most + 1);
+    let mut everywhere = field.series(weights, &[], 0.0);
+    let does = judged.iter().map(|&term| Does::new(field, weights, judged, term, &mut everywhere)).collect();
+    let question = Question { weights, parts, judged, does, places };
+    let mut found: Vec<Vec<Part>> = places.iter().map(|_| Vec::new()).collect();
+    let before = field.candidates.len();
+    let all: Vec<usize> = (0..count).filter(|_| count > 1).collect();
+    for some in all.chunks(AT_ONCE) {
+        note(some.first().map_or(0.0, |part| *part as f64 / count as f64));
+        let of_some: Vec<(usize, Option<Selection>)> =
+            some.iter().map(|&part| (part, known.get(&(kind, part)).cloned())).collect();
+        let shared: &Field<'_, '_> = field;
+        let answers =
+            in_parts(&of_some, &|(part, known)| question.asked_of(*part, &mut shared.beside(before), known.as_ref()));
+        for (&part, answer) in some.iter().zip(answers) {
+            found.iter_mut().zip(answer.gains).for_each(|(all, one)| all.extend(one));
+            if let Some(mut selection) = answer.selection {
+                field.adopt(&mut selection.all, before, &answer.found);
+                known.insert((kind, part), selection);
+            }
+        }
+    }
+    note(1.0);
+    found.iter().map(|parts| gain(parts)).collect()
+}
+
+impl Question<'_> {
+    fn asked_of(&self, part: usize, field: &mut Field<'_, '_>, known: Option<&Selection>) -> Answer {
+        let before = field.candidates.len();
+        let of = |inside: bool| Weights {
+            items: self
+                .weights
+                .items
+                .iter()
+                .zip(self.parts)
+                .map(|(weight, own)| if *own == NO_PART || (*own == part) == inside { *weight } else { 0.0 })
+                .collect(),
+            series: self.weights.series.clone(),
+        };
+        let (train, test) = (of(false), of(true));
+        let [mut of_train, mut of_test] = [&train, &test].map(|part| field.series(part, &[], 0.0));
+        let says: Vec<Option<f64>> = self
+            .places
+            .iter()
+            .map(|&place| self.does.get(place).and_then(|does| does.said(&mut of_train, &mut of_test)))
+            .collect();
+        if says.iter().all(Option::is_none) {
+            return Answer { gains: Vec::new(), selection: None, found: Vec::new() };
+        }
+        let selection = selected(field, &train, self.judged, known);
+        // What else was selected there would not have stood: it is no part of what is judged.
+        let of_each: Vec<Vec<usize>> = self
+            .judged
+            .iter()
+            .zip(&self.does)
+            .map(|(&term, does)| {
+                // What stands for itself stands for no other.
+                let is_free = |other: &usize| *other == term || !self.judged.contains(other);
+                let free: Vec<usize> = selection.all.iter().copied().filter(is_free).collect();
+                stand_ins(field, &train, (term, &does.all), &free)
+            })
+            .collect();
+        let mut all: Vec<usize> = of_each.iter().flatten().copied().collect();
+        all.sort_unstable();
+        all.dedup();
+        let with = unseen(field, &train, &test, &all);
+        let gain = |(&place, shown): (&usize, Option<f64>)| {
+            let shown = shown?;
+            let own = of_each.get(place).map_or(&[][..], Vec::as_slice);
+            let others: Vec<usize> = all.iter().copied().filter(|other| !own.contains(other)).collect();
+            let without = if own.is_empty() { with } else { unseen(field, &train, &test, &others) };
+            Some(Part { shown, without, with })
+        };
+        let gains = self.places.iter().zip(says).map(gain).collect();
+        let found = field.candidates.get(before..).unwrap_or_default().to_vec();
+        Answer { gains, selection: Some(selection), found }
+    }
+}
+
+/// What is selected without a part; the search goes on only until all that are judged are among it.
+fn selected(field: &mut Field<'_, '_>, train: &Weights, judged: &[usize], known: Option<&Selection>) -> Selection {
+    if let Some(known) = known.filter(|known| known.is_whole || contains_all(&known.all, judged)) {
+        return known.clone();
+    }
+    let all = field.forward_until(train, &[], judged);
+    Selection { is_whole: !contains_all(&all, judged), all }
+}
+
+impl<'s, 'a> Field<'s, 'a> {
+    /// A field of its own for another search, with the first candidates.
+    pub(super) fn beside(&self, first: usize) -> Field<'s, 'a> {
+        Field {
+            scene: self.scene,
+            candidates: self.candidates.iter().take(first).cloned().collect(),
+            bows: self.bows.clone(),
+            factors: self.factors.clone(),
+            layout: self.layout.clone(),
+            tables: self.tables.copy(),
+            starts: Starts::default(),
+            seek: self.seek.clone(),
+            tried: self.tried,
+            part: self.part.as_ref().map(|part| Box::new(part.beside())),
+        }
+    }
+
+    /// Takes over what another search found among some that it selected: those behind the first ones get numbers of their own here.
+    fn adopt(&mut self, selected: &mut [usize], first: usize, found: &[Candidate]) {
+        for number in selected.iter_mut().filter(|number| **number >= first) {
+            let Some(one) = found.get(*number - first) else { continue };
+            *number = self.candidates.len();
+            self.candidates.push(one.clone());
+        }
+    }
+}
+
+/// Squares of what is left of some readings with candidates whose amounts others gave.
+pub(super) fn unseen(field: &Field<'_, '_>, train: &Weights, test: &Weights, taken: &[usize]) -> f64 {
+    let mut series = field.series(test, &[], 0.0);
+    series.set_values(&field.left_with(train, taken));
+    series.squares()
+}
+
+/// What a term does to the readings, with the amounts found beside the others.
+struct Does {
+    all: Vec<f64>,
+    /// Squares of it beside the set-ups.
+    whole: f64,
+    /// What each of several columns does, and its squares.
+    columns: Vec<(Vec<f64>, f64)>,
+}
+
+impl Does {
+    fn new(field: &Field<'_, '_>, weights: &Weights, judged: &[usize], term: usize, series: &mut Series) -> Does {
+        let mut columns = Vec::new();
+        let mut own = 0..0;
+        for &number in judged {
+            let of = field.columns_of(number);
+            if number == term {
+                own = columns.len()..columns.len() + of.len();
+            }
+            columns.extend(of);
+        }
+        let (amounts, _) = field.series(weights, &[], 0.0).amounts(&columns);
+        let mut all = vec![0.0; field.scene.items.len()];
+        let mut parts = Vec::new();
+        for (mut column, amount) in columns.into_iter().zip(amounts).skip(own.start).take(own.len()) {
+            column.iter_mut().for_each(|value| *value *= amount);
+            all.iter_mut().zip(&column).for_each(|(sum, value)| *sum += value);
+            let squares = shown(series, &column);
+            parts.push((column, squares));
+        }
+        let whole = shown(series, &all);
+        Does { all, whole, columns: if own.len() > 1 { parts } else { Vec::new() } }
+    }
+
+    /// How much of it some readings show, where they show enough and others all of it that these show.
+    fn said(&self, train: &mut Series, test: &mut Series) -> Option<f64> {
+        let least = SHOWN * self.whole;
+        let own = shown(test, &self.all);
+        let is_said = own > least
+            && shown(train, &self.all) > KEPT * self.whole
+            && self
+                .columns
+                .iter()
+                .all(|(column, squares)| shown(test, column) <= least || shown(train, column) > KEPT * squares);
+        is_said.then_some(own)
+    }
+}
+
+/// How much of something readings show beside their set-ups.
+fn shown(series: &mut Series, does: &[f64]) -> f64 {
+    series.set_values(does);
+    series.squares()
+}
+
+/// Which of those that were selected stand for a term: itself, one that does nearly the same, or several that do it together.
+fn stand_ins(
+    field: &Field<'_, '_>,
+    weights: &Weights,
+    (term, does): (usize, &[f64]),
+    selected: &[usize],
+) -> Vec<usize> {
+    if selected.contains(&term) {
+        return vec![term];
+    }
+    let columns = |number: usize| field.columns_of(number);
+    let mut series = field.series(weights, &[], 0.0);
+    series.set_values(does);
+    let whole = series.squares();
+    let mut out = Vec::new();
+    let mut open = selected.to_vec();
+    while whole > 0.0 && !open.is_empty() {
+        let gains = open.iter().map(|&other| (series.gain(&columns(other)).squares, other));
+        let Some((gain, best)) = gains.max_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+        if gain < PARTLY * whole {
+            break;
+        }
+        out.push(best);
+        open.retain(|&other| other != best);
+        columns(best).iter().for_each(|column| {
+            series.take(column);
+        });
+        if series.squares() < (1.0 - ALIKE) * whole {
+            return out;
+        }
+    }
+    Vec::new()
+}
+
+/// The gain over parts, by which what is left becomes smaller (root of the mean square); 0 where the parts do not agree on it.
+fn gain(parts: &[Part]) -> Option<f64> {
+    if parts.len() < 2 {
+        return None;
+    }
+    let count = parts.len() as f64;
+    let sum = |of: fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
+    let (without, with) = (sum(|part| part.without), sum(|part| part.with));
+    // Parts that show more of it gain more: what differs from that is chance.
+    let ratio = (without - with) / sum(|part| part.shown).max(f64::MIN_POSITIVE);
+    let off = |part: &Part| (part.without - part.with - ratio * part.shown).powi(2);
+    let spread = (parts.iter().map(off).sum::<f64>() * count / (count - 1.0)).sqrt();
+    let is_sure = without - with > spread * if parts.len() < 4 { 0.5 } else { 1.0 };
+    Some(if is_sure && without > 0.0 { 1.0 - (with / without).sqrt() } else { 0.0 })
+}

@@ -1,0 +1,167 @@
+//! Waves that the places of readings show like what was found: other periods of a wave, and short waves that look like something smooth.
+//!
+//! At places a step apart a wave of frequency ν is the same as one of |ν − k/step|. Every 50 mm, 16 mm (3.125 turns a step) are an eighth of a turn: a
+//! polynomial fits them, and between the places does something else. A pitch that screws have is a rival of a smooth shape where it explains the
+//! readings as well. A shape of many coefficients has any wave as a rival that explains them better with fewer.
+
+use super::cause::{Candidate, Effect, own, periodic};
+use super::doubt::Doubt;
+use super::refine::PEAK;
+use super::scene::Through;
+use super::search::{Field, Weights};
+use super::seek::information_of;
+use super::separate::steps;
+use super::size::weights_at;
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_model::motion::Function;
+use ncfix_model::name::{DIRECTIONS, ErrorName};
+
+/// Pitches of screws, mm (ISO 3408-2), from the coarsest.
+const PITCHES: [f64; 11] = [40.0, 32.0, 25.0, 20.0, 16.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0];
+/// A rival explains nearly as much: so much of χ² less at most.
+pub(super) const RIVAL: f64 = 6.0;
+/// A wave is surer than this to be none of what places have of their own.
+const BY_CHANCE: f64 = 0.01;
+/// Where a period is not known, mm.
+const MOST_PERIOD: f64 = 40.0;
+/// Peaks that explain this share of the best are looked at in full.
+const ALIAS: f64 = 0.8;
+/// An amplitude beyond so many times the range of the shape is none: where a wave is nearly the same at all places it may be anything.
+const LARGER: f64 = 2.0;
+/// Coefficients from which on a slow wave of any period is as simple.
+const MANY: usize = 3;
+/// Turns over the travel of such, and steps between them.
+const SLOW: [f64; 2] = [0.5, 3.0];
+const STEP: f64 = 0.1;
+/// Steps are even that differ by this share of one at most.
+const EVEN: f64 = 0.02;
+
+impl Field<'_, '_> {
+    /// Periods that are usual along an axis, mm: those that the machine file has and those of screws.
+    pub(super) fn pitches(&self, axis: Axis) -> impl Iterator<Item = f64> {
+        let of_file = self.scene.errors.motion.iter().filter(move |error| error.name.axis() == Some(axis));
+        let of_file = of_file.filter_map(|error| match &error.function {
+            Function::Periodic(own) => Some(own.period),
+            _ => None,
+        });
+        of_file.chain(PITCHES)
+    }
+
+    /// Other periods that a candidate beside some others may as well have: readings at these places do not tell.
+    pub(super) fn aliases(
+        &self,
+        weights: &Weights,
+        number: usize,
+        others: &[usize],
+        (memory, noise): (f64, f64),
+    ) -> Vec<f64> {
+        let series = self.series(weights, others, memory);
+        let found = self.candidates.get(number).filter(|one| one.cause.effect == Effect::Periodic).and_then(|one| {
+            let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
+            let axis = name.axis()?;
+            let sweep = self.seek.sweep(axis)?;
+            let (period, _) = one.constant?;
+            let own = series.gain(&self.columns(one)).squares;
+            let information = information_of(&self.factors, Through::Component(name), &weights.items);
+            let left = series.unwhitened(series.left());
+            let products: Vec<f64> =
+                self.factors.get(&Through::Component(name))?.iter().zip(&left).map(|(a, b)| a * b).collect();
+            let is_other = |other: &f64| (sweep.travel() / other - sweep.travel() / period).abs() > 2.0 * PEAK;
+            let is_rival = |other: &f64| {
+                let near = self.period_near(&series, name, axis, *other);
+                let near = near.unwrap_or_else(|| periodic::candidate(name, axis, *other));
+                (own - series.gain(&self.columns(&near)).squares) / noise < RIVAL
+            };
+            let all = sweep.peaks(&products, &information, ALIAS).into_iter();
+            Some(all.filter(is_other).filter(is_rival).collect::<Vec<f64>>())
+        });
+        let mut found = found.unwrap_or_default();
+        found.sort_by(|a, b| b.total_cmp(a));
+        found
+    }
+
+    /// Why a wave through a few places is in doubt: some wave of all that were tried goes through whatever these have of their own.
+    pub(super) fn wave_doubt(&self, weights: &Weights, taken: &[usize], number: usize) -> Option<Doubt> {
+        let one = self.candidates.get(number).filter(|one| one.cause.effect == Effect::Periodic)?;
+        let (Through::Component(name), _) = *one.columns.first()?.first()? else { return None };
+        let waves = self.seek.sweep(name.axis()?)?.count();
+        (self.chance_of_places(weights, taken, number, waves) > BY_CHANCE).then(|| Doubt {
+            rivals: vec!["an error of each place by itself".to_owned()],
+            separate_by: steps(self.scene, one, one.constant.map_or(MOST_PERIOD, |(period, _)| period)),
+        })
+    }
+
+    /// Periods, mm, of short waves along the axis of a smooth shape that explain the readings as well, beside some others; the longest first.
+    pub(super) fn mimics(
+        &self,
+        weights: &Weights,
+        number: usize,
+        others: &[usize],
+        (memory, noise): (f64, f64),
+    ) -> Vec<f64> {
+        let Some((one, name, axis)) = self.candidates.get(number).and_then(|one| {
+            let (name, axis) = smooth(one)?;
+            Some((one, name, axis))
+        }) else {
+            return Vec::new();
+        };
+        let series = self.series(weights, others, memory);
+        let columns = self.columns(one);
+        let own = series.gain(&columns).squares;
+        let (amounts, _) = series.amounts(&columns);
+        let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut places: Vec<f64> = Vec::new();
+        let used = self.scene.items.iter().zip(&weights.items).filter(|(_, weight)| **weight > 0.0);
+        for row in used.filter_map(|(item, _)| self.scene.rows.get(item.row)) {
+            let value = weights_at(one, row).iter().zip(&amounts).map(|(weight, amount)| weight * amount).sum::<f64>();
+            ends = [ends[0].min(value), ends[1].max(value)];
+            places.push(row.position[axis]);
+        }
+        let most = LARGER * (ends[1] - ends[0]);
+        let explains = |period: f64, slack: f64| {
+            let columns = self.columns(&periodic::candidate(name, axis, period));
+            let (parts, _) = series.amounts(&columns);
+            parts.iter().map(|part| part * part).sum::<f64>().sqrt() <= most
+                && series.gain(&columns).squares >= own - slack * noise
+        };
+        let slack = if one.columns.len() > 1 { RIVAL } else { 0.0 };
+        let mut out: Vec<f64> = self.pitches(axis).filter(|period| explains(*period, slack)).collect();
+        if let Some((step, travel)) = even(places).filter(|_| out.is_empty() && one.columns.len() >= MANY) {
+            let count = ((SLOW[1] - SLOW[0]) / STEP) as u32;
+            let slow = (0..=count).map(|k| (SLOW[0] + STEP * f64::from(k)) / travel).filter(|slow| *slow < 0.5 / step);
+            if let Some(slow) = slow.into_iter().find(|slow| explains(1.0 / slow, 0.0)) {
+                out.extend([1.0 / (1.0 / step - slow), 1.0 / (1.0 / step + slow)]);
+            }
+        }
+        out.sort_by(|a, b| b.total_cmp(a));
+        out.dedup();
+        out
+    }
+}
+
+/// The component of an error along a linear axis that depends on the place along it alone.
+fn smooth(one: &Candidate) -> Option<(ErrorName, Axis)> {
+    let [driver] = one.drivers.as_slice() else { return None };
+    let axis = AXES.into_iter().find(|axis| !axis.is_rotary() && axis.to_string() == *driver)?;
+    let mut all = one.columns.iter().flatten().map(|(through, _)| *through);
+    let first = all.next()?;
+    let name = match first {
+        Through::Component(name) => name,
+        Through::Tip(direction) => ErrorName::motion(*DIRECTIONS.get(direction)?, axis),
+        _ => return None,
+    };
+    // Screws and scales repeat along their own axis.
+    let is_own = name == own(axis) && all.all(|through| through == first);
+    (matches!(one.cause.effect, Effect::Motion | Effect::Unknown) && is_own).then_some((name, axis))
+}
+
+/// The step of evenly spaced places, some of which may be missing, and how far they go.
+fn even(mut places: Vec<f64>) -> Option<(f64, f64)> {
+    places.sort_by(f64::total_cmp);
+    places.dedup_by(|a, b| (*a - *b).abs() < 1e-3);
+    let gaps = || places.windows(2).map(|pair| pair[1] - pair[0]);
+    let step = gaps().fold(f64::INFINITY, f64::min);
+    let is_even = gaps().all(|gap| ((gap / step).round() - gap / step).abs() < EVEN);
+    let travel = places.last()? - places.first()?;
+    (is_even && travel > 0.0).then_some((step, travel))
+}

@@ -1,0 +1,344 @@
+//! Noise of the readings, and whether what is left beside it has structure: how many µm, and where.
+
+use std::collections::BTreeMap;
+
+use ncfix_base::geometry::AXES;
+use ncfix_base::numeric::fisher;
+
+use super::fold::counts;
+use super::freedom::Order;
+use super::scene::{Item, Scene};
+use super::search::{Field, Weights};
+
+/// Repeated readings beyond the first of each pose that tell the noise.
+const REPEATS: usize = 12;
+/// Repeats that are so many times further apart than those that follow each other wander together: that is no noise of a reading.
+const WANDER: f64 = 1.3;
+/// And surely: the ratio of both variances has a standard deviation of one over the root of the number of pairs (von Neumann 1941).
+const SURELY: f64 = 3.0;
+/// Median of the absolute values of normal noise, in standard deviations.
+pub(super) const MEDIAN: f64 = 0.674_489_750_196_081_7;
+/// Distances in the test of Ljung and Box.
+const DISTANCES: usize = 20;
+/// Chance at which structure is believed.
+const LIMIT: f64 = 1e-3;
+/// Structure below this share of the noise is none that matters.
+const MATTERS: f64 = 0.5;
+/// What is left is noise where it is more than so many times what is stated,
+const STATED: f64 = 1.5;
+/// without correlations, and neighbours differ by this share of what white noise has.
+const WHITE: f64 = 0.8;
+/// What rounding leaves, mm or rad.
+const NOTHING: f64 = 1e-9;
+/// Parts of the range of a driver.
+const PARTS: usize = 10;
+/// Where structure lies is said for so many drivers.
+const PLACES: usize = 4;
+/// A test of F over parts counts for this share of its freedom at least.
+const LEAST_FREEDOM: f64 = 4.0;
+
+/// How the noise is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Source {
+    /// Readings of the same pose, sense and set-up.
+    Repeats,
+    /// The description of the instrument.
+    Instrument,
+    /// All that is left: it is white and more than the instrument says.
+    Rest,
+    /// Differences of neighbours.
+    #[default]
+    Differences,
+}
+
+/// What is left, beside the noise.
+#[derive(Clone, Debug, Default)]
+pub struct Left {
+    /// Standard deviation of a reading, mm or rad.
+    pub noise: f64,
+    /// How it is known.
+    pub source: Source,
+    /// What the descriptions of the instruments say, mm or rad.
+    pub stated: Option<f64>,
+    /// What is left beyond it, root of the mean square, mm or rad.
+    pub unexplained: f64,
+    /// Chance of correlations like these in noise.
+    pub chance: f64,
+    /// Whether it is more than noise, and matters.
+    pub has_structure: bool,
+    /// What it goes with: a driver and the root of the mean square of what goes with it, the largest first.
+    pub places: Vec<(String, f64)>,
+}
+
+/// Whether angles were read: only where no lengths were.
+pub(super) fn is_angle(scene: &Scene<'_>) -> bool {
+    scene.items.iter().all(|item| item.is_angle)
+}
+
+/// Looks at what is left (mm, rad) behind some candidates.
+pub(super) fn look(field: &Field<'_, '_>, weights: &Weights, left: &[f64]) -> Left {
+    let scene = field.scene;
+    let of_angles = is_angle(scene);
+    let places: Vec<usize> = counts(scene, weights)
+        .into_iter()
+        .filter(|&place| scene.items.get(place).is_some_and(|item| item.is_angle == of_angles))
+        .collect();
+    let at = |place: usize| left.get(place).copied().unwrap_or(0.0);
+    let rms = (places.iter().map(|&place| at(place).powi(2)).sum::<f64>() / places.len().max(1) as f64).sqrt();
+    let order = Order::new(weights);
+    let known = described(scene, &places);
+    let (mut noise, mut source) = match (repeats(scene, &places, &at), known) {
+        (Some(Repeats { noise, follows: None }), _) => (noise, Source::Repeats),
+        // What lies between them is at work there: its size is not that of the noise.
+        (Some(Repeats { follows: Some(near), .. }), known) => match known.filter(|known| *known >= near) {
+            Some(noise) => (noise, Source::Instrument),
+            None => (near, Source::Differences),
+        },
+        (None, Some(noise)) => (noise, Source::Instrument),
+        (None, None) => (differences(weights, &places, &at), Source::Differences),
+    };
+    let standard: Vec<f64> =
+        left.iter().zip(&weights.items).map(|(left, weight)| if *weight > 0.0 { left * weight } else { 0.0 }).collect();
+    let chance = ljung_box(&order, &standard, places.len());
+    // What is white has no shape: where it is more than stated it is noise all the same.
+    let white = differences(weights, &places, &at);
+    if source == Source::Instrument && chance >= LIMIT && rms > STATED * noise && white > WHITE * rms {
+        (noise, source) = (rms, Source::Rest);
+    }
+    let unexplained = (rms * rms - noise * noise).max(0.0).sqrt();
+    Left {
+        noise,
+        source,
+        stated: known,
+        unexplained,
+        chance,
+        has_structure: chance < LIMIT && unexplained > (MATTERS * noise).max(NOTHING),
+        places: drivers(scene, &places, &at, noise),
+    }
+}
+
+fn described(scene: &Scene<'_>, places: &[usize]) -> Option<f64> {
+    let mut squares = 0.0;
+    for &place in places {
+        let item = scene.items.get(place)?;
+        let set = scene.sets.get(scene.rows.get(item.row)?.set)?;
+        squares += if item.is_angle { set.sigma_rad } else { set.sigma }?.powi(2);
+    }
+    (!places.is_empty()).then(|| (squares / places.len() as f64).sqrt())
+}
+
+/// What makes two readings repeats of each other.
+fn key(scene: &Scene<'_>, item: &Item) -> Option<Vec<i64>> {
+    let row = scene.rows.get(item.row)?;
+    let set = scene.sets.get(row.set)?;
+    let one = set.observations.get(row.number)?;
+    let whole = |value: f64| if value.is_finite() { (value * 1e3).round() as i64 } else { i64::MIN };
+    let number = |value: usize| i64::try_from(value).unwrap_or(i64::MAX);
+    let mut key = vec![number(row.set), number(row.setup), number(item.value), number(one.target.unwrap_or(0))];
+    key.extend(AXES.into_iter().map(|axis| whole(row.position[axis])));
+    key.extend(row.sense.map(i64::from));
+    key.extend(one.reading.tool_mm.iter().map(|&value| whole(value)));
+    key.push(whole(one.spindle_rad));
+    // Times and temperatures are never the same twice.
+    let of_drivers = set.drivers.iter().filter(|driver| !driver.name.starts_with("T_"));
+    key.extend(of_drivers.map(|driver| whole(driver.values.get(row.number).copied().unwrap_or(f64::NAN))));
+    Some(key)
+}
+
+/// What repeats say, mm or rad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Repeats {
+    /// Their standard deviation about their means.
+    noise: f64,
+    /// That by those that follow each other, where this is surely less.
+    follows: Option<f64>,
+}
+
+fn repeats(scene: &Scene<'_>, places: &[usize], at: &dyn Fn(usize) -> f64) -> Option<Repeats> {
+    let mut groups: BTreeMap<Vec<i64>, Vec<f64>> = BTreeMap::new();
+    for &place in places {
+        if let Some(key) = scene.items.get(place).and_then(|item| key(scene, item)) {
+            groups.entry(key).or_default().push(at(place));
+        }
+    }
+    of_groups(groups.values().map(Vec::as_slice))
+}
+
+/// The noise of groups of repeats, each in the order in which they were read.
+fn of_groups<'g>(groups: impl Iterator<Item = &'g [f64]>) -> Option<Repeats> {
+    let (mut squares, mut freedom, mut steps) = (0.0, 0, 0.0);
+    let mut bends: Vec<f64> = Vec::new();
+    for group in groups.filter(|group| group.len() > 1) {
+        let mean = group.iter().sum::<f64>() / group.len() as f64;
+        squares += group.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+        freedom += group.len() - 1;
+        steps += group.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / 2.0;
+        bends.extend(group.windows(3).map(bend));
+    }
+    if freedom < REPEATS {
+        return None;
+    }
+    let ratio = if squares > 0.0 { steps / squares } else { 1.0 };
+    let wanders = ratio < (1.0 / (WANDER * WANDER)).min(1.0 - SURELY / (freedom as f64).sqrt());
+    let follows = wanders.then(|| of_bends(bends).unwrap_or((steps / freedom as f64).sqrt()));
+    Some(Repeats { noise: (squares / freedom as f64).sqrt(), follows })
+}
+
+fn bend(row: &[f64]) -> f64 {
+    match row {
+        [a, b, c] => (a - 2.0 * b + c).abs(),
+        _ => 0.0,
+    }
+}
+
+/// Noise of a reading by second differences: their variance is six times as large.
+fn of_bends(mut sizes: Vec<f64>) -> Option<f64> {
+    let middle = sizes.len() / 2;
+    (!sizes.is_empty()).then(|| *sizes.select_nth_unstable_by(middle, f64::total_cmp).1 / (MEDIAN * 6.0_f64.sqrt()))
+}
+
+/// Second differences of neighbours, which smooth functions hardly have.
+fn differences(weights: &Weights, places: &[usize], at: &dyn Fn(usize) -> f64) -> f64 {
+    let mut series: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for &place in places {
+        series.entry(weights.series.get(place).copied().unwrap_or(0)).or_default().push(at(place));
+    }
+    of_bends(series.values().flat_map(|row| row.windows(3).map(bend).collect::<Vec<_>>()).collect()).unwrap_or(0.0)
+}
+
+/// Ljung & Box 1978: n (n + 2) Σ ρₖ²/(n − k) is χ² where there is nothing but noise.
+fn ljung_box(order: &Order, values: &[f64], count: usize) -> f64 {
+    let correlations = order.correlations(values);
+    let most = correlations.len().min(DISTANCES);
+    if most == 0 {
+        return 1.0;
+    }
+    let n = count as f64;
+    let sum: f64 =
+        correlations.iter().take(most).enumerate().map(|(k, rho)| rho * rho / (order.pairs(k + 1).max(1)) as f64).sum();
+    fisher::exceeded(n * (n + 2.0) * sum / most as f64, most as f64, 1e9)
+}
+
+/// What is left against every driver: means of parts of its range beyond what noise makes of them.
+fn drivers(scene: &Scene<'_>, places: &[usize], at: &dyn Fn(usize) -> f64, noise: f64) -> Vec<(String, f64)> {
+    let row_of = |place: usize| scene.items.get(place).and_then(|item| scene.rows.get(item.row));
+    let mut all: Vec<(String, Vec<f64>)> = Vec::new();
+    for axis in scene.machine.axes.iter().flatten().map(|data| data.axis) {
+        let rows: Vec<Option<&super::row::Row>> = places.iter().map(|&place| row_of(place)).collect();
+        let at = rows.iter().map(|row| row.map_or(f64::NAN, |row| row.position[axis])).collect();
+        let sense = rows.iter().map(|row| row.map_or(f64::NAN, |row| row.sense_of(axis))).collect();
+        all.extend([(axis.to_string(), at), (format!("{axis}_dir"), sense)]);
+    }
+    all.push((
+        "t_s".to_owned(),
+        places.iter().map(|&place| row_of(place).and_then(|row| row.time_s).unwrap_or(f64::NAN)).collect(),
+    ));
+    let mut names: Vec<&str> = scene.sets.iter().flat_map(|set| &set.drivers).map(|one| one.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    for name in names {
+        let value = |place: &usize| {
+            let row = row_of(*place)?;
+            let driver = scene.sets.get(row.set)?.drivers.iter().find(|driver| driver.name == name)?;
+            driver.values.get(row.number).copied()
+        };
+        all.push((name.to_owned(), places.iter().map(|place| value(place).unwrap_or(f64::NAN)).collect()));
+    }
+    let left: Vec<f64> = places.iter().map(|&place| at(place)).collect();
+    let mut found: Vec<(String, f64)> = all
+        .into_iter()
+        .map(|(name, values)| (name, along(&values, &left)))
+        .filter(|(_, size)| *size > 0.3 * noise)
+        .collect();
+    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    found.truncate(PLACES);
+    found
+}
+
+/// Root of the mean square of the means of parts of the range, less what noise makes of them; 0 where they are like noise.
+fn along(values: &[f64], left: &[f64]) -> f64 {
+    let mut pairs: Vec<(f64, f64)> =
+        values.iter().copied().zip(left.iter().copied()).filter(|(value, _)| value.is_finite()).collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let count = pairs.len();
+    if count < 3 * PARTS || pairs.first().map(|pair| pair.0.to_bits()) == pairs.last().map(|pair| pair.0.to_bits()) {
+        return 0.0;
+    }
+    let mut sums: Vec<(f64, f64)> = Vec::new();
+    let mut last = (usize::MAX, f64::NAN);
+    for (place, (value, left)) in pairs.iter().enumerate() {
+        let mut part = place * PARTS / count;
+        // What is the same goes into one part.
+        if value.to_bits() == last.1.to_bits() {
+            part = last.0;
+        }
+        if part != last.0 {
+            sums.push((0.0, 0.0));
+        }
+        last = (part, *value);
+        if let Some(sum) = sums.last_mut() {
+            *sum = (sum.0 + 1.0, sum.1 + left);
+        }
+    }
+    let whole = pairs.iter().map(|pair| pair.1).sum::<f64>() / count as f64;
+    let total: f64 = pairs.iter().map(|pair| (pair.1 - whole).powi(2)).sum();
+    let between: f64 = sums.iter().map(|(count, sum)| count * (sum / count - whole).powi(2)).sum();
+    let above = sums.len() as f64 - 1.0;
+    let below = (count as f64 - sums.len() as f64).max(1.0);
+    let within = (total - between).max(0.0) / below;
+    if above < 1.0 || within <= 0.0 || between / above < LEAST_FREEDOM * within {
+        return 0.0;
+    }
+    ((between - above * within) / count as f64).max(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values from −1 to 1 with a variance of 1/3, xorshift.
+    fn white(count: usize) -> Vec<f64> {
+        let mut state = 0x2545_f491_4f6c_dd1d_u64;
+        let mut next = || {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        (0..count).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn repeats_that_wander_together_are_none() {
+        let noise = white(600);
+        let sigma = 1.0 / 3.0_f64.sqrt();
+        let plain = of_groups(noise.chunks(6)).unwrap();
+        assert!(plain.follows.is_none() && (plain.noise / sigma - 1.0).abs() < 0.1, "{plain:?}");
+        // One place for hours, and a wave of 200 readings with an amplitude of 8.
+        let wave = |k: usize| 8.0 * (std::f64::consts::TAU * k as f64 / 200.0).sin();
+        let waved: Vec<f64> = noise.iter().enumerate().map(|(k, noise)| noise + wave(k)).collect();
+        let found = of_groups(std::iter::once(waved.as_slice())).unwrap();
+        // The bends of the wave are 8 (2π/200)² = 0.008.
+        assert!((found.follows.unwrap() / sigma - 1.0).abs() < 0.15, "{found:?}");
+        // Runs that each have a zero of their own are no wandering within the groups that they make.
+        let of_runs: Vec<f64> = noise.iter().enumerate().map(|(k, noise)| noise + 3.0 * noise_of_run(k)).collect();
+        let found = of_groups(of_runs.chunks(5)).unwrap();
+        assert!(found.follows.is_none(), "{found:?}");
+    }
+
+    fn noise_of_run(place: usize) -> f64 {
+        [0.7, -0.4, 0.1, -0.9, 0.5][place % 5]
+    }
+
+    #[test]
+    fn means_of_parts_are_less_by_what_their_noise_makes_of_them() {
+        // Ten parts of ten that are 1 and −1 in turn, in each of them 1/2 more and less.
+        let values: Vec<f64> = (0..100).map(f64::from).collect();
+        let sign = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let left: Vec<f64> = (0..100).map(|k| sign(k / 10) + 0.5 * sign(k)).collect();
+        // 100 between parts with nine degrees of freedom, 25 within them with 90: 100 − 9 · 25/90 of 100.
+        assert!((along(&values, &left) - 0.975_f64.sqrt()).abs() < 1e-12);
+        // Noise alone is nothing.
+        assert_eq!(along(&values, &(0..100).map(sign).collect::<Vec<_>>()), 0.0);
+    }
+}

@@ -1,0 +1,30 @@
+//! What a column must explain to be worth taking.
+
+use ncfix_base::numeric::Gain;
+
+/// By the information criterion of Schwarz for the number of those that were tried as well: what a chance pick would gain is no gain.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Price {
+    /// Readings.
+    count: f64,
+    /// For each column.
+    each: f64,
+}
+
+impl Price {
+    /// For so many readings and candidates.
+    pub(super) fn new(count: f64, tried: usize) -> Price {
+        Price { count, each: count.ln() + 2.0 * (tried as f64).ln() }
+    }
+
+    /// Of so many columns.
+    pub(super) fn of(self, rank: usize) -> f64 {
+        self.each * rank as f64
+    }
+
+    /// −2 ln of the likelihood that is gained of so many squares, less the price.
+    pub(super) fn worth(self, squares: f64, gain: &Gain) -> f64 {
+        let rest = (squares - gain.squares).max(squares * 1e-12);
+        self.count * (squares / rest).ln() - self.of(gain.rank)
+    }
+}

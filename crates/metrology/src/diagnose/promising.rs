@@ -1,0 +1,142 @@
+//! What some candidates would gain, those that a part of the readings shows to be promising: the others are not brought up to date until they are.
+
+use std::sync::Arc;
+
+use super::cause::Candidate;
+use super::score::{Layout, Own, Scores, gain};
+use super::search::Field;
+use ncfix_base::numeric::{Gain, Series};
+
+/// So many are looked at in all readings.
+const MOST: usize = 100;
+/// Standard deviations by which one may be better than a part shows.
+const SURELY: f64 = 2.0;
+/// Directions at once.
+const AT_ONCE: usize = 8;
+/// Of one that is not looked at.
+const NOTHING: Gain = Gain { squares: 0.0, rank: 0 };
+
+/// Which candidates may explain most of all readings by what they explain of a part of them, in units of the noise: `times` as many readings are there in
+/// all, and a column has a `price`.
+pub(super) fn promising(gains: &[Gain], times: f64, price: f64) -> Vec<bool> {
+    // What a part fits of its noise is little of what the others have, and by chance it shows less or more: mean and spread of χ² that is not central.
+    let worth = |gain: &Gain| {
+        let rank = gain.rank as f64;
+        let own = (gain.squares - rank).max(0.0);
+        let spread = times * (4.0 * own + 2.0 * rank).sqrt();
+        (times * own + rank - price * rank, SURELY * spread)
+    };
+    let known = || gains.iter().enumerate().filter(|(_, gain)| gain.rank > 0).map(|(k, gain)| (worth(gain), k));
+    let least = known().map(|((worth, spread), _)| worth - spread).fold(0.0, f64::max);
+    let mut all: Vec<(f64, usize)> =
+        known().filter(|((worth, spread), _)| worth + spread > least).map(|((worth, _), k)| (worth, k)).collect();
+    if all.len() > MOST {
+        all.select_nth_unstable_by(MOST, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        all.truncate(MOST);
+    }
+    let mut out = vec![false; gains.len()];
+    all.into_iter().for_each(|(_, k)| out[k] = true);
+    out
+}
+
+impl Field<'_, '_> {
+    /// As [`Field::gains_of`], of some candidates; the others gain nothing.
+    pub(super) fn gains_of_some(&self, series: &Series, scores: &mut [Scores; 2], is_in: &[bool]) -> Vec<Gain> {
+        let mut gains = Vec::new();
+        for scores in scores {
+            let more = scores.gains_of_some(series, is_in.get(gains.len()..).unwrap_or_default());
+            gains.extend(more);
+        }
+        let from = gains.len();
+        gains.resize(self.candidates.len(), NOTHING);
+        let later: Vec<usize> =
+            (from..gains.len()).filter(|&number| is_in.get(number).copied().unwrap_or(false)).collect();
+        let of_later: Vec<Candidate> =
+            later.iter().filter_map(|&number| self.candidates.get(number)).cloned().collect();
+        let layout = Arc::new(Layout::new(self.scene, &of_later, &self.tables));
+        let scores = Scores::new(&layout, self.scene, &self.factors, series).gains(series);
+        for (&number, gain) in later.iter().zip(scores) {
+            gains[number] = gain;
+        }
+        gains
+    }
+}
+
+impl Scores {
+    fn gains_of_some(&mut self, series: &Series, is_in: &[bool]) -> Vec<Gain> {
+        let layout = self.layout.clone();
+        let numbers: Vec<usize> =
+            (0..layout.columns.len()).filter(|&number| is_in.get(number).copied().unwrap_or(false)).collect();
+        let mut out = vec![NOTHING; layout.columns.len()];
+        let Some(first) = numbers.iter().map(|&number| self.seen(number)).min() else { return out };
+        let end = series.basis().len();
+        for start in (first..=end).step_by(AT_ONCE) {
+            // What is left comes behind the last direction.
+            let behind = (start + AT_ONCE).min(end + 1);
+            let all: Vec<Vec<f64>> = (start..behind).map(|place| self.what_is_at(series, place)).collect();
+            let open: Vec<usize> =
+                numbers.iter().copied().filter(|&number| behind > end || self.seen(number) < behind).collect();
+            let mut own: Vec<usize> =
+                open.iter().flat_map(|&number| layout.columns[number].iter().flatten()).copied().collect();
+            own.sort_unstable();
+            own.dedup();
+            let pairs: Vec<(usize, usize)> = own.iter().map(|&pair| layout.pairs[pair]).collect();
+            let products = self.products(&all, &pairs);
+            for number in open {
+                let of = |products: &[f64], column: &Vec<usize>| -> f64 {
+                    let value = |pair: &usize| own.binary_search(pair).ok().and_then(|place| products.get(place));
+                    column.iter().filter_map(value).sum()
+                };
+                for (place, products) in (start..behind).zip(&products) {
+                    let shares = layout.columns[number].iter().map(|column| of(products, column)).collect();
+                    if place == end {
+                        out[number] = gain(&self.state.own[number], shares);
+                    } else if place >= self.seen(number) {
+                        self.state.own[number].leave(&shares);
+                        self.state.own[number].seen = Some(place + 1);
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Directions that a candidate is beside.
+    fn seen(&self, number: usize) -> usize {
+        self.state.own.get(number).and_then(|own: &Own| own.seen).unwrap_or(self.state.seen)
+    }
+
+    fn what_is_at(&self, series: &Series, place: usize) -> Vec<f64> {
+        match series.basis().get(place) {
+            Some(direction) => series.unwhitened(&direction.whole(series.left().len())),
+            None => series.unwhitened(series.left()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_those_stay_that_explain_most_for_their_columns() {
+        let of = |squares: f64, rank: usize| Gain { squares, rank };
+        // χ² of 30 in a quarter of the readings are 4 · (30 − 1) + 1 − 20 = 97 in all of them, by chance 2 · 4 · √(4 · 29 + 2) = 87 less; those of 1 and
+        // of four columns are worth nothing or −79, by chance as much as 11 or 23 more.
+        let mut gains = vec![of(30.0, 1); MOST];
+        gains.extend([of(0.0, 0), of(40.0, 1), of(1.0, 1), of(4.0, 4)]);
+        let found = promising(&gains, 4.0, 20.0);
+        assert_eq!(found.iter().filter(|is_in| **is_in).count(), MOST);
+        assert_eq!(found[MOST..], [false, true, false, false]);
+    }
+
+    #[test]
+    fn what_says_no_more_than_noise_gives_way_to_what_surely_says_more() {
+        let of = |squares: f64, rank: usize| Gain { squares, rank };
+        // χ² of 26 are 25 beyond noise: 10 · 25 + 1 − 3 = 248 in all readings, by chance 2 · 10 · √(4 · 25 + 2) = 202 less: 46. χ² of 1 is noise:
+        // −2, by chance 2 · 10 · √2 = 28 more.
+        assert_eq!(promising(&[of(1.0, 1), of(26.0, 1)], 10.0, 3.0), [false, true]);
+        // χ² of 3 are 2 beyond it: 10 · 2 + 1 − 3 = 18, by chance 2 · 10 · √10 = 63 more.
+        assert_eq!(promising(&[of(3.0, 1), of(26.0, 1)], 10.0, 3.0), [true, true]);
+    }
+}

@@ -1,0 +1,79 @@
+//! Periods and time constants moved to where they explain most. Which others the readings show alike is in [`super::mimic`].
+
+use super::cause::{Candidate, Effect, periodic, thermal};
+use super::mimic::RIVAL;
+use super::scene::Through;
+use super::search::Field;
+use ncfix_base::geometry::Axis;
+use ncfix_base::numeric::{Series, peak};
+use ncfix_model::name::ErrorName;
+
+/// Half of the width of the peak of a period, cycles over the travel.
+pub(super) const PEAK: f64 = 0.4;
+/// How close to the top, of the width that is searched, and trials on the way.
+const REFINED: f64 = 5e-4;
+const TRIALS: usize = 18;
+/// The amplitude of another name of a wave is larger by this at most.
+const LARGER: f64 = 1.5;
+
+impl Field<'_, '_> {
+    /// A candidate with its period or its time constant moved to where it explains most: one that is a little off leaves beats and tails. `None` where
+    /// there is none to move.
+    pub(super) fn refined(&self, number: usize, series: &Series) -> Option<Candidate> {
+        let one = self.candidates.get(number)?;
+        let (first, _) = one.constant?;
+        let (through, _) = one.columns.first()?.first()?;
+        if one.cause.effect == Effect::Periodic {
+            let Through::Component(name) = *through else { return None };
+            let axis = name.axis()?;
+            let refined = self.period_near(series, name, axis, first);
+            let one = refined.as_ref().unwrap_or(one);
+            return self.usual(series, name, axis, one).or(refined);
+        }
+        let [shortest, longest] = thermal::around(first)?;
+        let with = |lag: f64| thermal::with_lag(self.scene, one, lag.exp());
+        self.best_near(series, [shortest.ln(), first.ln(), longest.ln()], &with)
+    }
+
+    pub(super) fn period_near(&self, series: &Series, name: ErrorName, axis: Axis, period: f64) -> Option<Candidate> {
+        let travel = self.seek.sweep(axis)?.travel();
+        let cycles = travel / period;
+        let with = |cycles: f64| Some(periodic::candidate(name, axis, travel / cycles));
+        self.best_near(series, [cycles - PEAK, cycles, cycles + PEAK], &with)
+    }
+
+    /// Of the periods that evenly spaced places show like one of them, one that the machine file has or that screws have.
+    fn usual(&self, series: &Series, name: ErrorName, axis: Axis, one: &Candidate) -> Option<Candidate> {
+        let sweep = self.seek.sweep(axis)?;
+        let (period, _) = one.constant?;
+        let aliases = sweep.aliases(period);
+        let own = series.gain(&self.columns(one)).squares;
+        let noise = (series.squares() - own).max(0.0) / (series.count() as f64).max(1.0);
+        let is_near = |pitch: f64| {
+            let cycles = sweep.travel() / pitch;
+            let is_alike = |other: &f64| (sweep.travel() / other - cycles).abs() < PEAK;
+            aliases.iter().chain([&period]).any(is_alike)
+        };
+        let pitches = self.pitches(axis).filter(|pitch| !aliases.is_empty() && is_near(*pitch));
+        let mut all = pitches.map(|pitch| periodic::candidate(name, axis, pitch));
+        // Where two steps are a period its sine and cosine are one column, and its amplitude is anything.
+        let amplitude = |one: &Candidate| {
+            let (amounts, _) = series.amounts(&self.columns(one));
+            amounts.iter().map(|amount| amount * amount).sum::<f64>().sqrt()
+        };
+        let most = LARGER * amplitude(one);
+        all.find(|other| own - series.gain(&self.columns(other)).squares < RIVAL * noise && amplitude(other) < most)
+    }
+
+    /// The candidate of the number between two others that gains most, if it gains more than that of the middle one.
+    fn best_near(
+        &self,
+        series: &Series,
+        [low, middle, high]: [f64; 3],
+        with: &dyn Fn(f64) -> Option<Candidate>,
+    ) -> Option<Candidate> {
+        let gain = |at: f64| with(at).map_or(0.0, |one| series.gain(&self.columns(&one)).squares);
+        let (best, most) = peak(low, high, REFINED * (high - low), TRIALS, &gain);
+        with(best).filter(|_| most > gain(middle))
+    }
+}

@@ -1,0 +1,244 @@
+//! All readings of some measurements held against a model: what is left of each, what its row depends on, and what a deviation somewhere in the
+//! machine would do to it.
+//!
+//! Everything is linear in small deviations: a deviation of the tool from the workpiece acts on a reading by the derivatives that the kind of
+//! measurement gives ([`crate::measure::kind::Equation`]), an error of an axis by the sensitivity of the error model. There is no second formula.
+
+use std::collections::HashMap;
+
+use crate::calibrate::{Column, Fault, Options, Parameter, WEAK, fit};
+use crate::measure::data::DataSet;
+use crate::measure::kind::{Equation, Seen};
+use ncfix_base::geometry::Vector;
+use ncfix_machine::machine::{Condition, Machine};
+use ncfix_model::{ErrorModel, ErrorName, Model};
+
+use super::row::{Row, rows};
+
+/// A reading of this uncertainty where nothing is known of it, mm or rad.
+const FIRST_SIGMA: f64 = 1e-3;
+
+/// A known distance belongs to no row.
+pub const NO_ROW: usize = usize::MAX;
+/// Its standard uncertainty where nothing is said of it, mm.
+const TIE_SIGMA: f64 = 1e-4;
+
+/// Where a deviation comes in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Through {
+    /// A component of the error of an axis, mm or rad.
+    Component(ErrorName),
+    /// The tool moves from the workpiece along a direction of F (0, 1, 2), mm.
+    Tip(usize),
+    /// The instrument itself: all its readings of lengths (`false`) or of angles (`true`) grow, mm or rad.
+    Reading(bool),
+    /// One value of a reading of several, as the second of `dx dy dz`, mm.
+    Value(usize),
+}
+
+/// One number that was read.
+#[derive(Clone, Debug)]
+pub struct Item {
+    /// Its row among [`Scene::rows`].
+    pub row: usize,
+    /// Which of the values of its row.
+    pub value: usize,
+    /// What is left: read less predicted, mm or rad.
+    pub left: f64,
+    /// Standard uncertainty that weighs it, mm or rad.
+    pub sigma: f64,
+    /// Whether an angle was read.
+    pub is_angle: bool,
+    by_tip: Vector,
+    by_turn: Vector,
+    /// Derivatives by unknowns of the set-ups, with their numbers among all.
+    pub by_unknown: Vec<(usize, f64)>,
+}
+
+/// Measurements and a model.
+#[derive(Clone, Debug)]
+pub struct Scene<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// What is known of its errors.
+    pub errors: ErrorModel,
+    /// The measurements.
+    pub sets: &'a [DataSet],
+    /// Their rows.
+    pub rows: Vec<Row>,
+    /// Their readings in the order of rows.
+    pub items: Vec<Item>,
+    /// Unknowns of the set-ups.
+    pub unknowns: usize,
+}
+
+impl<'a> Scene<'a> {
+    /// Holds measurements against a model, with the unknowns of the set-ups as they fit best.
+    ///
+    /// # Errors
+    /// [`Fault`] where not even these can be told.
+    pub fn new(machine: &'a Machine, errors: &ErrorModel, sets: &'a [DataSet]) -> Result<Scene<'a>, Fault> {
+        // What the model lacks is no noise that could tell which rows do not fit.
+        let found = fit::<Parameter>(machine, errors, &[], sets, Options { robust: false })?;
+        let values: Vec<f64> = found.estimates.iter().map(|estimate| estimate.value).collect();
+        let mut first = vec![0; sets.len() + 1];
+        for (place, estimate) in found.estimates.iter().enumerate() {
+            if let Column::Unknown(set, _) = estimate.column
+                && let Some(behind) = first.get_mut(set + 1)
+            {
+                *behind = place + 1;
+            }
+        }
+        for k in 1..first.len() {
+            first[k] = first[k].max(first[k - 1]);
+        }
+        let mut scene = Scene {
+            machine,
+            errors: errors.clone(),
+            sets,
+            rows: rows(sets),
+            items: Vec::new(),
+            unknowns: values.len(),
+        };
+        let mut equations: Vec<Equation> = Vec::new();
+        let mut row = 0;
+        for (number, data) in sets.iter().enumerate() {
+            let (from, until) = (first[number], first[number + 1]);
+            let own = values.get(from..until).unwrap_or_default();
+            let mut condition = usize::MAX;
+            let mut model = Model::at(machine, errors, &Condition::default());
+            for observation in &data.observations {
+                if observation.condition != condition {
+                    condition = observation.condition;
+                    model = Model::at(machine, errors, data.condition(observation));
+                }
+                let seen = Seen::new(machine, &model, &observation.reading, &observation.reading.tool_mm);
+                equations.clear();
+                (data.kind.equations)(data, observation, &seen, own, &mut equations);
+                // Probing gives three equations without values.
+                let present: Vec<usize> = (0..3).filter(|&k| observation.values[k].is_some()).collect();
+                for (place, equation) in equations.iter().enumerate() {
+                    let sigma = if equation.is_angle { data.sigma_rad } else { data.sigma };
+                    scene.items.push(Item {
+                        row,
+                        value: present.get(place).copied().unwrap_or(place),
+                        left: equation.residual,
+                        sigma: sigma.unwrap_or(FIRST_SIGMA),
+                        is_angle: equation.is_angle,
+                        by_tip: equation.by_tip,
+                        by_turn: equation.by_turn,
+                        by_unknown: equation.by_unknown.iter().map(|&(k, factor)| (from + k, factor)).collect(),
+                    });
+                }
+                row += 1;
+            }
+            equations.clear();
+            (data.kind.ties)(data, own, &mut equations);
+            for (tie, equation) in equations.iter().enumerate() {
+                let sigma = data.lengths.get(tie).and_then(|length| length.sigma_mm).unwrap_or(TIE_SIGMA);
+                scene.items.push(Item {
+                    row: NO_ROW,
+                    value: 0,
+                    left: equation.residual,
+                    sigma,
+                    is_angle: false,
+                    by_tip: Vector::zeros(),
+                    by_turn: Vector::zeros(),
+                    by_unknown: equation.by_unknown.iter().map(|&(k, factor)| (from + k, factor)).collect(),
+                });
+            }
+        }
+        scene.leave_weak();
+        Ok(scene)
+    }
+
+    /// Unknowns that are hardly told explain nothing: they would be taken metres away for it.
+    fn leave_weak(&mut self) {
+        let mut strongest = vec![0.0_f64; self.unknowns];
+        for &(unknown, factor) in self.items.iter().flat_map(|item| &item.by_unknown) {
+            if let Some(most) = strongest.get_mut(unknown) {
+                *most = most.max(factor.abs());
+            }
+        }
+        let is_told = |unknown: usize| strongest.get(unknown).is_some_and(|most| *most >= WEAK);
+        self.items.iter_mut().for_each(|item| item.by_unknown.retain(|(unknown, _)| is_told(*unknown)));
+    }
+
+    /// What one unit of a deviation does to every reading.
+    #[must_use]
+    pub fn factors(&self, through: Through) -> Vec<f64> {
+        let model = Model::new(self.machine, &ErrorModel::default());
+        let mut at = usize::MAX;
+        let (mut tip, mut turn) = (Vector::zeros(), Vector::zeros());
+        let one = |item: &Item| {
+            if item.row == NO_ROW {
+                return 0.0;
+            }
+            if item.row != at {
+                at = item.row;
+                (tip, turn) = self.unit(&model, through, item.row);
+            }
+            match through {
+                Through::Reading(of_angles) => f64::from(u8::from(item.is_angle == of_angles)),
+                Through::Value(value) => f64::from(u8::from(item.value == value)),
+                _ => item.by_tip.dot(&tip) + item.by_turn.dot(&turn),
+            }
+        };
+        let mut factors: Vec<f64> = self.items.iter().map(one).collect();
+        self.leave_faint(&mut factors);
+        factors
+    }
+
+    /// In a set-up that hardly shows a deviation it is not looked for: it would have to be a hundred times as large there, and would be found so.
+    fn leave_faint(&self, factors: &mut [f64]) {
+        // Lengths and angles apart: they have other units.
+        let setup = |item: &Item| self.rows.get(item.row).map(|row| (row.set, row.setup, item.is_angle));
+        let mut strongest: HashMap<(usize, usize, bool), f64> = HashMap::new();
+        let mut most = [0.0_f64; 2];
+        for (item, factor) in self.items.iter().zip(factors.iter()) {
+            if let Some(setup) = setup(item) {
+                let own = strongest.entry(setup).or_insert(0.0);
+                *own = own.max(factor.abs());
+                let most = &mut most[usize::from(item.is_angle)];
+                *most = most.max(factor.abs());
+            }
+        }
+        strongest.retain(|(.., is_angle), own| *own < WEAK * most[usize::from(*is_angle)]);
+        if strongest.is_empty() {
+            return;
+        }
+        for (item, factor) in self.items.iter().zip(factors.iter_mut()) {
+            if setup(item).is_some_and(|setup| strongest.contains_key(&setup)) {
+                *factor = 0.0;
+            }
+        }
+    }
+
+    /// What one unit does to the tool in the workpiece frame at a row: displacement and rotation.
+    fn unit(&self, model: &Model, through: Through, row: usize) -> (Vector, Vector) {
+        let nothing = (Vector::zeros(), Vector::zeros());
+        let Some(row) = self.rows.get(row) else { return nothing };
+        let Some(observation) = self.sets.get(row.set).and_then(|set| set.observations.get(row.number)) else {
+            return nothing;
+        };
+        let reading = &observation.reading;
+        let nominal = model.nominal(&reading.position, &reading.tool_mm);
+        match through {
+            Through::Component(name) => {
+                let unit = model.sensitivity(name, &reading.position, &reading.tool_mm);
+                (nominal.rotation * unit.translation, nominal.rotation * unit.rotation)
+            }
+            Through::Tip(direction) => {
+                let to_f = model.tool_orientation(&reading.position) * nominal.rotation.transpose();
+                (to_f.row(direction.min(2)).transpose(), Vector::zeros())
+            }
+            Through::Reading(_) | Through::Value(_) => nothing,
+        }
+    }
+
+    /// The row of a reading.
+    #[must_use]
+    pub fn row_of(&self, item: &Item) -> Option<&Row> {
+        self.rows.get(item.row)
+    }
+}

@@ -1,0 +1,262 @@
+//! Rivals that the data cannot tell apart, and the one measurement that would.
+
+use super::cause::{CAUSES, Candidate, Effect, periodic};
+use super::scene::{Scene, Through};
+use ncfix_base::geometry::{AXES, Axis, Vector};
+use ncfix_model::name::{DIRECTIONS, ErrorKind, ErrorName};
+
+/// Steps in the shortest period.
+const STEPS: f64 = 3.0;
+/// A step that shows all pitches of screws, mm.
+const MOST_STEP: f64 = 2.0;
+/// A line has a point for so many mm where waves are looked for: with uneven steps they tell a pitch of a sixth of them.
+const FINE: f64 = 20.0;
+/// A feed at which lags are small, mm/min, and the column of those that were run.
+const SLOW: f64 = 500.0;
+const FEED: &str = "feed_mm_min";
+/// By how much a second tool is longer, mm.
+const LONGER: f64 = 60.0;
+/// A grid has so many steps over this share of the travel.
+const HOLES: f64 = 4.0;
+const WIDE: f64 = 0.8;
+
+/// What tells a cause from its first rival, and the command that plans it where there is one.
+pub(super) fn separating(scene: &Scene<'_>, one: &Candidate, rival: &Candidate) -> String {
+    let (sentence, plan) = told_apart([one.cause.effect, rival.cause.effect]);
+    // What has a place of its own says where, else its rival.
+    let around = Around::new(scene, one).or_else(|| Around::new(scene, rival));
+    let sentence = sentence.unwrap_or(one.cause.separate_by);
+    with_command(sentence.to_owned(), plan.and_then(|plan| around?.command(plan)))
+}
+
+/// Every command that may be said of what may be at work in a scene.
+#[must_use]
+pub fn commands(scene: &Scene<'_>) -> Vec<String> {
+    let mut all = Vec::new();
+    CAUSES.iter().for_each(|cause| (cause.propose)(scene, &mut all));
+    all.extend(
+        super::cause::axes(scene)
+            .filter(|axis| !axis.is_rotary())
+            .map(|axis| periodic::candidate(ErrorName::motion(DIRECTIONS[axis.dimension()], axis), axis, 10.0)),
+    );
+    let mut out: Vec<String> = Vec::new();
+    for one in &all {
+        let Some(around) = Around::new(scene, one) else { continue };
+        let plans = CAUSES.iter().filter_map(|cause| told_apart([one.cause.effect, cause.effect]).1);
+        out.extend(plans.chain([Plan::FineLine, Plan::Drift]).filter_map(|plan| around.command(plan)));
+        out.sort();
+        out.dedup();
+    }
+    out
+}
+
+fn with_command(sentence: String, command: Option<String>) -> String {
+    match command {
+        Some(command) => format!("{sentence} ({command})"),
+        None => sentence,
+    }
+}
+
+/// Kinds of measurements that `ncfix plan` writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Plan {
+    /// Circles in both senses.
+    Circles,
+    /// The same at another feed, with another radius.
+    SlowCircles,
+    SmallCircles,
+    /// A line in uneven steps, forth and back.
+    Line,
+    /// The same at another feed.
+    SlowLine,
+    /// The same in many steps.
+    FineLine,
+    /// A grid of holes, also with a longer tool.
+    Grid,
+    Heights,
+    /// Speeds of the spindle by chance.
+    Drift,
+}
+
+/// What tells causes of two effects apart, in whatever order; the plan that does it.
+fn told_apart(pair: [Effect; 2]) -> (Option<&'static str>, Option<Plan>) {
+    let is = |a, b| pair == [a, b] || pair == [b, a];
+    let both = |a| pair == [a, a];
+    let (sentence, plan) = if is(Effect::Location, Effect::ServoMismatch) {
+        ("the same circle in the other sense: squareness stays, a mismatch of the servos turns over", Plan::Circles)
+    } else if is(Effect::Backlash, Effect::Following) || is(Effect::Backlash, Effect::Delay) {
+        ("the same line at another feed: a lag goes with it, backlash stays", Plan::SlowLine)
+    } else if is(Effect::Backlash, Effect::LateralPlay) || both(Effect::LateralPlay) || both(Effect::Backlash) {
+        (
+            "forth and back with two tool lengths, and with an indicator along and across: a turn of the carriage grows with the tool",
+            Plan::Line,
+        )
+    } else if is(Effect::Backlash, Effect::Motion) {
+        ("the same line forth and back at every place: play turns over with the sense, a motion does not", Plan::Line)
+    } else if is(Effect::Motion, Effect::ThermalExpansion) {
+        ("the same lines at another temperature", Plan::Line)
+    } else if is(Effect::Location, Effect::ThermalSquareness) {
+        ("the same lines at another temperature", Plan::Grid)
+    } else if is(Effect::Motion, Effect::Setup) {
+        ("the same line with the artefact shifted along it and turned by 90°", Plan::Line)
+    } else if is(Effect::Motion, Effect::Cross) {
+        ("lines at three places of the other axis", Plan::Grid)
+    } else if is(Effect::Motion, Effect::Periodic) {
+        ("steps of an eighth of the period over three periods", Plan::FineLine)
+    } else if is(Effect::Motion, Effect::Location) {
+        ("lines at two heights, and at the ends of the other axis", Plan::Heights)
+    } else if both(Effect::Motion) {
+        (
+            "the same lines with a second tool length, and at a second height: angles grow with the arm, straightness does not",
+            Plan::Heights,
+        )
+    } else if both(Effect::Location) {
+        ("the same poses with a second tool length, and the artefact turned by 90°", Plan::Heights)
+    } else if is(Effect::ThermalDrift, Effect::Drift) || both(Effect::ThermalDrift) || both(Effect::Drift) {
+        (
+            "a run in which the temperatures do not rise together: spindle on and off by chance, then cooling",
+            Plan::Drift,
+        )
+    } else if is(Effect::ThermalDrift, Effect::ThermalExpansion) {
+        return (Some("two poses far apart along the axis, in turn, while it warms up"), None);
+    } else if both(Effect::ServoMismatch) || is(Effect::ServoMismatch, Effect::Following) || both(Effect::Following) {
+        ("circles in the planes of the other axes at the same feed", Plan::Circles)
+    } else if is(Effect::Following, Effect::Dynamic) {
+        (
+            "another radius at the same feed: a lag goes with the velocity, a deflection with its square over the radius",
+            Plan::SmallCircles,
+        )
+    } else if is(Effect::Periodic, Effect::Dynamic) {
+        ("another feed: what vibrates moves along the path, what is periodic in position stays", Plan::SlowCircles)
+    } else if pair[0] == Effect::Cross {
+        return (None, Some(Plan::Grid));
+    } else {
+        return (None, None);
+    };
+    (Some(sentence), Some(plan))
+}
+
+/// Where an error is, and what a plan must know.
+struct Around {
+    /// Its own axis, linear, and where it goes.
+    axis: Axis,
+    travel: [f64; 2],
+    /// The component of its motion.
+    name: Option<ErrorName>,
+    /// Linear axes of the plane in which it shows, and the shorter travel.
+    plane: &'static str,
+    side_mm: f64,
+    tool_mm: f64,
+    feed: Option<f64>,
+}
+
+impl Around {
+    fn new(scene: &Scene<'_>, one: &Candidate) -> Option<Around> {
+        let name = one.columns.iter().flatten().find_map(|(through, _)| match through {
+            Through::Component(name) => Some(*name),
+            _ => None,
+        });
+        let is_linear = |axis: &Axis| !axis.is_rotary() && scene.machine.axis(*axis).is_some();
+        let driver = |driver: &String| {
+            let letter = driver.strip_suffix("_dir").unwrap_or(driver);
+            AXES.into_iter().find(|axis| axis.to_string() == *letter)
+        };
+        let drivers: Vec<Axis> = one.drivers.iter().filter_map(driver).filter(is_linear).collect();
+        let own = name.filter(|name| name.kind == ErrorKind::Motion).and_then(|name| name.axis());
+        let across = name.map(|name| name.direction.index());
+        let mut dimensions: Vec<usize> = own.iter().chain(&drivers).map(|axis| axis.dimension()).collect();
+        match across {
+            Some(across) if across < 3 => dimensions.push(across),
+            Some(turned) => dimensions.extend([0, 1, 2].into_iter().filter(|k| *k != turned - 3)),
+            None => {}
+        }
+        dimensions.extend([0, 1, 2]);
+        let mut kept: Vec<usize> = Vec::new();
+        dimensions.into_iter().for_each(|k| {
+            if kept.len() < 2 && !kept.contains(&k) {
+                kept.push(k)
+            }
+        });
+        kept.sort_unstable();
+        let plane = match kept.as_slice() {
+            [0, 1] => "XY",
+            [1, 2] => "YZ",
+            _ => "ZX",
+        };
+        let linear = [Axis::X, Axis::Y, Axis::Z];
+        let axis = own.filter(is_linear).or(drivers.first().copied());
+        let axis = axis.or_else(|| kept.first().and_then(|&k| linear.get(k).copied()).filter(is_linear))?;
+        let travel = |axis: Axis| scene.machine.axis(axis)?.travel;
+        let sides = kept.iter().filter_map(|&k| linear.get(k).copied().and_then(travel));
+        let side_mm = sides.map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
+        let tool_mm = scene.rows.iter().map(|row| Vector::from(row.tool_mm).norm()).fold(0.0, f64::max);
+        let feeds = scene.sets.iter().flat_map(|set| &set.drivers).filter(|driver| driver.name == FEED);
+        let feed = feeds.flat_map(|driver| driver.values.iter().copied()).find(|feed| feed.is_finite());
+        Some(Around {
+            axis,
+            travel: travel(axis)?,
+            name: name.filter(|_| own.is_some()),
+            plane,
+            side_mm,
+            tool_mm,
+            feed,
+        })
+    }
+
+    /// The command that writes a plan; `None` where the axis has none.
+    fn command(&self, plan: Plan) -> Option<String> {
+        let tool = hundredths(self.tool_mm);
+        let tool = if tool > 0.0 { format!(" --tool {tool}") } else { String::new() };
+        // Half of what was run, or a slow one.
+        let feed = self.feed.map_or(SLOW, |feed| (feed / 2.0).max(1.0).round());
+        let component = match self.name.filter(|name| name.axis() == Some(self.axis)) {
+            Some(name) => format!(" --component {name}"),
+            None => String::new(),
+        };
+        let length = self.travel[1] - self.travel[0];
+        let line = format!("laser --axis {}{component}", self.axis);
+        let own = match plan {
+            Plan::Circles => format!("ballbar --plane {}", self.plane),
+            Plan::SlowCircles => format!("ballbar --plane {} --feed {feed}", self.plane),
+            Plan::SmallCircles => format!("ballbar --plane {} --radius 50", self.plane),
+            Plan::Line => line,
+            Plan::SlowLine => format!("{line} --feed {feed}"),
+            Plan::FineLine => format!("{line} --points {}", (length / FINE).round().clamp(21.0, 201.0)),
+            Plan::Grid | Plan::Heights => {
+                let every = (self.side_mm * WIDE / HOLES / 10.0).floor() * 10.0;
+                if !(every > 0.0 && every.is_finite()) {
+                    return None;
+                }
+                let longer = hundredths(self.tool_mm + LONGER);
+                let second = if plan == Plan::Heights { format!(" --tool {longer}") } else { String::new() };
+                let first = if plan == Plan::Heights && tool.is_empty() { " --tool 0".into() } else { tool.clone() };
+                return Some(format!(
+                    "ncfix plan plate --plane {} --every {every}{first}{second} --machine M.toml -o PLAN.csv",
+                    self.plane
+                ));
+            }
+            Plan::Drift => "drift --variant random".to_owned(),
+        };
+        Some(format!("ncfix plan {own}{tool} --machine M.toml -o PLAN.csv"))
+    }
+}
+
+/// A wave with another period, by the name of its component.
+pub(super) fn every(parameter: &str, period: f64) -> String {
+    format!("{parameter} every {} mm", hundredths(period))
+}
+
+/// What tells a wave from one of a shorter period that is the same at the places that were measured.
+pub(super) fn steps(scene: &Scene<'_>, one: &Candidate, shortest: f64) -> String {
+    let longest = one.constant.map_or(shortest, |(period, _)| period.max(shortest));
+    let step = hundredths((shortest / STEPS).min(MOST_STEP));
+    let sentence = format!(
+        "the same line at points of uneven spacing, or every {step} mm over {} mm",
+        hundredths((3.0 * longest / step).ceil() * step)
+    );
+    with_command(sentence, Around::new(scene, one).and_then(|around| around.command(Plan::FineLine)))
+}
+
+fn hundredths(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}

@@ -1,0 +1,235 @@
+//! The size of a finding as people name it: a reversal value, an amplitude, a slope or the range over the travel that was measured.
+
+use super::cause::{Candidate, Effect, Term};
+use super::row::Row;
+use super::scene::{Scene, Through};
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+
+/// 95 % of a normal distribution, in standard deviations.
+pub(super) const EXPANDED: f64 = 1.96;
+/// mm/s² in m/s², and s in ms.
+const THOUSAND: f64 = 1e3;
+/// Parts in a million: µm/m, µrad.
+const MILLION: f64 = 1e6;
+
+/// A size with its unit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Size {
+    /// Its value.
+    pub value: f64,
+    /// Expanded uncertainty (95 %).
+    pub u95: f64,
+    /// `um`, `urad`, `um/m`, `ms` …
+    pub unit: &'static str,
+}
+
+/// Amounts of the columns of a candidate, and their covariance.
+#[derive(Clone, Debug, Default)]
+pub struct Amounts {
+    /// mm, rad, per unit of the driver.
+    pub values: Vec<f64>,
+    /// Row by row.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+impl Amounts {
+    /// A linear form of them: value and standard deviation.
+    pub(super) fn form(&self, factors: &[f64]) -> (f64, f64) {
+        let value = self.values.iter().zip(factors).map(|(value, factor)| value * factor).sum();
+        let mut variance = 0.0;
+        for (row, one) in self.covariance.iter().zip(factors) {
+            variance += row.iter().zip(factors).map(|(entry, other)| entry * one * other).sum::<f64>();
+        }
+        (value, variance.max(0.0).sqrt())
+    }
+
+    /// Expanded uncertainty of one amount.
+    #[must_use]
+    pub fn u95(&self, column: usize) -> f64 {
+        EXPANDED * self.covariance.get(column).and_then(|row| row.get(column)).copied().unwrap_or(0.0).max(0.0).sqrt()
+    }
+}
+
+/// The weights of the columns of a candidate at a row.
+pub(super) fn weights_at(candidate: &Candidate, row: &Row) -> Vec<f64> {
+    candidate.columns.iter().map(|parts| parts.first().map_or(0.0, |(_, weight)| weight.of(row))).collect()
+}
+
+/// Whether its deviation is an angle.
+pub(super) fn is_angle(candidate: &Candidate) -> bool {
+    match candidate.columns.first().and_then(|parts| parts.first()) {
+        Some((Through::Component(name), _)) => name.direction.is_rotation(),
+        Some((Through::Reading(is_angle), _)) => *is_angle,
+        _ => false,
+    }
+}
+
+/// The size of a candidate with these amounts over the rows of the measurements that were used.
+pub(super) fn size(candidate: &Candidate, amounts: &Amounts, scene: &Scene<'_>, used: usize) -> Size {
+    let is_angle = is_angle(candidate);
+    let (micro, unit) = if is_angle { (urad_from_rad(1.0), "urad") } else { (um_from_mm(1.0), "um") };
+    let first: Vec<f64> = (0..amounts.values.len()).map(|k| f64::from(u8::from(k == 0))).collect();
+    let plain = |factor: f64, unit| {
+        let (value, sigma) = amounts.form(&first);
+        Size { value: factor * value, u95: EXPANDED * factor.abs() * sigma, unit }
+    };
+    let rows = || scene.rows.iter().filter(|row| row.set < used);
+    let of = |factors: &[f64], factor: f64, unit| {
+        let (value, sigma) = amounts.form(factors);
+        Size { value: factor * value, u95: EXPANDED * factor.abs() * sigma, unit }
+    };
+    let range = || range(candidate, amounts, &mut rows());
+    let single = amounts.values.len() == 1;
+    let is_bow = candidate.term == Term::None;
+    if let Some((count, unit @ "chords")) = candidate.constant {
+        return Size { value: count, u95: 0.5, unit };
+    }
+    if matches!(candidate.constant, Some((_, "lobes"))) {
+        // Of the plane that has most of them.
+        let of = |first: usize| amplitude(amounts, first, micro, unit);
+        let all = (0..amounts.values.len()).step_by(2).map(of);
+        return all.max_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or_default();
+    }
+    match candidate.cause.effect {
+        Effect::Periodic => amplitude(amounts, 0, micro, unit),
+        Effect::Dynamic if candidate.constant.is_some() => amplitude(amounts, 0, micro, unit),
+        // The step from one octant to the next.
+        Effect::Dynamic if candidate.parameter.is_empty() => {
+            let step = plain(micro, unit);
+            Size { value: step.value.abs(), ..step }
+        }
+        Effect::Dynamic if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => {
+            plain(MILLION, "um/(m/s2)")
+        }
+        Effect::Location => plain(micro, unit),
+        Effect::Backlash | Effect::LateralPlay => {
+            // The full reversal value, where it is largest.
+            let at = peak(candidate, amounts, &mut rows().filter(|row| sense_of(candidate, row) > 0.0));
+            of(&at.unwrap_or(first.clone()), 2.0 * micro, unit)
+        }
+        Effect::Motion if single && !is_bow && !is_rotary(candidate) && !is_angle => plain(MILLION, "um/m"),
+        Effect::Motion if single && is_rotary(candidate) => plain(micro, if is_angle { "urad/rad" } else { "um/rad" }),
+        Effect::Cross => {
+            let [low, high] = corners(candidate, scene, used);
+            of(&mixed(candidate, &low, &high), micro, unit)
+        }
+        Effect::Following if candidate.parameter.len() > 1 => {
+            // What shrinks circles is the square of the lag.
+            let (value, sigma) = amounts.form(&first);
+            let lag = value.abs().sqrt();
+            let u95 = if lag > 0.0 { EXPANDED * sigma / (2.0 * lag) } else { EXPANDED * sigma.sqrt() };
+            Size { value: THOUSAND * lag, u95: THOUSAND * u95, unit: "ms" }
+        }
+        Effect::Delay if candidate.drivers.iter().any(|driver| driver == "t_s") => plain(MILLION, "ppm"),
+        Effect::ServoMismatch | Effect::Following | Effect::Delay => plain(THOUSAND, "ms"),
+        Effect::Probe if candidate.drivers.iter().any(|driver| driver == "feed_mm_min") => plain(THOUSAND, "ms"),
+        Effect::ThermalDrift => plain(micro, "um/K"),
+        // What grows with the axis: errors are those of the moving body, which a table goes the other way round.
+        Effect::ThermalExpansion => plain(MILLION * sense_along(candidate, scene), "um/(m K)"),
+        Effect::ThermalSquareness => plain(MILLION, "urad/K"),
+        Effect::Setup if candidate.parameter == "scale" => {
+            plain(MILLION, if candidate.sensor.is_some() { "um/(m K)" } else { "um/m" })
+        }
+        // The largest of all set-ups.
+        Effect::Setup if candidate.parameter == "rotation" => {
+            let size = |k: &usize| amounts.values.get(*k).copied().unwrap_or(0.0).abs();
+            let most = (0..amounts.values.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0);
+            let factors: Vec<f64> = (0..amounts.values.len()).map(|k| f64::from(u8::from(k == most))).collect();
+            of(&factors, MILLION, "urad")
+        }
+        Effect::ReversalSpike => plain(micro * sense_along(candidate, scene), unit),
+        Effect::Motion | Effect::Drift => of(&range(), micro, unit),
+        _ => of(&peak(candidate, amounts, &mut rows()).unwrap_or(first.clone()), micro, unit),
+    }
+}
+
+/// Whether the body that an axis moves goes with its coordinate (1) or against it (−1).
+fn sense_along(candidate: &Candidate, scene: &Scene<'_>) -> f64 {
+    let data = component_axis(candidate).and_then(|axis| scene.machine.axis(axis));
+    let along = data.and_then(|data| data.direction.get(data.axis.dimension()).copied()).unwrap_or(1.0);
+    if along < 0.0 { -1.0 } else { 1.0 }
+}
+
+fn amplitude(amounts: &Amounts, first: usize, micro: f64, unit: &'static str) -> Size {
+    let [sine, cosine] = [first, first + 1].map(|k| amounts.values.get(k).copied().unwrap_or(0.0));
+    let value = sine.hypot(cosine);
+    let along = if value > 0.0 { [sine / value, cosine / value] } else { [1.0, 0.0] };
+    let (_, sigma) = amounts.form(&[vec![0.0; first], along.to_vec()].concat());
+    Size { value: micro * value, u95: EXPANDED * micro * sigma, unit }
+}
+
+fn component_axis(candidate: &Candidate) -> Option<Axis> {
+    match candidate.columns.first().and_then(|parts| parts.first()) {
+        Some((Through::Component(name), _)) => name.axis(),
+        _ => None,
+    }
+}
+
+fn is_rotary(candidate: &Candidate) -> bool {
+    component_axis(candidate).is_some_and(Axis::is_rotary)
+}
+
+fn sense_of(candidate: &Candidate, row: &Row) -> f64 {
+    component_axis(candidate).map_or(1.0, |axis| row.sense_of(axis))
+}
+
+/// The weights where it is largest.
+fn peak(candidate: &Candidate, amounts: &Amounts, rows: &mut dyn Iterator<Item = &Row>) -> Option<Vec<f64>> {
+    let of = |row: &Row| weights_at(candidate, row);
+    let all = rows.map(of).map(|weights| (amounts.form(&weights).0.abs(), weights));
+    all.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, weights)| weights)
+}
+
+/// Weights where it is highest less those where it is lowest.
+fn range(candidate: &Candidate, amounts: &Amounts, rows: &mut dyn Iterator<Item = &Row>) -> Vec<f64> {
+    let zero = vec![0.0; amounts.values.len()];
+    let mut ends: Option<[(f64, Vec<f64>); 2]> = None;
+    for row in rows {
+        let weights = weights_at(candidate, row);
+        let value = amounts.values.iter().zip(&weights).map(|(a, b)| a * b).sum::<f64>();
+        match &mut ends {
+            None => ends = Some([(value, weights.clone()), (value, weights)]),
+            Some([low, high]) => {
+                if value < low.0 {
+                    *low = (value, weights);
+                } else if value > high.0 {
+                    *high = (value, weights);
+                }
+            }
+        }
+    }
+    ends.map_or(zero, |[low, high]| high.1.iter().zip(&low.1).map(|(high, low)| high - low).collect())
+}
+
+/// The ends of what was measured, as rows.
+fn corners(candidate: &Candidate, scene: &Scene<'_>, used: usize) -> [Option<Row>; 2] {
+    let _ = candidate;
+    let mut rows = scene.rows.iter().filter(|row| row.set < used);
+    let Some(first) = rows.next() else { return [None, None] };
+    let (mut low, mut high) = (first.clone(), first.clone());
+    for row in rows {
+        for axis in AXES {
+            low.position[axis] = low.position[axis].min(row.position[axis]);
+            high.position[axis] = high.position[axis].max(row.position[axis]);
+        }
+    }
+    [Some(low), Some(high)]
+}
+
+/// What two axes do together between the ends: a quarter of the difference of the differences.
+fn mixed(candidate: &Candidate, low: &Option<Row>, high: &Option<Row>) -> Vec<f64> {
+    let axis_of = |name: &String| AXES.into_iter().find(|axis| axis.to_string() == *name);
+    let axes: Vec<Axis> = candidate.drivers.iter().filter_map(axis_of).take(2).collect();
+    let (Some(low), Some(high), [one, other]) = (low, high, axes.as_slice()) else {
+        return vec![1.0; candidate.columns.len()];
+    };
+    let at = |one_high: bool, other_high: bool| {
+        let mut row = low.clone();
+        row.position[*one] = if one_high { high } else { low }.position[*one];
+        row.position[*other] = if other_high { high } else { low }.position[*other];
+        weights_at(candidate, &row)
+    };
+    let [a, b, c, d] = [at(true, true), at(true, false), at(false, true), at(false, false)];
+    (0..candidate.columns.len()).map(|k| (a[k] - b[k] - c[k] + d[k]) / 4.0).collect()
+}

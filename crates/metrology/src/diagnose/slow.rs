@@ -1,0 +1,362 @@
+//! Whether what was found stands beside noise that wanders slowly: by the likelihood, with the noise found anew beside every choice.
+//!
+//! What many terms leave of a slow wander looks white, so that each of them looks sure beside the others. Here terms come in one by one, the surest first,
+//! and what they do not explain may be white noise and a slow process together (autoregressive of first order; near to 1 it is a random walk).
+//! A term that explains all of a wander makes the process vanish and gains much; one that only follows a part of it gains what a chance match does.
+
+use ncfix_base::numeric::{fisher, in_parts};
+
+use super::cause::{Candidate, Effect};
+use super::fold::counts;
+use super::search::{Field, Taken, Weights};
+
+/// Memories from row to row that are tried, and variances of what is new in a row beside white noise.
+const MEMORIES: [f64; 4] = [0.8, 0.95, 0.99, 0.999];
+const FRESH: [f64; 7] = [1e-3, 4e-3, 0.016, 0.06, 0.25, 1.0, 4.0];
+/// The same where there are many readings.
+const MEMORIES_OF_MANY: [f64; 3] = [0.9, 0.98, 0.999];
+const FRESH_OF_MANY: [f64; 4] = [2e-3, 0.016, 0.12, 1.0];
+/// So many are many.
+const MANY: usize = 8000;
+/// Named ones that are held against one without a name, at most.
+const MOST: usize = 60;
+/// A column of which less than this share of its square is left says nothing of its own.
+const DEPENDENT: f64 = 1e-9;
+
+/// The readings that count, series behind series.
+struct Rows {
+    places: Vec<usize>,
+    /// Place in its series.
+    within: Vec<usize>,
+    longest: usize,
+}
+
+impl Rows {
+    fn new(field: &Field<'_, '_>, weights: &Weights) -> Rows {
+        let mut places = counts(field.scene, weights);
+        places.sort_by_key(|&place| weights.series.get(place).copied());
+        let mut within = Vec::with_capacity(places.len());
+        let (mut last, mut count) = (None, 0);
+        for place in &places {
+            let own = weights.series.get(*place).copied();
+            count = if own == last { count + 1 } else { 0 };
+            last = own;
+            within.push(count);
+        }
+        let longest = within.iter().max().map_or(0, |most| most + 1);
+        Rows { places, within, longest }
+    }
+
+    /// A column in units of the noise, of unit length.
+    fn column(&self, weights: &Weights, values: &[f64]) -> Vec<f64> {
+        let of = |place: &usize| Some(values.get(*place)? * weights.items.get(*place)?);
+        let mut out: Vec<f64> = self.places.iter().map(|place| of(place).unwrap_or(0.0)).collect();
+        let length = out.iter().map(|value| value * value).sum::<f64>().sqrt();
+        if length > 0.0 {
+            out.iter_mut().for_each(|value| *value /= length);
+        }
+        out
+    }
+}
+
+/// A kind of noise: white, and a slow process of this memory and this variance of what is new in a row.
+#[derive(Clone, Copy)]
+struct Kind {
+    memory: f64,
+    fresh: f64,
+}
+
+/// Products of columns beside the unknowns of set-ups, the last one that of the readings, with one kind of noise.
+struct Products {
+    matrix: Vec<f64>,
+    side: usize,
+    /// Σ ln of the variances of the innovations.
+    variances: f64,
+}
+
+impl Products {
+    /// Innovations by Kalman's filter: what each reading has beyond what those before it foretell.
+    fn new(kind: Kind, rows: &Rows, (unknowns, columns): (&[Vec<f64>], &[Vec<f64>])) -> Products {
+        let mut variance = kind.fresh / (1.0 - kind.memory * kind.memory);
+        let mut steps = Vec::with_capacity(rows.longest);
+        for _ in 0..rows.longest {
+            let whole = variance + 1.0;
+            steps.push((variance / whole, whole.sqrt()));
+            variance = kind.memory * kind.memory * variance / whole + kind.fresh;
+        }
+        let whitened = |column: &Vec<f64>| {
+            let mut slow = 0.0;
+            let of = |(value, within): (&f64, &usize)| {
+                if *within == 0 {
+                    slow = 0.0;
+                }
+                let (gain, sigma) = steps.get(*within).copied().unwrap_or((0.0, 1.0));
+                let new = value - slow;
+                slow = kind.memory * (slow + gain * new);
+                new / sigma
+            };
+            column.iter().zip(&rows.within).map(of).collect::<Vec<f64>>()
+        };
+        let all: Vec<(Vec<f64>, [usize; 2])> = unknowns
+            .iter()
+            .chain(columns)
+            .map(|column| {
+                let whitened = whitened(column);
+                let first = whitened.iter().position(|value| *value != 0.0).unwrap_or(0);
+                let end = whitened.iter().rposition(|value| *value != 0.0).map_or(first, |last| last + 1);
+                (whitened, [first, end])
+            })
+            .collect();
+        let side = all.len();
+        let mut matrix = vec![0.0; side * side];
+        for (k, (one, own)) in all.iter().enumerate() {
+            for (l, (other, of)) in all.iter().enumerate().take(k + 1) {
+                let span = own[0].max(of[0])..own[1].min(of[1]);
+                let pair = one.get(span.clone()).zip(other.get(span));
+                let product = pair.map_or(0.0, |(one, other)| one.iter().zip(other).map(|(a, b)| a * b).sum());
+                matrix[k * side + l] = product;
+                matrix[l * side + k] = product;
+            }
+        }
+        let whole: Vec<f64> = (0..side).map(|k| matrix[k * side + k]).collect();
+        (0..unknowns.len()).for_each(|k| {
+            take_out(&mut matrix, side, k, whole[k]);
+        });
+        let count = columns.len();
+        let rest =
+            (0..count * count).map(|at| matrix[(unknowns.len() + at / count) * side + unknowns.len() + at % count]);
+        Products {
+            matrix: rest.collect(),
+            side: count,
+            variances: rows.within.iter().map(|within| steps.get(*within).map_or(0.0, |step| 2.0 * step.1.ln())).sum(),
+        }
+    }
+
+    /// −2 ln of the likelihood with some columns, but for a constant, and how many of them say something of their own.
+    fn left(&self, columns: &[usize], count: f64) -> (f64, usize) {
+        let mut matrix = self.matrix.clone();
+        let rank =
+            columns.iter().filter(|&&k| take_out(&mut matrix, self.side, k, self.matrix[k * self.side + k])).count();
+        let squares = matrix.last().copied().unwrap_or(0.0);
+        let whole = self.matrix.last().copied().unwrap_or(0.0);
+        (count * squares.max(1e-12 * whole).ln() + self.variances, rank)
+    }
+}
+
+/// Takes a column out of all products. Returns whether it says something of its own.
+fn take_out(matrix: &mut [f64], side: usize, k: usize, whole: f64) -> bool {
+    let pivot = matrix[k * side + k];
+    if !(pivot > DEPENDENT * whole && whole > 0.0) {
+        return false;
+    }
+    let row: Vec<f64> = matrix[k * side..(k + 1) * side].to_vec();
+    for l in (0..side).filter(|&l| row[l] != 0.0) {
+        let factor = row[l] / pivot;
+        matrix[l * side..(l + 1) * side].iter_mut().zip(&row).for_each(|(value, own)| *value -= factor * own);
+    }
+    true
+}
+
+/// Candidates beside all kinds of noise.
+struct Slow {
+    /// Readings.
+    count: f64,
+    /// Columns of each candidate.
+    own: Vec<Vec<usize>>,
+    all: Vec<Products>,
+}
+
+impl Slow {
+    fn new(field: &Field<'_, '_>, weights: &Weights, numbers: &[usize]) -> Slow {
+        let rows = Rows::new(field, weights);
+        let unknowns: Vec<Vec<f64>> = field.unknowns().iter().map(|values| rows.column(weights, values)).collect();
+        let mut columns: Vec<Vec<f64>> = Vec::new();
+        let mut own: Vec<Vec<usize>> = Vec::new();
+        for number in numbers {
+            let all = field.candidates.get(*number).map(|one| field.columns(one)).unwrap_or_default();
+            own.push((columns.len()..columns.len() + all.len()).collect());
+            columns.extend(all.iter().map(|values| rows.column(weights, values)));
+        }
+        let values: Vec<f64> = field.scene.items.iter().map(|item| item.left).collect();
+        columns.push(rows.column(weights, &values));
+        let (memories, fresh) = if rows.places.len() > MANY {
+            (&MEMORIES_OF_MANY[..], &FRESH_OF_MANY[..])
+        } else {
+            (&MEMORIES[..], &FRESH[..])
+        };
+        let mut kinds = vec![Kind { memory: 0.0, fresh: 0.0 }];
+        kinds.extend(memories.iter().flat_map(|&memory| fresh.iter().map(move |&fresh| Kind { memory, fresh })));
+        let all = in_parts(&kinds, &|kind: &Kind| Products::new(*kind, &rows, (&unknowns, &columns)));
+        Slow { count: rows.places.len() as f64, own, all }
+    }
+
+    /// −2 ln of the likelihood of some of them, but for a constant, with the noise that suits them best, and how many columns say something of their own.
+    fn best(&self, taken: &[usize]) -> (f64, usize) {
+        let columns: Vec<usize> = taken.iter().filter_map(|&k| self.own.get(k)).flatten().copied().collect();
+        let each = self.all.iter().map(|products| products.left(&columns, self.count));
+        each.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
+    }
+}
+
+/// The same with what has no name as what has one, where beside noise that wanders this says as much for its number of unknowns: a shape over two drivers
+/// follows a wander that goes with none of them, and takes with it what goes with one.
+pub(super) fn named(field: &Field<'_, '_>, weights: &Weights, mut judged: Vec<Taken>) -> Vec<Taken> {
+    for k in 0..judged.len() {
+        let rivals =
+            judged.get(k).and_then(|term| field.candidates.get(term.candidate)).map(|one| named_of(field, one));
+        let Some(rivals) = rivals.filter(|rivals| !rivals.is_empty()) else { continue };
+        let others = judged.len();
+        let numbers: Vec<usize> = judged.iter().map(|term| term.candidate).chain(rivals.iter().copied()).collect();
+        let slow = Slow::new(field, weights, &numbers);
+        // Schwarz 1978.
+        let worth = |taken: &[usize]| {
+            let (left, rank) = slow.best(taken);
+            left + slow.count.ln() * rank as f64
+        };
+        let with = |rival: usize| (0..others).filter(|&other| other != k).chain([rival]).collect::<Vec<usize>>();
+        let as_is = worth(&with(k));
+        let each = (others..numbers.len()).map(|rival| (worth(&with(rival)), rival));
+        let best = each.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(worth, _)| *worth < as_is);
+        if let (Some((_, rival)), Some(term)) = (best, judged.get_mut(k)) {
+            term.candidate = numbers.get(rival).copied().unwrap_or(term.candidate);
+        }
+    }
+    // Two shapes may have been the same cause.
+    let mut known: Vec<usize> = Vec::new();
+    judged.retain(|term| {
+        let is_new = !known.contains(&term.candidate);
+        known.push(term.candidate);
+        is_new
+    });
+    judged
+}
+
+/// Named candidates that act where one without a name does, and depend on a part of what it depends on.
+fn named_of(field: &Field<'_, '_>, one: &Candidate) -> Vec<usize> {
+    let through = |one: &Candidate| one.columns.first().and_then(|parts| parts.first()).map(|(through, _)| *through);
+    let is_rival = |other: &Candidate| {
+        other.cause.effect != Effect::Unknown
+            && through(other) == through(one)
+            && !other.drivers.is_empty()
+            && other.drivers.iter().all(|driver| one.drivers.contains(driver))
+    };
+    let is_slow = |driver: &String| driver.starts_with("T_") || driver == "t_s";
+    if one.cause.effect != Effect::Unknown || one.drivers.len() < 2 || !one.drivers.iter().all(is_slow) {
+        return Vec::new();
+    }
+    (0..field.candidates.len())
+        .filter(|&number| field.candidates.get(number).is_some_and(is_rival))
+        .take(MOST)
+        .collect()
+}
+
+/// Those that stand, with the chance of each where that is larger than it was; `note` gets the others.
+pub(super) fn stand(
+    field: &Field<'_, '_>,
+    weights: &Weights,
+    judged: Vec<Taken>,
+    limit: f64,
+    note: &mut dyn FnMut(&Taken),
+) -> Vec<Taken> {
+    if judged.is_empty() {
+        return judged;
+    }
+    let numbers: Vec<usize> = judged.iter().map(|term| term.candidate).collect();
+    let slow = Slow::new(field, weights, &numbers);
+    let best = |taken: &[usize]| slow.best(taken);
+    let mut taken: Vec<usize> = Vec::new();
+    let mut chances = vec![1.0; judged.len()];
+    loop {
+        let (before, rank_before) = best(&taken);
+        let chance = |more: &[usize]| {
+            let with: Vec<usize> = taken.iter().chain(more).copied().collect();
+            let (left, rank) = best(&with);
+            let rank = rank.saturating_sub(rank_before) as f64;
+            // Others may only help together with one that stands: their number counts as well.
+            let tried = (field.tried as f64).powi(i32::try_from(more.len()).unwrap_or(1));
+            (fisher::exceeded((before - left) / rank.max(1.0), rank, 1e9) * tried).min(1.0)
+        };
+        let open: Vec<usize> = (0..judged.len()).filter(|k| !taken.contains(k)).collect();
+        let singles = open.iter().map(|&k| vec![k]);
+        let surest = |of: &mut dyn Iterator<Item = Vec<usize>>| {
+            let all = of.map(|more| (chance(&more), more));
+            all.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(chance, _)| *chance < limit)
+        };
+        let found = surest(&mut singles.into_iter()).or_else(|| {
+            let pairs = open.iter().enumerate().flat_map(|(at, &k)| open.iter().skip(at + 1).map(move |&l| vec![k, l]));
+            surest(&mut pairs.into_iter())
+        });
+        let Some((chance, more)) = found else { break };
+        for k in more {
+            if let Some(own) = chances.get_mut(k) {
+                *own = chance;
+            }
+            taken.push(k);
+        }
+    }
+    let mut out = Vec::new();
+    for (k, (mut term, chance)) in judged.into_iter().zip(chances).enumerate() {
+        term.chance = term.chance.max(chance);
+        if taken.contains(&k) {
+            out.push(term);
+        } else {
+            note(&term);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::bench;
+    use crate::diagnose::scene::Through;
+
+    #[test]
+    fn rivals_of_what_depends_on_more_than_one_slow_driver_depend_on_some_of_them() {
+        let machine = bench::machine();
+        let sets = [bench::reads_along_x(&machine, &[1.0; 8])];
+        let scene = bench::scene(&machine, &sets);
+        let of = |effect: Effect, drivers: &[&str]| {
+            let mut one = bench::candidate(effect, Through::Tip(0), |_| 1.0);
+            one.drivers = drivers.iter().map(|&name| name.to_owned()).collect();
+            one
+        };
+        let all = vec![
+            of(Effect::ThermalDrift, &["T_a_C"]),
+            of(Effect::ThermalDrift, &["T_b_C"]),
+            of(Effect::Unknown, &["T_a_C"]),
+        ];
+        let field = Field::new(&scene, all);
+        let rivals = |drivers: &[&str]| named_of(&field, &of(Effect::Unknown, drivers));
+        assert_eq!(rivals(&["T_a_C", "t_s"]), [0]);
+        assert_eq!(rivals(&["T_a_C", "T_b_C", "t_s"]), [0, 1]);
+        // One driver alone has been looked at with its name; places are not slow.
+        assert_eq!(rivals(&["T_a_C"]), [0; 0]);
+        assert_eq!(rivals(&["T_a_C", "X"]), [0; 0]);
+    }
+
+    #[test]
+    fn what_a_name_says_as_well_has_the_name() {
+        let machine = bench::machine();
+        let temperature = |row: usize| (0.7 * row as f64).sin();
+        let found = |um: &dyn Fn(usize) -> f64| {
+            let sets = [bench::reads_along_x(&machine, &(0..60).map(um).collect::<Vec<_>>())];
+            let scene = bench::scene(&machine, &sets);
+            let tip = Through::Tip(0);
+            let mut named = bench::candidate(Effect::ThermalDrift, tip, move |row| temperature(row.number));
+            named.drivers = vec!["T_a_C".into()];
+            // Beside the temperature also what goes with it more and more.
+            let mut shape = bench::candidate(Effect::Unknown, tip, move |row| temperature(row.number));
+            shape.drivers = vec!["T_a_C".into(), "t_s".into()];
+            let mut more =
+                bench::candidate(Effect::Unknown, tip, move |row| row.number as f64 * temperature(row.number));
+            shape.columns.append(&mut more.columns);
+            let field = Field::new(&scene, vec![shape, named]);
+            let judged = super::named(&field, &bench::even(&scene), vec![Taken { candidate: 0, chance: 0.0 }]);
+            judged.iter().map(|term| term.candidate).collect::<Vec<_>>()
+        };
+        assert_eq!(found(&|row| 5.0 * temperature(row)), [1]);
+        assert_eq!(found(&|row| 0.1 * row as f64 * temperature(row)), [0]);
+    }
+}

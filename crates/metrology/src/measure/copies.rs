@@ -1,0 +1,121 @@
+//! Tables that have the same readings: rounded, in another order, or at other times. Readings that were taken again at the same places differ by
+//! their noise.
+
+use std::collections::BTreeMap;
+
+use super::data::{DataSet, Observation};
+use ncfix_base::geometry::AXES;
+
+/// Readings in common at least.
+const LEAST: usize = 20;
+/// Of those at the same places.
+const SHARE: f64 = 0.9;
+/// What is rounded is this small beside the noise,
+const FINE: f64 = 0.3;
+/// and so often the same by chance at most.
+const CHANCE: f64 = 0.5;
+/// Decimals of µm or µrad that are looked at.
+const DECIMALS: i32 = 7;
+/// Rounding of the numbers themselves, of a step.
+const ROUNDING: f64 = 1e-3;
+/// Median of the absolute values of normal noise, in standard deviations.
+const MEDIAN: f64 = 0.674_489_750_196_081_7;
+/// µm in a mm, µrad in a rad.
+const MICRO: (f64, f64) = (1e3, 1e6);
+
+/// Readings that two tables have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Copied {
+    /// How many.
+    pub readings: usize,
+    /// Of how many at the same places.
+    pub of: usize,
+}
+
+/// Readings by place and by what was read there, µm or µrad.
+type Places = BTreeMap<(Vec<i64>, String), Vec<f64>>;
+
+/// Whether two tables have readings in common that differ by their rounding only, although their noise is larger.
+#[must_use]
+pub fn copied(one: &DataSet, other: &DataSet) -> Option<Copied> {
+    let (of_one, of_other) = (places(one), places(other));
+    let step = step(&of_one).max(step(&of_other));
+    let noise = [one, other].map(noise).into_iter().fold(f64::MAX, f64::min);
+    if step >= FINE * noise {
+        return None;
+    }
+    let close = step * (0.5 + ROUNDING);
+    let (mut same, mut all, mut by_chance) = (0, 0, 0.0);
+    for (place, values) in &of_one {
+        let Some(others) = of_other.get(place) else { continue };
+        let count = values.len().min(others.len());
+        all += count;
+        by_chance += count as f64 * (others.len().max(values.len()) as f64 * step / noise).min(1.0);
+        // Both in order: what is below all that is left of the other has no match.
+        let (mut k, mut l) = (0, 0);
+        while let (Some(one), Some(other)) = (values.get(k), others.get(l)) {
+            let matches = (one - other).abs() <= close;
+            same += usize::from(matches);
+            k += usize::from(matches || one < other);
+            l += usize::from(matches || one >= other);
+        }
+    }
+    let is_copy = same >= LEAST && same as f64 > SHARE * all as f64 && by_chance < CHANCE * all as f64;
+    is_copy.then_some(Copied { readings: same, of: all })
+}
+
+fn micro(one: &Observation) -> f64 {
+    if one.is_angle() { MICRO.1 } else { MICRO.0 }
+}
+
+fn places(data: &DataSet) -> Places {
+    let fine = |value: f64| (value * 1e3).round() as i64;
+    let mut all = Places::new();
+    for one in &data.observations {
+        // Numbers of balls and components are those of their table.
+        let what = one.target.and_then(|target| data.targets.get(target)).cloned().unwrap_or_default();
+        let mut key: Vec<i64> = AXES.iter().map(|&axis| fine(one.reading.position[axis])).collect();
+        key.extend(one.reading.tool_mm.iter().map(|value| fine(*value)));
+        key.extend(one.reading.state.direction.iter().map(|sense| i64::from(*sense)));
+        key.extend([fine(one.spindle_rad), fine(one.feed.unwrap_or(0.0))]);
+        for (k, value) in one.values.iter().enumerate() {
+            let Some(value) = value.filter(|value| value.is_finite()) else { continue };
+            let mut key = key.clone();
+            key.push(k as i64);
+            all.entry((key, what.clone())).or_default().push(value * micro(one));
+        }
+    }
+    all.values_mut().for_each(|values| values.sort_by(f64::total_cmp));
+    all
+}
+
+/// The last decimal in which readings differ, µm or µrad.
+fn step(places: &Places) -> f64 {
+    let all = || places.values().flatten();
+    let is_of = |step: f64| all().all(|value| ((value / step).round() * step - value).abs() < ROUNDING * step);
+    (-DECIMALS..=0).rev().map(|decimals| 10.0_f64.powi(decimals)).find(|step| is_of(*step)).unwrap_or(0.0)
+}
+
+/// Noise of the readings: what is stated, and no more than what neighbours differ by, µm or µrad.
+fn noise(data: &DataSet) -> f64 {
+    let mut bends: Vec<f64> = data
+        .observations
+        .windows(3)
+        .flat_map(|three| {
+            (0..3).map(move |k| three.iter().map(|one| Some(one.values[k]? * micro(one))).collect::<Option<Vec<f64>>>())
+        })
+        .flatten()
+        .filter_map(|three| match three.as_slice() {
+            [a, b, c] => Some((a - 2.0 * b + c).abs()),
+            _ => None,
+        })
+        .collect();
+    if bends.is_empty() {
+        return 0.0;
+    }
+    let middle = bends.len() / 2;
+    let differ = *bends.select_nth_unstable_by(middle, f64::total_cmp).1 / (MEDIAN * 6.0_f64.sqrt());
+    let is_angle = data.observations.iter().all(Observation::is_angle);
+    let stated = if is_angle { data.sigma_rad.map(|rad| rad * MICRO.1) } else { data.sigma.map(|mm| mm * MICRO.0) };
+    stated.map_or(differ, |stated| differ.min(stated))
+}

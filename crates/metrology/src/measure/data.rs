@@ -1,0 +1,276 @@
+//! One measurement: readings, the set-ups in which they were taken, and what is unknown of these.
+
+mod bodies;
+mod condition;
+pub mod cycles;
+mod description;
+mod drivers;
+mod rows;
+
+pub use drivers::Driver;
+
+use std::sync::LazyLock;
+
+use ncfix_base::csv::{Row, Table};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{Axis, Vector};
+use ncfix_base::source::Source;
+use ncfix_machine::machine::condition::columns::OfDead;
+use ncfix_machine::machine::{Condition, Machine};
+use ncfix_model::ErrorName;
+
+use self::cycles::Cycle;
+use super::kind::Kind;
+use super::reading::{Reading, Readings};
+
+/// A measurement.
+#[derive(Clone, Debug)]
+pub struct DataSet {
+    /// The name of its files without ending.
+    pub name: String,
+    /// What was measured.
+    pub kind: &'static Kind,
+    /// Standard uncertainty of a reading of a length, mm; `None` where it is to be estimated.
+    pub sigma: Option<f64>,
+    /// The same of an angle, rad.
+    pub sigma_rad: Option<f64>,
+    /// What is unknown of every set-up.
+    pub free: Vec<Free>,
+    /// What set-ups have that the description does not name: where the artefact is the same in all of them.
+    pub artefact: Setup,
+    /// Mountings of the instrument.
+    pub setups: Vec<Setup>,
+    /// Labels of the extension rods of ball-bars: set-ups with the same rod have the same length.
+    pub rods: Vec<String>,
+    /// Back-and-forth cycles of readings of one component, where a drift is unknown.
+    pub cycles: Vec<Cycle>,
+    /// Labels of the repetitions, in the order in which they begin; one that is empty where there is no column `run`.
+    pub runs: Vec<String>,
+    /// Names of balls of unknown place.
+    pub targets: Vec<String>,
+    /// Known distances between them.
+    pub lengths: Vec<KnownLength>,
+    /// Where balls nominally are in the workpiece frame, mm, as far as the description says: what a simulation needs.
+    pub balls: Vec<(String, Vector)>,
+    /// Whether it is the plan of a measurement, without readings yet.
+    pub is_plan: bool,
+    /// Where axes stood throughout that have no column, mm or rad.
+    pub fixed: Vec<(Axis, f64)>,
+    /// The conditions of the machine in which readings were taken; none where the table does not say: the reference state.
+    pub conditions: Vec<Condition>,
+    /// Whether the senses of motion stand in the table, rather than following from the order of its rows.
+    pub has_senses: bool,
+    /// Readings in the order of the file.
+    pub observations: Vec<Observation>,
+    /// Other columns of numbers.
+    pub drivers: Vec<Driver>,
+}
+
+impl DataSet {
+    /// The condition of the machine in a row; the reference state where the table does not say.
+    #[must_use]
+    pub fn condition(&self, observation: &Observation) -> &Condition {
+        static REFERENCE: LazyLock<Condition> = LazyLock::new(Condition::default);
+        self.conditions.get(observation.condition).unwrap_or(&REFERENCE)
+    }
+
+    /// Lays the conditions of the rows over another one, which fills in what the table does not say.
+    pub fn fill_in(&mut self, base: &Condition) {
+        if self.conditions.is_empty() {
+            self.conditions = vec![Condition::default()];
+            self.observations.iter_mut().for_each(|row| row.condition = 0);
+        }
+        for condition in &mut self.conditions {
+            let over = |own: &Condition| {
+                let mut whole = base.clone();
+                whole.lay_over(own.clone());
+                if own.has_temperatures() && own.time_range_s().is_some_and(|[first, last]| first < last) {
+                    whole.set_time(own.time_s());
+                }
+                whole
+            };
+            let mut whole = over(condition);
+            if let Some(zero) = condition.zero() {
+                whole.set_zero(over(zero));
+            }
+            *condition = whole;
+        }
+    }
+}
+
+/// What may be unknown of a set-up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Free {
+    /// Place of the table ball of a ball-bar.
+    Centre,
+    /// A drift that is linear in time within each back-and-forth cycle.
+    Drift,
+    /// Length of a ball-bar, for every set-up.
+    Length,
+    /// A shift of all readings.
+    Offset,
+    /// Length of a ball-bar, for every extension rod.
+    Rod,
+    /// Temperature of a ball-bar, for every set-up.
+    RodTemperature,
+    /// A small rotation of an artefact.
+    Rotation,
+    /// The tool vector.
+    Tool,
+}
+
+/// A mounting.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Setup {
+    /// Its label; empty where there is one without.
+    pub label: String,
+    /// Position (as in the flat stream: command plus tool vector) at which the balls of a ball-bar would coincide, mm.
+    pub centre_mm: Vector,
+    /// Nominal length of the ball-bar, mm.
+    pub length_mm: f64,
+    /// Number of its extension rod.
+    pub rod: usize,
+    /// Expansion of the rod or artefact per K; 0 where it counts as measured at 20 °C.
+    pub expansion_per_k: f64,
+    /// Its temperature, °C, where no row says more.
+    pub temperature_c: Option<f64>,
+    /// The point from which an artefact expands, mm, in the workpiece frame.
+    pub origin_mm: Option<Vector>,
+}
+
+/// A distance between two balls.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownLength {
+    /// Their numbers.
+    pub between: [usize; 2],
+    /// Calibrated value, mm.
+    pub value_mm: f64,
+    /// Its standard uncertainty, mm, where it is known.
+    pub sigma_mm: Option<f64>,
+}
+
+/// A row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Observation {
+    /// Where the axes stood.
+    pub reading: Reading,
+    /// Number of its set-up.
+    pub setup: usize,
+    /// Number of its run.
+    pub run: usize,
+    /// When it was taken, where the table says so.
+    pub t_s: Option<f64>,
+    /// Number of the condition of the machine.
+    pub condition: usize,
+    /// Temperature of the ball-bar or artefact, °C.
+    pub temperature_c: Option<f64>,
+    /// Feed, mm/min.
+    pub feed: Option<f64>,
+    /// The number of its back-and-forth cycle, and its place in the time of it, -1/2 to 1/2: what a drift needs.
+    pub cycle: Option<(usize, f64)>,
+    /// What was read: deviations along X, Y, Z, or one value; mm, or rad where an angle was read. `None` for an empty cell.
+    pub values: [Option<f64>; 3],
+    /// The ball that was probed.
+    pub target: Option<usize>,
+    /// The component that was measured.
+    pub component: Option<ErrorName>,
+    /// By how much the spindle was turned, rad: an offset of the stylus turns with it.
+    pub spindle_rad: f64,
+    /// The row in its file.
+    pub place: Place,
+}
+
+impl Observation {
+    /// Whether an angle was read.
+    #[must_use]
+    pub fn is_angle(&self) -> bool {
+        self.component.is_some_and(|name| name.direction.is_rotation())
+    }
+}
+
+/// Reads a pair of files. All findings are reported in one run; there is data only where none of them is an error.
+#[must_use]
+pub fn load(name: &str, table: &Source, description: &Source, machine: &Machine) -> (Option<DataSet>, Vec<Diagnostic>) {
+    load_as(name, table, description, machine, As::Readings)
+}
+
+/// Reads a pair of files in which sensors of temperature may be dead in some rows: these say nothing of them, but [`DataSet::drivers`] have what
+/// the cells say.
+#[must_use]
+pub fn load_with_dead(
+    name: &str,
+    table: &Source,
+    description: &Source,
+    machine: &Machine,
+) -> (Option<DataSet>, Vec<Diagnostic>) {
+    load_as(name, table, description, machine, As::WithDead)
+}
+
+/// Reads the plan of a measurement: a pair of files whose columns of readings are empty or not there yet. Every reading counts as 0.
+#[must_use]
+pub fn load_plan(
+    name: &str,
+    table: &Source,
+    description: &Source,
+    machine: &Machine,
+) -> (Option<DataSet>, Vec<Diagnostic>) {
+    load_as(name, table, description, machine, As::Plan)
+}
+
+/// How a pair of files is read.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum As {
+    Readings,
+    WithDead,
+    Plan,
+}
+
+fn load_as(
+    name: &str,
+    table: &Source,
+    description: &Source,
+    machine: &Machine,
+    how: As,
+) -> (Option<DataSet>, Vec<Diagnostic>) {
+    let (description, mut findings) = description::read(name, description);
+    let (rows, found) = Table::read(table);
+    findings.extend(found);
+    let (Some(mut data), Some(rows)) = (description, rows) else { return (None, findings) };
+    for (axis, _) in data.fixed.iter().filter(|(axis, _)| machine.axis(*axis).is_none()) {
+        let message = format!("the machine {} has no axis {axis}, and [position] says where it stood", machine.name);
+        let help = "check --machine, or take it out of the description";
+        findings.push(Diagnostic::at(Code::DATA_COLUMN, rows.header_place(None), message, help));
+    }
+    data.is_plan = how == As::Plan;
+    match Readings::with(&rows, machine, &data.fixed) {
+        Err(found) => findings.extend(found),
+        Ok(readings) => {
+            let sign = readings.sign();
+            let of_dead = if how == As::WithDead { OfDead::Empty } else { OfDead::Refused };
+            rows::read(&rows, readings, of_dead, &mut data, &mut findings);
+            data.drivers = drivers::read(&rows, machine, sign, &data);
+        }
+    }
+    bodies::finish(&mut data, machine);
+    if findings.is_empty() && data.free.contains(&Free::Drift) {
+        cycles::find(&mut data, &rows, &mut findings);
+    }
+    if findings.is_empty() {
+        (data.kind.check)(&data, &rows, &mut findings);
+    }
+    let sound = !findings.iter().any(Diagnostic::is_error);
+    (sound.then_some(data), findings)
+}
+
+/// The content of a cell as text.
+pub(super) fn text(row: &Row<'_>, column: usize) -> String {
+    String::from_utf8_lossy(row.text(column)).trim().to_owned()
+}
+
+/// The number of a label, which is added where it is new.
+pub(super) fn number_of(labels: &mut Vec<String>, label: &str) -> usize {
+    labels.iter().position(|known| known == label).unwrap_or_else(|| {
+        labels.push(label.to_owned());
+        labels.len() - 1
+    })
+}

@@ -1,0 +1,146 @@
+//! Rods of ball-bars and artefacts: which set-ups share one, how warm they are, and by how much they are longer for it.
+//!
+//! Lengths are those at 20 °C. A rod is longer by its expansion × (temperature − 20 °C); an artefact grows by the same share from a point of its
+//! own. Which point does not matter where the place of the artefact is unknown; it is the first one that was measured unless the description
+//! has one.
+
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::Vector;
+use ncfix_machine::machine::file::Section;
+use ncfix_machine::machine::{Kinematics, Machine};
+
+use super::{DataSet, Free, Observation, Setup, number_of};
+
+/// Where lengths count, °C.
+const REFERENCE_C: f64 = 20.0;
+/// Temperatures of rods and artefacts, °C.
+const RANGE_C: std::ops::RangeInclusive<f64> = -30.0..=150.0;
+/// What they should be.
+pub(super) const PLAUSIBLE: &str = "write a temperature of -30 to 150 °C, or leave the cell empty";
+/// Expansion beyond that of any solid, per K.
+const MOST_PER_K: f64 = 1e-3;
+
+/// What is wrong with a temperature, if something is.
+pub(super) fn implausible(celsius: Option<f64>) -> Option<String> {
+    celsius
+        .filter(|celsius| !RANGE_C.contains(celsius))
+        .map(|celsius| format!("{celsius} °C is no temperature of a room"))
+}
+
+/// Reads what a set-up says of its rod or artefact; `rods` has the labels of all.
+pub(super) fn read_setup(section: &mut Section<'_>, kind: &str, setup: &mut Setup, rods: &mut Vec<String>) {
+    match kind {
+        "ballbar" => {
+            // A set-up that names none has one of its own.
+            let rod = section.text("rod").filter(|rod| !rod.is_empty());
+            setup.rod = match rod {
+                Some(rod) => number_of(rods, rod),
+                None => {
+                    rods.push(String::new());
+                    rods.len() - 1
+                }
+            };
+            setup.expansion_per_k = expansion(section, "rod_expansion_per_K").unwrap_or(0.0);
+            setup.temperature_c = temperature(section, "rod_temperature_C");
+            if setup.temperature_c.is_some() && setup.expansion_per_k <= 0.0 {
+                lacks(section, "rod_temperature_C", "rod_expansion_per_K = 11.5e-6");
+            }
+        }
+        "displacement" => {
+            setup.temperature_c = temperature(section, "artefact_temperature_C").or(setup.temperature_c);
+            if setup.temperature_c.is_some() && setup.expansion_per_k <= 0.0 && section.has("artefact_temperature_C") {
+                lacks(section, "artefact_temperature_C", "expansion_per_K = 11.5e-6 in [artefact]");
+            }
+            if let Some(origin_mm) = section.vector("origin_mm") {
+                setup.origin_mm = Some(origin_mm);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Reads `[artefact]`.
+pub(super) fn read_artefact(section: &mut Section<'_>) -> Setup {
+    let expansion_per_k = expansion(section, "expansion_per_K").unwrap_or(0.0);
+    let temperature_c = temperature(section, "temperature_C");
+    if temperature_c.is_some() && expansion_per_k <= 0.0 {
+        lacks(section, "temperature_C", "expansion_per_K = 11.5e-6");
+    }
+    Setup { expansion_per_k, temperature_c, origin_mm: section.vector("origin_mm"), ..Setup::default() }
+}
+
+fn expansion(section: &mut Section<'_>, key: &str) -> Option<f64> {
+    section.number_where(key, "an expansion of 0 to 0.001 per K, such as 11.5e-6", |value| {
+        (0.0..=MOST_PER_K).contains(&value)
+    })
+}
+
+fn temperature(section: &mut Section<'_>, key: &str) -> Option<f64> {
+    section.number_where(key, "a temperature of -30 to 150 °C", |celsius| RANGE_C.contains(&celsius))
+}
+
+fn lacks(section: &mut Section<'_>, key: &str, example: &str) {
+    let place = section.place_of(key);
+    section.report(
+        Code::BAD_VALUE,
+        place,
+        format!("{key} says nothing without an expansion"),
+        format!("write for example {example}"),
+    );
+}
+
+/// What is unknown must be able to be told: the reason where it is not.
+pub(super) fn contradiction(data: &DataSet) -> Option<(&'static str, &'static str)> {
+    let has = |free: Free| data.free.contains(&free);
+    let no_expansion = |setup: &Setup| setup.expansion_per_k <= 0.0;
+    if has(Free::Length) && has(Free::Rod) {
+        let help = "take \"length\" out: set-ups with the same rod then have the same length";
+        return Some(("a length for every set-up and one for every rod cannot be told apart", help));
+    }
+    if has(Free::RodTemperature) && (has(Free::Length) || has(Free::Rod)) {
+        let help = "take \"rod_temperature\" or the length out, and give rod_temperature_C where it was measured";
+        return Some(("a warmer rod is a longer rod: its temperature and its length cannot be told apart", help));
+    }
+    if has(Free::RodTemperature) && data.setups.iter().any(no_expansion) {
+        return Some(("a temperature of a rod needs its expansion", "give rod_expansion_per_K in every set-up"));
+    }
+    if has(Free::Drift) && !has(Free::Offset) {
+        return Some(("a drift moves the zero of the instrument", "write free = [\"offset\", \"drift\"]"));
+    }
+    let lengths = |setup: &Setup| data.setups.iter().any(|other| other.rod == setup.rod && differs(other, setup));
+    if data.kind.name == "ballbar" && data.setups.iter().any(lengths) {
+        return Some((
+            "set-ups with the same rod differ in length_mm or rod_expansion_per_K",
+            "give them the same, or the rods names of their own",
+        ));
+    }
+    None
+}
+
+fn differs(one: &Setup, other: &Setup) -> bool {
+    (one.length_mm - other.length_mm).abs() > 0.0 || (one.expansion_per_k - other.expansion_per_k).abs() > 0.0
+}
+
+/// Fills in from which point artefacts expand.
+pub(super) fn finish(data: &mut DataSet, machine: &Machine) {
+    let kinematics = Kinematics::new(machine);
+    let mut first: Vec<Option<Vector>> = vec![None; data.setups.len()];
+    for row in &data.observations {
+        if let Some(first) = first.get_mut(row.setup) {
+            first.get_or_insert_with(|| kinematics.tip_mm(&row.reading.position, &row.reading.tool_mm));
+        }
+    }
+    for (setup, first) in data.setups.iter_mut().zip(first) {
+        setup.origin_mm = setup.origin_mm.or(first);
+    }
+}
+
+impl DataSet {
+    /// By how much the rod or artefact of a row is longer than at 20 °C: a factor.
+    #[must_use]
+    pub fn stretch(&self, row: &Observation) -> f64 {
+        let Some(setup) = self.setups.get(row.setup).filter(|setup| setup.expansion_per_k > 0.0) else { return 1.0 };
+        let celsius = row.temperature_c.or(setup.temperature_c).unwrap_or(REFERENCE_C);
+        1.0 + setup.expansion_per_k * (celsius - REFERENCE_C)
+    }
+}

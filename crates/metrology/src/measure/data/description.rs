@@ -1,0 +1,162 @@
+//! The description of a measurement: NAME.toml.
+
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{AXES, Axis, Vector};
+use ncfix_base::source::{Source, Span};
+use ncfix_base::units::{mm_from_um, rad_from_urad};
+use ncfix_machine::machine::file::{MachineFile, Section};
+
+use super::super::kind::{self, KINDS};
+use super::{DataSet, KnownLength, Setup, bodies, number_of};
+
+/// Reads it; there is a measurement, without rows yet, where its kind is known.
+pub(super) fn read(name: &str, source: &Source) -> (Option<DataSet>, Vec<Diagnostic>) {
+    let file = match MachineFile::parse(source) {
+        Ok(file) => file,
+        Err(findings) => return (None, findings),
+    };
+    let mut findings = Vec::new();
+    let mut root = file.root();
+    let (mut data, mut free_place) = (None, None);
+    if let Some(mut section) = root.required("measurement", "a section [measurement] with kind", Section::section) {
+        data = read_measurement(name, &mut section);
+        free_place = Some(section.place_of("free"));
+        section.finish(&mut findings);
+    }
+    let kind = data.as_ref().map_or("", |data: &DataSet| data.kind.name);
+    let mut artefact = Setup::default();
+    if let Some(mut section) = (kind == "displacement").then(|| root.section("artefact")).flatten() {
+        artefact = bodies::read_artefact(&mut section);
+        section.finish(&mut findings);
+    }
+    let (mut setups, mut rods) = (Vec::new(), Vec::new());
+    if let Some(mut section) = root.section("setup") {
+        let labels: Vec<&str> = section.keys().collect();
+        for label in labels {
+            if let Some(mut one) = section.section(label) {
+                let centre_mm = one.vector("centre_mm").unwrap_or_default();
+                let length_mm = one.number_where("length_mm", "a length above 0", |mm| mm > 0.0).unwrap_or(0.0);
+                let mut setup = Setup { label: label.to_owned(), centre_mm, length_mm, ..artefact.clone() };
+                bodies::read_setup(&mut one, kind, &mut setup, &mut rods);
+                setups.push(setup);
+                one.finish(&mut findings);
+            }
+        }
+        section.finish(&mut findings);
+    }
+    let mut lengths = Vec::new();
+    for mut section in root.sections("length") {
+        let from = section.required("from", "\"b1\"", Section::text);
+        let to = section.required("to", "\"b2\"", Section::text);
+        let value_mm = section.required("value_mm", "500.012", |section, key| {
+            section.number_where(key, "a length above 0", |mm| mm > 0.0)
+        });
+        if from.is_some() && from == to {
+            let place = section.place_of("to");
+            section.report(Code::BAD_VALUE, place, "a distance of a ball from itself", "name another ball");
+        }
+        if let (Some(from), Some(to), Some(value_mm)) = (from, to, value_mm) {
+            let sigma_mm = section.number_where("sigma_um", "a number above 0", |um| um > 0.0).map(mm_from_um);
+            lengths.push((from.to_owned(), to.to_owned(), value_mm, sigma_mm));
+        }
+        section.finish(&mut findings);
+    }
+    let fixed = root.section("position").map_or_else(Vec::new, |section| read_fixed(section, &mut findings));
+    let balls = root.section("ball").map_or_else(Vec::new, |section| read_balls(section, &mut findings));
+    root.finish(&mut findings);
+    let data = data.map(|mut data: DataSet| {
+        (data.setups, data.rods, data.artefact) = (setups, rods, artefact);
+        data.balls = balls;
+        data.fixed = fixed;
+        for (from, to, value_mm, sigma_mm) in lengths {
+            let between = [from, to].map(|label| number_of(&mut data.targets, &label));
+            data.lengths.push(KnownLength { between, value_mm, sigma_mm });
+        }
+        data
+    });
+    if let Some((message, help)) = data.as_ref().and_then(bodies::contradiction) {
+        let place = Place { file: source.id(), span: Span::default() };
+        findings.push(Diagnostic::at(Code::BAD_VALUE, free_place.unwrap_or(place), message, help));
+    }
+    (data, findings)
+}
+
+/// `X_mm = 350`, `B_deg = 0`: where axes stood that have no column.
+fn read_fixed(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(Axis, f64)> {
+    let mut fixed = Vec::new();
+    for axis in AXES {
+        let key = format!("{axis}_{}", if axis.is_rotary() { "deg" } else { "mm" });
+        let value = section.number(&key);
+        fixed.extend(value.map(|value| (axis, if axis.is_rotary() { value.to_radians() } else { value })));
+    }
+    section.finish(findings);
+    fixed
+}
+
+fn read_balls(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Vec<(String, Vector)> {
+    let mut balls = Vec::new();
+    let labels: Vec<&str> = section.keys().collect();
+    for label in labels {
+        if let Some(mut one) = section.section(label) {
+            let place = one.required("place_mm", "[100, 0, 50]", Section::vector);
+            balls.extend(place.map(|place| (label.to_owned(), place)));
+            one.finish(findings);
+        }
+    }
+    section.finish(findings);
+    balls
+}
+
+fn read_measurement(name: &str, section: &mut Section<'_>) -> Option<DataSet> {
+    let kind = section.required("kind", "\"ballbar\"", Section::text).and_then(|text| {
+        let kind = KINDS.iter().copied().find(|kind| kind.name == text);
+        if kind.is_none() {
+            let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+            let place = section.place_of("kind");
+            section.report(
+                Code::BAD_VALUE,
+                place,
+                format!("unknown kind \"{text}\""),
+                format!("write one of {}", names.join(", ")),
+            );
+        }
+        kind
+    });
+    let sigma = section.number_where("sigma_um", "a number above 0", |um| um > 0.0).map(mm_from_um);
+    let sigma_rad = section.number_where("sigma_urad", "a number above 0", |urad| urad > 0.0).map(rad_from_urad);
+    let free = section.texts("free");
+    let kind = kind?;
+    let mut unknowns = Vec::new();
+    for (index, word) in free.unwrap_or_default().iter().enumerate() {
+        match kind.free.iter().find(|&&free| kind::word(free) == word) {
+            Some(&free) => unknowns.push(free),
+            None => {
+                let known: Vec<&str> = kind.free.iter().map(|&free| kind::word(free)).collect();
+                let place = section.place_of_item("free", index);
+                let message = format!("\"{word}\" is nothing that may be unknown of a {} measurement", kind.name);
+                section.report(Code::BAD_VALUE, place, message, format!("write any of {}", known.join(", ")));
+            }
+        }
+    }
+    Some(DataSet {
+        name: name.to_owned(),
+        kind,
+        sigma,
+        sigma_rad,
+        free: unknowns,
+        artefact: Setup::default(),
+        rods: Vec::new(),
+        cycles: Vec::new(),
+        setups: Vec::new(),
+        runs: Vec::new(),
+        targets: Vec::new(),
+        lengths: Vec::new(),
+        balls: Vec::new(),
+        is_plan: false,
+        fixed: Vec::new(),
+        conditions: Vec::new(),
+        has_senses: false,
+        observations: Vec::new(),
+        drivers: Vec::new(),
+    })
+}

@@ -1,0 +1,40 @@
+//! What else a table has: every column of numbers that is no position, set-up or reading may be what an error depends on.
+
+use ncfix_base::csv::{DecimalSign, Table};
+use ncfix_machine::machine::Machine;
+
+use super::DataSet;
+
+/// A column of numbers by its name, one for each row; NaN for an empty cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Driver {
+    /// As the header has it: `feed_mm_min`, `T_nose_C`, `humidity`.
+    pub name: String,
+    /// In the order of the rows.
+    pub values: Vec<f64>,
+}
+
+/// Columns that have a meaning of their own.
+const OWN: [&str; 8] = ["setup", "run", "t_s", "target", "component", "tool_x_mm", "tool_y_mm", "tool_z_mm"];
+
+/// Reads all columns that only have numbers.
+pub(super) fn read(table: &Table, machine: &Machine, sign: DecimalSign, data: &DataSet) -> Vec<Driver> {
+    let is_axis = |name: &str| {
+        let letter = name.strip_suffix("_dir").unwrap_or(name);
+        machine.axes.iter().flatten().any(|data| data.axis.to_string() == letter)
+    };
+    let mut drivers = Vec::new();
+    for (column, name) in table.names().iter().enumerate() {
+        if OWN.contains(&name.as_str()) || data.kind.columns.contains(&name.as_str()) || is_axis(name) {
+            continue;
+        }
+        let number = |row: ncfix_base::csv::Row<'_>| {
+            if row.text(column).is_empty() { Some(f64::NAN) } else { row.number(column, sign).ok() }
+        };
+        let Some(values) = table.rows().map(number).collect::<Option<Vec<f64>>>() else { continue };
+        if values.iter().any(|value| !value.is_nan()) {
+            drivers.push(Driver { name: name.clone(), values });
+        }
+    }
+    drivers
+}

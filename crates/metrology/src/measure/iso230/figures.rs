@@ -1,0 +1,267 @@
+//! The figures of a measurement: which of them its readings allow, and they.
+//!
+//! Readings of single components give the figures of [`super::positioning`] for every component and set-up. Rows of a ball-bar that lie in a
+//! plane through the ball on the table are circles ([`super::circle`]), with the sense in which they are run; rows of a set-up that lie in no
+//! plane are a sphere ([`super::sphere`]).
+
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Matrix3;
+
+use super::circle::{self, Point};
+use super::positioning::{self, Approach};
+use super::{drift, sphere};
+use crate::measure::data::{DataSet, Free, Observation};
+use ncfix_base::geometry::{AxisVector, Vector};
+use ncfix_machine::machine::{Kinematics, Machine};
+
+/// Rows are in a plane within this share of the radius.
+const FLAT: f64 = 1e-3;
+/// Normals that differ by less are one, as the sine of an angle.
+const SAME_PLANE: f64 = 1e-2;
+/// Steps of a circle that are smaller have no sense, rad.
+const LEAST_STEP: f64 = 1e-9;
+/// Less of a circle has no centre that is worth the name, rad.
+const LEAST_ARC: f64 = PI;
+/// A circle with no larger gap is closed, rad.
+const CLOSED: f64 = 0.1;
+/// Runs that ISO 230-2 asks for.
+pub const RUNS: usize = 5;
+
+/// Figures of one component, of circles in one plane, or of a sphere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Label of the set-up.
+    pub setup: String,
+    /// What it is about: `EXX`, `XY`, `sphere`.
+    pub of: String,
+    /// The figures, or a sentence that says why there are none.
+    pub figures: Result<Figures, String>,
+}
+
+/// Figures.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Figures {
+    /// Of a component.
+    Positioning {
+        /// ISO 230-2; mm, or rad.
+        figures: positioning::Figures,
+        /// Whether it is an angle.
+        is_angle: bool,
+        /// Whether a drift was taken out before.
+        without_drift: bool,
+    },
+    /// Of circles.
+    Circle {
+        /// ISO 230-4, mm.
+        figures: circle::Figures,
+        /// Nominal radius, mm.
+        radius_mm: f64,
+        /// Paths against and with the clock, seen against the normal.
+        paths: [Path; 2],
+    },
+    /// Of a sphere.
+    Sphere {
+        /// The fitted one; its centre is the error of the set-up.
+        sphere: sphere::Sphere,
+        /// Nominal radius, mm.
+        radius_mm: f64,
+        /// Readings.
+        points: usize,
+    },
+}
+
+/// A path on a circle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Path {
+    /// Readings.
+    pub points: usize,
+    /// Where it begins, rad from the first axis of the plane.
+    pub start: f64,
+    /// How much of the circle it covers, rad: a whole turn where it is closed.
+    pub arc: f64,
+    /// Feed, mm/min, as the table says, else from the times of its readings.
+    pub feed: Option<f64>,
+}
+
+/// All figures of a measurement.
+#[must_use]
+pub fn figures(data: &DataSet, machine: &Machine) -> Vec<Found> {
+    match data.kind.name {
+        "direct" => components(data),
+        "ballbar" => circles_and_spheres(data, machine),
+        _ => Vec::new(),
+    }
+}
+
+fn components(data: &DataSet) -> Vec<Found> {
+    let mut groups: Vec<(usize, usize)> =
+        data.observations.iter().filter_map(|row| Some((row.setup, row.target?))).collect();
+    groups.sort_unstable();
+    groups.dedup();
+    let one = |(setup, target): (usize, usize)| {
+        let of = data.targets.get(target)?;
+        let component = of.parse().ok()?;
+        let figures = positioning::approaches(data, component, Some(setup)).and_then(|readings| {
+            let readings: Vec<Approach> =
+                if data.free.contains(&Free::Drift) { drift::without_drift(&readings)? } else { readings };
+            Ok(Figures::Positioning {
+                figures: positioning::figures(&readings)?,
+                is_angle: component.direction.is_rotation(),
+                without_drift: data.free.contains(&Free::Drift),
+            })
+        });
+        let figures = figures.map_err(|fault| fault.to_string());
+        Some(Found { setup: label(data, setup), of: of.clone(), figures })
+    };
+    groups.into_iter().filter_map(one).collect()
+}
+
+fn label(data: &DataSet, setup: usize) -> String {
+    data.setups.get(setup).map_or_else(String::new, |setup| setup.label.clone())
+}
+
+/// A row as seen from the ball on the table.
+struct Place {
+    /// Where it nominally is, mm.
+    nominal: Vector,
+    /// Distance that was measured, mm.
+    distance: f64,
+    run: usize,
+    t_s: Option<f64>,
+    feed: Option<f64>,
+}
+
+fn circles_and_spheres(data: &DataSet, machine: &Machine) -> Vec<Found> {
+    let kinematics = Kinematics::new(machine);
+    let mut setups: Vec<Vec<Place>> = Vec::new();
+    setups.resize_with(data.setups.len(), Vec::new);
+    for row in &data.observations {
+        if let (Some(own), Some(place)) = (setups.get_mut(row.setup), place(data, &kinematics, row)) {
+            own.push(place);
+        }
+    }
+    let mut out = Vec::new();
+    for (number, places) in setups.iter().enumerate().filter(|(_, places)| !places.is_empty()) {
+        let mut runs: BTreeMap<usize, Vec<&Place>> = BTreeMap::new();
+        places.iter().for_each(|place| runs.entry(place.run).or_default().push(place));
+        let mut planes: Vec<(Vector, Vec<&Place>)> = Vec::new();
+        for run in runs.into_values() {
+            let Some(normal) = plane(&run) else { continue };
+            match planes.iter_mut().find(|(known, _)| known.cross(&normal).norm() < SAME_PLANE) {
+                Some((_, own)) => own.extend(run),
+                None => planes.push((normal, run)),
+            }
+        }
+        let is_flat = planes.iter().any(|(_, own)| own.len() == places.len());
+        let setup = label(data, number);
+        out.extend(planes.iter().map(|(normal, own)| {
+            let (name, axes) = directions(normal);
+            Found { setup: setup.clone(), of: name, figures: circle_of(own, axes) }
+        }));
+        if !is_flat {
+            out.push(Found { setup, of: "sphere".into(), figures: sphere_of(places) });
+        }
+    }
+    out
+}
+
+fn place(data: &DataSet, kinematics: &Kinematics, row: &Observation) -> Option<Place> {
+    let setup = data.setups.get(row.setup)?;
+    let mut centre = AxisVector::ZERO;
+    centre.set_xyz(setup.centre_mm);
+    // The ball lies where a tip of no tool would be, in the workpiece.
+    let ball = kinematics.tip_mm(&centre, &Vector::zeros());
+    let reading = &row.reading;
+    let nominal = kinematics.tip_mm(&reading.position, &reading.tool_mm) - ball;
+    let distance = setup.length_mm * data.stretch(row) + row.values[0]?;
+    (nominal.norm() > 0.0).then_some(Place { nominal, distance, run: row.run, t_s: row.t_s, feed: row.feed })
+}
+
+/// The normal of the plane through the ball in which places lie, if they do.
+fn plane(places: &[&Place]) -> Option<Vector> {
+    let mut scatter = Matrix3::zeros();
+    for place in places {
+        let along = place.nominal.normalize();
+        scatter += along * along.transpose() / places.len() as f64;
+    }
+    let system = scatter.symmetric_eigen();
+    let least = system.eigenvalues.imin();
+    let mut sizes: Vec<f64> = system.eigenvalues.iter().copied().collect();
+    sizes.sort_by(f64::total_cmp);
+    // A line has no plane.
+    let is_plane = sizes.first()?.max(0.0).sqrt() < FLAT && sizes.get(1)?.max(0.0).sqrt() > 10.0 * FLAT;
+    let normal: Vector = system.eigenvectors.column(least).into_owned();
+    is_plane.then(|| if normal[normal.iamax()] < 0.0 { -normal } else { normal })
+}
+
+/// The name of a plane, and its directions: seen against its normal the second is a quarter turn against the clock from the first.
+fn directions(normal: &Vector) -> (String, [Vector; 2]) {
+    let which = normal.iamax();
+    let first = Vector::ith((which + 1) % 3, 1.0);
+    let first = (first - normal * normal.dot(&first)).normalize();
+    let name = ["YZ", "ZX", "XY"].get(which).copied().unwrap_or("XY");
+    let is_main = normal[which] > 1.0 - SAME_PLANE * SAME_PLANE;
+    let [x, y, z] = [normal.x, normal.y, normal.z];
+    let name = if is_main { name.to_owned() } else { format!("plane across ({x:.3}, {y:.3}, {z:.3})") };
+    (name, [first, normal.cross(&first)])
+}
+
+fn circle_of(places: &[&Place], axes: [Vector; 2]) -> Result<Figures, String> {
+    let radius_mm = places.iter().map(|place| place.nominal.norm()).sum::<f64>() / places.len().max(1) as f64;
+    let angle = |place: &Place| place.nominal.dot(&axes[1]).atan2(place.nominal.dot(&axes[0]));
+    let mut sides: [Vec<(Point, &Place)>; 2] = [Vec::new(), Vec::new()];
+    for run in places.chunk_by(|one, other| one.run == other.run) {
+        let step = |k: usize| -> Option<f64> {
+            let (from, to) = (run.get(k.checked_sub(1)?)?, run.get(k)?);
+            let step = (angle(to) - angle(from) + PI).rem_euclid(TAU) - PI;
+            (step.abs() > LEAST_STEP).then_some(step)
+        };
+        let mut last = (0..run.len()).find_map(step).unwrap_or(0.0);
+        for (k, &place) in run.iter().enumerate() {
+            last = step(k).unwrap_or(last);
+            let point = Point { angle: angle(place), deviation_mm: place.distance - radius_mm };
+            let [counter, clock] = &mut sides;
+            if last >= 0.0 { counter } else { clock }.push((point, place));
+        }
+    }
+    let paths = sides.each_ref().map(|side| path(side));
+    for path in paths.iter().filter(|path| path.points > 0) {
+        if path.arc < LEAST_ARC {
+            let degrees = path.arc.to_degrees();
+            return Err(format!("a path covers {degrees:.0}° of the circle; less than half of one has no figures"));
+        }
+    }
+    let [counter, clock] = sides.map(|side| side.into_iter().map(|(point, _)| point).collect::<Vec<_>>());
+    let figures = circle::figures(radius_mm, &counter, &clock).ok_or("the readings make no circle")?;
+    Ok(Figures::Circle { figures, radius_mm, paths })
+}
+
+fn path(points: &[(Point, &Place)]) -> Path {
+    let Some((first, _)) = points.first() else { return Path::default() };
+    let mut angles: Vec<f64> = points.iter().map(|(point, _)| point.angle.rem_euclid(TAU)).collect();
+    angles.sort_by(f64::total_cmp);
+    let around = angles.first().zip(angles.last()).map_or(TAU, |(first, last)| first + TAU - last);
+    let gap = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(around, f64::max);
+    let arc = if gap <= CLOSED.max(1.5 * TAU / points.len() as f64) { TAU } else { TAU - gap };
+    let given = points.iter().find_map(|(_, place)| place.feed);
+    Path { points: points.len(), start: first.angle.rem_euclid(TAU), arc, feed: given.or_else(|| timed_feed(points)) }
+}
+
+/// The feed by the times of readings, mm/min: the way between them by the time.
+fn timed_feed(points: &[(Point, &Place)]) -> Option<f64> {
+    let steps = points.windows(2).filter(|pair| pair[0].1.run == pair[1].1.run).filter_map(|pair| {
+        let time = pair[1].1.t_s? - pair[0].1.t_s?;
+        (time > 0.0).then(|| ((pair[1].1.nominal - pair[0].1.nominal).norm(), time))
+    });
+    let (way, time) = steps.fold((0.0, 0.0), |(way, time), (step, took)| (way + step, time + took));
+    (time > 0.0 && way > 0.0).then(|| way / time * 60.0)
+}
+
+fn sphere_of(places: &[Place]) -> Result<Figures, String> {
+    let radius_mm = places.iter().map(|place| place.nominal.norm()).sum::<f64>() / places.len().max(1) as f64;
+    let points: Vec<Vector> = places.iter().map(|place| place.nominal.normalize() * place.distance).collect();
+    let sphere = sphere::fit(&points).ok_or("the readings make no sphere")?;
+    Ok(Figures::Sphere { sphere, radius_mm, points: points.len() })
+}

@@ -1,0 +1,232 @@
+//! Accuracy and repeatability of positioning of one axis (ISO 230-2:2014), from readings at targets that are approached in both senses.
+//!
+//! At every target i, with deviations xᵢⱼ of runs j: mean x̄ᵢ and standard deviation sᵢ (n − 1) of each sense, reversal `Bᵢ = x̄ᵢ↑ − x̄ᵢ↓`.
+//!
+//! | figure | formula |
+//! | --- | --- |
+//! | R↑ | `max 4 sᵢ↑` |
+//! | R | `max Rᵢ`, `Rᵢ = max(2 sᵢ↑ + 2 sᵢ↓ + ∣Bᵢ∣, 4 sᵢ↑, 4 sᵢ↓)` |
+//! | B, B̄ | `max ∣Bᵢ∣`, mean of `Bᵢ` |
+//! | M | `max x̄ᵢ − min x̄ᵢ`, `x̄ᵢ = (x̄ᵢ↑ + x̄ᵢ↓)/2` |
+//! | E↑, E | `max x̄ᵢ − min x̄ᵢ` of one sense, of both senses |
+//! | A↑, A | `max(x̄ᵢ + 2 sᵢ) − min(x̄ᵢ − 2 sᵢ)` of one sense, of both senses |
+//!
+//! A drift can be taken out before ([`super::drift`]).
+
+use std::fmt;
+
+use crate::measure::data::{DataSet, Observation};
+use ncfix_base::geometry::Axis;
+use ncfix_model::ErrorName;
+
+/// Targets closer than this are one, mm or rad.
+pub(super) const SAME: f64 = 1e-6;
+
+/// A reading.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// The commanded position, mm or rad.
+    pub target: f64,
+    /// Actual less commanded position, mm or rad (or any other component of the error).
+    pub deviation: f64,
+    /// Whether the axis came in the positive sense.
+    pub is_up: bool,
+    /// Number of its back-and-forth cycle.
+    pub cycle: usize,
+    /// When: s, or the number of the reading where readings are evenly spaced.
+    pub time: f64,
+}
+
+/// Figures of one sense.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OneWay {
+    /// A↑ or A↓.
+    pub accuracy: f64,
+    /// E↑ or E↓.
+    pub systematic: f64,
+    /// R↑ or R↓.
+    pub repeatability: f64,
+}
+
+/// Figures of both senses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BothWays {
+    /// A.
+    pub accuracy: f64,
+    /// E.
+    pub systematic: f64,
+    /// R.
+    pub repeatability: f64,
+    /// B.
+    pub reversal: f64,
+    /// B̄, with its sign.
+    pub mean_reversal: f64,
+    /// M.
+    pub mean_systematic: f64,
+}
+
+/// One target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Its position.
+    pub position: f64,
+    /// Mean and standard deviation of the positive sense, where there is one.
+    pub up: Option<[f64; 2]>,
+    /// The same of the negative sense.
+    pub down: Option<[f64; 2]>,
+    /// The smaller number of approaches of a sense that was used.
+    pub runs: usize,
+}
+
+/// All figures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    /// Of the positive sense.
+    pub up: Option<OneWay>,
+    /// Of the negative sense.
+    pub down: Option<OneWay>,
+    /// Of both, where every target was approached in both.
+    pub both: Option<BothWays>,
+    /// By rising position.
+    pub targets: Vec<Target>,
+    /// The smallest number of approaches of a target in one sense; the standard asks for five.
+    pub runs: usize,
+}
+
+/// Why there are no figures.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fault {
+    /// There are no readings of the component.
+    Nothing,
+    /// The sense of approach of a reading is not known; its target.
+    NoSense(f64),
+    /// A target was approached once only in a sense, so that there is no scatter.
+    Once(f64),
+    /// Too few targets or pairs of readings for a drift.
+    TooFew,
+    /// A reversal with its standard error: it cannot be told from a drift.
+    Backlash(f64, f64),
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Fault::Nothing => write!(f, "there are no readings of this component"),
+            Fault::NoSense(target) => write!(
+                f,
+                "the sense in which {target} was approached is not known: give it in the column of the sense (X_dir …)"
+            ),
+            Fault::Once(target) => {
+                write!(
+                    f,
+                    "{target} was approached only once in a sense: at least two runs are needed, the standard asks for five"
+                )
+            }
+            Fault::TooFew => write!(
+                f,
+                "too few targets were read on the way out and on the way back of a cycle: a drift needs three or more"
+            ),
+            Fault::Backlash(value, sigma) => write!(
+                f,
+                "the axis has a backlash of {value:.6} ± {sigma:.6}, so that way out and way back differ by more than drift"
+            ),
+        }
+    }
+}
+
+/// The figures.
+///
+/// # Errors
+/// [`Fault`] where there is nothing, or a target was approached once only.
+pub fn figures(readings: &[Approach]) -> Result<Figures, Fault> {
+    let targets = targets(readings)?;
+    let one = |side: fn(&Target) -> Option<[f64; 2]>| -> Option<OneWay> {
+        let sides: Vec<[f64; 2]> = targets.iter().filter_map(side).collect();
+        (sides.len() == targets.len()).then(|| OneWay {
+            accuracy: range(sides.iter().flat_map(|&[mean, s]| [mean + 2.0 * s, mean - 2.0 * s])),
+            systematic: range(sides.iter().map(|&[mean, _]| mean)),
+            repeatability: sides.iter().fold(0.0_f64, |most, &[_, s]| most.max(4.0 * s)),
+        })
+    };
+    let pairs: Vec<[[f64; 2]; 2]> = targets.iter().filter_map(|target| Some([target.up?, target.down?])).collect();
+    let both = (pairs.len() == targets.len()).then(|| {
+        let sides = || pairs.iter().flatten();
+        let reversals = || pairs.iter().map(|[up, down]| up[0] - down[0]);
+        let repeat = |[up, down]: &[[f64; 2]; 2]| {
+            (2.0 * up[1] + 2.0 * down[1] + (up[0] - down[0]).abs()).max(4.0 * up[1]).max(4.0 * down[1])
+        };
+        BothWays {
+            accuracy: range(sides().flat_map(|&[mean, s]| [mean + 2.0 * s, mean - 2.0 * s])),
+            systematic: range(sides().map(|&[mean, _]| mean)),
+            repeatability: pairs.iter().map(repeat).fold(0.0, f64::max),
+            reversal: reversals().fold(0.0, |most, value| most.max(value.abs())),
+            mean_reversal: reversals().sum::<f64>() / pairs.len() as f64,
+            mean_systematic: range(pairs.iter().map(|[up, down]| 0.5 * (up[0] + down[0]))),
+        }
+    });
+    let runs = targets.iter().map(|target| target.runs).min().unwrap_or(0);
+    Ok(Figures { up: one(|target| target.up), down: one(|target| target.down), both, targets, runs })
+}
+
+/// What was read of a component, in all set-ups or one; readings without `t_s` are evenly spaced in time, and a cycle ends where the axis comes
+/// back to the sense of its begin.
+///
+/// # Errors
+/// [`Fault`] where there are no readings or their sense is not known.
+pub fn approaches(data: &DataSet, component: ErrorName, setup: Option<usize>) -> Result<Vec<Approach>, Fault> {
+    let axis: Axis = component.axis().ok_or(Fault::Nothing)?;
+    let mut out: Vec<Approach> = Vec::new();
+    let mut cycle = 0;
+    let own = |row: &&Observation| row.component == Some(component) && setup.is_none_or(|setup| setup == row.setup);
+    for observation in data.observations.iter().filter(own) {
+        let Some(deviation) = observation.values[0] else { continue };
+        let target = observation.reading.position[axis];
+        let is_up = match observation.reading.state.direction[axis.slot()] {
+            0 => return Err(Fault::NoSense(target)),
+            sense => sense > 0,
+        };
+        if let (Some(first), Some(last)) = (out.first(), out.last())
+            && is_up == first.is_up
+            && last.is_up != first.is_up
+        {
+            cycle += 1;
+        }
+        out.push(Approach { target, deviation, is_up, cycle, time: observation.t_s.unwrap_or(out.len() as f64) });
+    }
+    if out.is_empty() { Err(Fault::Nothing) } else { Ok(out) }
+}
+
+fn targets(readings: &[Approach]) -> Result<Vec<Target>, Fault> {
+    let mut sorted: Vec<&Approach> = readings.iter().collect();
+    sorted.sort_by(|one, other| one.target.total_cmp(&other.target));
+    if sorted.is_empty() {
+        return Err(Fault::Nothing);
+    }
+    let at_one = sorted.chunk_by(|one, other| (one.target - other.target).abs() < SAME);
+    at_one
+        .map(|own| {
+            let position = own.first().map_or(0.0, |reading| reading.target);
+            let side = |is_up: bool| -> Result<Option<[f64; 2]>, Fault> {
+                let values = || own.iter().filter(|reading| reading.is_up == is_up).map(|reading| reading.deviation);
+                match values().count() {
+                    0 => Ok(None),
+                    1 => Err(Fault::Once(position)),
+                    count => {
+                        let mean = values().sum::<f64>() / count as f64;
+                        let squares = values().map(|value| (value - mean).powi(2)).sum::<f64>();
+                        Ok(Some([mean, (squares / (count - 1) as f64).sqrt()]))
+                    }
+                }
+            };
+            let count = |is_up: bool| own.iter().filter(|reading| reading.is_up == is_up).count();
+            let runs = [count(true), count(false)].into_iter().filter(|&count| count > 0).min().unwrap_or(0);
+            Ok(Target { position, up: side(true)?, down: side(false)?, runs })
+        })
+        .collect()
+}
+
+pub(super) fn range(values: impl Iterator<Item = f64>) -> f64 {
+    let [low, high] =
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+    (high - low).max(0.0)
+}

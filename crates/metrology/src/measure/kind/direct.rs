@@ -1,0 +1,146 @@
+//! Direct measurement of one component at a time: laser interferometer, level, autocollimator, straightedge.
+//!
+//! `component` names what was measured, `value_um` or `value_urad` how much: the deviation of the body that the axis moves, at the point of
+//! measurement that the tool vector gives, so that a displacement contains the angular errors with their Abbe arms (Spaan 1995, ch. 3).
+//! `offset` frees the zero of the instrument for every set-up and component, `drift` lets it move on in a straight line of time within every
+//! back-and-forth cycle, each with a zero of its own: where there is no reversal (see [`crate::measure::iso230::drift`]).
+
+use std::collections::HashMap;
+
+use super::{Equation, Kind, Seen, Unknown, at, needed, no_ties, optional, zeros};
+use crate::measure::data::{DataSet, Free, Observation, number_of, text};
+use crate::measure::iso230::drift;
+use crate::measure::iso230::positioning::Approach;
+use ncfix_base::csv::{DecimalSign, Row, Table};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::units::{mm_from_um, rad_from_urad, um_from_mm, urad_from_rad};
+use ncfix_machine::machine::Branch;
+use ncfix_model::ErrorName;
+use ncfix_model::name::ErrorKind;
+
+/// The kind.
+pub(super) const KIND: Kind = Kind {
+    name: "direct",
+    title: "one error component at a time",
+    free: &[Free::Offset, Free::Drift],
+    read,
+    check,
+    unknowns,
+    start: zeros,
+    equations,
+    ties: no_ties,
+    temperature: None,
+    columns: &["component", "value_um", "value_urad"],
+};
+
+fn read(data: &mut DataSet, row: &Row<'_>, sign: DecimalSign, observation: &mut Observation) -> Result<(), Diagnostic> {
+    let column = needed(row, "component")?;
+    let name = text(row, column);
+    let component = name.parse::<ErrorName>().ok().filter(|name| name.kind == ErrorKind::Motion);
+    let Some(component) = component else {
+        let help = "write a motion error such as EXX, EYX or EAX";
+        return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), format!("'{name}' is no motion error"), help));
+    };
+    observation.component = Some(component);
+    observation.target = Some(number_of(&mut data.targets, &name));
+    if data.is_plan {
+        observation.values[0] = Some(0.0);
+        return Ok(());
+    }
+    let is_rotation = component.direction.is_rotation();
+    let (own, other) = if is_rotation { ("value_urad", "value_um") } else { ("value_um", "value_urad") };
+    let column = needed(row, own)?;
+    if row.column(other).is_some_and(|column| !row.text(column).is_empty()) {
+        let message = format!("{name} has no {other}");
+        return Err(Diagnostic::at(Code::DATA_CELL, row.place(column), message, format!("write it into {own}")));
+    }
+    let value = optional(row, Some(column), sign)?;
+    observation.values[0] = value.map(if is_rotation { rad_from_urad } else { mm_from_um });
+    Ok(())
+}
+
+fn unknowns(data: &DataSet) -> Vec<Unknown> {
+    let zeros = (0..zeros_of_setups(data)).map(|which| Unknown::Offset(which, 0));
+    let levels = data.cycles.iter().enumerate().filter(|(_, cycle)| cycle.level.is_some());
+    let drifts = (0..data.cycles.len()).map(Unknown::Drift);
+    zeros.chain(drifts).chain(levels.map(|(number, _)| Unknown::Level(number))).collect()
+}
+
+fn zeros_of_setups(data: &DataSet) -> usize {
+    if data.free.contains(&Free::Offset) { data.setups.len() * data.targets.len() } else { 0 }
+}
+
+/// Whether readings with a drift have a reversal, which cannot be told from it.
+fn check(data: &DataSet, _: &Table, findings: &mut Vec<Diagnostic>) {
+    if data.is_plan || data.cycles.is_empty() {
+        return;
+    }
+    let mut groups: HashMap<(usize, usize), (Place, Vec<Approach>)> = HashMap::new();
+    for row in &data.observations {
+        let (Some((number, time)), Some(deviation)) = (row.cycle, row.values[0]) else { continue };
+        let (Some(cycle), Some(axis)) = (data.cycles.get(number), row.component.and_then(|name| name.axis())) else {
+            continue;
+        };
+        let (_, own) = groups.entry((cycle.setup, cycle.target)).or_insert_with(|| (row.place, Vec::new()));
+        let sense = row.reading.state.direction(axis);
+        if sense == 0 {
+            continue;
+        }
+        let target = row.reading.position[axis];
+        own.push(Approach { target, deviation, is_up: sense > 0, cycle: cycle.number - 1, time });
+    }
+    let mut groups: Vec<_> = groups.into_iter().collect();
+    groups.sort_by_key(|(key, _)| *key);
+    for ((_, target), (place, own)) in groups {
+        let name = data.targets.get(target).map_or("", String::as_str);
+        let message = match drift::significant_reversal(&own) {
+            Ok(None) => continue,
+            Ok(Some((value, sigma))) => {
+                let is_rotation = name.parse::<ErrorName>().is_ok_and(|name| name.direction.is_rotation());
+                let (unit, factor) = if is_rotation { ("µrad", urad_from_rad(1.0)) } else { ("µm", um_from_mm(1.0)) };
+                let [value, sigma] = [value * factor, sigma * factor];
+                format!(
+                    "way forth and way back of {name} differ by a reversal of {value:.2} ± {sigma:.2} {unit}, which is no drift"
+                )
+            }
+            Err(fault) => format!("{name}: {fault}"),
+        };
+        let help = "take \"drift\" out of free, and measure fast or warmed up where the axis has a reversal";
+        findings.push(Diagnostic::at(Code::DRIFT_NOT_TOLD, place, message, help));
+    }
+}
+
+fn equations(data: &DataSet, observation: &Observation, seen: &Seen<'_>, values: &[f64], out: &mut Vec<Equation>) {
+    let (Some(read), Some(component)) = (observation.values[0], observation.component) else { return };
+    // The body that moves: against the tool on the workpiece side.
+    let on_table = component.axis().and_then(|axis| seen.machine.topology.branch(axis)) == Some(Branch::Workpiece);
+    let sense = if on_table { -1.0 } else { 1.0 };
+    let k = component.direction.index() % 3;
+    let mut equation = Equation::default();
+    let direction = seen.direction(k) * sense;
+    let mut predicted = if component.direction.is_rotation() {
+        equation.by_turn = direction;
+        equation.is_angle = true;
+        seen.turn()[k] * sense
+    } else {
+        equation.by_tip = direction;
+        seen.displacement()[k] * sense
+    };
+    if data.free.contains(&Free::Offset) {
+        let place = observation.setup * data.targets.len() + observation.target.unwrap_or(0);
+        predicted += at(values, place);
+        equation.by_unknown.push((place, 1.0));
+    }
+    if let Some((number, time)) = observation.cycle {
+        let place = zeros_of_setups(data) + number;
+        predicted += at(values, place) * time;
+        equation.by_unknown.push((place, time));
+        if let Some(level) = data.cycles.get(number).and_then(|cycle| cycle.level) {
+            let place = zeros_of_setups(data) + data.cycles.len() + level;
+            predicted += at(values, place);
+            equation.by_unknown.push((place, 1.0));
+        }
+    }
+    equation.residual = read - predicted;
+    out.push(equation);
+}

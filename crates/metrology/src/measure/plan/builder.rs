@@ -1,0 +1,314 @@
+//! A plan that grows: rows, and the path of the axes through them.
+
+use crate::measure::data::{DataSet, Observation};
+use crate::measure::reading::Reading;
+use ncfix_base::diagnostic::Place;
+use ncfix_base::geometry::{AXES, Arc, Axis, AxisSet, AxisVector, Vector};
+use ncfix_machine::machine::{Kinematics, Machine, State};
+use ncfix_machine::snc::{Dwell, FeedUnit, Kind, Manner, Move, Way, Word, WordValue};
+use ncfix_model::ErrorName;
+
+use super::{MOST, Refused, Wishes};
+
+/// Travel limits are met with this in hand, mm or rad.
+pub(super) const ROOM: f64 = 1e-9;
+/// Where the travel of an arc is looked at, parts of it.
+const ARC_PARTS: u32 = 90;
+
+/// What a row says beside its observation.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extra {
+    /// Label of the repetition.
+    pub run: String,
+    /// Time, s.
+    pub time_s: Option<f64>,
+    /// Speed of the spindle, 1/min.
+    pub speed: Option<f64>,
+    /// Feed, mm/min.
+    pub feed: Option<f64>,
+    /// Weight on the table, N, and where it is, mm.
+    pub load: Option<(f64, Vector)>,
+}
+
+/// How further poses are reached.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Reach {
+    /// They are not: the plan has no others.
+    #[default]
+    Never,
+    /// On a sphere in pieces of this angle, at this feed.
+    Sphere {
+        /// Angle of a piece, rad.
+        chord: f64,
+        /// Feed.
+        feed: f64,
+    },
+    /// From above the pose, down to `above_mm` over it.
+    Above {
+        /// Where the way to a pose begins, over it along the tool, mm.
+        clearance_mm: f64,
+        /// Where it ends, mm.
+        above_mm: f64,
+        /// Whether the axis along the tool goes to the end of its travel before others move.
+        retract: bool,
+        /// Feed.
+        feed: f64,
+    },
+}
+
+/// A plan.
+#[derive(Clone, Debug)]
+pub struct Builder {
+    /// The measurement; no row has a value.
+    pub data: DataSet,
+    /// One for every row.
+    pub extras: Vec<Extra>,
+    /// What a program does.
+    pub path: Vec<Kind>,
+    /// Rows that could be added.
+    pub candidates: Vec<Observation>,
+    /// What a user should know.
+    pub notes: Vec<String>,
+    /// Whether its readings are of the geometry, so that parameters can be asked about.
+    pub is_geometric: bool,
+    /// How further poses are reached.
+    pub reach: Reach,
+    /// What is done at a pose: a line, a time to wait, or nothing.
+    pub at_pose: Vec<Kind>,
+    /// Which of three readings of a displacement are taken.
+    pub reads: [bool; 3],
+    /// The side from which poses are reached, in the workpiece; without it along the tool.
+    pub(super) side: Option<Vector>,
+    /// Weight on the table from here on, N, and where it is, mm.
+    pub(super) load: Option<(f64, Vector)>,
+    pub(super) machine: Machine,
+    pub(super) kinematics: Kinematics,
+    margin_mm: f64,
+    pub(super) last: Option<AxisVector>,
+    /// Whether the tool has been taken away from the workpiece and nothing has moved since.
+    pub(super) is_away: bool,
+    state: State,
+}
+
+impl Builder {
+    /// An empty plan.
+    #[must_use]
+    pub fn new(machine: &Machine, wishes: &Wishes, data: DataSet) -> Builder {
+        Builder {
+            data,
+            extras: Vec::new(),
+            path: Vec::new(),
+            candidates: Vec::new(),
+            notes: Vec::new(),
+            is_geometric: true,
+            reach: Reach::Never,
+            at_pose: Vec::new(),
+            reads: [true; 3],
+            side: None,
+            load: None,
+            margin_mm: wishes.margin_mm(),
+            machine: machine.clone(),
+            kinematics: Kinematics::new(machine),
+            last: None,
+            is_away: false,
+            state: State::default(),
+        }
+    }
+
+    /// The command for a tip: a position at the tool point, rotary axes at zero.
+    pub(super) fn at_tip(&self, tip_mm: &Vector, tool_mm: &Vector) -> AxisVector {
+        let mut command = AxisVector::ZERO;
+        command.set_xyz(tip_mm - self.machine.turned_tool_mm(&command, tool_mm));
+        command
+    }
+
+    /// Whole increments of the control, within the turn on axes that turn without end.
+    pub(super) fn on_increments(&self, position: &AxisVector) -> AxisVector {
+        let control = &self.machine.control;
+        let mut out = *position;
+        for data in self.machine.axes.iter().flatten() {
+            let axis = data.axis;
+            let increment = if axis.is_rotary() { control.increment_rad } else { control.increment_mm };
+            if data.modulo {
+                out[axis] = out[axis].rem_euclid(std::f64::consts::TAU);
+            }
+            if increment > 0.0 {
+                out[axis] = (out[axis] / increment).round() * increment;
+            }
+        }
+        out
+    }
+
+    /// The travel of an axis less the margin: errors of the machine move an axis by some of it to where the tip is to be.
+    pub(super) fn travel(&self, axis: Axis) -> Option<[f64; 2]> {
+        let margin = if axis.is_rotary() { 0.0 } else { self.margin_mm };
+        self.machine.axis(axis)?.travel.map(|[low, high]| [low + margin, high - margin])
+    }
+
+    /// The axis that has no such position.
+    pub(super) fn outside(&self, position: &AxisVector) -> Option<Axis> {
+        AXES.into_iter().find(|&axis| match self.machine.axis(axis) {
+            Some(_) => {
+                let value = position[axis];
+                let is_within = |[low, high]: [f64; 2]| (low - ROOM..=high + ROOM).contains(&value);
+                !value.is_finite() || !self.travel(axis).is_none_or(is_within)
+            }
+            None => position[axis].abs() > ROOM,
+        })
+    }
+
+    fn check(&self, position: &AxisVector) -> Result<(), Refused> {
+        if self.path.len() > MOST || self.extras.len() > MOST {
+            return Err(Refused(format!("the plan has more than {MOST} steps; take a wider step")));
+        }
+        let Some(axis) = self.outside(position) else { return Ok(()) };
+        let Some(data) = self.machine.axis(axis) else {
+            return Err(Refused(format!("the plan moves {axis}, which the machine {} lacks", self.machine.name)));
+        };
+        let show = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+        let unit = if axis.is_rotary() { "deg" } else { "mm" };
+        let [low, high] = data.travel.unwrap_or_default();
+        let place = format!("{axis} would go to {:.4} {unit}", show(position[axis]));
+        let travel = format!("its travel of {} to {} {unit}", show(low), show(high));
+        let help = "move the centre, or make the plan smaller";
+        Err(Refused(if (low..=high).contains(&position[axis]) {
+            let margin = self.margin_mm;
+            format!("{place}, less than the margin of {margin} mm from an end of {travel}; {help}, or the --margin")
+        } else {
+            format!("{place}, which is outside {travel}; {help}")
+        }))
+    }
+
+    /// Where the path stands.
+    #[must_use]
+    pub fn last(&self) -> Option<AxisVector> {
+        self.last
+    }
+
+    /// A straight move; without a feed at rapid.
+    pub(super) fn go(&mut self, to: &AxisVector, feed: Option<f64>) -> Result<(), Refused> {
+        let to = self.on_increments(to);
+        self.push(to, None, feed)
+    }
+
+    /// An arc about a center, abscissa and ordinate of its plane.
+    pub(super) fn arc(&mut self, to: &AxisVector, arc: Arc, feed: f64) -> Result<(), Refused> {
+        let to = self.on_increments(to);
+        if let Some(start) = self.last {
+            for part in 1..ARC_PARTS {
+                self.check(&arc.at(&start, &to, f64::from(part) / f64::from(ARC_PARTS)))?;
+            }
+        }
+        self.push(to, Some(arc), Some(feed))
+    }
+
+    fn push(&mut self, to: AxisVector, arc: Option<Arc>, feed: Option<f64>) -> Result<(), Refused> {
+        self.push_named(to, arc, feed, self.machine.axis_set())
+    }
+
+    pub(super) fn push_named(
+        &mut self,
+        to: AxisVector,
+        arc: Option<Arc>,
+        feed: Option<f64>,
+        named: AxisSet,
+    ) -> Result<(), Refused> {
+        self.check(&to)?;
+        if let Some(last) = &self.last {
+            self.state.note_motion(last, &to);
+        }
+        self.last = Some(to);
+        self.is_away = false;
+        self.path.push(Kind::Move(Move {
+            rapid: feed.is_none(),
+            arc,
+            target: to,
+            named,
+            known: self.machine.axis_set(),
+            feed: feed.unwrap_or(0.0),
+            feed_named: feed.is_some(),
+            unit: FeedUnit::PerMinute,
+            ways: [Way::Plain; 3],
+            in_machine_frame: true,
+            manner: Manner::Path,
+            off_curve_mm: 0.0,
+        }));
+        Ok(())
+    }
+
+    /// Notes senses of motion between places on the way.
+    pub(super) fn note_motion(&mut self, from: &AxisVector, to: &AxisVector) {
+        self.state.note_motion(from, to);
+    }
+
+    /// A row at a position, with the senses of motion so far.
+    pub(super) fn row(
+        &mut self,
+        position: &AxisVector,
+        tool_mm: Vector,
+        setup: usize,
+        extra: Extra,
+    ) -> Result<(), Refused> {
+        self.check(position)?;
+        let extra = Extra { load: self.load, ..extra };
+        let reading = Reading { position: *position, tool_mm, state: self.state };
+        self.data.observations.push(observation(reading, setup));
+        self.extras.push(extra);
+        Ok(())
+    }
+
+    /// What the last row measures.
+    pub(super) fn of_last(&mut self, target: Option<usize>, component: Option<ErrorName>) {
+        if let Some(row) = self.data.observations.last_mut() {
+            row.target = target;
+            row.component = component;
+        }
+    }
+
+    /// A comment and a stop of the program.
+    pub(super) fn stop(&mut self, text: &str) {
+        self.comment(text);
+        self.words(&[(b'M', 0.0)]);
+    }
+
+    /// A comment.
+    pub(super) fn comment(&mut self, text: &str) {
+        self.path.push(Kind::Comment(text.as_bytes().to_vec()));
+    }
+
+    /// Auxiliary words.
+    pub(super) fn words(&mut self, words: &[(u8, f64)]) {
+        let word = |&(letter, value): &(u8, f64)| Word { letter, extension: None, value: WordValue::Number(value) };
+        self.path.push(Kind::Before(words.iter().map(word).collect()));
+    }
+
+    /// A time to wait.
+    pub(super) fn dwell(&mut self, seconds: f64) {
+        self.path.push(Kind::Dwell(Dwell::Seconds(seconds)));
+    }
+
+    /// What is done at a pose.
+    pub(super) fn at_pose(&mut self) {
+        self.path.extend_from_slice(&self.at_pose.clone());
+    }
+}
+
+/// A row without values.
+#[must_use]
+pub(super) fn observation(reading: Reading, setup: usize) -> Observation {
+    Observation {
+        reading,
+        setup,
+        run: 0,
+        t_s: None,
+        condition: 0,
+        temperature_c: None,
+        feed: None,
+        cycle: None,
+        values: [None; 3],
+        target: None,
+        component: None,
+        spindle_rad: 0.0,
+        place: Place::default(),
+    }
+}

@@ -1,0 +1,120 @@
+//! Thermal drift: the spindle runs at speeds of a spectrum while the tool holder is measured every minute.
+//!
+//! `din`: levels in steps of 25 % of the highest speed, 15 min each, with 30 min at 25 % from 135 min on, which is what Spaan 1995 (ch. 5) says of
+//! DIN 8602; the order of the other levels is our choice. `pseudo-din`: his way for test workpieces, 15 min there too, so that the twelfth level
+//! is the highest speed. `random`: speeds between 800 1/min and the highest, or none, for 5 to 45 min each,
+//! over a day (Spaan 1995, ch. 5), as a seed has it.
+
+use super::builder::{Builder, Extra};
+use super::random::Random;
+use super::{PlanKind, Refused, Wishes, empty, kind};
+use crate::measure::data::{Free, Setup};
+use ncfix_machine::machine::Machine;
+
+/// The plan.
+pub(super) const PLAN: PlanKind = PlanKind {
+    name: "drift",
+    title: "spindle speeds and readings every minute: variants din (DIN 8602), pseudo-din, random (Spaan 1995)",
+    wishes: &["variant", "hours", "speed", "seed", "centre", "feed"],
+    build,
+};
+
+/// Time between readings, s.
+const EVERY_S: u32 = 60;
+/// Percent of the highest speed, each for 15 min.
+const DIN: [u8; 16] = [25, 50, 75, 100, 75, 50, 25, 0, 100, 25, 25, 50, 100, 75, 50, 0];
+/// The same with 25 % for 15 min only from 135 min on, so that the twelfth level is the highest speed.
+const PSEUDO_DIN: [u8; 15] = [25, 50, 75, 100, 75, 50, 25, 0, 100, 25, 50, 100, 75, 50, 0];
+/// How long a level lasts, s.
+const LEVEL_S: u32 = 900;
+/// Lowest speed of the random spectrum, 1/min.
+const LEAST_SPEED: f64 = 800.0;
+/// Times of the random spectrum, min.
+const TIMES_MIN: [f64; 2] = [5.0, 45.0];
+/// How often the spindle stands still.
+const STOPS: f64 = 0.2;
+
+/// Speeds and how long, in whole readings.
+fn spectrum(wishes: &Wishes) -> Result<Vec<(f64, u32)>, Refused> {
+    let most = wishes.speed.unwrap_or(6300.0);
+    let end_s = |hours: f64| (hours.clamp(0.1, 1000.0) * 3600.0).round() as u32;
+    match wishes.variant.as_deref() {
+        variant @ (None | Some("din" | "pseudo-din")) => {
+            let levels: &[u8] = if variant == Some("pseudo-din") { &PSEUDO_DIN } else { &DIN };
+            let mut left_s = wishes.hours.map_or(u32::MAX, end_s);
+            let mut out = Vec::new();
+            let once = wishes.hours.is_none();
+            let count = if once { levels.len() } else { usize::MAX };
+            for percent in levels.iter().cycle().take(count) {
+                if left_s == 0 {
+                    break;
+                }
+                let time_s = LEVEL_S.min(left_s);
+                left_s -= time_s;
+                out.push((most * f64::from(*percent) / 100.0, time_s));
+            }
+            Ok(out)
+        }
+        Some("random") => {
+            if most < LEAST_SPEED {
+                return Err(Refused(format!(
+                    "the random spectrum begins at {LEAST_SPEED} 1/min; give a higher --speed"
+                )));
+            }
+            let mut random = Random(wishes.seed);
+            let mut left_s = end_s(wishes.hours.unwrap_or(24.0));
+            let mut out = Vec::new();
+            while left_s > 0 {
+                let stands = random.share() < STOPS;
+                let speed = random.between(LEAST_SPEED, most).round();
+                let minutes = random.between(TIMES_MIN[0], TIMES_MIN[1]).round() as u32;
+                let time_s = (minutes * 60).min(left_s);
+                left_s -= time_s;
+                out.push((if stands { 0.0 } else { speed }, time_s));
+            }
+            Ok(out)
+        }
+        Some(other) => {
+            Err(Refused(format!("there is no spectrum '{other}'; the variants are din, pseudo-din, random")))
+        }
+    }
+}
+
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
+    let tool_mm = wishes.tool_mm();
+    let mut data = empty(kind("displacement")?, &[Free::Offset]);
+    data.setups.push(Setup { label: "A".into(), ..Setup::default() });
+    let mut plan = Builder::new(machine, wishes, data);
+    plan.is_geometric = false;
+    let centre_mm = wishes.centre_or_middle(machine, &tool_mm);
+    let pose = plan.at_tip(&centre_mm, &tool_mm);
+    plan.stop("clear the way: the axes go to the sensors");
+    plan.approach(&pose, wishes.feed.unwrap_or(1000.0))?;
+    let pose = plan.last().unwrap_or(pose);
+    plan.stop("set the sensors to zero");
+    let mut time_s = 0;
+    let row = |plan: &mut Builder, time_s: u32, speed: f64| {
+        let extra = Extra { time_s: Some(f64::from(time_s)), speed: Some(speed), ..Extra::default() };
+        plan.row(&pose, tool_mm, 0, extra)
+    };
+    row(&mut plan, 0, 0.0)?;
+    let mut running = 0.0;
+    for (speed, stage_s) in spectrum(wishes)? {
+        if (speed - running).abs() > 0.0 {
+            plan.words(&if speed > 0.0 { vec![(b'S', speed), (b'M', 3.0)] } else { vec![(b'M', 5.0)] });
+            running = speed;
+        }
+        let mut left_s = stage_s;
+        while left_s > 0 {
+            let step_s = EVERY_S.min(left_s);
+            plan.dwell(f64::from(step_s));
+            left_s -= step_s;
+            time_s += step_s;
+            row(&mut plan, time_s, speed)?;
+        }
+    }
+    if running > 0.0 {
+        plan.words(&[(b'M', 5.0)]);
+    }
+    Ok(plan)
+}

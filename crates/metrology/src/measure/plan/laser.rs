@@ -1,0 +1,104 @@
+//! One axis from end to end and back, again and again (ISO 230-2): laser interferometer, level, autocollimator.
+//!
+//! Targets lie pᵢ = (i − 1) p + r with r at random within ±30 % of p, so that an error with the pitch of a screw is not hidden by equal steps;
+//! r is the same in all runs. The axis goes beyond the ends before it turns, so that every target is reached in one sense.
+
+use super::builder::{Builder, Extra};
+use super::random::Random;
+use super::{PlanKind, Refused, Wishes, empty, kind};
+use crate::measure::data::{Free, Setup, number_of};
+use ncfix_base::geometry::Axis;
+use ncfix_machine::machine::Machine;
+use ncfix_model::ErrorName;
+use ncfix_model::name::{Carrier, ErrorKind};
+
+/// The plan.
+pub(super) const PLAN: PlanKind = PlanKind {
+    name: "laser",
+    title: "one axis in steps, forth and back (ISO 230-2); variant equal: equal steps",
+    wishes: &["axis", "component", "range", "points", "runs", "centre", "feed", "dwell", "variant", "seed"],
+    build,
+};
+
+/// How far r goes, as a share of a step.
+const SCATTER: f64 = 0.3;
+
+fn build(machine: &Machine, wishes: &Wishes) -> Result<Builder, Refused> {
+    let axis = wishes.axis.unwrap_or(Axis::X);
+    let data = machine.axis(axis).ok_or_else(|| Refused(format!("{} has no axis {axis}", machine.name)))?;
+    let is_equal = match wishes.variant.as_deref() {
+        None | Some("iso") => false,
+        Some("equal") => true,
+        Some(other) => return Err(Refused(format!("there are no steps '{other}'; the variants are iso, equal"))),
+    };
+    let components = if wishes.components.is_empty() {
+        let own = format!("E{axis}{axis}").parse::<ErrorName>();
+        vec![own.map_err(|_| Refused(format!("there is no positioning error of {axis}")))?]
+    } else {
+        wishes.components.clone()
+    };
+    for component in &components {
+        if component.kind != ErrorKind::Motion || component.carrier != Carrier::Axis(axis) {
+            let message = format!("{component} is no motion error of {axis}; give such as E{axis}{axis} or EY{axis}");
+            return Err(Refused(message));
+        }
+    }
+    let [low, high] = wishes
+        .range
+        .or_else(|| {
+            let margin = if axis.is_rotary() { 0.0 } else { wishes.margin_mm() };
+            data.travel.map(|[low, high]| [low + margin, high - margin])
+        })
+        .ok_or_else(|| Refused(format!("{axis} has no limits of travel; give --range FROM,TO")))?;
+    let count = wishes.points.unwrap_or(11).clamp(2, 10_000);
+    let runs = wishes.runs.unwrap_or(5).clamp(1, 1000);
+    let length = high - low;
+    // Room to turn at both ends.
+    let turn = (length * 0.005).min(if axis.is_rotary() { 1_f64.to_radians() } else { 2.0 });
+    let step = (length - 2.0 * turn) / (count - 1) as f64;
+    if !(length > 0.0 && step > 0.0) {
+        return Err(Refused("the range is empty; give --range FROM,TO with TO beyond FROM".into()));
+    }
+    let mut random = Random(wishes.seed);
+    let targets: Vec<f64> = (0..count)
+        .map(|number| {
+            let off = if is_equal { 0.0 } else { random.between(-SCATTER, SCATTER) * step };
+            // The ends stay within the range.
+            (low + turn + step * number as f64 + off).clamp(low + turn, high - turn)
+        })
+        .collect();
+    let tool_mm = wishes.tool_mm();
+    let feed = wishes.feed.unwrap_or(1000.0);
+    let dwell_s = wishes.dwell_s.unwrap_or(4.0);
+    let mut set = empty(kind("direct")?, &[Free::Offset]);
+    set.setups.push(Setup { label: "A".into(), ..Setup::default() });
+    let numbers: Vec<usize> =
+        components.iter().map(|component| number_of(&mut set.targets, &component.to_string())).collect();
+    let mut plan = Builder::new(machine, wishes, set);
+    let centre_mm = wishes.centre_or_middle(machine, &tool_mm);
+    let mut pose = plan.at_tip(&centre_mm, &tool_mm);
+    plan.stop("clear the way: the axes go to their first position");
+    pose[axis] = low;
+    plan.approach(&pose, feed)?;
+    plan.stop("set the instrument to zero");
+    for run in 1..=runs {
+        for is_back in [false, true] {
+            let label = format!("{run}{}", if is_back { "-" } else { "+" });
+            for number in 0..count {
+                let number = if is_back { count - 1 - number } else { number };
+                pose[axis] = targets.get(number).copied().unwrap_or(low);
+                plan.go(&pose, Some(feed))?;
+                let Some(here) = plan.last() else { continue };
+                for (component, target) in components.iter().zip(&numbers) {
+                    let extra = Extra { run: label.clone(), feed: Some(feed), ..Extra::default() };
+                    plan.row(&here, tool_mm, 0, extra)?;
+                    plan.of_last(Some(*target), Some(*component));
+                }
+                plan.dwell(dwell_s);
+            }
+            pose[axis] = if is_back { low } else { high };
+            plan.go(&pose, Some(feed))?;
+        }
+    }
+    Ok(plan)
+}

@@ -1,0 +1,144 @@
+//! A plan as the pair of files of a measurement, its readings empty.
+
+use std::fmt::Write as _;
+
+use crate::measure::kind;
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_model::name::Direction;
+
+use super::builder::{Builder, Extra};
+
+/// Decimals of positions, mm and degrees.
+const DECIMALS: usize = 6;
+
+/// The table.
+#[must_use]
+pub fn csv(plan: &Builder) -> String {
+    let data = &plan.data;
+    let axes: Vec<Axis> = AXES.into_iter().filter(|&axis| plan.machine.axis(axis).is_some()).collect();
+    let has = |of: fn(&Extra) -> bool| plan.extras.iter().any(of);
+    let [run, time, speed, feed, load] = [
+        has(|extra| !extra.run.is_empty()),
+        has(|extra| extra.time_s.is_some()),
+        has(|extra| extra.speed.is_some()),
+        has(|extra| extra.feed.is_some()),
+        has(|extra| extra.load.is_some()),
+    ];
+    let name = data.kind.name;
+    let mut header: Vec<String> = Vec::new();
+    let mut named = |is_there: bool, column: &str| {
+        if is_there {
+            header.push(column.to_owned());
+        }
+    };
+    named(run, "run");
+    named(true, "setup");
+    named(name == "probe", "target");
+    named(name == "direct", "component");
+    named(time, "t_s");
+    for axis in &axes {
+        named(true, &axis.to_string());
+    }
+    for axis in &axes {
+        named(true, &format!("{axis}_dir"));
+    }
+    for column in ["tool_x_mm", "tool_y_mm", "tool_z_mm"] {
+        named(true, column);
+    }
+    named(feed, "feed_mm_min");
+    named(speed, "spindle_rpm");
+    for column in ["load_N", "load_x_mm", "load_y_mm", "load_z_mm"] {
+        named(load, column);
+    }
+    let readings = readings(plan);
+    for column in &readings {
+        named(true, column);
+    }
+    let mut out = header.join(",");
+    out.push('\n');
+    for (row, extra) in data.observations.iter().zip(&plan.extras) {
+        let mut cells: Vec<String> = Vec::new();
+        if run {
+            cells.push(extra.run.clone());
+        }
+        cells.push(data.setups.get(row.setup).map_or_else(String::new, |setup| setup.label.clone()));
+        if name == "probe" {
+            cells.push(row.target.and_then(|target| data.targets.get(target)).cloned().unwrap_or_default());
+        }
+        if name == "direct" {
+            cells.push(row.component.map_or_else(String::new, |component| component.to_string()));
+        }
+        if time {
+            cells.push(extra.time_s.map_or_else(String::new, number));
+        }
+        let position = |axis: &Axis| {
+            let value = row.reading.position[*axis];
+            number(if axis.is_rotary() { value.to_degrees() } else { value })
+        };
+        cells.extend(axes.iter().map(position));
+        cells.extend(axes.iter().map(|&axis| row.reading.state.direction(axis).to_string()));
+        cells.extend(row.reading.tool_mm.iter().copied().map(number));
+        if feed {
+            cells.push(extra.feed.map_or_else(String::new, number));
+        }
+        if speed {
+            cells.push(extra.speed.map_or_else(String::new, number));
+        }
+        if load {
+            let (force_n, place_mm) = extra.load.unwrap_or_default();
+            cells.push(number(force_n));
+            cells.extend(place_mm.iter().copied().map(number));
+        }
+        cells.extend(readings.iter().map(|_| String::new()));
+        out.push_str(&cells.join(","));
+        out.push('\n');
+    }
+    out
+}
+
+/// The columns to fill in.
+fn readings(plan: &Builder) -> Vec<&'static str> {
+    let of = |wanted: bool| {
+        let components = plan.data.observations.iter().filter_map(|row| row.component);
+        components.into_iter().any(|component| (component.direction >= Direction::A) == wanted)
+    };
+    match plan.data.kind.name {
+        "ballbar" => vec!["dr_um"],
+        "displacement" => {
+            let columns = ["dx_um", "dy_um", "dz_um"].into_iter().zip(plan.reads);
+            columns.filter(|(_, is_read)| *is_read).map(|(column, _)| column).collect()
+        }
+        "direct" => {
+            let columns = [("value_um", of(false)), ("value_urad", of(true))];
+            columns.into_iter().filter(|(_, is_read)| *is_read).map(|(column, _)| column).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// The description.
+#[must_use]
+pub fn toml(plan: &Builder) -> String {
+    let data = &plan.data;
+    let free: Vec<String> = data.free.iter().map(|&free| format!("\"{}\"", kind::word(free))).collect();
+    let mut out = format!("[measurement]\nkind = \"{}\"\n", data.kind.name);
+    if !free.is_empty() {
+        // Writing into a String cannot fail.
+        let _ = writeln!(out, "free = [{}]", free.join(", "));
+    }
+    if data.kind.name == "ballbar" {
+        for setup in &data.setups {
+            let [x, y, z] = [setup.centre_mm.x, setup.centre_mm.y, setup.centre_mm.z].map(number);
+            let length = number(setup.length_mm);
+            let _ = writeln!(out, "\n[setup.{}]\ncentre_mm = [{x}, {y}, {z}]\nlength_mm = {length}", setup.label);
+        }
+    }
+    out
+}
+
+/// A number without zeros at its end.
+fn number(value: f64) -> String {
+    let text = format!("{value:.DECIMALS$}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.to_owned() }
+}

@@ -1,0 +1,209 @@
+//! Where the axes stood: positions, tool vector and senses of motion in the columns of a table.
+//!
+//! Columns: the axis letters of the machine (mm, deg), each needed; `tool_x_mm tool_y_mm tool_z_mm`, from the spindle gauge point to the
+//! tip, along F's directions at the zero pose, 0 where there is no column; `X_dir` …, the sense of the last motion, −1, 0 or 1. Without
+//! it, or where its cell is empty, the sense follows from the order of the rows within a `run`.
+
+use std::collections::HashMap;
+
+use ncfix_base::diagnostic::{Code, Diagnostic};
+use ncfix_base::geometry::{AXES, Axis, AxisVector, Vector};
+use ncfix_machine::machine::{Machine, State};
+
+use ncfix_base::csv::{DecimalSign, Row, Table};
+
+/// A position this much beyond its limit is on it: the noise of the arithmetic, mm or rad.
+const ON_LIMIT: f64 = 1e-9;
+const TOOL_COLUMNS: [&str; 3] = ["tool_x_mm", "tool_y_mm", "tool_z_mm"];
+
+/// The columns that say where the axes stood.
+#[derive(Debug)]
+pub struct Readings<'a> {
+    machine: &'a Machine,
+    sign: DecimalSign,
+    axes: Vec<(Axis, usize)>,
+    /// Where axes stand that have no column.
+    fixed: AxisVector,
+    senses: Vec<(Axis, usize)>,
+    tool: [Option<usize>; 3],
+    run: Option<usize>,
+    /// Where each run stood in its last row, and its senses of motion.
+    last: HashMap<Vec<u8>, (AxisVector, State)>,
+}
+
+/// One row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// Positions, mm and rad.
+    pub position: AxisVector,
+    /// From the spindle gauge point to the tip, mm.
+    pub tool_mm: Vector,
+    /// Senses of motion.
+    pub state: State,
+}
+
+impl<'a> Readings<'a> {
+    /// Finds the columns.
+    ///
+    /// # Errors
+    /// Findings for axes without a column, columns of axes that the machine lacks, and decimal signs that contradict each other.
+    pub fn new(table: &Table, machine: &'a Machine) -> Result<Readings<'a>, Vec<Diagnostic>> {
+        Readings::with(table, machine, &[])
+    }
+
+    /// Finds the columns, where axes that are `fixed` need none, mm and rad.
+    ///
+    /// # Errors
+    /// As of [`Readings::new`].
+    pub fn with(table: &Table, machine: &'a Machine, fixed: &[(Axis, f64)]) -> Result<Readings<'a>, Vec<Diagnostic>> {
+        let mut standing = AxisVector::ZERO;
+        fixed.iter().for_each(|&(axis, at)| standing[axis] = at);
+        let is_fixed = |axis: Axis| fixed.iter().any(|&(known, _)| known == axis);
+        let mut findings = Vec::new();
+        let (mut axes, mut senses) = (Vec::new(), Vec::new());
+        for axis in AXES {
+            let letter = axis.to_string();
+            let [position, sense] = [table.column(&letter), table.column(&format!("{letter}_dir"))];
+            if machine.axis(axis).is_some() {
+                match position {
+                    Some(column) => axes.push((axis, column)),
+                    None if is_fixed(axis) => {}
+                    None => findings.push(missing(table, axis)),
+                }
+                senses.extend(sense.map(|column| (axis, column)));
+            } else {
+                for column in [position, sense].into_iter().flatten() {
+                    findings.push(Diagnostic::at(
+                        Code::DATA_COLUMN,
+                        table.header_place(Some(column)),
+                        format!("the machine {} has no axis {axis}", machine.name),
+                        "check --machine, or rename the column if it is something else",
+                    ));
+                }
+            }
+        }
+        let tool = TOOL_COLUMNS.map(|name| table.column(name));
+        let numbers: Vec<usize> = axes.iter().map(|&(_, column)| column).chain(tool.into_iter().flatten()).collect();
+        let sign = table.decimal_sign(&numbers).unwrap_or_else(|finding| {
+            findings.push(finding);
+            DecimalSign::Point
+        });
+        if !findings.is_empty() {
+            return Err(findings);
+        }
+        let run = table.column("run");
+        Ok(Readings { machine, sign, axes, fixed: standing, senses, tool, run, last: HashMap::new() })
+    }
+
+    /// The axes and their columns.
+    #[must_use]
+    pub fn axes(&self) -> &[(Axis, usize)] {
+        &self.axes
+    }
+
+    /// How the numbers of the table are written.
+    #[must_use]
+    pub fn sign(&self) -> DecimalSign {
+        self.sign
+    }
+
+    /// Whether the table gives senses of motion, rather than the order of its rows.
+    #[must_use]
+    pub fn has_senses(&self) -> bool {
+        !self.senses.is_empty()
+    }
+
+    /// Reads the next row; rows must come in order.
+    ///
+    /// # Errors
+    /// Findings for cells that are no numbers and positions outside the travel.
+    pub fn read(&mut self, row: &Row) -> Result<Reading, Vec<Diagnostic>> {
+        let mut findings = Vec::new();
+        let mut position = self.fixed;
+        for &(axis, column) in &self.axes {
+            match row.number(column, self.sign) {
+                Ok(number) => {
+                    position[axis] = if axis.is_rotary() { number.to_radians() } else { number };
+                    findings.extend(self.outside(axis, position[axis], number, row, column));
+                }
+                Err(finding) => findings.push(finding),
+            }
+        }
+        let mut tool_mm = Vector::zeros();
+        for (value, column) in tool_mm.iter_mut().zip(self.tool) {
+            match column.map(|column| row.number(column, self.sign)) {
+                Some(Ok(number)) => *value = number,
+                Some(Err(finding)) => findings.push(finding),
+                None => {}
+            }
+        }
+        let state = self.state(row, &position, &mut findings);
+        if findings.is_empty() { Ok(Reading { position, tool_mm, state }) } else { Err(findings) }
+    }
+
+    fn state(&mut self, row: &Row, position: &AxisVector, findings: &mut Vec<Diagnostic>) -> State {
+        let run = self.run.map_or(&[][..], |column| row.text(column));
+        let mut state = State::default();
+        match self.last.get_mut(run) {
+            Some((last, last_state)) => {
+                last_state.note_motion(last, position);
+                *last = *position;
+                state = *last_state;
+            }
+            None => {
+                self.last.insert(run.to_vec(), (*position, state));
+            }
+        }
+        for &(axis, column) in self.senses.iter().filter(|(_, column)| !row.text(*column).is_empty()) {
+            match row.number(column, self.sign) {
+                Ok(number) if [-1.0, 0.0, 1.0].contains(&number) => {
+                    state.direction[axis.slot()] = if number > 0.0 { 1 } else { -i8::from(number < 0.0) };
+                }
+                Ok(number) => {
+                    let message = format!("the sense of motion of {axis} is {number}");
+                    let help = "write -1, 0 (no motion yet) or 1";
+                    findings.push(Diagnostic::at(Code::DATA_CELL, row.place(column), message, help));
+                }
+                Err(finding) => findings.push(finding),
+            }
+        }
+        state
+    }
+
+    fn outside(&self, axis: Axis, position: f64, shown: f64, row: &Row, column: usize) -> Option<Diagnostic> {
+        let [low, high] = self.machine.axis(axis)?.travel?;
+        if (low - ON_LIMIT..=high + ON_LIMIT).contains(&position) {
+            return None;
+        }
+        let (unit, shown_limit) =
+            if axis.is_rotary() { ("deg", [low, high].map(f64::to_degrees)) } else { ("mm", [low, high]) };
+        let message =
+            format!("{axis} {shown} {unit} is outside the travel of {} … {} {unit}", shown_limit[0], shown_limit[1]);
+        let help =
+            format!("check the unit of the column, --machine, and axis.{axis}.travel_{unit} in the machine file");
+        Some(Diagnostic::at(Code::OUT_OF_TRAVEL, row.place(column), message, help))
+    }
+}
+
+/// The finding for an axis without a column, which may be written in another way.
+fn missing(table: &Table, axis: Axis) -> Diagnostic {
+    let letter = axis.to_string();
+    let unit = if axis.is_rotary() { "deg" } else { "mm" };
+    let alike = table.names().iter().position(|name| {
+        let upper = name.to_ascii_uppercase();
+        upper.strip_prefix(&letter).is_some_and(|rest| {
+            rest.is_empty() || rest.trim_start_matches(['_', ' ', '[', '(']).starts_with(&unit.to_ascii_uppercase())
+        })
+    });
+    let (message, help) = match alike.and_then(|column| table.names().get(column)) {
+        Some(name) => (
+            format!("there is no column {letter}, but {name}"),
+            format!("rename the column {name} to {letter} if it is in {unit}"),
+        ),
+        None => (
+            format!("there is no column {letter}"),
+            format!("every axis of the machine needs a column with its positions in {unit}"),
+        ),
+    };
+    Diagnostic::at(Code::DATA_COLUMN, table.header_place(alike), message, help)
+}

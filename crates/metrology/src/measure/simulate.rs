@@ -1,0 +1,138 @@
+//! What instruments would read on a machine with errors: the equations of a calibration the other way round.
+//!
+//! A predicted reading comes from [`Kind::equations`](super::kind::Kind::equations), so that there is one formula for both. What is unknown of
+//! a set-up counts as described. Where a kind reads positions (probing) the linear axes move until its equations hold.
+
+use ncfix_base::geometry::{Axis, AxisVector, Matrix, Vector};
+use ncfix_machine::machine::Machine;
+use ncfix_model::{ErrorModel, Model};
+
+use super::data::{DataSet, Observation};
+use super::kind::{Equation, Seen};
+
+/// The axes are in place when the equations hold to this, mm.
+const LIMIT_MM: f64 = 1e-8;
+/// Errors of 1e-4 are divided by about 1e3 at each step.
+const MAX_STEPS: usize = 30;
+
+/// What is read in a row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Read {
+    /// Values as in [`Observation::values`], mm or rad.
+    Values([Option<f64>; 3]),
+    /// Where the axes stand, mm and rad.
+    Position(AxisVector),
+}
+
+/// Nothing can be read: the linear axes cannot bring the tip to its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutOfReach;
+
+/// A planned measurement on a machine.
+#[derive(Debug)]
+pub struct Simulation<'a> {
+    machine: &'a Machine,
+    errors: &'a ErrorModel,
+    /// In the condition of this number.
+    model: Model,
+    condition: usize,
+    data: &'a DataSet,
+    /// What is unknown of the set-ups.
+    values: Vec<f64>,
+}
+
+impl<'a> Simulation<'a> {
+    /// Balls lie where the description has them, else in the mean of the nominal tips of their rows.
+    #[must_use]
+    pub fn new(machine: &'a Machine, errors: &'a ErrorModel, data: &'a DataSet) -> Simulation<'a> {
+        let model = Model::new(machine, errors);
+        let mut values = Vec::new();
+        let has_places = data.observations.iter().any(reads_positions);
+        for (number, label) in data.targets.iter().enumerate().filter(|_| has_places) {
+            let given = data.balls.iter().find(|(name, _)| name == label).map(|&(_, place)| place);
+            let place = given.unwrap_or_else(|| {
+                let own = data.observations.iter().filter(|row| row.target == Some(number));
+                let tips: Vec<Vector> =
+                    own.map(|row| model.nominal(&row.reading.position, &row.reading.tool_mm).translation).collect();
+                tips.iter().sum::<Vector>() / tips.len().max(1) as f64
+            });
+            values.extend(place.iter());
+        }
+        Simulation { machine, errors, model, condition: usize::MAX, data, values }
+    }
+
+    /// What is unknown of the set-ups has these values, as the kind lists its unknowns.
+    #[must_use]
+    pub fn with_unknowns(
+        machine: &'a Machine,
+        errors: &'a ErrorModel,
+        data: &'a DataSet,
+        values: Vec<f64>,
+    ) -> Simulation<'a> {
+        let model = Model::new(machine, errors);
+        Simulation { machine, errors, model, condition: usize::MAX, data, values }
+    }
+
+    /// What is read in a row of the plan, in the condition of the row.
+    ///
+    /// # Errors
+    /// [`OutOfReach`].
+    pub fn read(&mut self, row: &Observation) -> Result<Read, OutOfReach> {
+        if self.condition != row.condition {
+            self.condition = row.condition;
+            self.model = Model::at(self.machine, self.errors, self.data.condition(row));
+        }
+        if reads_positions(row) {
+            self.position(row).map(Read::Position)
+        } else {
+            Ok(Read::Values(self.values_of(row)))
+        }
+    }
+
+    /// What is left of the equations of a row.
+    fn residuals(&self, row: &Observation) -> Vec<f64> {
+        let seen = Seen::new(self.machine, &self.model, &row.reading, &row.reading.tool_mm);
+        let mut equations: Vec<Equation> = Vec::new();
+        (self.data.kind.equations)(self.data, row, &seen, &self.values, &mut equations);
+        equations.iter().map(|equation| equation.residual).collect()
+    }
+
+    fn values_of(&self, row: &Observation) -> [Option<f64>; 3] {
+        let at = |value: f64| self.residuals(&Observation { values: row.values.map(|old| old.map(|_| value)), ..*row });
+        // A residual is the reading less the prediction, times a factor that the kind may have for its unit.
+        let (zero, one) = (at(0.0), at(1.0));
+        let mut predicted = zero.iter().zip(&one).map(|(zero, one)| -zero / (one - zero));
+        row.values.map(|value| value.and_then(|_| predicted.next()))
+    }
+
+    fn position(&self, row: &Observation) -> Result<AxisVector, OutOfReach> {
+        let mut now = *row;
+        let tip = |command: &AxisVector| self.model.nominal(command, &row.reading.tool_mm).translation;
+        let axes = [Axis::X, Axis::Y, Axis::Z];
+        // The nominal tip follows the linear axes evenly.
+        let columns = axes.map(|axis| {
+            let mut moved = row.reading.position;
+            moved[axis] += 1.0;
+            tip(&moved) - tip(&row.reading.position)
+        });
+        let back = Matrix::from_columns(&columns).try_inverse().ok_or(OutOfReach)?;
+        for _ in 0..MAX_STEPS {
+            let residuals = self.residuals(&now);
+            let [x, y, z] = residuals.as_slice() else { return Err(OutOfReach) };
+            let off = Vector::new(*x, *y, *z);
+            let step = back * off;
+            for (axis, step) in axes.into_iter().zip(step.iter()) {
+                now.reading.position[axis] += step;
+            }
+            if off.norm() < LIMIT_MM {
+                return Ok(now.reading.position);
+            }
+        }
+        Err(OutOfReach)
+    }
+}
+
+/// Whether what a row reads are positions: it has no values.
+fn reads_positions(row: &Observation) -> bool {
+    row.values.iter().all(Option::is_none)
+}

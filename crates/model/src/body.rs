@@ -1,0 +1,217 @@
+//! What is carried through the chain of axes: a point, a pose, or a point with the sensitivities of all commands.
+//!
+//! The chain ([`super::link`]) is written once and moves any [`Body`]; how much is computed depends on what is carried.
+
+use ncfix_base::geometry::{AXIS_COUNT, Axis, Matrix, Vector};
+
+use super::name::Carrier;
+use super::rotation::{Rotation, vector_of};
+
+/// A place in the transform of an axis at which a body is watched, see [`super::link`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// Where the location errors D(e0) act.
+    Location,
+    /// Where the motion errors D(e) act.
+    Motion,
+}
+
+/// Something rigid that is moved from the tool to the foundation and on to the workpiece.
+pub(super) trait Body {
+    /// Shifts it, mm.
+    fn translate(&mut self, by: &Vector);
+
+    /// Rotates it about the origin by an error; this is small.
+    fn tilt(&mut self, by: &Rotation);
+
+    /// Rotates it about the origin by the motion of a rotary axis.
+    fn turn(&mut self, by: &Rotation);
+
+    /// The body stands where an error of `carrier` acts, in coordinates whose origin is a point of the axis.
+    fn visit(&mut self, _carrier: Carrier, _place: Place) {}
+
+    /// The body has just been moved by an axis with this direction; `sense` is −1 on the workpiece side.
+    fn moved(&mut self, _axis: Axis, _direction: &Vector, _sense: f64) {}
+}
+
+impl Body for Vector {
+    fn translate(&mut self, by: &Vector) {
+        *self += by;
+    }
+
+    fn tilt(&mut self, by: &Rotation) {
+        *self = by.apply(self);
+    }
+
+    fn turn(&mut self, by: &Rotation) {
+        *self = by.apply(self);
+    }
+}
+
+/// Where the tool is: the map from tool coordinates (origin at the tip, parallel to F at the zero pose) to workpiece coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Directions of the tool frame in the workpiece frame, as columns.
+    pub rotation: Matrix,
+    /// The tool tip in the workpiece frame, mm.
+    pub translation: Vector,
+}
+
+impl Pose {
+    /// A tool frame parallel to F with its tip at a point.
+    pub(super) fn parallel_at(translation: Vector) -> Pose {
+        Pose { rotation: Matrix::identity(), translation }
+    }
+
+    /// The rotation vector from this pose to another one that is turned a little, in this tool frame, rad.
+    #[must_use]
+    pub fn turn_to(&self, other: &Pose) -> Vector {
+        vector_of(&(self.rotation.transpose() * other.rotation))
+    }
+
+    /// The inverse of this times the other: the other as seen from here.
+    pub(super) fn inverse_times(&self, other: &Pose) -> Pose {
+        let back = self.rotation.transpose();
+        Pose { rotation: back * other.rotation, translation: back * (other.translation - self.translation) }
+    }
+}
+
+impl Body for Pose {
+    fn translate(&mut self, by: &Vector) {
+        self.translation += by;
+    }
+
+    fn tilt(&mut self, by: &Rotation) {
+        let matrix = by.matrix();
+        self.translation = matrix * self.translation;
+        self.rotation = matrix * self.rotation;
+    }
+
+    fn turn(&mut self, by: &Rotation) {
+        self.tilt(by);
+    }
+}
+
+/// Tip and axis of the tool, without derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ray {
+    /// Tool tip, mm.
+    pub(super) tip: Vector,
+    /// Unit vector from the tip to the spindle.
+    pub(super) axis: Vector,
+}
+
+impl Body for Ray {
+    fn translate(&mut self, by: &Vector) {
+        self.tip += by;
+    }
+
+    fn tilt(&mut self, by: &Rotation) {
+        self.tip = by.apply(&self.tip);
+        self.axis = by.apply(&self.axis);
+    }
+
+    fn turn(&mut self, by: &Rotation) {
+        self.tilt(by);
+    }
+}
+
+/// Tip and axis of the tool with their derivatives by every axis command.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pointer {
+    /// Tool tip, mm.
+    pub(super) tip: Vector,
+    /// Unit vector from the tip to the spindle.
+    pub(super) axis: Vector,
+    /// d tip / d command by slot, mm/mm or mm/rad.
+    pub(super) tip_by_command: [Vector; AXIS_COUNT],
+    /// d axis / d command by slot, 1/rad; zero for linear axes.
+    pub(super) axis_by_command: [Vector; AXIS_COUNT],
+    /// Axes that have been passed, in their order.
+    passed: [Axis; AXIS_COUNT],
+    passed_count: usize,
+}
+
+impl Pointer {
+    pub(super) fn new(tip: Vector, axis: Vector) -> Pointer {
+        Pointer {
+            tip,
+            axis,
+            tip_by_command: [Vector::zeros(); AXIS_COUNT],
+            axis_by_command: [Vector::zeros(); AXIS_COUNT],
+            passed: [Axis::X; AXIS_COUNT],
+            passed_count: 0,
+        }
+    }
+}
+
+impl Body for Pointer {
+    fn translate(&mut self, by: &Vector) {
+        self.tip += by;
+    }
+
+    /// Leaves the derivatives alone: an error turns them by 1e-4 or so, which costs the iteration less than it would cost here.
+    fn tilt(&mut self, by: &Rotation) {
+        self.tip = by.apply(&self.tip);
+        self.axis = by.apply(&self.axis);
+    }
+
+    fn turn(&mut self, by: &Rotation) {
+        self.tilt(by);
+        for axis in &self.passed[..self.passed_count] {
+            let slot = axis.slot();
+            self.tip_by_command[slot] = by.apply(&self.tip_by_command[slot]);
+            self.axis_by_command[slot] = by.apply(&self.axis_by_command[slot]);
+        }
+    }
+
+    fn moved(&mut self, axis: Axis, direction: &Vector, sense: f64) {
+        let slot = axis.slot();
+        if axis.is_rotary() {
+            self.tip_by_command[slot] = direction.cross(&self.tip) * sense;
+            self.axis_by_command[slot] = direction.cross(&self.axis) * sense;
+        } else {
+            self.tip_by_command[slot] = direction * sense;
+        }
+        if let Some(next) = self.passed.get_mut(self.passed_count) {
+            *next = axis;
+            self.passed_count += 1;
+        }
+    }
+}
+
+/// A pose that remembers how it stood where one error acts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Witness {
+    pose: Pose,
+    carrier: Carrier,
+    place: Place,
+    /// Tool frame in the coordinates in which the error acts.
+    pub(super) seen: Option<Pose>,
+}
+
+impl Witness {
+    pub(super) fn new(pose: Pose, carrier: Carrier, place: Place) -> Witness {
+        Witness { pose, carrier, place, seen: None }
+    }
+}
+
+impl Body for Witness {
+    fn translate(&mut self, by: &Vector) {
+        self.pose.translate(by);
+    }
+
+    fn tilt(&mut self, by: &Rotation) {
+        self.pose.tilt(by);
+    }
+
+    fn turn(&mut self, by: &Rotation) {
+        self.pose.turn(by);
+    }
+
+    fn visit(&mut self, carrier: Carrier, place: Place) {
+        if (carrier, place) == (self.carrier, self.place) {
+            self.seen = Some(self.pose);
+        }
+    }
+}

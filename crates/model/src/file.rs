@@ -1,0 +1,155 @@
+//! The machine file: what it says of the errors, source by source, and reading the file as a whole.
+//!
+//! Displacements are µm and rotations µrad in the file; polynomial coefficients are mm and rad per power of mm or rad.
+
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{Axis, AxisSet};
+use ncfix_base::source::Source;
+use ncfix_base::units::{mm_from_um, rad_from_urad};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::machine::file::{MachineFile, SECTIONS, Section, nearest, read_machine};
+
+use super::motion::{Entry, KINDS, Kind};
+use super::name::{ErrorKind, ErrorName};
+use super::source::{Reading, SOURCES};
+use super::{ErrorModel, LocationError, MotionError};
+
+/// Reads a machine file. All findings are reported in one run, in the order of the file; there is a machine only where none of
+/// them is an error.
+#[must_use]
+pub fn load(source: &Source) -> (Option<(Machine, ErrorModel)>, Vec<Diagnostic>) {
+    let file = match MachineFile::parse(source) {
+        Ok(file) => file,
+        Err(findings) => return (None, findings),
+    };
+    let (machine, mut findings) = read_machine(&file);
+    let mut root = file.root();
+    for &section in SECTIONS {
+        root.accept(section);
+    }
+    let axes = axes_in(file.root());
+    let mut errors = ErrorModel::default();
+    for source in SOURCES {
+        let mut reading = Reading { root: &mut root, axes, machine: machine.as_ref(), findings: &mut findings };
+        (source.read)(&mut reading, &mut errors);
+    }
+    let used = errors.sensors();
+    let unused: Vec<String> = machine
+        .iter()
+        .flat_map(|machine| machine.sensor_references_c.keys())
+        .filter(|sensor| !used.contains(&sensor.as_str()))
+        .cloned()
+        .collect();
+    if let Some(first) = unused.first() {
+        let help = match nearest(first, used.iter().copied()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => "take it out, or correct its name".into(),
+        };
+        let message = format!("no source of error uses the sensor {}", unused.join(", "));
+        root.report(Code::UNUSED_SENSOR, root.place_of_key("sensor"), message, help);
+    }
+    if root.has("segment") && root.has("drift") {
+        let message = "[[drift]] and [[segment]] both say how far the warm machine drifts, and add up";
+        let help = "keep one of them, or give each what the other leaves out";
+        root.report(Code::TWO_DRIFTS, root.place_of_key("segment"), message, help);
+    }
+    root.finish(&mut findings);
+    findings.sort_by_key(|finding| (finding.place, finding.code));
+    let sound = !findings.iter().any(Diagnostic::is_error);
+    (machine.filter(|_| sound).map(|machine| (machine, errors)), findings)
+}
+
+/// The axes that have a section, whether or not it is sound: faults of the chain are reported elsewhere and must not hide others.
+fn axes_in(mut root: Section<'_>) -> AxisSet {
+    let letters = root.section("axis").map(|section| section.keys().collect::<Vec<_>>()).unwrap_or_default();
+    letters
+        .into_iter()
+        .filter_map(|key| match key.as_bytes() {
+            [letter @ b'A'..=b'Z'] => Axis::from_letter(*letter),
+            _ => None,
+        })
+        .collect()
+}
+
+pub(super) fn read_location(
+    mut section: Section<'_>,
+    axes: AxisSet,
+    findings: &mut Vec<Diagnostic>,
+) -> Vec<LocationError> {
+    let mut errors = Vec::new();
+    let keys: Vec<&str> = section.keys().collect();
+    for key in keys {
+        section.accept(key);
+        let help = "write E, a direction, 0 and an axis of the machine or S, for example EC0Y or EX0S";
+        let place = section.place_of_key(key);
+        let Some(name) = known_component(&mut section, key, place, axes, ErrorKind::Location, help) else { continue };
+        if let Some(value) = section.number(key) {
+            let value = if name.direction.is_rotation() { rad_from_urad(value) } else { mm_from_um(value) };
+            errors.push(LocationError { name, value });
+        }
+    }
+    section.finish(findings);
+    errors
+}
+
+pub(super) fn read_motion(
+    mut section: Section<'_>,
+    axes: AxisSet,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<MotionError> {
+    let component = section.required("component", "\"EXX\"", Section::text);
+    let place = section.place_of("component");
+    let help = "write E, a direction and an axis of the machine, for example EXX or EAY";
+    let name = component.and_then(|text| known_component(&mut section, text, place, axes, ErrorKind::Motion, help));
+    let kind = read_kind(&mut section);
+    let (Some(name), Some(kind)) = (name, kind) else {
+        // Without component and kind the other keys cannot be judged.
+        let keys: Vec<&str> = section.keys().collect();
+        keys.into_iter().for_each(|key| section.accept(key));
+        section.finish(findings);
+        return None;
+    };
+    let mut entry = Entry { section, name, axes };
+    let function = (kind.read)(&mut entry);
+    entry.section.finish(findings);
+    Some(MotionError { name, function: function? })
+}
+
+/// The kind of a function; reports where it is missing or unknown.
+pub(super) fn read_kind(section: &mut Section<'_>) -> Option<&'static Kind> {
+    let text = section.required("kind", "\"polynomial\"", Section::text)?;
+    let kind = KINDS.iter().find(|kind| kind.name == text);
+    if kind.is_none() {
+        let known: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+        let help = match nearest(text, known.iter().copied()) {
+            Some(near) => format!("did you mean \"{near}\"?"),
+            None => format!("write one of {}", known.join(", ")),
+        };
+        section.report(Code::BAD_VALUE, section.place_of("kind"), format!("unknown kind \"{text}\""), help);
+    }
+    kind
+}
+
+/// The component of a name; reports `E0406` where it is none of this machine or not of this kind.
+pub(super) fn known_component(
+    section: &mut Section<'_>,
+    text: &str,
+    place: Place,
+    axes: AxisSet,
+    kind: ErrorKind,
+    help: &str,
+) -> Option<ErrorName> {
+    let fault = match text.parse::<ErrorName>() {
+        Err(_) => format!("\"{text}\" is no error component"),
+        Ok(name) if name.axis().is_some_and(|axis| !axes.contains(axis)) => {
+            format!("{text}: the machine has no axis {}", char::from(text.as_bytes()[text.len() - 1]))
+        }
+        Ok(name) if name.kind != kind => match kind {
+            ErrorKind::Location => format!("{text} is a motion error, it belongs into [[motion]]"),
+            ErrorKind::Motion => format!("{text} is a location error, it belongs into [location]"),
+        },
+        Ok(name) => return Some(name),
+    };
+    section.report(Code::UNKNOWN_COMPONENT, place, fault, help);
+    None
+}

@@ -1,0 +1,283 @@
+//! Forward kinematics: where the tool is in the workpiece for given axis commands, with and without errors.
+//!
+//! wTt = (F→w)⁻¹ (F→t). The tool frame has its origin at the tip and is parallel to F at the zero pose; it is carried through the
+//! spindle, through the axes of the tool side to F, and back through the axes of the workpiece side ([`super::link`]). The spindle
+//! is D(e0) at its gauge point.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES, Vector};
+use ncfix_machine::machine::{AxisData, Compensation, Condition, Machine, State};
+
+use super::body::{Body, Place, Pointer, Ray, Witness};
+use super::linear::{LinearAxes, LinearStep, Singular};
+use super::link::{Displacement, Link};
+use super::motion::Functions;
+use super::name::{Carrier, ErrorKind, ErrorName};
+use super::rotation::vector_of;
+use super::{Accumulator, ErrorModel, Features, Pose, features};
+
+/// A machine and its errors, prepared for fast evaluation.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// From the spindle to F.
+    pub(super) tool_side: Vec<Link>,
+    /// From F to the workpiece.
+    pub(super) workpiece_side: Vec<Link>,
+    spindle_mm: Vector,
+    spindle_axis: Vector,
+    spindle_error: Option<Displacement>,
+    /// The axes that correct the position.
+    pub(super) linear: LinearAxes,
+    /// The axes that correct the orientation.
+    pub(super) rotary: AxisSet,
+    features: [Features; AXIS_COUNT],
+    /// Axes whose errors repeat with every turn.
+    pub(super) modulo: AxisSet,
+    /// What the control adds to every command.
+    active: Option<Arc<dyn Compensation>>,
+    is_empty: bool,
+    /// What is the same everywhere on a machine without rotary axes.
+    straight: Option<Straight>,
+}
+
+/// Where all axes are linear, the nominal tip is a sum, and the step that brings the tip to its place is always the same.
+#[derive(Clone, Debug)]
+struct Straight {
+    /// Axes, and the way of the tip per mm of each.
+    columns: Vec<(Axis, Vector)>,
+    step: Result<LinearStep, Singular>,
+}
+
+/// A small displacement: of the actual tool frame from the nominal one, in the nominal tool frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Twist {
+    /// Of the tip, mm.
+    pub translation: Vector,
+    /// Rotation vector, rad.
+    pub rotation: Vector,
+}
+
+impl Model {
+    /// Prepares a machine and its errors in the reference condition. Errors of axes that the machine lacks have no effect.
+    #[must_use]
+    pub fn new(machine: &Machine, errors: &ErrorModel) -> Model {
+        Model::at(machine, errors, &Condition::default())
+    }
+
+    /// Prepares a machine and its errors in a condition.
+    #[must_use]
+    pub fn at(machine: &Machine, errors: &ErrorModel, condition: &Condition) -> Model {
+        Model::summed(&Accumulator::sum(machine, errors, condition, |_| true))
+    }
+
+    /// Prepares a machine and errors that were added up.
+    #[must_use]
+    pub fn summed(sum: &Accumulator<'_>) -> Model {
+        let machine = sum.machine();
+        let link = |data: &AxisData| {
+            Link::new(data, &sum.location(Carrier::Axis(data.axis)), Functions::of(data.axis, sum.motion()))
+        };
+        let branch = |axes: &[Axis]| axes.iter().filter_map(|&axis| machine.axis(axis)).map(link).collect::<Vec<_>>();
+        let mut tool_side = branch(&machine.topology.tool);
+        tool_side.reverse();
+        let workpiece_side = branch(&machine.topology.workpiece);
+        let spindle_error = Displacement::unless_zero(&sum.location(Carrier::Spindle));
+        let axes: AxisSet = tool_side.iter().chain(&workpiece_side).map(|link| link.axis).collect();
+        let active = machine.active_tables.control.clone();
+        let is_empty =
+            active.is_none() && spindle_error.is_none() && tool_side.iter().chain(&workpiece_side).all(Link::is_ideal);
+        let linear = LinearAxes::of(axes);
+        let straight =
+            axes.iter().all(|axis| !axis.is_rotary()).then(|| Straight::of(&tool_side, &workpiece_side, &linear));
+        Model {
+            straight,
+            tool_side,
+            workpiece_side,
+            spindle_mm: machine.spindle.origin_mm,
+            spindle_axis: machine.spindle.axis,
+            spindle_error,
+            linear,
+            rotary: axes.intersection(ROTARY_AXES.into_iter().collect()),
+            features: features::of(machine, sum.motion()),
+            modulo: machine.axes.iter().flatten().filter(|data| data.modulo).map(|data| data.axis).collect(),
+            active,
+            is_empty,
+        }
+    }
+
+    /// Whether no error can ever differ from zero.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.is_empty
+    }
+
+    /// How finely the errors of an axis must be sampled.
+    #[must_use]
+    pub fn features(&self, axis: Axis) -> &Features {
+        &self.features[axis.slot()]
+    }
+
+    /// How far the command of an axis must go behind a reversal until its body follows, mm or rad: what the axis loses without what the tables of
+    /// the control add there.
+    #[must_use]
+    pub fn lost_motion(&self, axis: Axis, command: &AxisVector) -> f64 {
+        let lost = self.features[axis.slot()].lost_motion(command[axis]);
+        match &self.active {
+            Some(active) if lost > 0.0 && active.has_senses(axis) => {
+                let [behind, ahead] = [-1, 1].map(|sense| {
+                    let mut state = State::default();
+                    state.direction[axis.slot()] = sense;
+                    active.correction(command, &Vector::zeros(), &state)[axis]
+                });
+                (lost - (ahead - behind)).max(0.0)
+            }
+            _ => lost,
+        }
+    }
+
+    /// Pose of the tool in the workpiece without errors. `tool_mm` runs from the spindle gauge point to the tip, in F at the zero pose.
+    #[must_use]
+    pub fn nominal(&self, command: &AxisVector, tool_mm: &Vector) -> Pose {
+        self.carry(Pose::parallel_at(*tool_mm), command, None)
+    }
+
+    /// Pose of the tool in the workpiece with errors: the one forward function of correction and prediction.
+    #[must_use]
+    pub fn actual(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Pose {
+        self.carry(Pose::parallel_at(*tool_mm), &self.controlled(command, tool_mm, Some(state)), Some(state))
+    }
+
+    /// Volumetric error: the actual tool frame as seen from the nominal one at the same command (Esmaeili 2021, eq. 4).
+    #[must_use]
+    pub fn volumetric_error(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Twist {
+        let seen = self.nominal(command, tool_mm).inverse_times(&self.actual(command, tool_mm, state));
+        Twist { translation: seen.translation, rotation: vector_of(&seen.rotation) }
+    }
+
+    /// Deviation of the tool from the workpiece point that nominally coincides with its tip, along F's directions: the volumetric error,
+    /// turned from the nominal tool frame into F.
+    #[must_use]
+    pub fn deviation(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Twist {
+        let error = self.volumetric_error(command, tool_mm, state);
+        let turn = self.tool_orientation(command);
+        Twist { translation: turn * error.translation, rotation: turn * error.rotation }
+    }
+
+    /// Directions of the nominal tool frame in F, as columns.
+    #[must_use]
+    pub fn tool_orientation(&self, command: &AxisVector) -> Matrix {
+        let mut pose = Pose::parallel_at(Vector::zeros());
+        self.tool_side.iter().for_each(|link| link.carry(&mut pose, command, None));
+        pose.rotation
+    }
+
+    /// The tip at `command` with errors minus the nominal tip at `nominal`, in the workpiece frame, mm.
+    #[must_use]
+    pub fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, tool_mm: &Vector, state: &State) -> Vector {
+        self.tip(command, tool_mm, Some(state)) - self.nominal_tip(nominal, tool_mm)
+    }
+
+    /// First-order effect of one error component on the volumetric error, per mm or rad of the component, in the nominal tool frame.
+    ///
+    /// With Q the tool frame as seen from the place where the error ε, ω acts: rotation Qᵀω, translation Qᵀ(ε + ω × t); negative
+    /// on the workpiece side, because the workpiece moves instead of the tool (transport matrices of Esmaeili 2021, eq. 53).
+    /// Zero for an axis that the machine lacks.
+    #[must_use]
+    pub fn sensitivity(&self, name: ErrorName, command: &AxisVector, tool_mm: &Vector) -> Twist {
+        let place = if name.kind == ErrorKind::Location { Place::Location } else { Place::Motion };
+        let witness = Witness::new(Pose::parallel_at(*tool_mm), name.carrier, place);
+        let Some(seen) = self.carry(witness, command, None).seen else {
+            return Twist { translation: Vector::zeros(), rotation: Vector::zeros() };
+        };
+        let on_workpiece_side = self.workpiece_side.iter().any(|link| name.axis() == Some(link.axis));
+        let back = seen.rotation.transpose() * if on_workpiece_side { -1.0 } else { 1.0 };
+        let unit = Vector::ith(name.direction.index() % 3, 1.0);
+        if name.direction.is_rotation() {
+            Twist { translation: back * unit.cross(&seen.translation), rotation: back * unit }
+        } else {
+            Twist { translation: back * unit, rotation: Vector::zeros() }
+        }
+    }
+
+    /// Tip and axis of the tool with their derivatives by the commands, in the workpiece frame.
+    pub(super) fn pointer(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Pointer {
+        self.carry(Pointer::new(*tool_mm, self.spindle_axis), &self.controlled(command, tool_mm, errors), errors)
+    }
+
+    /// Tip and axis of the tool in the workpiece frame, with errors.
+    pub(super) fn ray(&self, command: &AxisVector, tool_mm: &Vector, state: &State) -> Ray {
+        let command = self.controlled(command, tool_mm, Some(state));
+        self.carry(Ray { tip: *tool_mm, axis: self.spindle_axis }, &command, Some(state))
+    }
+
+    /// The axes that correct the position (X or U, Y or V, Z or W), where the machine has no rotary ones.
+    #[must_use]
+    pub fn straight_axes(&self) -> Option<[Option<Axis>; 3]> {
+        self.straight.as_ref().map(|_| self.linear.0)
+    }
+
+    /// The step of the linear axes on a machine without rotary axes; `None` where there are some.
+    pub(super) fn straight_step(&self) -> Option<&Result<LinearStep, Singular>> {
+        self.straight.as_ref().map(|straight| &straight.step)
+    }
+
+    /// The tip in the workpiece frame without errors, mm: what [`Self::nominal`] says of it.
+    pub(super) fn nominal_tip(&self, command: &AxisVector, tool_mm: &Vector) -> Vector {
+        let Some(straight) = &self.straight else { return self.carry(*tool_mm, command, None) };
+        straight.columns.iter().fold(self.spindle_mm + tool_mm, |tip, (axis, column)| tip + column * command[*axis])
+    }
+
+    /// The tip in the workpiece frame, mm.
+    pub(super) fn tip(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> Vector {
+        self.carry(*tool_mm, &self.controlled(command, tool_mm, errors), errors)
+    }
+
+    /// Where the control really sends the axes: the command and what its tables add to it. Without errors the command itself.
+    fn controlled(&self, command: &AxisVector, tool_mm: &Vector, errors: Option<&State>) -> AxisVector {
+        match (&self.active, errors) {
+            (Some(active), Some(state)) => *command + active.correction(command, tool_mm, state),
+            _ => *command,
+        }
+    }
+
+    /// Carries a body from the spindle to the workpiece; with errors where there is a state.
+    fn carry<B: Body>(&self, mut body: B, command: &AxisVector, errors: Option<&State>) -> B {
+        let mut within_turn;
+        let mut command = command;
+        if !self.modulo.is_empty() {
+            within_turn = *command;
+            for axis in self.modulo.iter() {
+                within_turn[axis] = command[axis].rem_euclid(TAU);
+            }
+            command = &within_turn;
+        }
+        body.visit(Carrier::Spindle, Place::Location);
+        if let (Some(error), Some(_)) = (&self.spindle_error, errors) {
+            error.apply(&mut body);
+        }
+        body.translate(&self.spindle_mm);
+        for link in &self.tool_side {
+            link.carry(&mut body, command, errors);
+        }
+        for link in &self.workpiece_side {
+            link.uncarry(&mut body, command, errors);
+        }
+        body
+    }
+}
+
+impl Straight {
+    fn of(tool_side: &[Link], workpiece_side: &[Link], linear: &LinearAxes) -> Straight {
+        let mut columns = [Vector::zeros(); AXIS_COUNT];
+        for (links, sense) in [(tool_side, 1.0), (workpiece_side, -1.0)] {
+            for link in links {
+                columns[link.axis.slot()] = link.direction * sense;
+            }
+        }
+        let correcting = linear.0.map(|axis| axis.map_or(Vector::zeros(), |axis| columns[axis.slot()]));
+        let moving = tool_side.iter().chain(workpiece_side).map(|link| (link.axis, columns[link.axis.slot()]));
+        Straight { columns: moving.collect(), step: LinearStep::new(linear, correcting) }
+    }
+}

@@ -1,0 +1,220 @@
+//! One `[[motion]]` entry while it is read: its keys carry units that follow from the component and its axis.
+
+use crate::name::ErrorName;
+use ncfix_base::diagnostic::Code;
+use ncfix_base::geometry::{Axis, AxisSet};
+use ncfix_base::units::{mm_from_um, rad_from_urad};
+use ncfix_machine::machine::file::Section;
+
+/// Units that a key may carry by mistake.
+const UNITS: [&str; 9] = ["um", "mm", "urad", "mrad", "rad", "deg", "arcsec", "nm", "in"];
+
+fn is_rotary(axis: Option<Axis>) -> bool {
+    axis.is_some_and(|axis| axis.is_rotary())
+}
+
+/// The key of a position of an axis.
+pub(super) fn position_key_of(stem: &str, axis: Option<Axis>) -> String {
+    format!("{stem}_{}", if is_rotary(axis) { "deg" } else { "mm" })
+}
+
+/// Greater deviations are in another unit, µm or µrad.
+const MOST_DEVIATION: f64 = 1e6;
+
+/// Greater coefficients are in another unit than mm and rad per power of mm and rad.
+const MOST_COEFFICIENT: f64 = 1e3;
+
+/// An entry whose component is known.
+#[derive(Debug)]
+pub struct Entry<'a> {
+    /// The section.
+    pub section: Section<'a>,
+    /// The component.
+    pub name: ErrorName,
+    /// The axes of the machine.
+    pub axes: AxisSet,
+}
+
+impl Entry<'_> {
+    fn is_rotary(&self) -> bool {
+        is_rotary(self.name.axis())
+    }
+
+    /// The key of a deviation: `values` as `values_um` or `values_urad`.
+    pub(super) fn deviation_key(&self, stem: &str) -> String {
+        format!("{stem}_{}", if self.name.direction.is_rotation() { "urad" } else { "um" })
+    }
+
+    /// The key of a position: `positions` as `positions_mm` or `positions_deg`.
+    pub(super) fn position_key(&self, stem: &str) -> String {
+        position_key_of(stem, self.name.axis())
+    }
+
+    /// The factor from the unit of deviations to mm or rad.
+    fn deviation_factor(&self) -> f64 {
+        if self.name.direction.is_rotation() { rad_from_urad(1.0) } else { mm_from_um(1.0) }
+    }
+
+    /// A position as it stands in the file as mm or rad.
+    fn position_from_file(&self, value: f64) -> f64 {
+        if self.is_rotary() { value.to_radians() } else { value }
+    }
+
+    /// A deviation, mm or rad.
+    pub(crate) fn deviation(&mut self, stem: &str) -> Option<f64> {
+        let key = self.deviation_key(stem);
+        self.check_deviation_unit(stem, &key)?;
+        let value = self.section.required(&key, "6.0", |section, key| {
+            section.number_where(key, "a deviation of less than a meter", |value| value.abs() <= MOST_DEVIATION)
+        })?;
+        Some(value * self.deviation_factor())
+    }
+
+    /// Deviations, mm or rad.
+    pub(super) fn deviations(&mut self, stem: &str) -> Option<Vec<f64>> {
+        let key = self.deviation_key(stem);
+        self.check_deviation_unit(stem, &key)?;
+        let values = self.section.required(&key, "[0, 4, -1]", Section::numbers)?;
+        if let Some(index) = values.iter().position(|value| value.abs() > MOST_DEVIATION) {
+            let place = self.section.place_of_item(&key, index);
+            let help = format!("check the unit: {key}");
+            self.section.report(Code::BAD_VALUE, place, "a deviation of more than a meter", help);
+            return None;
+        }
+        Some(values.into_iter().map(|value| value * self.deviation_factor()).collect())
+    }
+
+    /// A position, mm or rad.
+    pub(super) fn position(&mut self, stem: &str) -> Option<f64> {
+        let key = self.position_key(stem);
+        self.check_position_unit(stem, &key, self.name.axis())?;
+        let value = self.section.required(&key, "100", Section::number)?;
+        Some(self.position_from_file(value))
+    }
+
+    /// A length along the axis above zero, mm or rad.
+    pub(super) fn length(&mut self, stem: &str) -> Option<f64> {
+        let key = self.position_key(stem);
+        self.check_position_unit(stem, &key, self.name.axis())?;
+        let value = self.section.required(&key, "10.0", |section, key| {
+            section.number_where(key, "a number above 0", |length| length > 0.0)
+        })?;
+        Some(self.position_from_file(value))
+    }
+
+    /// Positions, mm or rad.
+    pub(super) fn positions(&mut self, stem: &str) -> Option<Vec<f64>> {
+        self.positions_of(stem, self.name.axis())
+    }
+
+    /// Positions of an axis, mm or rad.
+    pub(super) fn positions_of(&mut self, stem: &str, axis: Option<Axis>) -> Option<Vec<f64>> {
+        let key = position_key_of(stem, axis);
+        self.check_position_unit(stem, &key, axis)?;
+        let mut values = self.section.required(&key, "[0, 350, 700]", Section::numbers)?;
+        if is_rotary(axis) {
+            values.iter_mut().for_each(|value| *value = value.to_radians());
+        }
+        Some(values)
+    }
+
+    /// Rows of deviations, mm or rad.
+    pub(super) fn deviation_rows(&mut self, stem: &str) -> Option<Vec<Vec<f64>>> {
+        let key = self.deviation_key(stem);
+        self.check_deviation_unit(stem, &key)?;
+        let mut rows = self.section.required(&key, "[[0, 4], [1, 5]]", Section::rows)?;
+        rows.iter_mut().flatten().for_each(|value| *value *= self.deviation_factor());
+        Some(rows)
+    }
+
+    /// Another axis of the machine than that of the component.
+    pub(super) fn other_axis(&mut self, key: &str) -> Option<Axis> {
+        let letter = self.section.required(key, "\"X\"", Section::text)?;
+        let axis = match letter.as_bytes() {
+            [byte @ b'A'..=b'Z'] => Axis::from_letter(*byte),
+            _ => None,
+        };
+        let own = self.name.axis();
+        let found = axis.filter(|&axis| self.axes.contains(axis) && Some(axis) != own);
+        if found.is_none() {
+            let place = self.section.place_of(key);
+            let message = format!("{key} must be another axis of the machine, found \"{letter}\"");
+            let others: Vec<String> =
+                self.axes.iter().filter(|&axis| Some(axis) != own).map(|axis| axis.to_string()).collect();
+            self.section.report(Code::BAD_VALUE, place, message, format!("write one of {}", others.join(" ")));
+        }
+        found
+    }
+
+    /// Reports the key of a deviation with another unit than its component has.
+    fn check_deviation_unit(&mut self, stem: &str, key: &str) -> Option<()> {
+        let kind = if self.name.direction.is_rotation() { "rotation" } else { "displacement" };
+        let reason = format!("{} is a {kind}", self.name);
+        self.check_unit(stem, key, &reason)
+    }
+
+    /// Reports the key of a position with another unit than its axis has.
+    fn check_position_unit(&mut self, stem: &str, key: &str, axis: Option<Axis>) -> Option<()> {
+        let kind = if is_rotary(axis) { "rotary" } else { "linear" };
+        let reason = match axis {
+            Some(axis) if self.name.axis() != Some(axis) => format!("the axis {axis} is {kind}"),
+            _ => format!("the axis of {} is {kind}", self.name),
+        };
+        self.check_unit(stem, key, &reason)
+    }
+
+    /// Reports the key with another unit than it should have.
+    fn check_unit(&mut self, stem: &str, key: &str, reason: &str) -> Option<()> {
+        let Some(wrong) =
+            UNITS.iter().map(|unit| format!("{stem}_{unit}")).find(|wrong| wrong != key && self.section.has(wrong))
+        else {
+            return Some(());
+        };
+        let place = self.section.place_of_key(&wrong);
+        self.section.accept(&wrong);
+        self.section.accept(key);
+        self.section.report(
+            Code::WRONG_UNIT,
+            place,
+            format!("{wrong}: {reason}"),
+            format!("write {key}, with values in that unit"),
+        );
+        None
+    }
+
+    /// Coefficients, mm and rad as they are.
+    pub(super) fn coefficients(&mut self, key: &str) -> Option<Vec<f64>> {
+        let values = self.section.required(key, "[0, 1e-5]", Section::numbers)?;
+        if let Some(index) = values.iter().position(|value| value.abs() > MOST_COEFFICIENT) {
+            let place = self.section.place_of_item(key, index);
+            let help = format!("{key} are in mm and rad per power of mm and rad; check the unit");
+            self.section.report(Code::BAD_VALUE, place, "a coefficient that makes errors of meters", help);
+            return None;
+        }
+        Some(values)
+    }
+
+    /// Whether there is a key of this stem, whatever its unit.
+    pub(super) fn has_stem(&self, stem: &str) -> bool {
+        UNITS.iter().any(|unit| self.section.has(&format!("{stem}_{unit}")))
+    }
+
+    /// Reports `E0408` where positions do not increase strictly.
+    pub(super) fn demand_increase(&mut self, key: &str, positions: &[f64]) -> Option<()> {
+        let fault = positions.windows(2).position(|pair| pair[0] >= pair[1]);
+        if let Some(index) = fault {
+            let place = self.section.place_of_item(key, index + 1);
+            let message = format!("position {} of {key} is not above the one before it", index + 2);
+            self.section.report(Code::BAD_TABLE, place, message, "sort the positions and remove double ones");
+            return None;
+        }
+        Some(())
+    }
+
+    /// Closes a subsection of this entry.
+    pub(super) fn take_findings(&mut self, subsection: Section<'_>) {
+        let mut findings = Vec::new();
+        subsection.finish(&mut findings);
+        self.section.add(findings);
+    }
+}

@@ -1,0 +1,295 @@
+//! Position-dependent errors: one file per kind of function, and their sum per axis.
+//!
+//! A function gives one component (mm or rad) from the actual commands of its axis, of another axis ([`cross`], [`grid`]) or from the
+//! sense of the last motion ([`backlash`]). A kind is a file here and a line in [`KINDS`].
+
+pub mod backlash;
+pub mod cross;
+pub mod dynamic;
+mod entry;
+pub mod grid;
+mod intervals;
+pub mod periodic;
+pub mod piecewise;
+pub mod polynomial;
+pub mod table;
+
+pub use entry::Entry;
+
+use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_machine::machine::State;
+
+use super::Features;
+use super::name::ErrorName;
+
+/// A position-dependent error: one entry of the machine file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionError {
+    /// The component that it adds to.
+    pub name: ErrorName,
+    /// Its value.
+    pub function: Function,
+}
+
+/// A function of one kind.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Function {
+    /// See [`polynomial`].
+    Polynomial(polynomial::Polynomial),
+    /// See [`table`].
+    Table(table::Table),
+    /// See [`piecewise`].
+    Piecewise(piecewise::Piecewise),
+    /// See [`periodic`].
+    Periodic(periodic::Periodic),
+    /// See [`backlash`].
+    Backlash(backlash::Backlash),
+    /// See [`cross`].
+    Cross(cross::Cross),
+    /// See [`grid`].
+    Grid(grid::Grid),
+    /// See [`dynamic`]; it has a section of its own.
+    Dynamic(dynamic::Dynamic),
+}
+
+/// A kind of function as the machine file names it.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    /// `kind = "…"`.
+    pub name: &'static str,
+    /// Reads the keys of the kind; what is wrong is reported in the entry.
+    pub read: fn(&mut Entry<'_>) -> Option<Function>,
+    /// The lines of an entry below its `[[motion]]`, for a machine with the axes X, Y and Z.
+    pub example: &'static str,
+}
+
+/// All kinds.
+pub const KINDS: &[Kind] = &[
+    Kind { name: "polynomial", read: polynomial::read, example: polynomial::EXAMPLE },
+    Kind { name: "table", read: table::read, example: table::EXAMPLE },
+    Kind { name: "piecewise", read: piecewise::read, example: piecewise::EXAMPLE },
+    Kind { name: "periodic", read: periodic::read, example: periodic::EXAMPLE },
+    Kind { name: "backlash", read: backlash::read, example: backlash::EXAMPLE },
+    Kind { name: "cross", read: cross::read, example: cross::EXAMPLE },
+    Kind { name: "grid", read: grid::read, example: grid::EXAMPLE },
+];
+
+impl Function {
+    /// The value, mm or rad, of a function of `axis`.
+    #[must_use]
+    pub fn value(&self, axis: Axis, command: &AxisVector, state: &State) -> f64 {
+        let own = command[axis];
+        match self {
+            Function::Polynomial(polynomial) => polynomial.value(own),
+            Function::Table(table) => table.value(own),
+            Function::Piecewise(piecewise) => piecewise.value(own),
+            Function::Periodic(periodic) => periodic.value(own),
+            Function::Backlash(backlash) => backlash.value(own, state.direction(axis)),
+            Function::Cross(cross) => cross.value(own, command[cross.with]),
+            Function::Grid(grid) => grid.value(own, command[grid.with]),
+            Function::Dynamic(dynamic) => dynamic.value(axis, state),
+        }
+    }
+
+    /// Whether the value is zero everywhere.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        let all_zero = |values: &[f64]| values.iter().all(|&value| value == 0.0);
+        match self {
+            Function::Polynomial(polynomial) => all_zero(&polynomial.coefficients),
+            Function::Table(table) => all_zero(&table.values),
+            Function::Piecewise(piecewise) => {
+                all_zero(&piecewise.coefficients) && piecewise.knots.iter().all(|knot| all_zero(&knot.coefficients))
+            }
+            Function::Periodic(periodic) => periodic.amplitude == 0.0,
+            Function::Backlash(backlash) => all_zero(&backlash.reversal.values),
+            Function::Cross(cross) => all_zero(&cross.coefficients) || all_zero(&cross.with_coefficients),
+            Function::Grid(grid) => grid.values.iter().all(|row| all_zero(row)),
+            Function::Dynamic(dynamic) => all_zero(&[dynamic.by_acceleration, dynamic.by_jerk]),
+        }
+    }
+
+    /// Shows every value that the function is proportional to, with its name.
+    pub fn visit_values(&mut self, visit: &mut dyn FnMut(&str, &mut f64)) {
+        let mut list = |name: &str, values: &mut [f64]| {
+            for (index, value) in values.iter_mut().enumerate() {
+                visit(&format!("{name}[{index}]"), value);
+            }
+        };
+        match self {
+            Function::Polynomial(polynomial) => list("coefficients", &mut polynomial.coefficients),
+            Function::Table(table) => list("values", &mut table.values),
+            Function::Piecewise(piecewise) => {
+                list("coefficients", &mut piecewise.coefficients);
+                for (index, knot) in piecewise.knots.iter_mut().enumerate() {
+                    list(&format!("knots[{index}].coefficients"), &mut knot.coefficients);
+                }
+            }
+            Function::Periodic(periodic) => visit("amplitude", &mut periodic.amplitude),
+            Function::Backlash(backlash) => match backlash.reversal.values.as_mut_slice() {
+                [value] => visit("value", value),
+                values => list("values", values),
+            },
+            Function::Cross(cross) => list("coefficients", &mut cross.coefficients),
+            Function::Dynamic(dynamic) => {
+                visit("by_acceleration", &mut dynamic.by_acceleration);
+                visit("by_jerk", &mut dynamic.by_jerk);
+            }
+            Function::Grid(grid) => {
+                for (index, row) in grid.values.iter_mut().enumerate() {
+                    list(&format!("values[{index}]"), row);
+                }
+            }
+        }
+    }
+
+    /// The function times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Function {
+        let mut scaled = self.clone();
+        scaled.visit_values(&mut |_, value| *value *= factor);
+        scaled
+    }
+
+    /// Notes in the features of `axis`, whose function this is, and of the axes that it depends on besides, how finely it must be
+    /// sampled. `travels` are the lengths of travel, mm or rad, by slot.
+    pub(super) fn note_features(&self, axis: Axis, travels: &[f64], features: &mut [Features]) {
+        let travel = travels[axis.slot()];
+        let own = &mut features[axis.slot()];
+        match self {
+            Function::Polynomial(polynomial) => own.note_degree(polynomial::degree(&polynomial.coefficients), travel),
+            Function::Table(table) => own.note_knots(table.knots().iter().copied()),
+            Function::Piecewise(piecewise) => {
+                own.note_degree(piecewise.degree(), travel);
+                own.note_knots(piecewise.knots.iter().map(|knot| knot.at));
+            }
+            Function::Periodic(periodic) => own.note_length(periodic.period / 2.0),
+            Function::Backlash(backlash) => {
+                own.backlash = true;
+                own.note_knots(backlash.reversal.knots().iter().copied());
+            }
+            Function::Cross(cross) => {
+                own.note_degree(polynomial::degree(&cross.coefficients), travel);
+                let with = cross.with.slot();
+                features[with].note_degree(polynomial::degree(&cross.with_coefficients), travels[with]);
+            }
+            Function::Grid(grid) => {
+                let [along, across] = grid.knots();
+                own.note_knots(along.iter().copied());
+                features[grid.with.slot()].note_knots(across.iter().copied());
+            }
+            // It is the same everywhere.
+            Function::Dynamic(_) => {}
+        }
+    }
+}
+
+/// All motion errors of one axis, prepared for evaluation: polynomials of all components are summed and evaluated side by side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Functions {
+    /// Coefficients of the six components, highest degree first.
+    polynomial: Vec<[f64; 6]>,
+    others: Vec<(usize, Function)>,
+    /// What was put on a grid for a control.
+    intervals: Option<intervals::Intervals>,
+}
+
+impl Functions {
+    /// The functions of one axis.
+    pub(super) fn of(axis: Axis, errors: &[MotionError]) -> Functions {
+        let mut functions = Functions::default();
+        let own = errors.iter().filter(|error| error.name.axis() == Some(axis) && !error.function.is_zero());
+        for error in own {
+            let row = error.name.direction.index();
+            match &error.function {
+                Function::Polynomial(polynomial) => functions.add_polynomial(row, &polynomial.coefficients),
+                Function::Piecewise(piecewise) => {
+                    functions.add_polynomial(row, &piecewise.coefficients);
+                    let knots = piecewise.knots.clone();
+                    let rest = Function::Piecewise(piecewise::Piecewise { coefficients: Vec::new(), knots });
+                    functions.others.push((row, rest));
+                }
+                other => functions.others.push((row, other.clone())),
+            }
+        }
+        functions
+    }
+
+    fn add_polynomial(&mut self, row: usize, coefficients: &[f64]) {
+        while self.polynomial.len() < coefficients.len() {
+            self.polynomial.insert(0, [0.0; 6]);
+        }
+        for (sum, coefficient) in self.polynomial.iter_mut().rev().zip(coefficients) {
+            sum[row] += coefficient;
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.polynomial.is_empty() && self.others.is_empty() && self.intervals.is_none()
+    }
+
+    /// EX EY EZ (mm) and EA EB EC (rad) of the axis.
+    #[inline(always)]
+    pub(super) fn evaluate(&self, axis: Axis, command: &AxisVector, state: &State) -> [f64; 6] {
+        let own = command[axis];
+        let mut components = [0.0; 6];
+        for coefficients in &self.polynomial {
+            for (component, coefficient) in components.iter_mut().zip(coefficients) {
+                *component = *component * own + coefficient;
+            }
+        }
+        // Sums of polynomials stay in registers: a sum at a row that is known at run time only goes through memory.
+        if self.intervals.is_none() && self.others.is_empty() {
+            return components;
+        }
+        self.with_others(components, axis, command, state)
+    }
+
+    /// The components with what is no polynomial.
+    #[inline(never)]
+    fn with_others(&self, mut components: [f64; 6], axis: Axis, command: &AxisVector, state: &State) -> [f64; 6] {
+        if let Some(intervals) = &self.intervals {
+            let on_grid = intervals.value(command[axis], state.direction(axis));
+            components.iter_mut().zip(on_grid).for_each(|(sum, value)| *sum += value);
+        }
+        for (row, function) in &self.others {
+            components[*row] += function.value(axis, command, state);
+        }
+        components
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::name::Direction;
+
+    #[test]
+    fn entries_of_one_component_add_up() {
+        let exx = ErrorName::motion(Direction::X, Axis::X);
+        let eax = ErrorName::motion(Direction::A, Axis::X);
+        let polynomial =
+            |coefficients: &[f64]| Function::Polynomial(polynomial::Polynomial { coefficients: coefficients.to_vec() });
+        let errors = [
+            MotionError { name: exx, function: polynomial(&[1.0, 2.0]) },
+            MotionError { name: exx, function: polynomial(&[0.5, 0.0, 0.25, 0.125]) },
+            MotionError { name: eax, function: polynomial(&[0.0, 1.0]) },
+            MotionError { name: exx, function: Function::Backlash(backlash::Backlash::constant(6.0)) },
+            MotionError { name: ErrorName::motion(Direction::X, Axis::Y), function: polynomial(&[100.0]) },
+        ];
+        let functions = Functions::of(Axis::X, &errors);
+        let mut command = AxisVector::ZERO;
+        command[Axis::X] = 2.0;
+        let mut state = State::default();
+        state.direction[0] = -1;
+        // 1 + 4, 0.5 + 1 + 1, −3; and 2 for the roll.
+        assert_eq!(functions.evaluate(Axis::X, &command, &state), [4.5, 0.0, 0.0, 2.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_function_of_zeros_is_left_out() {
+        let zero = Function::Polynomial(polynomial::Polynomial { coefficients: vec![0.0, 0.0] });
+        let errors = [MotionError { name: ErrorName::motion(Direction::X, Axis::X), function: zero }];
+        assert!(Functions::of(Axis::X, &errors).is_empty());
+    }
+}

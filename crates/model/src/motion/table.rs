@@ -1,0 +1,101 @@
+//! Table of measured deviations: linear between its points, constant outside, as controls interpolate their own tables.
+//!
+//! e(q) = eᵢ + (eᵢ₊₁ − eᵢ)(q − qᵢ)/(qᵢ₊₁ − qᵢ) for qᵢ ≤ q ≤ qᵢ₊₁ (Sinumerik `$AN_CEC`, ISO/TR 16907).
+
+use super::{Entry, Function};
+use ncfix_base::diagnostic::Code;
+
+/// Points of a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    /// Commands, strictly increasing, mm or rad.
+    pub positions: Vec<f64>,
+    /// Deviations there, mm or rad, as many.
+    pub values: Vec<f64>,
+}
+
+impl Table {
+    /// The value at a command, mm or rad.
+    #[must_use]
+    pub fn value(&self, command: f64) -> f64 {
+        let cell = Cell::around(&self.positions, command);
+        cell.blend(|index| self.values.get(index).copied().unwrap_or_default())
+    }
+
+    /// The kinks: none where a single point makes it constant.
+    pub(super) fn knots(&self) -> &[f64] {
+        if self.positions.len() > 1 { &self.positions } else { &[] }
+    }
+}
+
+/// The points of a table around a command.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cell {
+    lower: usize,
+    upper: usize,
+    /// Share of the way from the lower to the upper, 0 … 1.
+    share: f64,
+}
+
+impl Cell {
+    /// In increasing positions; outside them both points are the outermost.
+    pub(super) fn around(positions: &[f64], command: f64) -> Cell {
+        let upper = positions.partition_point(|&position| position <= command);
+        let lower = upper.saturating_sub(1);
+        match (positions.get(lower), positions.get(upper)) {
+            (Some(&left), Some(&right)) if lower < upper => {
+                Cell { lower, upper, share: (command - left) / (right - left) }
+            }
+            _ => Cell { lower, upper: lower, share: 0.0 },
+        }
+    }
+
+    /// The value between those of the two points.
+    pub(super) fn blend(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let low = value(self.lower);
+        if self.lower == self.upper { low } else { low + (value(self.upper) - low) * self.share }
+    }
+}
+
+/// An entry of this kind.
+pub(super) const EXAMPLE: &str = "component = \"EYX\"\nkind = \"table\"\n\
+    positions_mm = [0, 350, 700]\nvalues_um = [0, 4, -1]\n";
+
+/// Reads `positions_mm` or `positions_deg` and `values_um` or `values_urad`.
+pub(super) fn read(entry: &mut Entry<'_>) -> Option<Function> {
+    read_points(entry).map(Function::Table)
+}
+
+/// The points of a table.
+pub(super) fn read_points(entry: &mut Entry<'_>) -> Option<Table> {
+    let positions_key = entry.position_key("positions");
+    let values_key = entry.deviation_key("values");
+    let positions = entry.positions("positions");
+    let values = entry.deviations("values");
+    let (positions, values) = (positions?, values?);
+    if positions.is_empty() || positions.len() != values.len() {
+        let message = format!("{} {positions_key} and {} {values_key}", positions.len(), values.len());
+        let place = entry.section.place_of(&values_key);
+        entry.section.report(Code::BAD_TABLE, place, message, "give one value for every position, at least one");
+        return None;
+    }
+    entry.demand_increase(&positions_key, &positions)?;
+    Some(Table { positions, values })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn linear_between_points_and_constant_outside() {
+        let table = Table { positions: vec![0.0, 350.0, 700.0], values: vec![0.0, 4e-3, -1e-3] };
+        for (command, value) in
+            [(-5.0, 0.0), (0.0, 0.0), (87.5, 1e-3), (350.0, 4e-3), (490.0, 2e-3), (700.0, -1e-3), (800.0, -1e-3)]
+        {
+            assert!((table.value(command) - value).abs() < 1e-15, "{command}");
+        }
+        let constant = Table { positions: vec![5.0], values: vec![2.0] };
+        assert_eq!([constant.value(4.0), constant.value(5.0), constant.value(6.0)], [2.0; 3]);
+    }
+}

@@ -1,0 +1,169 @@
+//! Names of error components: `EXX`, `EAY`, `EC0Y`, `EX0S` (ISO 230-1, ISO 230-7).
+//!
+//! `E`, the direction of the deviation, and the axis that has it. A `0` before the axis marks a location error: it does not
+//! depend on the position of the axis.
+
+use std::fmt;
+use std::str::FromStr;
+
+use ncfix_base::geometry::Axis;
+
+/// Direction of a deviation: along or about an axis of F at the zero pose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+#[expect(missing_docs, reason = "X Y Z are displacements along, A B C rotations about the axes of F")]
+pub enum Direction {
+    X,
+    Y,
+    Z,
+    A,
+    B,
+    C,
+}
+
+/// The directions in order of their index: three displacements, three rotations.
+pub const DIRECTIONS: [Direction; 6] =
+    [Direction::X, Direction::Y, Direction::Z, Direction::A, Direction::B, Direction::C];
+
+/// The body that deviates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Carrier {
+    /// The body that an axis moves.
+    Axis(Axis),
+    /// The spindle.
+    Spindle,
+}
+
+/// Whether an error depends on the position of its axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum ErrorKind {
+    /// It does not: where the axis is in the machine (`EC0Y`).
+    Location,
+    /// It does: how the axis moves (`EXX`).
+    Motion,
+}
+
+/// The name of an error component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ErrorName {
+    /// Direction of the deviation.
+    pub direction: Direction,
+    /// The body that deviates.
+    pub carrier: Carrier,
+    /// Location or motion error.
+    pub kind: ErrorKind,
+}
+
+impl Direction {
+    /// 0 … 5.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Whether it is a rotation (rad), not a displacement (mm).
+    #[must_use]
+    pub fn is_rotation(self) -> bool {
+        self >= Direction::A
+    }
+
+    /// Its letter.
+    #[must_use]
+    pub fn letter(self) -> char {
+        ['X', 'Y', 'Z', 'A', 'B', 'C'][self.index()]
+    }
+}
+
+impl ErrorName {
+    /// The motion error of an axis.
+    #[must_use]
+    pub fn motion(direction: Direction, axis: Axis) -> ErrorName {
+        ErrorName { direction, carrier: Carrier::Axis(axis), kind: ErrorKind::Motion }
+    }
+
+    /// The location error of an axis.
+    #[must_use]
+    pub fn location(direction: Direction, axis: Axis) -> ErrorName {
+        ErrorName { direction, carrier: Carrier::Axis(axis), kind: ErrorKind::Location }
+    }
+
+    /// The location error of the spindle.
+    #[must_use]
+    pub fn spindle(direction: Direction) -> ErrorName {
+        ErrorName { direction, carrier: Carrier::Spindle, kind: ErrorKind::Location }
+    }
+
+    /// The axis that has the error; `None` for the spindle.
+    #[must_use]
+    pub fn axis(&self) -> Option<Axis> {
+        match self.carrier {
+            Carrier::Axis(axis) => Some(axis),
+            Carrier::Spindle => None,
+        }
+    }
+}
+
+impl fmt::Display for ErrorName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "E{}", self.direction.letter())?;
+        if self.kind == ErrorKind::Location {
+            f.write_str("0")?;
+        }
+        match self.carrier {
+            Carrier::Axis(axis) => write!(f, "{axis}"),
+            Carrier::Spindle => f.write_str("S"),
+        }
+    }
+}
+
+/// A text that is no component name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoSuchComponent;
+
+impl fmt::Display for NoSuchComponent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "a component is E, a direction X Y Z A B C, 0 for a location error, and an axis (or S): EXX, EC0Y, EX0S",
+        )
+    }
+}
+
+impl std::error::Error for NoSuchComponent {}
+
+impl FromStr for ErrorName {
+    type Err = NoSuchComponent;
+
+    fn from_str(text: &str) -> Result<Self, NoSuchComponent> {
+        let (kind, letter, body) = match *text.as_bytes() {
+            [b'E', letter, b'0', body] => (ErrorKind::Location, letter, body),
+            [b'E', letter, body] => (ErrorKind::Motion, letter, body),
+            _ => return Err(NoSuchComponent),
+        };
+        let direction =
+            DIRECTIONS.into_iter().find(|direction| direction.letter() == char::from(letter)).ok_or(NoSuchComponent)?;
+        let carrier = match (body, kind) {
+            // A rotation about the spindle's own axis moves nothing, and a spindle has no position.
+            (b'S', ErrorKind::Location) if direction != Direction::C => Carrier::Spindle,
+            (b'A'..=b'Z', _) => Carrier::Axis(Axis::from_letter(body).ok_or(NoSuchComponent)?),
+            _ => return Err(NoSuchComponent),
+        };
+        Ok(ErrorName { direction, carrier, kind })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_read_back_as_written() {
+        for text in ["EXX", "EAY", "EC0Y", "EX0C", "EX0S", "EB0S", "ECC", "EZW", "EY0U"] {
+            assert_eq!(text.parse::<ErrorName>().unwrap().to_string(), text);
+        }
+        assert_eq!("EC0Y".parse(), Ok(ErrorName::location(Direction::C, Axis::Y)));
+        assert_eq!("EXS".parse::<ErrorName>(), Err(NoSuchComponent), "the spindle has location errors only");
+        for text in ["", "E", "EX", "exx", "EDX", "EXQ", "EX1S", "EC0S", "EXXX", "C0Y", "EX0", "EX00", "E0XX", "EXx"] {
+            assert_eq!(text.parse::<ErrorName>(), Err(NoSuchComponent), "{text}");
+        }
+    }
+}

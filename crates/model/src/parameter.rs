@@ -1,0 +1,346 @@
+//! One number of an error model by its name: what a calibration fits, and how it is read from and written to the model.
+//!
+//! | name | number | unit |
+//! | --- | --- | --- |
+//! | `EC0Y`, `EX0C`, `EX0S` | a location error, of an axis or of the spindle | mm, rad |
+//! | `EXX1`, `EAY0` | coefficient of degree 1 of `EXX`, of degree 0 of `EAY` | mm, rad per power of mm, rad |
+//! | `EXXb` | coefficient of the sense of the last motion, +1 or −1: **half** of the reversal value | mm, rad |
+//! | `EXX2@150` | coefficient of (x − 150)₊², a truncated power that begins at 150 mm (degrees for a rotary axis) | as of its degree |
+//!
+//! Coefficients and backlash are those of Esmaeili 2021, eq. 19: E = Σ cₖ qᵏ + s·b with the sense s; truncated powers those of Spaan,
+//! eq. 3.3. Entries of the machine file that describe the same component add up, so that a parameter is their sum: reading adds,
+//! and writing changes the first entry that can hold it, or adds one. All in mm and rad.
+
+use std::fmt;
+use std::str::FromStr;
+
+use super::motion::backlash::Backlash;
+use super::motion::piecewise::{Knot, Piecewise};
+use super::motion::polynomial::Polynomial;
+use super::motion::{Function, MotionError};
+use super::name::{ErrorKind, ErrorName, NoSuchComponent};
+use super::{ErrorModel, LocationError};
+use ncfix_base::geometry::AxisVector;
+use ncfix_machine::machine::State;
+
+/// Which number of a component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Term {
+    /// The only one of a location error.
+    Whole,
+    /// The coefficient of this degree; names have degrees up to 9.
+    Coefficient(u8),
+    /// The coefficient of the sense of the last motion.
+    Backlash,
+    /// The coefficient of a truncated power.
+    Knot {
+        /// Degree; names have degrees up to 9.
+        degree: u8,
+        /// Where it begins, whole mm, or degrees on a rotary axis.
+        at: i32,
+    },
+}
+
+/// The name of a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ParameterName {
+    /// The error component.
+    pub component: ErrorName,
+    /// Which number of it; [`Term::Whole`] for a location error, another for a motion error.
+    pub term: Term,
+}
+
+impl ParameterName {
+    /// A location error.
+    #[must_use]
+    pub fn location(component: ErrorName) -> ParameterName {
+        ParameterName { component, term: Term::Whole }
+    }
+
+    /// A coefficient of a motion error.
+    #[must_use]
+    pub fn coefficient(component: ErrorName, degree: u8) -> ParameterName {
+        ParameterName { component, term: Term::Coefficient(degree) }
+    }
+
+    /// The backlash in a motion error.
+    #[must_use]
+    pub fn backlash(component: ErrorName) -> ParameterName {
+        ParameterName { component, term: Term::Backlash }
+    }
+
+    /// What a reading in mm or rad is multiplied with to give the component: 1, qᵏ, the sense, (q − t)₊ᵏ.
+    #[must_use]
+    pub fn weight(&self, command: &AxisVector, state: &State) -> f64 {
+        let Some(axis) = self.component.axis() else { return 1.0 };
+        let own = command[axis];
+        match self.term {
+            Term::Whole => 1.0,
+            Term::Coefficient(degree) => own.powi(i32::from(degree)),
+            Term::Backlash => f64::from(state.direction(axis)),
+            Term::Knot { degree, at } => {
+                let beyond = own - self.knot_at(at);
+                if beyond >= 0.0 { beyond.powi(i32::from(degree)) } else { 0.0 }
+            }
+        }
+    }
+
+    /// The power of mm or rad that the number is divided by; 0 where it is a deviation.
+    #[must_use]
+    pub fn degree(&self) -> u8 {
+        match self.term {
+            Term::Whole | Term::Backlash => 0,
+            Term::Coefficient(degree) | Term::Knot { degree, .. } => degree,
+        }
+    }
+
+    /// The unit: `mm`, `rad`, `mm/mm^2`, `rad/rad`.
+    #[must_use]
+    pub fn unit(&self) -> String {
+        let deviation = if self.component.direction.is_rotation() { "rad" } else { "mm" };
+        let position = if self.is_of_rotary_axis() { "rad" } else { "mm" };
+        match self.degree() {
+            0 => deviation.to_owned(),
+            1 => format!("{deviation}/{position}"),
+            degree => format!("{deviation}/{position}^{degree}"),
+        }
+    }
+
+    /// Its value in a model, mm or rad per power; 0 where nothing describes it.
+    #[must_use]
+    pub fn get(&self, errors: &ErrorModel) -> f64 {
+        let motion = errors.motion.iter().filter(|error| error.name == self.component).map(|error| &error.function);
+        match self.term {
+            Term::Whole => {
+                let own = errors.location.iter().filter(|error| error.name == self.component);
+                own.map(|error| error.value).sum()
+            }
+            Term::Coefficient(degree) => {
+                motion.filter_map(global_part).map(|part| part.get(usize::from(degree)).copied().unwrap_or(0.0)).sum()
+            }
+            Term::Backlash => motion.map(|function| self.backlash_of(function)).sum(),
+            Term::Knot { degree, at } => motion
+                .filter_map(|function| match function {
+                    Function::Piecewise(piecewise) => Some(&piecewise.knots),
+                    _ => None,
+                })
+                .flatten()
+                .filter(|knot| is_at(knot, self.knot_at(at)))
+                .map(|knot| knot.coefficients.get(usize::from(degree)).copied().unwrap_or(0.0))
+                .sum(),
+        }
+    }
+
+    /// Changes a model so that [`Self::get`] gives this value, mm or rad per power.
+    pub fn set(&self, errors: &mut ErrorModel, value: f64) {
+        // What the entries other than the changed one hold stays.
+        let change = value - self.get(errors);
+        if self.term == Term::Whole {
+            match errors.location.iter_mut().find(|error| error.name == self.component) {
+                Some(error) => error.value += change,
+                None => errors.location.push(LocationError { name: self.component, value }),
+            }
+            return;
+        }
+        let own = errors.motion.iter_mut().filter(|error| error.name == self.component);
+        let mut functions = own.map(|error| &mut error.function);
+        let changed = match self.term {
+            Term::Whole => None,
+            Term::Coefficient(degree) => functions.find_map(global_part_mut).map(|part| add(part, degree, change)),
+            Term::Backlash => functions.find(|function| is_constant_backlash(function)).map(|function| {
+                *function = backlash(self.backlash_of(function) + change);
+            }),
+            Term::Knot { degree, at } => functions
+                .find_map(|function| match function {
+                    Function::Piecewise(piecewise) => Some(&mut piecewise.knots),
+                    _ => None,
+                })
+                .map(|knots| add(knot_at(knots, self.knot_at(at)), degree, change)),
+        }
+        .is_some();
+        if !changed {
+            errors.motion.push(MotionError { name: self.component, function: self.function(value) });
+        }
+    }
+
+    /// A function with nothing but this parameter.
+    fn function(&self, value: f64) -> Function {
+        let alone = |degree| {
+            let mut coefficients = Vec::new();
+            add(&mut coefficients, degree, value);
+            coefficients
+        };
+        match self.term {
+            Term::Whole => Function::Polynomial(Polynomial { coefficients: alone(0) }),
+            Term::Coefficient(degree) => Function::Polynomial(Polynomial { coefficients: alone(degree) }),
+            Term::Backlash => backlash(value),
+            Term::Knot { degree, at } => {
+                let knots = vec![Knot { at: self.knot_at(at), coefficients: alone(degree) }];
+                Function::Piecewise(Piecewise { coefficients: Vec::new(), knots })
+            }
+        }
+    }
+
+    /// The deviation behind a positive motion if the function is a backlash, else 0.
+    fn backlash_of(&self, function: &Function) -> f64 {
+        match (function, self.component.axis()) {
+            (Function::Backlash(_), Some(axis)) if is_constant_backlash(function) => {
+                let mut forward = State::default();
+                forward.direction.fill(1);
+                function.value(axis, &AxisVector::ZERO, &forward)
+            }
+            _ => 0.0,
+        }
+    }
+
+    fn is_of_rotary_axis(&self) -> bool {
+        self.component.axis().is_some_and(|axis| axis.is_rotary())
+    }
+
+    /// The command at which a truncated power begins, mm or rad.
+    fn knot_at(&self, at: i32) -> f64 {
+        if self.is_of_rotary_axis() { f64::from(at).to_radians() } else { f64::from(at) }
+    }
+}
+
+/// The coefficients of a function that apply everywhere.
+fn global_part(function: &Function) -> Option<&Vec<f64>> {
+    match function {
+        Function::Polynomial(polynomial) => Some(&polynomial.coefficients),
+        Function::Piecewise(piecewise) => Some(&piecewise.coefficients),
+        _ => None,
+    }
+}
+
+fn global_part_mut(function: &mut Function) -> Option<&mut Vec<f64>> {
+    match function {
+        Function::Polynomial(polynomial) => Some(&mut polynomial.coefficients),
+        Function::Piecewise(piecewise) => Some(&mut piecewise.coefficients),
+        _ => None,
+    }
+}
+
+/// Whether it is a backlash that is the same everywhere; one that changes along the axis is no single parameter.
+fn is_constant_backlash(function: &Function) -> bool {
+    matches!(function, Function::Backlash(backlash) if backlash.reversal.positions.len() == 1)
+}
+
+/// A backlash by its coefficient of the sense.
+fn backlash(half: f64) -> Function {
+    Function::Backlash(Backlash::constant(2.0 * half))
+}
+
+fn add(coefficients: &mut Vec<f64>, degree: u8, change: f64) {
+    let index = usize::from(degree);
+    if coefficients.len() <= index {
+        coefficients.resize(index + 1, 0.0);
+    }
+    if let Some(coefficient) = coefficients.get_mut(index) {
+        *coefficient += change;
+    }
+}
+
+/// Whether a knot of a file, whose degrees have been converted, is the one that begins here.
+fn is_at(knot: &Knot, at: f64) -> bool {
+    (knot.at - at).abs() < 1e-9
+}
+
+/// The coefficients of the knot at a command; it is put in where there is none.
+fn knot_at(knots: &mut Vec<Knot>, at: f64) -> &mut Vec<f64> {
+    let place = knots.iter().position(|knot| is_at(knot, at)).unwrap_or_else(|| {
+        let place = knots.partition_point(|knot| knot.at < at);
+        knots.insert(place, Knot { at, coefficients: Vec::new() });
+        place
+    });
+    &mut knots[place].coefficients
+}
+
+impl fmt::Display for ParameterName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.component.fmt(f)?;
+        match self.term {
+            Term::Whole => Ok(()),
+            Term::Coefficient(degree) => degree.fmt(f),
+            Term::Backlash => f.write_str("b"),
+            Term::Knot { degree, at } => write!(f, "{degree}@{at}"),
+        }
+    }
+}
+
+/// A text that names no parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoSuchParameter;
+
+impl fmt::Display for NoSuchParameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "a parameter is a location error (EC0Y), a motion error with a degree (EXX1) or b for backlash (EXXb), or a \
+             degree and where a truncated power begins (EXX2@150)",
+        )
+    }
+}
+
+impl std::error::Error for NoSuchParameter {}
+
+impl From<NoSuchComponent> for NoSuchParameter {
+    fn from(_: NoSuchComponent) -> Self {
+        NoSuchParameter
+    }
+}
+
+impl FromStr for ParameterName {
+    type Err = NoSuchParameter;
+
+    fn from_str(text: &str) -> Result<Self, NoSuchParameter> {
+        if let Ok(component) = text.parse::<ErrorName>()
+            && component.kind == ErrorKind::Location
+        {
+            return Ok(ParameterName::location(component));
+        }
+        let (component, term) = text.split_at_checked(3).ok_or(NoSuchParameter)?;
+        let component: ErrorName = component.parse()?;
+        let term = match *term.as_bytes() {
+            [b'b'] => Term::Backlash,
+            [degree @ b'0'..=b'9'] => Term::Coefficient(degree - b'0'),
+            [degree @ b'0'..=b'9', b'@', ..] => {
+                let place = &term[2..];
+                let at: i32 = place.parse().map_err(|_| NoSuchParameter)?;
+                // One name per parameter: no +5, no 05.
+                if at.to_string() != place {
+                    return Err(NoSuchParameter);
+                }
+                Term::Knot { degree: degree - b'0', at }
+            }
+            _ => return Err(NoSuchParameter),
+        };
+        Ok(ParameterName { component, term })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn name(text: &str) -> ParameterName {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn names_read_back_as_written() {
+        for text in ["EC0Y", "EX0S", "EXX1", "EAX0", "EBB3", "EXXb", "ECCb", "EZY2@-150", "EAW9", "EXX0@0"] {
+            assert_eq!(name(text).to_string(), text);
+        }
+        for text in
+            ["", "EXX", "EXX10", "EXXB", "EC0Y1", "EXS1", "EXXé", "E", "EXX2@", "EXX2@+5", "EXX2@05", "EXX2@1.5"]
+        {
+            assert_eq!(text.parse::<ParameterName>(), Err(NoSuchParameter), "{text}");
+        }
+    }
+
+    #[test]
+    fn units_follow_deviation_and_axis() {
+        let units =
+            ["EX0C", "EA0C", "EXX0", "EXX1", "EAX2", "EXB3", "ECC1", "ECCb", "EXX2@50"].map(|text| name(text).unit());
+        assert_eq!(units, ["mm", "rad", "mm", "mm/mm", "rad/mm^2", "mm/rad^3", "rad/rad", "rad", "mm/mm^2"]);
+    }
+}

@@ -1,0 +1,103 @@
+//! Presets: which parameters an error model has on a given machine, as the literature prints them for particular ones.
+//!
+//! A preset is found by the roles of the axes (`roles`), not by their letters, and gives exactly the printed list for the
+//! printed topology. Every set is free of redundancy under its assumptions about the set-up, which its file names: what is left
+//! out moves the tool just as a combination of what is in it, or as the unknown place of the workpiece or the tool.
+//! A preset is a file here and a line in [`PRESETS`].
+
+mod cubic;
+mod linked;
+mod rest;
+mod roles;
+mod separable;
+mod spaan;
+
+pub use rest::{Rest, rest};
+
+use std::fmt;
+
+use super::parameter::ParameterName;
+use ncfix_machine::machine::Machine;
+
+/// A named choice of parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Preset {
+    /// As it is given on the command line.
+    pub name: &'static str,
+    /// What it is.
+    pub title: &'static str,
+    /// Where it comes from.
+    pub source: &'static str,
+    /// The parameters on a machine, in the order in which they are listed.
+    pub parameters: fn(&Machine) -> Result<Vec<ParameterName>, Unsuitable>,
+}
+
+/// Why a preset makes no sense on a machine: a sentence without a full stop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unsuitable(pub String);
+
+impl fmt::Display for Unsuitable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Unsuitable {}
+
+/// All presets.
+pub const PRESETS: &[Preset] = &[
+    Preset {
+        name: "spaan-18",
+        title: "18 error functions of three linear axes, squareness in the rotations",
+        source: "Spaan 1995, ch. 2 and 3",
+        parameters: spaan::functions_18,
+    },
+    Preset {
+        name: "spaan-21",
+        title: "18 error functions of three linear axes and 3 squareness errors",
+        source: "Spaan 1995, ch. 3",
+        parameters: spaan::functions_21,
+    },
+    Preset {
+        name: "mayer-13",
+        title: "8 location errors of five axes, 2 spindle offsets, 3 gains",
+        source: "Esmaeili 2021, Tables 4-3 and 7-1, after Mayer 2012",
+        parameters: linked::mayer_13,
+    },
+    Preset {
+        name: "84",
+        title: "cubic motion errors of five axes with gains and spindle offsets, 2 backlashes",
+        source: "Esmaeili 2021, Table 4-2",
+        parameters: cubic::cubic_84,
+    },
+    Preset {
+        name: "12",
+        title: "8 location errors of five axes, 2 relative gains, 2 backlashes",
+        source: "Esmaeili 2021, Table 5-1",
+        parameters: linked::linked_12,
+    },
+    Preset {
+        name: "81",
+        title: "cubic motion errors of five axes with relative gains, 2 backlashes",
+        source: "Esmaeili 2021, Table 5-2 and appendix 5.13",
+        parameters: cubic::cubic_81,
+    },
+    Preset {
+        name: "10",
+        title: "8 location errors of five axes, 2 relative gains",
+        source: "Esmaeili 2021, Table 6-1",
+        parameters: linked::linked_10,
+    },
+];
+
+/// The location errors that are not redundant: the eight of five axes, the squareness of linear axes alone, none where there are fewer.
+#[must_use]
+pub fn location_errors(machine: &Machine) -> Vec<ParameterName> {
+    linked::location_errors(machine).or_else(|_| linked::squareness(machine)).unwrap_or_default()
+}
+
+/// The preset of a name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Preset> {
+    PRESETS.iter().find(|preset| preset.name == name)
+}

@@ -1,0 +1,69 @@
+//! What a model has beside the parameters of a preset.
+
+use std::collections::BTreeSet;
+
+use crate::motion::Function;
+use crate::parameter::{ParameterName, Term};
+use crate::{ErrorModel, ErrorName, MotionError};
+
+/// An error that is not among given parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rest {
+    /// A number with a name of its own.
+    Parameter(ParameterName),
+    /// A function of another kind.
+    Function(ErrorName, &'static str),
+    /// Another source of errors than geometry, by its title.
+    Source(&'static str),
+}
+
+/// The errors of a model, other than zero, that are not among the parameters; each once, sorted.
+#[must_use]
+pub fn rest(errors: &ErrorModel, parameters: &[ParameterName]) -> Vec<Rest> {
+    let location = errors.location.iter().map(|error| Rest::Parameter(ParameterName::location(error.name)));
+    let motion = errors.motion.iter().filter(|error| !error.function.is_zero()).flat_map(parts);
+    let is_left = |rest: &Rest| match rest {
+        Rest::Parameter(parameter) => !parameters.contains(parameter) && parameter.get(errors) != 0.0,
+        Rest::Function(..) | Rest::Source(_) => true,
+    };
+    let sources = errors.effects.iter().map(|effect| Rest::Source(effect.source().title));
+    location.chain(motion).chain(sources).filter(is_left).collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// The parameters in a function, or the function as a whole.
+fn parts(error: &MotionError) -> Vec<Rest> {
+    let component = error.name;
+    let global = |coefficients: &[f64]| -> Vec<Rest> {
+        let degrees = (0..=u8::MAX).take(coefficients.len());
+        degrees.map(|degree| Rest::Parameter(ParameterName::coefficient(component, degree))).collect()
+    };
+    let kind = match &error.function {
+        Function::Polynomial(polynomial) => return global(&polynomial.coefficients),
+        Function::Backlash(backlash) if backlash.reversal.positions.len() == 1 => {
+            return vec![Rest::Parameter(ParameterName::backlash(component))];
+        }
+        Function::Backlash(_) => "backlash along the axis",
+        Function::Piecewise(piecewise) => {
+            let mut parts = global(&piecewise.coefficients);
+            for knot in &piecewise.knots {
+                let is_rotary = component.axis().is_some_and(|axis| axis.is_rotary());
+                let at = if is_rotary { knot.at.to_degrees() } else { knot.at };
+                // Only knots at whole millimetres or degrees have a name.
+                if (at - at.round()).abs() > 1e-9 || at.abs() > f64::from(i32::MAX) {
+                    parts.push(Rest::Function(component, "piecewise"));
+                    continue;
+                }
+                let degrees = (0..=u8::MAX).take(knot.coefficients.len());
+                let term = |degree| Term::Knot { degree, at: at.round() as i32 };
+                parts.extend(degrees.map(|degree| Rest::Parameter(ParameterName { component, term: term(degree) })));
+            }
+            return parts;
+        }
+        Function::Table(_) => "table",
+        Function::Periodic(_) => "periodic",
+        Function::Cross(_) => "cross",
+        Function::Grid(_) => "grid",
+        Function::Dynamic(_) => "dynamic",
+    };
+    vec![Rest::Function(component, kind)]
+}

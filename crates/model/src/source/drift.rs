@@ -1,0 +1,333 @@
+//! Zero-point drift: displacement of the tool relative to the workpiece as a weighted sum of temperatures (Spaan 1995, ch. 5 and 6).
+//!
+//! d = Σ cᵢ ΔTᵢ along an axis of F, ΔTᵢ the rise of a sensor above the reference state, or of a body that follows the sensor with a time
+//! constant: a sensor close to a source of heat is ahead of the casting that expands. Coefficients hold at one position of an axis; with
+//! several positions the drift is linear between them and constant outside. `[[drift]]`, one entry for each direction and position.
+//!
+//! A drift ends where the zero point of the workpiece is set: it counts from the condition in which that was done.
+
+use crate::ErrorModel;
+use crate::accumulator::Accumulator;
+use crate::motion::Function;
+use crate::motion::table::Table;
+use crate::name::{DIRECTIONS, Direction};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{Axis, AxisSet, Vector, about};
+use ncfix_base::units::{mm_from_um, um_from_mm};
+use ncfix_machine::machine::file::Section;
+use ncfix_machine::machine::{Condition, Lever, Machine};
+
+use super::{Effect, Parameter, Reading, Source, Written};
+
+/// The source.
+pub(super) const SOURCE: Source = Source {
+    name: "drift",
+    title: "zero-point drift with temperature",
+    sections: &["drift"],
+    read,
+    example: "\
+[[drift]]
+direction = \"X\"
+sensors = [{ name = \"T_bed\", um_per_K = -0.8 }]
+[[drift]]
+direction = \"Y\"
+over = \"Z\"
+at_mm = 0
+sensors = [{ name = \"T_head\", um_per_K = 3.1, lag_s = 600 }, { name = \"T_column\", um_per_K = 1.2 }]
+[[drift]]
+direction = \"Y\"
+over = \"Z\"
+at_mm = 400
+sensors = [{ name = \"T_head\", um_per_K = 3.1, lag_s = 600 }, { name = \"T_column\", um_per_K = 2.9 }]
+",
+};
+
+/// The drift in one direction.
+#[derive(Clone, Debug)]
+struct Drift {
+    /// X, Y or Z of F.
+    direction: Direction,
+    /// The axis along which it changes; `None` where it is the same everywhere.
+    over: Option<Axis>,
+    /// By increasing position; one where it is the same everywhere.
+    nodes: Vec<Node>,
+}
+
+/// The drift at one position.
+#[derive(Clone, Debug)]
+struct Node {
+    /// Number of its section.
+    entry: usize,
+    /// Position of the axis, mm or rad.
+    at: f64,
+    terms: Vec<Term>,
+}
+
+/// What one sensor stands for.
+#[derive(Clone, Debug)]
+struct Term {
+    sensor: String,
+    mm_per_k: f64,
+    lag_s: f64,
+}
+
+/// An entry of the machine file and where it stands.
+struct Entry {
+    direction: Direction,
+    over: Option<Axis>,
+    node: Node,
+    place: Place,
+}
+
+impl Node {
+    /// The drift in a condition, mm. A sensor without a reading adds nothing: it is reported where readings come in.
+    fn drift_mm(&self, machine: &Machine, condition: &Condition) -> f64 {
+        let part = |term: &Term| Some(term.mm_per_k * machine.rise_k(condition, &term.sensor, term.lag_s)?);
+        self.terms.iter().filter_map(part).sum()
+    }
+}
+
+impl Effect for Drift {
+    fn source(&self) -> &'static Source {
+        &SOURCE
+    }
+
+    fn label(&self) -> String {
+        let direction = self.direction.letter();
+        self.over.map_or(direction.to_string(), |axis| format!("{direction} over {axis}"))
+    }
+
+    fn contribute(&self, condition: &Condition, sum: &mut Accumulator<'_>) {
+        let machine = sum.machine();
+        let values: Vec<f64> = self.nodes.iter().map(|node| node.drift_mm(machine, condition)).collect();
+        let unit = Vector::ith(self.direction.index(), 1.0);
+        let Some(over) = self.over else {
+            return sum.add_offset(&(unit * values.iter().sum::<f64>()));
+        };
+        let table = |values| {
+            let positions = self.nodes.iter().map(|node| node.at).collect();
+            Function::Table(Table { positions, values })
+        };
+        match machine.axis(over) {
+            // The errors of a rotary axis turn with its body: what lies along F's axis at each position, in the frame of the body.
+            Some(axis) if over.is_rotary() && axis.lever == Lever::Carried => {
+                let turned: Vec<Vector> =
+                    self.nodes.iter().map(|node| about(&axis.direction, -node.at) * unit).collect();
+                for (index, direction) in DIRECTIONS.into_iter().take(3).enumerate() {
+                    let part = turned.iter().zip(&values).map(|(turned, value)| turned[index] * value).collect();
+                    sum.add_relative(direction, over, &table(part));
+                }
+            }
+            _ => sum.add_relative(self.direction, over, &table(values)),
+        }
+    }
+
+    fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
+        let (direction, over) = (self.direction.letter(), self.over);
+        for node in &mut self.nodes {
+            let place = match over {
+                Some(axis) if axis.is_rotary() => format!("{direction}@{axis}{}", node.at.to_degrees()),
+                Some(axis) => format!("{direction}@{axis}{}", node.at),
+                None => direction.to_string(),
+            };
+            let entry = node.entry;
+            for index in 0..node.terms.len() {
+                let (before, rest) = node.terms.split_at_mut(index);
+                let Some(term) = rest.first_mut() else { continue };
+                // A sensor may stand there twice, with and without a lag.
+                let again = before.iter().filter(|other| other.sensor == term.sensor).count();
+                let number = if again > 0 { format!("~{}", again + 1) } else { String::new() };
+                let name = format!("drift.{place}.{}{number}", term.sensor);
+                let key = format!("sensors[{index}].um_per_K");
+                let written = Some(Written { entry, key: &key, factor: um_from_mm(1.0) });
+                visit(&Parameter { name: &name, is_linear: true, written }, &mut term.mm_per_k);
+                if term.lag_s > 0.0 {
+                    let key = format!("sensors[{index}].lag_s");
+                    let written = Some(Written { entry, key: &key, factor: 1.0 });
+                    let name = format!("{name}.lag_s");
+                    visit(&Parameter { name: &name, is_linear: false, written }, &mut term.lag_s);
+                }
+            }
+        }
+    }
+
+    fn sensors(&self) -> Vec<&str> {
+        self.nodes.iter().flat_map(|node| &node.terms).map(|term| term.sensor.as_str()).collect()
+    }
+
+    fn drifts(&self) -> bool {
+        true
+    }
+
+    fn boxed(&self) -> Box<dyn Effect> {
+        Box::new(self.clone())
+    }
+}
+
+fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+    let (axes, machine) = (reading.axes, reading.machine);
+    let sections = reading.root.sections("drift");
+    let entries: Vec<Entry> = sections
+        .into_iter()
+        .enumerate()
+        .filter_map(|(number, section)| {
+            let mut entry = read_entry(section, axes, machine, reading.findings)?;
+            entry.node.entry = number;
+            Some(entry)
+        })
+        .collect();
+    for direction in DIRECTIONS.into_iter().take(3) {
+        let own = entries.iter().filter(|entry| entry.direction == direction).collect();
+        errors.effects.extend(join(own, reading.findings).map(|drift| Box::new(drift) as Box<dyn Effect>));
+    }
+}
+
+/// The entries of one direction as one drift.
+fn join(mut entries: Vec<&Entry>, findings: &mut Vec<Diagnostic>) -> Option<Drift> {
+    let first = *entries.first()?;
+    let by = |over: Option<Axis>| over.map_or("the same everywhere".to_owned(), |axis| format!("over {axis}"));
+    for other in entries.iter().filter(|entry| entry.over != first.over) {
+        let message = format!(
+            "the drift of {} is {} here and {} before",
+            other.direction.letter(),
+            by(other.over),
+            by(first.over)
+        );
+        let help = "give all entries of a direction positions of the same axis, or make it one entry without over";
+        findings.push(Diagnostic::at(Code::BAD_VALUE, other.place, message, help));
+    }
+    entries.retain(|entry| entry.over == first.over);
+    // The sort is stable: of two entries for one position the later one is reported.
+    entries.sort_by(|one, other| one.node.at.total_cmp(&other.node.at));
+    for pair in entries.windows(2).filter(|pair| pair[0].node.at >= pair[1].node.at) {
+        let letter = first.direction.letter();
+        let message = match first.over {
+            Some(_) => format!("the drift of {letter} at this position is there twice"),
+            None => format!("the drift of {letter} is there twice"),
+        };
+        let help = "write one entry with all sensors, or give each entry its position with over and at_mm (at_deg)";
+        findings.push(Diagnostic::at(Code::BAD_TABLE, pair[1].place, message, help));
+    }
+    let nodes = entries.into_iter().map(|entry| entry.node.clone()).collect();
+    Some(Drift { direction: first.direction, over: first.over, nodes })
+}
+
+fn read_entry(
+    mut section: Section<'_>,
+    axes: AxisSet,
+    machine: Option<&Machine>,
+    findings: &mut Vec<Diagnostic>,
+) -> Option<Entry> {
+    let direction = read_direction(&mut section);
+    let over = read_over(&mut section, axes, machine);
+    let terms = read_terms(&mut section);
+    let place = section.place();
+    section.finish(findings);
+    let (over, at) = over?;
+    Some(Entry { direction: direction?, over, node: Node { entry: 0, at, terms: terms? }, place })
+}
+
+fn read_direction(section: &mut Section<'_>) -> Option<Direction> {
+    let text = section.required("direction", "\"Y\"", Section::text)?;
+    let known = match text {
+        "X" => Some(Direction::X),
+        "Y" => Some(Direction::Y),
+        "Z" => Some(Direction::Z),
+        _ => None,
+    };
+    if known.is_none() {
+        let message = format!("direction must be \"X\", \"Y\" or \"Z\", found \"{text}\"");
+        let help = "write the axis of the machine coordinates along which the tool drifts";
+        section.report(Code::BAD_VALUE, section.place_of("direction"), message, help);
+    }
+    known
+}
+
+/// The axis and its position; no axis and 0 where the drift is the same everywhere.
+fn read_over(section: &mut Section<'_>, axes: AxisSet, machine: Option<&Machine>) -> Option<(Option<Axis>, f64)> {
+    if !section.has("over") {
+        section.accept("over");
+        for key in ["at_mm", "at_deg"] {
+            section.accept(key);
+            if section.has(key) {
+                let place = section.place_of_key(key);
+                let help = "write over = \"Z\" with the axis whose position this is, or leave it out";
+                section.report(Code::MISSING_KEY, place, format!("{key} without over"), help);
+                return None;
+            }
+        }
+        return Some((None, 0.0));
+    }
+    let letter = section.text("over");
+    let axis = letter.and_then(|letter| match letter.as_bytes() {
+        [byte @ b'A'..=b'Z'] => Axis::from_letter(*byte).filter(|&axis| axes.contains(axis)),
+        _ => None,
+    });
+    let Some(axis) = axis else {
+        section.accept("at_mm");
+        section.accept("at_deg");
+        if let Some(letter) = letter {
+            let known: Vec<String> = axes.iter().map(|axis| axis.to_string()).collect();
+            let message = format!("over must be an axis of the machine, found \"{letter}\"");
+            section.report(
+                Code::BAD_VALUE,
+                section.place_of("over"),
+                message,
+                format!("write one of {}", known.join(" ")),
+            );
+        }
+        return None;
+    };
+    if let Some(rotary) = machine.and_then(|machine| turned_by(machine, axis)) {
+        let message = format!("{rotary} carries {axis} and turns what drifts with {axis}");
+        let help = format!("give the drift over {rotary} or over an axis that no rotary axis carries");
+        section.report(Code::BAD_VALUE, section.place_of("over"), message, help);
+    }
+    let (key, wrong, kind) =
+        if axis.is_rotary() { ("at_deg", "at_mm", "rotary") } else { ("at_mm", "at_deg", "linear") };
+    if section.has(wrong) {
+        section.accept(key);
+        section.accept(wrong);
+        let place = section.place_of_key(wrong);
+        section.report(Code::WRONG_UNIT, place, format!("{wrong}: {axis} is {kind}"), format!("write {key}"));
+        return None;
+    }
+    let at = section.required(key, "100", Section::number)?;
+    let is_endless = machine.and_then(|machine| machine.axis(axis)).is_some_and(|data| data.modulo);
+    if is_endless && !(0.0..=360.0).contains(&at) {
+        let message = format!("{axis} turns without end, its positions are 0 to 360°, found {at}");
+        section.report(Code::BAD_VALUE, section.place_of(key), message, "write the position within the turn");
+    }
+    Some((Some(axis), if axis.is_rotary() { at.to_radians() } else { at }))
+}
+
+/// The rotary axis between the foundation and an axis, where there is one.
+fn turned_by(machine: &Machine, axis: Axis) -> Option<Axis> {
+    let topology = &machine.topology;
+    let branch = if topology.tool.contains(&axis) { &topology.tool } else { &topology.workpiece };
+    branch.iter().copied().take_while(|&carrier| carrier != axis).find(|carrier| carrier.is_rotary())
+}
+
+fn read_terms(section: &mut Section<'_>) -> Option<Vec<Term>> {
+    let example = "[{ name = \"T_head\", um_per_K = 3.1, lag_s = 600 }]";
+    let sections = section.required("sensors", example, |section, key| Some(section.sections(key)))?;
+    if sections.is_empty() {
+        let place = section.place_of("sensors");
+        section.report(Code::BAD_VALUE, place, "sensors is empty", format!("write for example `sensors = {example}`"));
+        return None;
+    }
+    let mut findings = Vec::new();
+    let terms: Vec<Option<Term>> = sections.into_iter().map(|section| read_term(section, &mut findings)).collect();
+    section.add(findings);
+    terms.into_iter().collect()
+}
+
+fn read_term(mut section: Section<'_>, findings: &mut Vec<Diagnostic>) -> Option<Term> {
+    let sensor = section.required("name", "\"T_head\"", Section::text);
+    let um_per_k = section.required("um_per_K", "3.1", |section, key| {
+        section.number_where(key, "a number from -10000 to 10000", |value| value.abs() <= 1e4)
+    });
+    let lag_s = section.number_where("lag_s", "a time in s that is not negative", |lag_s| lag_s >= 0.0);
+    section.finish(findings);
+    Some(Term { sensor: sensor?.to_owned(), mm_per_k: mm_from_um(um_per_k?), lag_s: lag_s.unwrap_or(0.0) })
+}

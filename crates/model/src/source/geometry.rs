@@ -1,0 +1,91 @@
+//! Geometry: location errors and the motion errors that depend on the position of their own axis.
+//!
+//! `[location]` and `[[motion]]`; the sum of both is the volumetric error model of ISO 230-1 (Spaan 1995, ch. 2; Esmaeili 2021, ch. 2).
+
+use super::{Effect, Parameter, Reading, Source, coupling, reversal};
+use crate::accumulator::Accumulator;
+use crate::file;
+use crate::motion::Function;
+use crate::{ErrorModel, LocationError, MotionError};
+use ncfix_machine::machine::Condition;
+
+/// The source.
+pub(super) const SOURCE: Source = Source {
+    name: "geometry",
+    title: "location and motion errors",
+    sections: &["location", "motion"],
+    read,
+    example: "\
+[location]
+EC0Y = 15.0
+[[motion]]
+component = \"EXX\"
+kind = \"polynomial\"
+coefficients = [0.0, 1.2e-5, -3e-8]
+[[motion]]
+component = \"EAX\"
+kind = \"table\"
+positions_mm = [0, 350, 700]
+values_urad = [0, 12, -8]
+",
+};
+
+fn read(reading: &mut Reading<'_, '_>, errors: &mut ErrorModel) {
+    if let Some(section) = reading.root.section("location") {
+        errors.location.extend(file::read_location(section, reading.axes, reading.findings));
+    }
+    for section in reading.root.sections("motion") {
+        errors.motion.extend(file::read_motion(section, reading.axes, reading.findings));
+    }
+}
+
+impl Effect for LocationError {
+    fn source(&self) -> &'static Source {
+        &SOURCE
+    }
+
+    fn label(&self) -> String {
+        self.name.to_string()
+    }
+
+    fn contribute(&self, _: &Condition, sum: &mut Accumulator<'_>) {
+        sum.add_location(self.name, self.value);
+    }
+
+    fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
+        visit(&Parameter { name: &self.name.to_string(), is_linear: true, written: None }, &mut self.value);
+    }
+
+    fn boxed(&self) -> Box<dyn Effect> {
+        Box::new(*self)
+    }
+}
+
+impl Effect for MotionError {
+    fn source(&self) -> &'static Source {
+        match self.function {
+            Function::Backlash(_) => &reversal::SOURCE,
+            Function::Cross(_) | Function::Grid(_) => &coupling::SOURCE,
+            _ => &SOURCE,
+        }
+    }
+
+    fn label(&self) -> String {
+        self.name.to_string()
+    }
+
+    fn contribute(&self, _: &Condition, sum: &mut Accumulator<'_>) {
+        sum.add_motion(self.name, &self.function, 1.0);
+    }
+
+    fn visit_parameters(&mut self, visit: &mut dyn FnMut(&Parameter<'_>, &mut f64)) {
+        let component = self.name.to_string();
+        self.function.visit_values(&mut |name, value| {
+            visit(&Parameter { name: &format!("{component}.{name}"), is_linear: true, written: None }, value);
+        });
+    }
+
+    fn boxed(&self) -> Box<dyn Effect> {
+        Box::new(self.clone())
+    }
+}

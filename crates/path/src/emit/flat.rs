@@ -1,0 +1,335 @@
+//! Flat programs from nothing: positions of the axes in machine coordinates, for test plans.
+//!
+//! No zero offset and no tool length may act on them: Sinumerik writes `SUPA` in every block and `D0`, Grundig `G53`. Fanuc knows machine
+//! coordinates on rapid moves only, RS274/NGC on straight ones; there these are `G90 G53` and all others increments of what has been written, which
+//! no offset changes and which add up exactly, being counts of increments. Behind a stop or a cycle they begin with a `G90 G53 G0` to where the
+//! axes were left. The first comments say what must be off.
+
+use super::comment::in_parentheses;
+use super::number::{Decimals, push_pointed, push_value};
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, Plane};
+use ncfix_base::units::push_integer;
+use ncfix_dialect::Language;
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Dwell, Kind, Move, Word, WordValue};
+
+/// The number of the program where programs have numbers.
+const NUMBER: u64 = 9001;
+/// The largest number of a block where the machine file gives none.
+const LAST_BLOCK: u32 = 9_999_999;
+
+/// Writes elements as a program of the machine's control: moves of the path, dwells in seconds, S and M words, comments, lines as they are.
+///
+/// # Errors
+/// A sentence where the control is no dialect, or its increments are no decimals.
+pub fn flat(machine: &Machine, title: &str, elements: &[Kind]) -> Result<Vec<u8>, String> {
+    let language = ncfix_dialect::find(&machine.controller).map(|dialect| dialect.language);
+    let language = language.ok_or_else(|| format!("the controller '{}' is no dialect", machine.controller))?;
+    let decimals = |increment: f64| {
+        let decimals = Decimals::of_increment(increment)
+            .ok_or_else(|| format!("the increment {increment} of the control is no decimal"))?;
+        Ok::<_, String>(if language == Language::Fanuc { decimals.pointed() } else { decimals })
+    };
+    // Degrees that have been radians are off by the last digit.
+    let increment_deg = (machine.control.increment_rad.to_degrees() * 1e9).round() / 1e9;
+    let mut writer = Flat {
+        machine,
+        language,
+        linear: (machine.control.increment_mm, decimals(machine.control.increment_mm)?),
+        rotary: (increment_deg, decimals(increment_deg)?),
+        last: [None; AXIS_COUNT],
+        plane: None,
+        feed: 0.0,
+        is_incremental: false,
+        is_stale: [false; AXIS_COUNT],
+        number: 0,
+        out: Vec::new(),
+    };
+    writer.head(title);
+    for element in elements {
+        writer.element(element);
+    }
+    writer.foot();
+    Ok(writer.out)
+}
+
+struct Flat<'a> {
+    machine: &'a Machine,
+    language: Language,
+    /// Increment and how its counts print: mm, degrees.
+    linear: (f64, Decimals),
+    rotary: (f64, Decimals),
+    /// Counts that have been written.
+    last: [Option<i64>; AXIS_COUNT],
+    plane: Option<Plane>,
+    feed: f64,
+    is_incremental: bool,
+    /// Axes that somebody else may have moved since.
+    is_stale: [bool; AXIS_COUNT],
+    number: u32,
+    out: Vec<u8>,
+}
+
+impl Flat<'_> {
+    fn head(&mut self, title: &str) {
+        match self.language {
+            Language::Sinumerik => {
+                self.comment(title.as_bytes());
+                self.notes(&[
+                    "positions of the axes in machine coordinates: SUPA and D0, no zero offset and no tool length act",
+                    "feed in mm/min",
+                ]);
+                self.line(b"G17 G710 G90 G94 G40 G60");
+                self.line(b"D0");
+                if self.has_rotary() {
+                    self.line(b"TRAFOOF");
+                }
+            }
+            Language::Grundig => {
+                self.out.extend_from_slice(b"%PM");
+                push_integer(&mut self.out, NUMBER);
+                self.out.extend_from_slice(b"\nN");
+                push_integer(&mut self.out, NUMBER);
+                self.out.push(b' ');
+                self.out.extend_from_slice(&in_parentheses(title.to_ascii_uppercase().as_bytes()));
+                self.out.push(b'\n');
+                self.notes(&[
+                    "positions of the axes in machine coordinates: G53 takes zero offsets off",
+                    "the length of the tool in the spindle counts: load one of length 0 before the start",
+                ]);
+                self.line(b"G17 G71 G90 G94 G40");
+                self.line(b"G53");
+            }
+            Language::Fanuc => {
+                self.out.extend_from_slice(b"%\nO");
+                push_integer(&mut self.out, NUMBER);
+                self.out.push(b' ');
+                self.out.extend_from_slice(&in_parentheses(title.to_ascii_uppercase().as_bytes()));
+                self.out.push(b'\n');
+                self.notes(&[
+                    "positions of the axes in machine coordinates: G53, and increments from there",
+                    "no rotation, scaling or mirror image may be on; G49 takes the tool length off",
+                    "rapid of G53 at the first position and from stop to stop: use the override",
+                ]);
+                self.line(b"G21 G17 G90 G94 G40 G49 G80");
+            }
+            Language::Rs274 => {
+                self.comment(title.as_bytes());
+                self.notes(&[
+                    "positions of the axes in machine coordinates: G53, arcs as increments from there",
+                    "no rotation of coordinates may be on; G49 takes the tool length off",
+                ]);
+                self.line(b"G21 G17 G90 G94 G40 G49 G80 G61");
+            }
+        }
+        self.plane = Some(Plane::XY);
+    }
+
+    /// What a user must know before the start.
+    fn notes(&mut self, notes: &[&str]) {
+        notes.iter().for_each(|note| self.comment(note.as_bytes()));
+    }
+
+    fn has_rotary(&self) -> bool {
+        AXES.into_iter().any(|axis| axis.is_rotary() && self.machine.axis(axis).is_some())
+    }
+
+    fn foot(&mut self) {
+        if self.is_incremental {
+            self.line(b"G90");
+        }
+        self.line(b"M30");
+        if self.language == Language::Fanuc {
+            self.out.extend_from_slice(b"%\n");
+        }
+    }
+
+    fn element(&mut self, element: &Kind) {
+        match element {
+            Kind::Move(motion) => self.motion(motion),
+            Kind::Dwell(Dwell::Seconds(seconds)) => {
+                let mut line = match self.language {
+                    Language::Sinumerik => b"G4 F".to_vec(),
+                    Language::Grundig | Language::Fanuc => b"G4 X".to_vec(),
+                    Language::Rs274 => b"G4 P".to_vec(),
+                };
+                self.value(&mut line, *seconds);
+                self.line(&line);
+            }
+            Kind::Before(words) | Kind::After(words) => {
+                let mut line = Vec::new();
+                for Word { letter, value, .. } in words {
+                    if let WordValue::Number(number) = value {
+                        if !line.is_empty() {
+                            line.push(b' ');
+                        }
+                        line.push(*letter);
+                        push_value(&mut line, *number);
+                    }
+                }
+                self.line(&line);
+                if line == b"M0" {
+                    self.is_stale = [true; AXIS_COUNT];
+                }
+            }
+            Kind::Comment(text) => self.comment(text),
+            Kind::Verbatim(text) => {
+                // Cycles expect absolute positions.
+                if std::mem::take(&mut self.is_incremental) {
+                    self.line(b"G90");
+                }
+                self.line(text);
+                self.is_stale = [true; AXIS_COUNT];
+            }
+            _ => {}
+        }
+    }
+
+    fn motion(&mut self, motion: &Move) {
+        let relative = matches!(self.language, Language::Fanuc | Language::Rs274);
+        // Nothing to be relative to yet.
+        let is_first = AXES.into_iter().any(|axis| self.machine.axis(axis).is_some() && self.last_of(axis).is_none());
+        let is_straight = self.language == Language::Rs274 && motion.arc.is_none();
+        let is_absolute = !relative || motion.rapid || is_first || is_straight;
+        let is_rapid = motion.rapid || relative && is_first && !is_straight;
+        let is_stale = |axis: Axis| self.machine.axis(axis).is_some() && self.is_stale[axis.slot()];
+        if !is_absolute && AXES.into_iter().any(is_stale) {
+            self.come_back();
+        }
+        let mut line = Vec::new();
+        if let Some(arc) = motion.arc.filter(|arc| self.plane != Some(arc.plane)) {
+            self.plane = Some(arc.plane);
+            self.line(format!("G{}", arc.plane.number()).as_bytes());
+        }
+        match self.language {
+            Language::Sinumerik => line.extend_from_slice(b"SUPA "),
+            Language::Grundig => {}
+            Language::Fanuc | Language::Rs274 if is_absolute => {
+                line.extend_from_slice(b"G90 G53 ");
+                self.is_incremental = false;
+            }
+            Language::Fanuc | Language::Rs274 => {
+                if !self.is_incremental {
+                    self.line(b"G91");
+                }
+                self.is_incremental = true;
+            }
+        }
+        line.extend_from_slice(match (&motion.arc, is_rapid) {
+            (Some(arc), _) if arc.clockwise => b"G2",
+            (Some(_), _) => b"G3",
+            (None, true) => b"G0",
+            (None, false) => b"G1",
+        });
+        let start = self.last;
+        let bare = line.len();
+        for axis in AXES.into_iter().filter(|&axis| self.machine.axis(axis).is_some()) {
+            let count = self.count(axis, motion.target[axis]);
+            let before = self.last_of(axis);
+            let is_known = before.is_some() && !self.is_stale[axis.slot()];
+            if !is_known && !motion.named.contains(axis) {
+                continue;
+            }
+            let is_in_plane = motion.arc.is_some_and(|arc| {
+                let [abscissa, ordinate, _] = arc.plane.axes();
+                axis == abscissa || axis == ordinate
+            });
+            if before == Some(count) && is_known && !is_in_plane {
+                continue;
+            }
+            self.name(&mut line, axis);
+            let shown = if is_absolute { count } else { count - before.unwrap_or(0) };
+            self.decimals(axis).1.push(&mut line, shown);
+            self.last[axis.slot()] = Some(count);
+            self.is_stale[axis.slot()] = false;
+        }
+        if line.len() == bare {
+            return;
+        }
+        if let Some(arc) = motion.arc {
+            let [abscissa, ordinate, _] = arc.plane.axes();
+            for (axis, center) in [abscissa, ordinate].into_iter().zip(arc.center_mm) {
+                let center = self.count(axis, center);
+                let from = if self.language == Language::Grundig { 0 } else { start[axis.slot()].unwrap_or(0) };
+                line.extend_from_slice(&[b' ', b"IJK"[axis.dimension().min(2)]]);
+                self.linear.1.push(&mut line, center - from);
+            }
+        }
+        if !is_rapid && motion.feed > 0.0 && (motion.feed - self.feed).abs() > 0.0 {
+            self.feed = motion.feed;
+            line.extend_from_slice(b" F");
+            self.value(&mut line, motion.feed);
+        }
+        self.line(&line);
+    }
+
+    /// Goes to where the axes were left, so that increments count from there. Nothing moves if nobody has moved them.
+    fn come_back(&mut self) {
+        let mut line = b"G90 G53 G0".to_vec();
+        for axis in AXES {
+            if let Some(count) = self.last_of(axis) {
+                self.name(&mut line, axis);
+                self.decimals(axis).1.push(&mut line, count);
+            }
+        }
+        self.is_incremental = false;
+        self.is_stale = [false; AXIS_COUNT];
+        self.line(&line);
+    }
+
+    fn last_of(&self, axis: Axis) -> Option<i64> {
+        self.last[axis.slot()]
+    }
+
+    fn decimals(&self, axis: Axis) -> (f64, Decimals) {
+        if axis.is_rotary() { self.rotary } else { self.linear }
+    }
+
+    fn count(&self, axis: Axis, value: f64) -> i64 {
+        let shown = if axis.is_rotary() { value.to_degrees() } else { value };
+        // Travel is far below what a count can hold.
+        (shown / self.decimals(axis).0).round() as i64
+    }
+
+    fn name(&self, line: &mut Vec<u8>, axis: Axis) {
+        line.push(b' ');
+        match self.machine.axis(axis).and_then(|data| data.name.as_deref()) {
+            Some(name) => {
+                line.extend_from_slice(name.as_bytes());
+                line.push(b'=');
+            }
+            None => line.push(axis.letter()),
+        }
+    }
+
+    fn value(&self, line: &mut Vec<u8>, value: f64) {
+        if self.language == Language::Fanuc {
+            push_pointed(line, value);
+        } else {
+            push_value(line, value);
+        }
+    }
+
+    fn comment(&mut self, text: &[u8]) {
+        let text = if self.language == Language::Sinumerik {
+            let mut line = b"; ".to_vec();
+            line.extend(text.iter().map(|&byte| if (b' '..=b'~').contains(&byte) { byte } else { b'_' }));
+            line
+        } else {
+            in_parentheses(&text.to_ascii_uppercase())
+        };
+        self.line(&text);
+    }
+
+    fn line(&mut self, text: &[u8]) {
+        if self.language == Language::Grundig {
+            let last = self.machine.control.last_block_number.unwrap_or(LAST_BLOCK).max(1);
+            self.number = if self.number >= last { 1 } else { self.number + 1 };
+            self.out.push(b'N');
+            push_integer(&mut self.out, u64::from(self.number));
+            self.out.push(b' ');
+        }
+        self.out.extend_from_slice(text);
+        self.out.push(b'\n');
+    }
+}

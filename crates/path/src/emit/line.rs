@@ -1,0 +1,263 @@
+//! A line of the output, put together word by word and written when the next one begins, so that what belongs behind the last piece
+//! of a move and what belongs on its first line find their places.
+
+use super::block_number::NumberSet;
+use ncfix_base::units::push_integer;
+
+/// The line that is being put together, and what its like have in common: line end, numbers, count.
+#[derive(Debug)]
+pub(super) struct Line {
+    /// The line so far, without its comment.
+    pub(super) text: Vec<u8>,
+    /// Whether the line moves already: another move of the same block needs its own.
+    pub(super) has_motion: bool,
+    /// S, M, H and D words of the block, which follow the words of its motion.
+    held: Vec<u8>,
+    comment: Vec<u8>,
+    has_words: bool,
+    is_open: bool,
+    /// Where in the line its motion begins.
+    motion_at: Option<usize>,
+    /// Whether the line has a feed.
+    pub(super) has_feed: bool,
+    /// Where in the line a word stands that may have to change.
+    marked_at: Option<usize>,
+    ending: &'static [u8],
+    /// Bytes beyond which a comment gets a line of its own.
+    longest: usize,
+    /// The last number that was given, where lines are numbered.
+    number: Option<u32>,
+    /// After this number the next is 1 again.
+    last_number: u32,
+    /// Numbers that are not given: those of the source.
+    kept_free: NumberSet,
+    /// The number of the source's block, if this is its first line.
+    own_number: Option<u32>,
+    blocks: u64,
+}
+
+impl Line {
+    /// An empty line; those of the source end with CR LF or LF.
+    pub(super) fn new(crlf: bool) -> Line {
+        Line {
+            text: Vec::with_capacity(256),
+            has_motion: false,
+            held: Vec::with_capacity(64),
+            comment: Vec::with_capacity(64),
+            has_words: false,
+            is_open: false,
+            motion_at: None,
+            has_feed: false,
+            marked_at: None,
+            ending: if crlf { b"\r\n" } else { b"\n" },
+            longest: usize::MAX,
+            number: None,
+            last_number: u32::MAX,
+            kept_free: NumberSet::default(),
+            own_number: None,
+            blocks: 0,
+        }
+    }
+
+    /// Lines no longer than this where they need not be.
+    pub(super) fn no_longer_than(self, longest: usize) -> Line {
+        Line { longest, ..self }
+    }
+
+    /// Lines with numbers: N1, N2, …, or those that [`Self::keep_free`] leaves; behind the last one they begin again.
+    pub(super) fn numbered(self, last_number: u32) -> Line {
+        Line { number: Some(0), last_number, ..self }
+    }
+
+    /// Begins numbers of lines behind the largest of those that are kept for blocks of the source.
+    pub(super) fn keep_free(&mut self, numbers: NumberSet) {
+        if let Some(number) = &mut self.number {
+            *number = numbers.largest();
+            self.kept_free = numbers;
+        }
+    }
+
+    /// The number of the block of the source that the line begins, where lines are numbered.
+    pub(super) fn own_number(&mut self, number: Option<u32>) {
+        // Where none are kept free its number may be that of another line.
+        self.own_number = number.filter(|&number| self.kept_free.has(number));
+    }
+
+    /// Lines with words so far.
+    pub(super) fn blocks(&self) -> u64 {
+        self.blocks
+    }
+
+    pub(super) fn open(&mut self) {
+        self.is_open = true;
+    }
+
+    pub(super) fn is_open(&self) -> bool {
+        self.is_open
+    }
+
+    pub(super) fn has_comment(&self) -> bool {
+        !self.comment.is_empty()
+    }
+
+    pub(super) fn has_words(&self) -> bool {
+        self.has_words || !self.held.is_empty()
+    }
+
+    /// Begins with the number of the source's block.
+    pub(super) fn block_number(&mut self, letter: u8, number: u32) {
+        self.text.push(letter);
+        push_integer(&mut self.text, u64::from(number));
+    }
+
+    /// Appends the label of the source's block, which is no word of it.
+    pub(super) fn label(&mut self, label: &[u8]) {
+        self.is_open = true;
+        if !self.text.is_empty() {
+            self.text.push(b' ');
+        }
+        self.text.extend_from_slice(label);
+        self.text.push(b':');
+    }
+
+    /// Appends a word with a blank before it.
+    pub(super) fn word(&mut self, bytes: &[u8]) {
+        self.is_open = true;
+        self.has_words = true;
+        if !self.text.is_empty() {
+            self.text.push(b' ');
+        }
+        self.text.extend_from_slice(bytes);
+    }
+
+    /// From here on the words are those of a motion.
+    pub(super) fn begin_motion(&mut self) {
+        self.has_motion = true;
+        self.motion_at = Some(self.text.len());
+    }
+
+    /// Takes everything from `start` on off the line until the motion has been written.
+    pub(super) fn hold_from(&mut self, start: usize) {
+        self.held.extend_from_slice(self.text.get(start..).unwrap_or_default());
+        self.text.truncate(start);
+    }
+
+    /// Appends the words that were held back for the motion.
+    pub(super) fn release(&mut self) {
+        let held = self.held.trim_ascii_start();
+        if !self.text.is_empty() && !held.is_empty() {
+            self.text.push(b' ');
+        }
+        self.text.extend_from_slice(held);
+        self.held.clear();
+    }
+
+    /// Appends a comment, in parts, to the one of the line.
+    pub(super) fn note(&mut self, parts: &[&[u8]]) {
+        if !self.comment.is_empty() {
+            self.comment.push(b' ');
+        }
+        for part in parts {
+            self.comment.extend_from_slice(part);
+        }
+    }
+
+    /// Puts a word before those of the motion of the line.
+    pub(super) fn insert(&mut self, word: &str) {
+        match self.motion_at {
+            None => self.word(word.as_bytes()),
+            Some(0) => {
+                self.text.splice(0..0, word.bytes().chain([b' ']));
+            }
+            Some(at) => {
+                self.text.splice(at..at, [b' '].into_iter().chain(word.bytes()));
+            }
+        }
+    }
+
+    /// Remembers where the last word stands, of that length.
+    pub(super) fn mark_last(&mut self, length: usize) {
+        self.marked_at = self.text.len().checked_sub(length);
+    }
+
+    /// Replaces the marked word, of that length; `false` where none is marked.
+    pub(super) fn replace_marked(&mut self, length: usize, word: &str) -> bool {
+        let Some(at) = self.marked_at else { return false };
+        self.text.splice(at..at + length, word.bytes());
+        if let Some(motion_at) = &mut self.motion_at {
+            *motion_at = *motion_at + word.len() - length;
+        }
+        true
+    }
+
+    /// Writes the line, if there is anything on it, and begins another.
+    pub(super) fn end(&mut self, out: &mut Vec<u8>) {
+        if !std::mem::take(&mut self.is_open) {
+            return;
+        }
+        self.release();
+        if self.has_comment() && self.has_words && self.text.len() + 1 + self.comment.len() > self.longest {
+            self.next_number(out);
+            out.extend_from_slice(&self.comment);
+            out.extend_from_slice(self.ending);
+            self.comment.clear();
+        }
+        if !self.text.is_empty() || self.has_comment() {
+            match self.own_number.take() {
+                Some(number) => push_number(number, out),
+                None => self.next_number(out),
+            }
+            out.extend_from_slice(&self.text);
+            if !self.text.is_empty() && self.has_comment() {
+                out.push(b' ');
+            }
+            out.extend_from_slice(&self.comment);
+            out.extend_from_slice(self.ending);
+            self.blocks += u64::from(self.has_words);
+        }
+        self.text.clear();
+        self.comment.clear();
+        self.marked_at = None;
+        self.motion_at = None;
+        self.has_words = false;
+        self.has_motion = false;
+        self.has_feed = false;
+    }
+
+    /// Writes a line of words before the one that is being put together.
+    pub(super) fn words_before(&mut self, text: &[u8], out: &mut Vec<u8>) {
+        self.blocks += 1;
+        self.comment_before(text, out);
+    }
+
+    /// Writes a line of no words before the one that is being put together.
+    pub(super) fn comment_before(&mut self, text: &[u8], out: &mut Vec<u8>) {
+        self.next_number(out);
+        self.header(text, out);
+    }
+
+    /// Writes a line as it is.
+    pub(super) fn header(&self, text: &[u8], out: &mut Vec<u8>) {
+        out.extend_from_slice(text);
+        out.extend_from_slice(self.ending);
+    }
+
+    /// Writes the number of the next line where lines have numbers.
+    fn next_number(&mut self, out: &mut Vec<u8>) {
+        let Some(number) = &mut self.number else { return };
+        // Where none is free at all any will do.
+        for _ in 0..=self.last_number {
+            *number = if *number >= self.last_number { 1 } else { *number + 1 };
+            if !self.kept_free.has(*number) {
+                break;
+            }
+        }
+        push_number(*number, out);
+    }
+}
+
+fn push_number(number: u32, out: &mut Vec<u8>) {
+    out.push(b'N');
+    push_integer(out, u64::from(number));
+    out.push(b' ');
+}

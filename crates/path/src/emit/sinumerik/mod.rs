@@ -1,0 +1,187 @@
+//! Programs of the Sinumerik 840D and 828D.
+//!
+//! Lines that a block of the source needs beside its first carry the comment `;+`, steps on the spot `;~`.
+
+mod motion;
+mod words;
+
+use std::collections::HashSet;
+
+use crate::path::{Centers, Feeds, Output, OutputFrame, Piece, Turns};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{AXIS_COUNT, Axis};
+use ncfix_machine::snc::{BlockNumber, FeedUnit, Kind, Origin};
+
+use super::block_number::BlockNumbers;
+use super::line::Line;
+use super::number::{AxisNumbers, push_value, to_digits};
+use super::stops::{StopWords, Stops};
+use super::{Writer, WriterEntry, WriterOptions, is_compensation};
+
+/// What the output takes for granted: absolute coordinates. Written before the first motion where the program does not say it.
+const ASSUMED: &str = "G90";
+const STOPS: StopWords = StopWords {
+    always: "G60",
+    running: "G64",
+    once: Some("G9"),
+    group: &["G60", "G64", "G641", "G642", "G643", "G644", "G645"],
+};
+/// Digits of a feed: what conversions and cycles compute has noise in the last ones.
+const FEED_DIGITS: i32 = 12;
+
+pub(super) const ENTRY: WriterEntry = WriterEntry {
+    dialect: "sinumerik",
+    create,
+    turns: Turns::Several,
+    centers: Centers::OnBisector,
+    feeds: Feeds::OfLinear,
+    has_machine_frame: true,
+    assumed: ASSUMED,
+};
+
+/// The writer of the dialect.
+fn create(options: &WriterOptions) -> Option<Box<dyn Writer>> {
+    Some(Box::new(Sinumerik {
+        numbers: AxisNumbers::new(&options.increments)?,
+        names: options.names.clone(),
+        in_machine_frame: options.frame == OutputFrame::Machine,
+        stamp: options.stamp.text(),
+        is_stamped: false,
+        has_assumed: false,
+        line: Line::new(options.crlf),
+        stops: Stops::new(STOPS),
+        block_numbers: BlockNumbers::default(),
+        labels: HashSet::new(),
+        is_again: false,
+        suppressing: None,
+        motion: "",
+        feed: 0.0,
+    }))
+}
+
+struct Sinumerik {
+    numbers: AxisNumbers,
+    names: [Option<String>; AXIS_COUNT],
+    in_machine_frame: bool,
+    stamp: String,
+    is_stamped: bool,
+    has_assumed: bool,
+    line: Line,
+    stops: Stops,
+    block_numbers: BlockNumbers,
+    /// Labels that were written.
+    labels: HashSet<Vec<u8>>,
+    /// Whether the line is a further one of its block.
+    is_again: bool,
+    /// The suppressing word of the block.
+    suppressing: Option<&'static str>,
+    /// The G word of motion in force, empty for none yet.
+    motion: &'static str,
+    feed: f64,
+}
+
+impl Writer for Sinumerik {
+    fn write(&mut self, output: &Output, out: &mut Vec<u8>) -> Result<(), Diagnostic> {
+        match output {
+            // Nothing moves: the line above ends the move, and stops where the program does.
+            Output::Piece(piece) if piece.stands_still() && !self.needs_feed(piece) => {}
+            Output::Piece(piece) => {
+                // What a contour has held back may come behind the feed of the next block.
+                let has_other_feed = self.line.has_feed && self.needs_feed(piece);
+                self.is_again = !piece.starts_block && (!piece.first || self.line.has_motion || has_other_feed);
+                if piece.starts_block || self.is_again {
+                    self.begin(piece.starts_block, (&piece.origin, piece.number), out);
+                }
+                self.assume(out);
+                self.piece(piece);
+            }
+            Output::Element(element) => {
+                let switches = matches!(&element.kind, Kind::Verbatim(text) if is_compensation(text));
+                if element.starts_block || switches && self.line.has_motion {
+                    self.begin(element.starts_block, (&element.origin, element.number), out);
+                }
+                self.element(element, out);
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, out: &mut Vec<u8>) {
+        self.end_block(out);
+        self.stamp(out);
+    }
+
+    fn blocks(&self) -> u64 {
+        self.line.blocks()
+    }
+}
+
+impl Sinumerik {
+    /// Ends the line before and begins another.
+    fn begin(&mut self, is_block: bool, (origin, number): (&Origin, Option<BlockNumber>), out: &mut Vec<u8>) {
+        if is_block {
+            self.end_block(out);
+            self.suppressing = None;
+            self.stops.begin_block();
+        } else {
+            self.stops.run_through(&mut self.line);
+            self.line.end(out);
+        }
+        self.line.open();
+        if let Some(number) = self.block_numbers.first(origin, number.filter(|_| is_block)) {
+            self.line.block_number(if number.main { b':' } else { b'N' }, number.number);
+        }
+    }
+
+    /// Ends the last line of a block.
+    fn end_block(&mut self, out: &mut Vec<u8>) {
+        self.stops.end_block(&mut self.line);
+        self.line.end(out);
+    }
+
+    /// Writes the stamp unless it is there.
+    fn stamp(&mut self, out: &mut Vec<u8>) {
+        if !std::mem::replace(&mut self.is_stamped, true) {
+            self.line.header(format!("; {}", self.stamp).as_bytes(), out);
+        }
+    }
+
+    /// Before the first words: what the coordinates of this file mean, in a line of its own.
+    fn assume(&mut self, out: &mut Vec<u8>) {
+        if self.has_assumed {
+            return;
+        }
+        self.stamp(out);
+        self.has_assumed = true;
+        self.line.words_before(ASSUMED.as_bytes(), out);
+    }
+
+    /// Appends a word with a blank before it.
+    fn word(&mut self, bytes: &[u8]) {
+        self.line.word(bytes);
+    }
+
+    /// Appends the name of an axis, and whether a value behind it needs an equals sign.
+    fn axis_name(&mut self, axis: Axis) -> bool {
+        let name = self.names.get(axis.slot()).and_then(Option::as_ref);
+        match name {
+            Some(name) => self.line.text.extend_from_slice(name.as_bytes()),
+            None => self.line.text.push(axis.letter()),
+        }
+        name.is_some()
+    }
+
+    /// Whether a piece has a feed that is to be written.
+    fn needs_feed(&self, piece: &Piece) -> bool {
+        // The time of a block is its own: a control takes none from the block above.
+        let is_new = piece.feed > 0.0 && (piece.unit == FeedUnit::InverseTime || piece.feed != self.feed);
+        piece.feed_named || !piece.rapid && is_new
+    }
+
+    fn feed_word(&mut self, feed: f64) {
+        self.line.has_feed = true;
+        self.word(b"F");
+        push_value(&mut self.line.text, to_digits(feed, FEED_DIGITS));
+        self.feed = feed;
+    }
+}

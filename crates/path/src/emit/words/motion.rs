@@ -1,0 +1,189 @@
+//! Pieces of moves.
+
+use super::super::comment::{in_parentheses, mark_of};
+use super::{Language, Words};
+use crate::path::{Piece, PieceArc};
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_base::units::push_integer;
+use ncfix_machine::snc::{Manner, Origin, Thread, ThreadCode};
+
+/// Machine coordinates for this block.
+const IN_MACHINE_FRAME: &str = "G53";
+const CENTERS: [(u8, Axis); 3] = [(b'I', Axis::X), (b'J', Axis::Y), (b'K', Axis::Z)];
+
+impl Words {
+    pub(super) fn piece(&mut self, piece: &Piece) -> Result<(), Diagnostic> {
+        let mut piece = piece;
+        let retraction;
+        if let Some(again) = self.behind_tapping(piece) {
+            retraction = again;
+            piece = &retraction;
+        }
+        self.place = Some(piece.counts);
+        let motion = self.motion_word(piece)?;
+        let is_circle = piece.arc.as_ref().is_some_and(|arc| is_full(arc, piece));
+        if piece.words.is_empty() && piece.arc.is_none() {
+            // Nothing moves: an axis word without a change was not asked for.
+            if piece.feed_named {
+                self.feed_word(piece.feed);
+            }
+            return Ok(());
+        }
+        self.line.begin_motion();
+        if piece.in_machine_frame {
+            self.line.word(IN_MACHINE_FRAME.as_bytes());
+        }
+        if piece.starts_block || piece.first || motion != self.motion {
+            self.line.word(motion.as_bytes());
+            self.motion = motion;
+        }
+        self.positions(piece, is_circle)?;
+        if let Some(arc) = &piece.arc {
+            self.center(arc, is_circle);
+        }
+        match &piece.manner {
+            Manner::Thread(Thread { lead: Some((_, lead)), .. }) => {
+                let letter = if self.flavour.language == Language::Rs274 { b"K" } else { b"F" };
+                self.line.word(letter);
+                // As fine as controls read it.
+                self.value((lead / self.unit_mm * 1e6).round() / 1e6);
+                // The feed of the path is another value.
+                self.feed = f64::NAN;
+            }
+            _ => self.feed_of(piece),
+        }
+        self.line.release();
+        if let Some(mark) = mark_of(piece).filter(|_| !self.line.has_comment()) {
+            if self.flavour.is_plain {
+                self.line.note(&[&in_parentheses(mark.as_bytes())]);
+            } else {
+                self.line.note(&[b";", mark.as_bytes()]);
+            }
+        }
+        Ok(())
+    }
+
+    /// The G word of the motion; an error where there is none.
+    fn motion_word(&self, piece: &Piece) -> Result<&'static str, Diagnostic> {
+        let Piece { origin, arc, rapid, .. } = piece;
+        let is_rapid_only = self.flavour.language == Language::Fanuc;
+        if piece.in_machine_frame && (arc.is_some() || is_rapid_only && !rapid) {
+            return Err(self.no_words(
+                origin,
+                "such a move in machine coordinates",
+                "move to machine coordinates in rapid",
+            ));
+        }
+        if arc.as_ref().is_some_and(|arc| arc.extra_turns > 0) && self.flavour.language != Language::Rs274 {
+            return Err(self.no_words(origin, "an arc of several turns", "program one turn a block"));
+        }
+        match (&piece.manner, arc) {
+            (Manner::Thread(thread), _) => self.thread_word(thread, origin),
+            (Manner::Probe(word), _) => Ok(*word),
+            (Manner::Positioning, _) => Err(self.no_words(origin, "an axis that moves on its own", "use G0")),
+            (Manner::Reference, _) => Ok("G0"),
+            (Manner::Path, _) if *rapid => Ok("G0"),
+            (Manner::Path, None) => Ok("G1"),
+            (Manner::Path, Some(arc)) if arc.clockwise => Ok("G2"),
+            (Manner::Path, Some(_)) => Ok("G3"),
+        }
+    }
+
+    /// The retraction of rigid tapping, which G33.1 of RS274/NGC does by itself: what is left of it is the way from where the tapping
+    /// began to where the tool is to be.
+    fn behind_tapping(&mut self, piece: &Piece) -> Option<Piece> {
+        let Manner::Thread(Thread { code, .. }) = piece.manner else { return None };
+        if self.flavour.language != Language::Rs274 {
+            return None;
+        }
+        if code == ThreadCode::G331 {
+            self.tapped_from = self.place;
+        }
+        if code != ThreadCode::G332 {
+            return None;
+        }
+        let from = self.tapped_from.take();
+        let is_off = |axis: &Axis| from.is_some_and(|from| from[axis.slot()] != piece.counts[axis.slot()]);
+        let words = AXES.into_iter().filter(is_off).collect();
+        Some(Piece { words, rapid: true, manner: Manner::Path, first: false, feed_named: false, ..*piece })
+    }
+
+    fn thread_word(&self, thread: &Thread, origin: &Origin) -> Result<&'static str, Diagnostic> {
+        match (thread.code, self.flavour.language) {
+            (ThreadCode::G33, Language::Fanuc | Language::Rs274) if thread.change.is_none() => Ok("G33"),
+            (ThreadCode::G331, Language::Rs274) => Ok("G33.1"),
+            // The mode G63, which is passed on, makes it what it is.
+            (ThreadCode::G63, Language::Fanuc) => Ok("G1"),
+            (code, _) => {
+                let what = format!("a thread like {}", code.word());
+                Err(self.no_words(origin, &what, "cut this thread with a program that is not corrected"))
+            }
+        }
+    }
+
+    /// The words of the axes. A full circle has none, but those that are not in its plane and may have to be stated.
+    fn positions(&mut self, piece: &Piece, is_circle: bool) -> Result<(), Diagnostic> {
+        let is_grundig = self.flavour.language == Language::Grundig;
+        let mut words = piece.words;
+        if let Some(arc) = piece.arc.as_ref().filter(|_| is_grundig) {
+            for axis in arc.plane.axes().into_iter().take(2) {
+                // An arc without an end point would be a circle, a circle with one is none.
+                if is_circle {
+                    words.remove(axis);
+                } else {
+                    words.insert(axis);
+                }
+            }
+        }
+        for axis in words.iter() {
+            let count = piece.counts[axis.slot()];
+            if !axis.is_rotary() {
+                self.line.word(&[axis.letter()]);
+                self.numbers.linear.push(&mut self.line.text, count);
+                continue;
+            }
+            let word = piece.rotary_words[axis.dimension()];
+            let plain = self.numbers.plain_count(word, count);
+            // RS274/NGC gives the sign of a position within the turn a meaning of its own.
+            let plain = plain.filter(|&plain| self.flavour.language != Language::Rs274 || plain == count);
+            let Some(count) = plain else {
+                let what = format!("the way on which {axis} turns");
+                return Err(self.no_words(&piece.origin, &what, "turn by less than half a turn in each block"));
+            };
+            self.line.word(&[axis.letter()]);
+            self.numbers.rotary.push(&mut self.line.text, count);
+        }
+        Ok(())
+    }
+
+    fn center(&mut self, arc: &PieceArc, is_circle: bool) {
+        let across = arc.plane.axes()[2];
+        for (letter, axis) in CENTERS.into_iter().filter(|&(_, axis)| axis != across) {
+            self.line.word(&[letter]);
+            let mut count = arc.center_counts[axis.slot()];
+            if self.flavour.language == Language::Grundig {
+                count += arc.start_counts[axis.slot()];
+            }
+            self.numbers.linear.push(&mut self.line.text, count);
+        }
+        if is_circle && self.flavour.language == Language::Grundig {
+            self.line.word(b"B5=360");
+        }
+        if arc.extra_turns > 0 {
+            self.line.word(b"P");
+            push_integer(&mut self.line.text, u64::from(arc.extra_turns) + 1);
+        }
+    }
+
+    fn feed_of(&mut self, piece: &Piece) {
+        if self.needs_feed(piece) {
+            self.feed_word(piece.feed);
+        }
+    }
+}
+
+/// Whether an arc ends where it begins.
+fn is_full(arc: &PieceArc, piece: &Piece) -> bool {
+    arc.plane.axes().into_iter().take(2).all(|axis| piece.counts[axis.slot()] == arc.start_counts[axis.slot()])
+}

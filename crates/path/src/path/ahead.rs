@@ -1,0 +1,213 @@
+//! Looks ahead in a stream of elements: what follows a move, and which rotary axes the operation in force turns with feed.
+//!
+//! An operation lasts from one change of the tool, of a tilted frame or of a five-axis transformation to the next. It is looked at up to
+//! [`MOST_HELD`] elements ahead; where it is longer, an axis counts as turned from the element on that shows it.
+
+use std::collections::VecDeque;
+
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector, Matrix, ROTARY_AXES};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Element, Kind, Move};
+
+use super::lost_axes;
+
+/// Elements that are held at most.
+const MOST_HELD: usize = 2048;
+/// Bytes of texts that are held at most: comments may be long.
+const MOST_BYTES: usize = 1 << 20;
+/// A position that differs by less is the same, mm or rad: the noise of the arithmetic.
+const SAME_POSITION: f64 = 1e-9;
+
+/// What comes behind a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Next {
+    /// Another move, which begins where this one ends.
+    Move(Move),
+    /// The tool is changed, or something else moves the axes.
+    Change,
+    /// No move that is in sight.
+    Nothing,
+}
+
+impl Next {
+    /// Whether a cut begins at the end of the move.
+    pub(super) fn is_cut(&self) -> bool {
+        matches!(self, Next::Move(motion) if !motion.rapid)
+    }
+}
+
+/// The stream, some elements ahead of who takes them.
+#[derive(Debug)]
+pub(super) struct Ahead<'a, I> {
+    elements: I,
+    machine: &'a Machine,
+    held: VecDeque<Result<Element, Diagnostic>>,
+    held_bytes: usize,
+    /// The axes that are looked for.
+    rotary: AxisSet,
+    operation: Operation,
+    /// Held elements of the operation that were looked at.
+    seen: usize,
+    /// The operation ends behind them.
+    is_closed: bool,
+}
+
+/// The operation in force, as far as it was looked at.
+#[derive(Debug)]
+struct Operation {
+    /// Axes that it turns with feed.
+    turned: AxisSet,
+    /// Where the axes stand at its end, and which of them are known.
+    last: AxisVector,
+    known: AxisSet,
+    /// What tilts the tool.
+    linear: Matrix,
+    is_transformed: bool,
+}
+
+impl<'a, I> Ahead<'a, I>
+where
+    I: Iterator<Item = Result<Element, Diagnostic>>,
+{
+    /// Looks for these rotary axes.
+    pub(super) fn new(elements: I, machine: &'a Machine, rotary: AxisSet) -> Self {
+        let operation = Operation {
+            turned: AxisSet::EMPTY,
+            last: AxisVector::ZERO,
+            known: AxisSet::EMPTY,
+            linear: Matrix::identity(),
+            is_transformed: false,
+        };
+        let held = VecDeque::new();
+        Ahead { elements, machine, held, held_bytes: 0, rotary, operation, seen: 0, is_closed: false }
+    }
+
+    /// The stream itself.
+    pub(super) fn elements(&self) -> &I {
+        &self.elements
+    }
+
+    /// The rotary axes that the operation of the last element that was taken turns with feed.
+    pub(super) fn turned(&self) -> AxisSet {
+        self.operation.turned
+    }
+
+    /// Takes the next element.
+    pub(super) fn take(&mut self) -> Option<Result<Element, Diagnostic>> {
+        let Some(item) = self.held.pop_front() else {
+            // Nobody looks ahead: nothing is held.
+            if self.rotary.is_empty() {
+                return self.elements.next();
+            }
+            if !self.pull() {
+                return None;
+            }
+            return self.take();
+        };
+        self.held_bytes -= bytes(&item);
+        if self.rotary.is_empty() {
+            return Some(item);
+        }
+        if self.seen > 0 {
+            self.seen -= 1;
+        } else if let Ok(element) = &item {
+            if self.operation.ends_at(element, self.machine) {
+                self.operation.turned = AxisSet::EMPTY;
+            }
+            self.is_closed = false;
+            self.operation.see(element);
+        }
+        self.look();
+        Some(item)
+    }
+
+    /// What comes behind the element that was taken.
+    pub(super) fn next(&mut self) -> Next {
+        for at in 0..MOST_HELD {
+            if at == self.held.len() && (self.held_bytes > MOST_BYTES || !self.pull()) {
+                break;
+            }
+            let Some(Ok(element)) = self.held.get(at) else { continue };
+            if let Kind::Move(motion) = &element.kind {
+                return Next::Move(*motion);
+            }
+            if !lost_axes(element, self.machine).is_empty() {
+                return Next::Change;
+            }
+        }
+        Next::Nothing
+    }
+
+    /// Looks at the rest of the operation, or as much of it as may be held.
+    fn look(&mut self) {
+        while !self.is_closed && !self.rotary.difference(self.operation.turned).is_empty() {
+            let is_full = self.held.len() >= MOST_HELD || self.held_bytes > MOST_BYTES;
+            if self.seen == self.held.len() && (is_full || !self.pull()) {
+                break;
+            }
+            if let Some(Ok(element)) = self.held.get(self.seen) {
+                if self.operation.ends_at(element, self.machine) {
+                    self.is_closed = true;
+                    break;
+                }
+                self.operation.see(element);
+            }
+            self.seen += 1;
+        }
+    }
+
+    /// Holds one element more; whether there was one.
+    fn pull(&mut self) -> bool {
+        let item = self.elements.next();
+        self.held_bytes += item.as_ref().map_or(0, bytes);
+        let is_there = item.is_some();
+        self.held.extend(item);
+        is_there
+    }
+}
+
+impl Operation {
+    /// Whether an element belongs to another operation.
+    fn ends_at(&self, element: &Element, machine: &Machine) -> bool {
+        match &element.kind {
+            Kind::Move(_) => false,
+            Kind::Setup(setup) => {
+                setup.transform.is_some() != self.is_transformed || *setup.frame.linear() != self.linear
+            }
+            _ => !lost_axes(element, machine).is_empty(),
+        }
+    }
+
+    /// Takes an element in.
+    fn see(&mut self, element: &Element) {
+        match &element.kind {
+            Kind::Move(motion) => {
+                if !motion.rapid {
+                    let turns = |&axis: &Axis| {
+                        let was_known = self.known.contains(axis);
+                        let is_named = motion.named.contains(axis);
+                        let way = (motion.target[axis] - self.last[axis]).abs();
+                        if was_known { way > SAME_POSITION } else { is_named }
+                    };
+                    let turned = ROTARY_AXES.into_iter().filter(turns).collect();
+                    self.turned = self.turned.union(turned);
+                }
+                (self.last, self.known) = (motion.target, motion.known);
+            }
+            Kind::Setup(setup) => {
+                self.linear = *setup.frame.linear();
+                self.is_transformed = setup.transform.is_some();
+            }
+            _ => {}
+        }
+    }
+}
+
+/// The size of what an element holds in texts.
+fn bytes(item: &Result<Element, Diagnostic>) -> usize {
+    match item.as_ref().map(|element| &element.kind) {
+        Ok(Kind::Comment(text) | Kind::Message(text) | Kind::Header(text) | Kind::Verbatim(text)) => text.len(),
+        _ => 0,
+    }
+}

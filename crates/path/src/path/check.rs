@@ -1,0 +1,103 @@
+//! Where a piece must be looked at so that nothing between its ends is missed.
+//!
+//! The error functions of an axis are smooth over a known length (`Features::length`); an eighth of it is a safe distance of samples. Kinks
+//! of tables are looked at exactly.
+
+use std::f64::consts::FRAC_PI_8;
+
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet};
+use ncfix_model::Model;
+
+use super::increment::Increments;
+use super::route::Route;
+
+/// Samples per smooth length.
+const SAMPLES_PER_LENGTH: f64 = 8.0;
+/// Samples of a piece with a kink in it: what is left between them is a hundredth of a bend that is smooth beside the kink.
+const BESIDE_KINKS: u32 = 9;
+/// Samples of a piece whose ends are rounded by much of the tolerance: with them the bend deviates most anywhere too. What is left between
+/// them is 4 (1/12)², 3 % of the bend.
+const BESIDE_ROUNDING: u32 = 5;
+/// Rounding by more than this share of the tolerance is much: below it, the largest deviation beside the middle is at most 1.3 % of the
+/// tolerance larger than in the middle.
+const MUCH_ROUNDING: f64 = 0.2;
+/// Bounds the time that the check of one piece takes. A helix of 999 turns, the most that can be programmed, needs a quarter of it.
+const MOST_SAMPLES: f64 = 65_536.0;
+
+/// Chooses the places.
+#[derive(Clone, Debug)]
+pub(super) struct Sampler {
+    /// Samples per mm or rad of each axis.
+    density: [f64; AXIS_COUNT],
+    knots: Vec<(Axis, Vec<f64>)>,
+    /// Axes whose errors depend on the sense of motion.
+    pub(super) backlash: AxisSet,
+    /// The fewest samples of a piece.
+    least: u32,
+}
+
+impl Sampler {
+    pub(super) fn new(model: &Model) -> Sampler {
+        let of_axis = |axis| model.features(axis);
+        Sampler {
+            density: AXES.map(|axis| SAMPLES_PER_LENGTH / of_axis(axis).length),
+            knots: AXES
+                .map(|axis| (axis, of_axis(axis).knots.clone()))
+                .into_iter()
+                .filter(|(_, k)| !k.is_empty())
+                .collect(),
+            backlash: AXES.into_iter().filter(|&axis| of_axis(axis).backlash).collect(),
+            least: 1,
+        }
+    }
+
+    /// The same for pieces whose ends are rounded to increments, and that may deviate by a tolerance, mm.
+    pub(super) fn with_rounding(mut self, increments: &Increments, tolerance_mm: f64) -> Sampler {
+        if increments.rounding_mm() > MUCH_ROUNDING * tolerance_mm {
+            self.least = BESIDE_ROUNDING;
+        }
+        self
+    }
+
+    /// Samples that the whole route needs; pieces need their share.
+    pub(super) fn whole(&self, route: &Route) -> f64 {
+        AXES.into_iter().map(|axis| route.travel(axis) * self.density[axis.slot()]).sum()
+    }
+
+    /// The largest part of a route that one check can cover.
+    pub(super) fn longest_share(&self, whole: f64) -> f64 {
+        if whole > MOST_SAMPLES { MOST_SAMPLES / whole } else { f64::INFINITY }
+    }
+
+    /// Fills `fractions` with the places between the ends of the piece of `route` between two parameters: fractions (0 … 1) of it.
+    /// `whole` is what [`Sampler::whole`] says of the route. Errors have their kinks at commands, so these are looked for on the way `emitted`
+    /// that the axes take.
+    pub(super) fn fractions(
+        &self,
+        (route, whole): (&Route, f64),
+        between: [f64; 2],
+        emitted: &Route,
+        fractions: &mut Vec<f64>,
+    ) {
+        fractions.clear();
+        let share = between[1] - between[0];
+        let needed = whole * share;
+        let turned = (route.sweep_rad() * share).abs() / FRAC_PI_8;
+        // Odd, so that the middle, where a bend deviates most, is among them. The conversion is exact: at most 65536.
+        let count = (needed.max(turned).ceil().min(MOST_SAMPLES) as u32).max(self.least) | 1;
+        fractions.extend((1..=count).map(|k| f64::from(k) / f64::from(count + 1)));
+        let first = fractions.len();
+        for (axis, knots) in &self.knots {
+            let [a, b] = [emitted.start[*axis], emitted.end[*axis]];
+            let reach = emitted.travel(*axis);
+            let from = knots.partition_point(|&knot| knot < a.min(b) - reach);
+            for &knot in knots[from..].iter().take_while(|&&knot| knot <= a.max(b) + reach) {
+                emitted.crossings(*axis, knot, [0.0, 1.0], fractions);
+            }
+        }
+        if fractions.len() > first && count < BESIDE_KINKS {
+            // A bend with a kink in it deviates most anywhere, not in the middle.
+            fractions.extend((1..=BESIDE_KINKS).map(|k| f64::from(k) / f64::from(BESIDE_KINKS + 1)));
+        }
+    }
+}

@@ -1,0 +1,382 @@
+//! The corrected moves of one original move: which they are, and what they leave.
+
+use ncfix_base::geometry::{AXES, AxisSet, AxisVector, ROTARY_AXES, Vector};
+use ncfix_machine::machine::Kinematics;
+use ncfix_model::Model;
+
+use super::ahead::Ahead;
+use super::judge::{At, Judge, Seen};
+use super::parting::Parting;
+use super::step::Step;
+use super::{Course, Follow, Grouping, ON_THE_SPOT_MM, SAME_END_MM};
+use crate::path::Prediction;
+use crate::path::lead::Lead;
+use crate::path::prediction::{sample_count, sample_place};
+
+/// Distance of the samples along the path, mm.
+const SAMPLE_MM: f64 = 1.0;
+/// The same as a share of the length of the move: the error of an uncorrected program changes along it.
+const SAME_END_SHARE: f64 = 1e-3;
+/// A further move belongs to the group only if it comes nearer by more than rounding does, mm.
+const NEARER_MM: f64 = 0.002;
+/// An end that is off by this may still be meant, where the next move leads away from it, mm.
+pub(super) const MEANT_END_MM: f64 = 0.5;
+/// A group at least this long, as a share of the original move, may be complete; a full circle begins at its end.
+const LEAST_SHARE: f64 = 0.5;
+/// A group this much longer than the original move is another path.
+const MOST_SHARE: f64 = 1.5;
+/// mm per rad that rotary axes are off: little, as their corrections are no sign of another place, but moves of the table about the
+/// tip have nothing else.
+const ROTARY_ARM_MM: f64 = 10.0;
+/// Where the tip moves at least by this share of what the rotary axes do, it alone tells the place.
+const TIP_DECIDES: f64 = 0.1;
+/// A piece whose end differs by less than arithmetic does is left as it was, mm and rad.
+const SAME_MM: f64 = 1e-8;
+/// A step that leads a body through its lost motion goes by that, but for rounding: an axis that goes by less than this share of it is not led.
+const LED_SHARE: f64 = 0.5;
+/// Half the step over which a way is looked at, as a parameter.
+const SENSE_STEP: f64 = 1e-4;
+/// Turning points of one arc that are looked at.
+const MOST_TURNINGS: usize = 64;
+/// Steps of the search for the nearest place on the original move.
+const NEAREST_STEPS: usize = 4;
+
+/// How far the tool is from where it should be.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Offset {
+    /// Tip, in the workpiece frame, mm.
+    pub(super) tip: Vector,
+    /// Rotary axes, at [`ROTARY_ARM_MM`].
+    turned: Vector,
+}
+
+impl Offset {
+    fn minus(&self, other: &Offset) -> Offset {
+        Offset { tip: self.tip - other.tip, turned: self.turned - other.turned }
+    }
+
+    fn dot(&self, other: &Offset) -> f64 {
+        self.tip.dot(&other.tip) + self.turned.dot(&other.turned)
+    }
+
+    fn norm_mm(&self) -> f64 {
+        self.dot(self).sqrt()
+    }
+}
+
+/// The corrected moves of one original move, while they are found.
+pub(super) struct Group<'a> {
+    pub(super) model: &'a Model,
+    grouping: Grouping,
+    pub(super) kinematics: &'a Kinematics,
+    pub(super) step: &'a Step,
+    pub(super) lead: Lead<'a>,
+    /// Offset at which the group began: an uncorrected program carries its errors along.
+    carried: Offset,
+    /// Length of the corrected moves so far, mm.
+    length_mm: f64,
+    /// Whether a move of the group was taken.
+    has_begun: bool,
+    /// Whether what is done before the move was compared.
+    pub(super) is_judged: bool,
+    /// How far the original move is covered.
+    parameter: f64,
+}
+
+impl<'a> Group<'a> {
+    pub(super) fn new(
+        model: &'a Model,
+        grouping: Grouping,
+        (kinematics, lead): (&'a Kinematics, Lead<'a>),
+        step: &'a Step,
+        carried: Offset,
+    ) -> Group<'a> {
+        let (length_mm, has_begun, is_judged, parameter) = (0.0, false, false, 0.0);
+        Group { model, grouping, kinematics, step, lead, carried, length_mm, has_begun, is_judged, parameter }
+    }
+}
+
+impl Group<'_> {
+    /// Takes the moves of the group and adds their errors; gives the offset at its end.
+    pub(super) fn follow<I: Iterator<Item = Step>>(
+        &mut self,
+        corrected: &mut Ahead<I>,
+        prediction: &mut Prediction,
+        see: &mut dyn FnMut(Follow<'_>),
+        judge: &mut Judge<'_>,
+    ) -> Result<Offset, Parting> {
+        let whole_mm = self.step.route.size_mm();
+        loop {
+            let Some(piece) = corrected.next() else {
+                return Err(Parting::alone(self.step, "the corrected program ends before this move of the original"));
+            };
+            let is_first = !self.has_begun;
+            let is_torn = self.grouping == Grouping::ByMarks && piece.continues != self.has_begun;
+            self.has_begun = true;
+            // What makes ready behind a thread goes rapid.
+            let is_another =
+                piece.rapid != self.step.rapid && !(piece.rapid && piece.continues && self.step.is_uncut());
+            if is_torn || is_another || self.length_mm > MOST_SHARE * whole_mm + MEANT_END_MM {
+                let why = match (is_torn, is_another, piece.rapid) {
+                    (true, ..) => "is marked as a further piece of a move that has ended",
+                    (_, true, true) => "goes at rapid where this move of the original has a feed",
+                    (_, true, false) => "has a feed where this move of the original goes at rapid",
+                    _ => "does not follow this move of the original",
+                };
+                let parting = self.parting(&piece, why, corrected.peek());
+                corrected.put_back(piece);
+                return Err(parting);
+            }
+            self.length_mm += piece.route.size_mm();
+            let offset = self.offset(&piece, 1.0);
+            let is_complete = self.is_complete(&offset, corrected.peek());
+            // Lateral play leads across the path on such a step, so that nearness does not tell its place.
+            let stands = self.grouping == Grouping::ByMarks && piece.on_the_spot;
+            let before = self.parameter;
+            if !stands || is_complete {
+                self.parameter = if is_complete { 1.0 } else { self.nearest(&piece) };
+            }
+            if is_complete && self.off_mm(&offset) > MEANT_END_MM {
+                let why = "does not end this move of the original where it ends";
+                let parting = self.parting(&piece, why, corrected.peek());
+                corrected.put_back(piece);
+                return Err(parting);
+            }
+            let course = Course {
+                step: self.step,
+                piece: &piece,
+                kinematics: self.kinematics,
+                from: before,
+                to: self.parameter,
+            };
+            let (errors_mm, mut seen) = self.sample(&course, stands && !is_complete, prediction);
+            if stands && let Some(next) = corrected.peek().filter(|next| next.continues && next.on_the_spot) {
+                seen.end = self.beyond_play(&piece, next, seen.end);
+            }
+            let length_mm = whole_mm * (self.parameter - before);
+            let feed_share = self.feed_share(&course, stands, judge.rounding_mm());
+            judge.piece(self, &course, At { is_first, is_last: is_complete, stands }, &seen, feed_share);
+            self.is_judged = true;
+            see(Follow { errors_mm, length_mm, feed_share, ..self.seen(course, is_first, stands) });
+            if is_complete {
+                judge.end(self.step);
+                return Ok(offset);
+            }
+        }
+    }
+
+    /// What is known where the programs part at a piece; `next` is the one behind it.
+    fn parting(&self, piece: &Step, why: &str, next: Option<&Step>) -> Parting {
+        let is_new = next.is_some_and(|next| next.rapid == self.step.rapid && self.ends_at(next));
+        let words = [&self.step.route.end, &piece.route.end].map(|end| piece.programmed(end, self.kinematics));
+        Parting::at(self.step, piece, why, words, is_new)
+    }
+
+    /// Whether a piece ends where the original move does.
+    pub(super) fn ends_at(&self, piece: &Step) -> bool {
+        self.off_mm(&self.offset(piece, 1.0)) <= MEANT_END_MM
+    }
+
+    /// The largest error of the original at a parameter, mm.
+    pub(super) fn before_mm(&self, parameter: f64) -> f64 {
+        let (nominal, band) = (self.step.route.at(parameter), self.step.band_at(parameter, &self.lead));
+        self.lead.error_mm(&band, (&nominal, &nominal), &self.step.tool_mm, None).most_mm
+    }
+
+    /// A piece that has covered the original move up to the parameter.
+    fn seen<'p>(&self, course: Course<'p>, is_first: bool, on_the_spot: bool) -> Follow<'p> {
+        let piece = course.piece;
+        let nominal = self.step.route.at(self.parameter);
+        let [nominal, written] = [&nominal, &piece.route.end].map(|command| piece.programmed(command, self.kinematics));
+        // Only for what is left as it was does anybody ask why.
+        let is_left = (written - nominal).max_abs(&AXES) < SAME_MM;
+        Follow {
+            original: self.step.origin,
+            corrected: piece.origin,
+            rapid: piece.rapid,
+            is_first,
+            on_the_spot,
+            nominal,
+            written,
+            error_mm: if is_left { self.before_mm(self.parameter) } else { 0.0 },
+            errors_mm: None,
+            length_mm: 0.0,
+            is_stated: self.step.is_counted,
+            feed_share: None,
+            command: piece.route.end,
+            tool: piece.tool.as_deref(),
+            course,
+        }
+    }
+
+    /// Whether the group ends with a piece whose end is off by `offset`.
+    fn is_complete(&self, offset: &Offset, next: Option<&Step>) -> bool {
+        if self.grouping == Grouping::ByMarks {
+            return next.is_none_or(|next| !next.continues);
+        }
+        let whole_mm = self.step.route.size_mm();
+        if self.length_mm < LEAST_SHARE * whole_mm - SAME_END_MM {
+            return false;
+        }
+        let off_mm = self.off_mm(offset);
+        let next = next.filter(|next| next.rapid == self.step.rapid);
+        let with_next = next.map_or(f64::INFINITY, |next| self.length_mm + next.route.size_mm());
+        let next_is_nearer = next.is_some_and(|next| {
+            with_next <= whole_mm * (1.0 + SAME_END_SHARE) + SAME_END_MM
+                && self.off_mm(&self.offset(next, 1.0)) + NEARER_MM < off_mm
+        });
+        let leads_away = with_next > whole_mm + 2.0 * MEANT_END_MM;
+        let near_mm = if leads_away { MEANT_END_MM } else { SAME_END_MM.max(SAME_END_SHARE * whole_mm) };
+        !next_is_nearer && off_mm <= near_mm
+    }
+
+    /// How far the tool is from the place of the original move at `parameter` when a piece has ended.
+    fn offset(&self, piece: &Step, parameter: f64) -> Offset {
+        let command = piece.route.end;
+        let nominal = self.step.route.at(parameter);
+        let band = piece.band_at(1.0, &self.lead);
+        let tip = self.lead.error_mm(&band, (&nominal, &command), &piece.tool_mm, None).nearest;
+        let turned = ROTARY_AXES.map(|axis| ROTARY_ARM_MM * (command[axis] - nominal[axis]));
+        Offset { tip, turned: Vector::from(turned) }
+    }
+
+    /// An offset as a distance, mm: by itself, or from the one at the start.
+    fn off_mm(&self, offset: &Offset) -> f64 {
+        offset.norm_mm().min(offset.minus(&self.carried).norm_mm())
+    }
+
+    /// The parameter of the original move at which its nominal tip is nearest to the end of a piece: Gauss–Newton from the share of
+    /// the length.
+    fn nearest(&self, piece: &Step) -> f64 {
+        let mut parameter = (self.length_mm / self.step.route.size_mm().max(ON_THE_SPOT_MM)).min(1.0);
+        for _ in 0..NEAREST_STEPS {
+            let [low, high] = [parameter - SENSE_STEP, parameter + SENSE_STEP].map(|value| value.clamp(0.0, 1.0));
+            let mut change = self.offset(piece, high).minus(&self.offset(piece, low));
+            if change.tip.norm() > TIP_DECIDES * change.turned.norm() {
+                // Corrections of rotary axes are no sign of another place.
+                change.turned = Vector::zeros();
+            }
+            let square = change.dot(&change);
+            if square > 0.0 {
+                parameter -= (high - low) * change.dot(&self.offset(piece, parameter)) / square;
+            }
+            parameter = parameter.clamp(self.parameter, 1.0);
+        }
+        parameter
+    }
+
+    /// The offset at the end of a step on the spot, or of a rapid move, as near as the play allows. A body that the least motion leads along may be on either side,
+    /// for that to which the next piece leads it; where a rapid move leaves a body within its dead band, it waits for a step there that leads it out.
+    fn on_either_side(&self, piece: &Step, nominal: &AxisVector, end: Vector) -> Vector {
+        let command = piece.route.end;
+        let band = piece.band_at(1.0, &self.lead);
+        let mut best = end;
+        let mut bands = vec![band];
+        for axis in self.lead.axes.iter() {
+            let lost = self.model.lost_motion(axis, &command);
+            let sides: &[i8] = match band.direction()[axis.slot()] {
+                _ if self.lead.is_quick(axis, &command) => &[1, -1],
+                0 if piece.rapid => &[1, 0, -1],
+                _ => continue,
+            };
+            let before = std::mem::take(&mut bands);
+            for band in before {
+                bands.extend(sides.iter().map(|&side| {
+                    let mut other = band;
+                    other.put(axis, side, lost);
+                    other
+                }));
+            }
+        }
+        for band in bands {
+            let other = self.lead.error_mm(&band, (nominal, &command), &piece.tool_mm, None).nearest;
+            if other.norm() < best.norm() {
+                best = other;
+            }
+        }
+        best
+    }
+
+    /// What of the offset behind a step that makes ready is more than what the play allows. `next` leads bodies from the one side to the other on the
+    /// spot: until then the tip is aside by the play that they have across their way.
+    fn beyond_play(&self, piece: &Step, next: &Step, offset: Vector) -> Vector {
+        let (from, to) = (piece.route.end, next.route.end);
+        let aside = self.lead.axes.iter().map(|axis| {
+            let (lost, way) = (self.model.lost_motion(axis, &to), to[axis] - from[axis]);
+            if lost == 0.0 || way.abs() < LED_SHARE * lost {
+                return 0.0;
+            }
+            let mut led = from;
+            led[axis] += lost.copysign(way);
+            let tip = |command: &AxisVector, side: i8| {
+                let mut state = piece.band.state();
+                state.direction[axis.slot()] = side;
+                self.model.tip_error_mm(&from, command, &piece.tool_mm, &state)
+            };
+            let side = if way > 0.0 { 1 } else { -1 };
+            (tip(&led, side) - tip(&from, -side)).norm()
+        });
+        let (off_mm, aside_mm) = (offset.norm(), aside.sum::<f64>());
+        if off_mm > aside_mm { offset * (1.0 - aside_mm / off_mm) } else { Vector::zeros() }
+    }
+
+    /// Adds the errors of a piece: the largest of the original and of the corrected program, where they count, and what is seen of the latter. Its end
+    /// is looked at in any case. One that `waits` covers nothing of the move.
+    fn sample(&self, course: &Course<'_>, waits: bool, prediction: &mut Prediction) -> (Option<[f64; 2]>, Seen) {
+        let (piece, [from, to]) = (course.piece, [course.from, course.to]);
+        let errors_at = |fraction: f64| {
+            let parameter = if fraction < 1.0 { from + (to - from) * fraction } else { to };
+            let nominal = self.step.route.at(parameter);
+            let command = piece.route.at(fraction);
+            let before_mm = self.before_mm(parameter);
+            let after = piece.band_at(fraction, &self.lead);
+            // On its way the tool may wait for a body, at the end it must be there.
+            let way = (parameter < 1.0).then_some((&self.step.route, parameter));
+            let after = self.lead.error_mm(&after, (&nominal, &command), &piece.tool_mm, way);
+            [before_mm, after.most_mm, after.nearest.norm()]
+        };
+        let end = self.offset(piece, to).tip;
+        let [_, end_mm, nearest_mm] = errors_at(1.0);
+        let mut seen = Seen { end, most_mm: nearest_mm };
+        if (waits || self.step.rapid) && !self.lead.axes.is_empty() {
+            seen.end = self.on_either_side(piece, &self.step.route.at(to), end);
+        }
+        let size_mm = self.step.route.size_mm() * (to - from);
+        let stands_still = size_mm < ON_THE_SPOT_MM && self.step.route.size_mm() > ON_THE_SPOT_MM;
+        let counts = !waits && !stands_still && self.step.is_counted && prediction.wants(self.step.rapid);
+        if !counts {
+            return (None, seen);
+        }
+        let chord_mm = self.step.off_curve_mm;
+        let mut largest = [0.0, end_mm, nearest_mm];
+        let mut note = |errors: [f64; 3]| largest = [0, 1, 2].map(|k| f64::max(largest[k], errors[k]));
+        let count = sample_count(size_mm, SAMPLE_MM);
+        for k in 0..count {
+            let errors = errors_at(sample_place(k, count));
+            prediction.add(self.step.rapid, errors[0], errors[1] + chord_mm, &self.step.origin);
+            note(errors);
+        }
+        let mut edges = Vec::new();
+        self.lead.edges(&piece.band, &piece.route, &mut edges);
+        for place in edges {
+            let [_, after_mm, nearest_mm] = errors_at(place);
+            note([0.0, after_mm, nearest_mm]);
+        }
+        // Where an arc turns an axis around, rounding shows most.
+        let mut place = 0.0;
+        for _ in 0..MOST_TURNINGS {
+            place = piece.route.next_turning(AxisSet::XYZ, place);
+            if place >= 1.0 {
+                break;
+            }
+            let [_, after_mm, nearest_mm] = errors_at(place);
+            note([0.0, after_mm, nearest_mm]);
+        }
+        let [before_mm, mut after_mm, nearest_mm] = largest;
+        // Where nobody knows on which side an axis is, the place for one of them is what was promised.
+        seen.most_mm = nearest_mm;
+        after_mm += chord_mm;
+        prediction.note_after(self.step.rapid, after_mm, &self.step.origin);
+        (Some([before_mm, after_mm]), seen)
+    }
+}

@@ -1,0 +1,376 @@
+//! What of a corrected program is no correction: other acts, other feeds, and a tool further from its place than was promised.
+
+use ncfix_base::geometry::{AXES, AxisVector, ROTARY_AXES, Vector};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{Origin, Turning};
+
+use super::acts::{Act, Pairing, differences};
+use super::course::Course;
+use super::detour::Detour;
+use super::difference::{Difference, What};
+use super::group::Group;
+use super::manner;
+use super::promise::Promise;
+use super::step::Step;
+use crate::path::Increments;
+
+/// What lies between samples, as a share.
+const BETWEEN_SAMPLES: f64 = 0.05;
+/// A feed that differs by a smaller share is the same: feeds are written with few digits.
+const SAME_FEED: f64 = 1e-4;
+/// A word nearer to what it was is not written, mm and rad.
+const SAME_WORD: f64 = 1e-7;
+/// By how much a word is changed to see which way it leads the tip, mm and rad.
+const NUDGE: f64 = 1e-4;
+/// Directions nearer than this are one, rad: the place on a move is known to a thousandth of a millimeter.
+const SAME_TILT_RAD: f64 = 2e-5;
+/// A direction that leads the tip by less is none.
+const NO_WAY: f64 = 1e-9;
+
+/// How far the tool is from its place on a piece.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Seen {
+    /// At the end.
+    pub(super) end: Vector,
+    /// The most at all places that were looked at, the end among them, mm.
+    pub(super) most_mm: f64,
+}
+
+/// Where a piece stands in its move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct At {
+    pub(super) is_first: bool,
+    pub(super) is_last: bool,
+    /// It is a step on the spot.
+    pub(super) stands: bool,
+}
+
+/// Looks at the pieces of one move after the other.
+pub(super) struct Judge<'d> {
+    promise: Option<Promise>,
+    /// How far the tool may be from its place, mm.
+    limit_mm: f64,
+    increments: Increments,
+    differ: &'d mut dyn FnMut(Difference),
+    /// The largest of the move so far: how far, and on which piece.
+    off: Option<(f64, f64, Origin)>,
+    /// The same of its direction: by how much, and how much it may be.
+    tilt: Option<(f64, f64, Origin)>,
+    /// The axis of the spindle, where rotary axes turn it.
+    tool_axis: Option<Vector>,
+    /// The same where a piece is an arc, whose center is rounded too, mm.
+    arc_limit_mm: f64,
+    /// The feed that differs most: by its ratio.
+    feed: Option<(f64, What, Origin)>,
+    /// How blocks pass their ends in both, where that was said to differ.
+    passing: Option<[Option<String>; 2]>,
+    /// Planes and transformations of both, where they were said to differ.
+    setups: Option<[String; 2]>,
+    last: [Origin; 2],
+    detour: Detour,
+    /// Whether the end of the move belongs to a curve that goes on.
+    runs_on: bool,
+}
+
+impl<'d> Judge<'d> {
+    pub(super) fn new(promise: Option<Promise>, machine: &Machine, differ: &'d mut dyn FnMut(Difference)) -> Judge<'d> {
+        let mut increments = Increments::new(&machine.control);
+        if let Some(increment_mm) = promise.and_then(|promise| promise.increment_mm) {
+            increments.linear_mm = increment_mm;
+        }
+        let tolerance_mm = promise.map_or(0.0, |promise| promise.tolerance_mm);
+        let limit_mm =
+            increments.allowed_mm(tolerance_mm) + BETWEEN_SAMPLES * tolerance_mm.max(increments.rounding_mm());
+        // A center is rounded by half an increment in each of two directions, when the arc has been fitted already.
+        let center_mm = 0.5 * 2.0_f64.sqrt() * increments.linear_mm;
+        let arc_limit_mm = limit_mm + center_mm;
+        let last = [Origin::default(); 2];
+        let turns = ROTARY_AXES.into_iter().any(|axis| machine.axis_set().contains(axis));
+        let tool_axis = turns.then_some(machine.spindle.axis);
+        Judge {
+            promise,
+            limit_mm,
+            arc_limit_mm,
+            increments,
+            differ,
+            off: None,
+            tilt: None,
+            tool_axis,
+            feed: None,
+            passing: None,
+            setups: None,
+            last,
+            detour: Detour::default(),
+            runs_on: false,
+        }
+    }
+
+    /// What rounding moves the tip by, mm.
+    pub(super) fn rounding_mm(&self) -> f64 {
+        self.increments.rounding_mm()
+    }
+
+    /// Another move of the original begins; `runs_on` where no stop can stand at its end.
+    pub(super) fn begin(&mut self, runs_on: bool) {
+        self.runs_on = runs_on;
+    }
+
+    /// A move of the original has no end in the corrected program.
+    pub(super) fn part(&mut self, step: &Step) {
+        (self.off, self.tilt, self.feed) = (None, None, None);
+        if let Some((what, corrected)) = self.detour.broken() {
+            (self.differ)(Difference { original: step.origin, corrected, what });
+        }
+    }
+
+    /// A piece of a move.
+    pub(super) fn piece(
+        &mut self,
+        group: &Group<'_>,
+        course: &Course<'_>,
+        at: At,
+        seen: &Seen,
+        feed_share: Option<f64>,
+    ) {
+        let (step, piece) = (group.step, course.piece);
+        self.last = [step.origin, piece.origin];
+        self.acts(if at.is_first { &step.acts } else { &[] }, &piece.acts);
+        if at.is_first {
+            self.manner(step, piece);
+        }
+        self.passing(step, piece, at.is_last && !self.runs_on);
+        self.setups(step, piece);
+        self.feed(step, piece, feed_share);
+        if self.promise.is_some() && step.is_counted && !step.rapid && !at.stands {
+            self.tilt(group, course);
+        }
+        if self.promise.is_some() {
+            self.detour(group, course, at, seen);
+        }
+        if self.promise.is_some() && step.is_counted {
+            let off_mm = self.off_mm(group, course, at, seen);
+            let limit_mm = self.limit_of(piece);
+            if off_mm > limit_mm && self.off.is_none_or(|(most_mm, ..)| off_mm > most_mm) {
+                self.off = Some((off_mm, limit_mm, piece.origin));
+            }
+        }
+    }
+
+    /// The move has ended.
+    pub(super) fn end(&mut self, step: &Step) {
+        let original = step.origin;
+        if let Some((_, what, corrected)) = self.feed.take() {
+            (self.differ)(Difference { original, corrected, what });
+        }
+        if let Some((tilt_rad, limit_rad, corrected)) = self.tilt.take() {
+            (self.differ)(Difference { original, corrected, what: What::Tilted { tilt_rad, limit_rad } });
+        }
+        if let Some((off_mm, limit_mm, corrected)) = self.off.take() {
+            let what = What::Off { off_mm, limit_mm };
+            (self.differ)(Difference { original, corrected, what });
+        }
+    }
+
+    /// The pieces of a move that are judged at its end only.
+    fn detour(&mut self, group: &Group<'_>, course: &Course<'_>, at: At, seen: &Seen) {
+        let (step, piece) = (group.step, course.piece);
+        if at.is_last {
+            // The last digit of both ends is rounded.
+            let linear_mm = self.increments.linear_mm;
+            let beyond_mm = |axis, end: &AxisVector| group.lead.beyond_mm(axis, end, linear_mm) + linear_mm;
+            if let Some((what, corrected)) = self.detour.end(course, beyond_mm) {
+                (self.differ)(Difference { original: step.origin, corrected, what });
+            }
+        } else if step.rapid || step.is_uncut() || piece.rapid || !step.is_counted {
+            self.detour.see(group, course, seen);
+        }
+    }
+
+    /// A thread has its lead, and a probing motion stays one.
+    fn manner(&mut self, step: &Step, piece: &Step) {
+        if let Some([before, after]) = manner::difference(&step.manner, &piece.manner) {
+            let what = What::Act { subject: "thread", before: Some(before), after: Some(after) };
+            (self.differ)(Difference { original: step.origin, corrected: piece.origin, what });
+        }
+    }
+
+    /// The direction of the tool at the end of a piece: a correction makes it better, or leaves it.
+    fn tilt(&mut self, group: &Group<'_>, course: &Course<'_>) {
+        let Some(tool_axis) = self.tool_axis else { return };
+        let (step, piece) = (group.step, course.piece);
+        let (nominal, tool_mm) = (step.route.at(course.to), &piece.tool_mm);
+        let ideal = group.model.nominal(&nominal, tool_mm);
+        let tilt = |command: &AxisVector| {
+            let turn = ideal.turn_to(&group.model.actual(command, tool_mm, &piece.band.state()));
+            (turn - tool_axis * turn.dot(&tool_axis)).norm()
+        };
+        let tilt_rad = tilt(&piece.route.end);
+        let limit_rad = tilt(&nominal) + 2.0 * self.increments.rotary_deg.to_radians() + SAME_TILT_RAD;
+        if tilt_rad > limit_rad && self.tilt.is_none_or(|(most, ..)| tilt_rad > most) {
+            self.tilt = Some((tilt_rad, limit_rad, piece.origin));
+        }
+    }
+
+    /// What is done behind the last moves, or where programs have parted.
+    pub(super) fn rest(&mut self, original: &[Act], corrected: &[Act]) {
+        self.acts(original, corrected);
+    }
+
+    /// What is known of moves that do not follow each other, where the comparison ends: what is missing or new there may only stand elsewhere.
+    pub(super) fn lose(&mut self, step: &Step, piece: &Step) {
+        self.setups(step, piece);
+        let pairs = differences(&step.acts, &piece.acts);
+        self.differ(pairs.into_iter().filter(|(before, after)| before.is_some() && after.is_some()));
+    }
+
+    fn acts(&mut self, original: &[Act], corrected: &[Act]) {
+        self.differ(differences(original, corrected));
+    }
+
+    fn differ<'a>(&mut self, pairs: impl IntoIterator<Item = Pairing<'a>>) {
+        for (before, after) in pairs {
+            let [own, other] = [before, after].map(|act| act.map(|act| act.origin));
+            let what = What::Act {
+                subject: before.or(after).map_or("", |act| act.subject),
+                before: before.map(|act| act.text.clone()),
+                after: after.map(|act| act.text.clone()),
+            };
+            let [original, corrected] = [own.unwrap_or(self.last[0]), other.unwrap_or(self.last[1])];
+            (self.differ)(Difference { original, corrected, what });
+        }
+    }
+
+    /// How the end of a block is passed. What stays in force is said once.
+    fn passing(&mut self, step: &Step, piece: &Step, is_last: bool) {
+        if step.passing.is_kept_by(&piece.passing, is_last) {
+            if is_last {
+                self.passing = None;
+            }
+            return;
+        }
+        let both = [step, piece].map(|one| one.passing.text());
+        if self.passing.as_ref() == Some(&both) {
+            return;
+        }
+        self.passing = Some(both.clone());
+        let [before, after] = both;
+        let what = What::Act { subject: "passing of block ends", before, after };
+        let origin = |one: &Step| one.passing.mode.as_ref().map_or(one.origin, |mode| mode.origin);
+        let corrected = if is_last { origin(piece) } else { piece.origin };
+        (self.differ)(Difference { original: origin(step), corrected, what });
+    }
+
+    /// The working plane, and whether a transformation is in force. What stays in force is said once.
+    fn setups(&mut self, step: &Step, piece: &Step) {
+        let in_axes = self.promise.is_some_and(|promise| promise.in_axes) && piece.setup.transform.is_none();
+        let is_transformed = |one: &Step| one.setup.transform.is_some() && !in_axes;
+        let is_same = !is_transformed(step)
+            || in_axes
+            || step.transformation == piece.transformation && step.setup.transform == piece.setup.transform;
+        if step.setup.plane == piece.setup.plane && is_transformed(step) == is_transformed(piece) && is_same {
+            self.setups = None;
+            return;
+        }
+        let shown = |one: &Step| {
+            let plane = one.setup.plane.number();
+            let way = match one.setup.transform {
+                Some(Turning::Axes) => "rotary axes in proportion",
+                _ => "the tool on a great circle",
+            };
+            match (is_transformed(one), one.transformation) {
+                (false, _) => format!("G{plane} without a transformation"),
+                (true, "") => format!("G{plane} with a transformation, {way}"),
+                (true, word) => format!("G{plane} with {word}, {way}"),
+            }
+        };
+        let both = [shown(step), shown(piece)];
+        if self.setups.as_ref() == Some(&both) {
+            return;
+        }
+        self.setups = Some(both.clone());
+        let [before, after] = both.map(Some);
+        let what = What::Act { subject: "plane and transformation", before, after };
+        (self.differ)(Difference { original: step.origin, corrected: piece.origin, what });
+    }
+
+    fn feed(&mut self, step: &Step, piece: &Step, share: Option<f64>) {
+        // A number per minute beside one per turn of the spindle is no share of it, whatever the two are.
+        let share = if step.is_of_another_unit(piece) { Some(f64::NAN) } else { share };
+        let Some(share) = share else { return };
+        let is_limited = self.promise.is_some_and(|promise| promise.limits_feed) && share < 1.0;
+        if (share - 1.0).abs() <= SAME_FEED || is_limited {
+            return;
+        }
+        let ratio = if share.is_nan() { f64::INFINITY } else { share.max(1.0 / share) };
+        if self.feed.as_ref().is_none_or(|(most, ..)| ratio > *most) {
+            let [before, after] = [step, piece].map(|one| (one.feed, one.unit));
+            self.feed = Some((ratio, What::Feed { before, after, share }, piece.origin));
+        }
+    }
+
+    fn limit_of(&self, piece: &Step) -> f64 {
+        if piece.route.arc().is_some() { self.arc_limit_mm } else { self.limit_mm }
+    }
+
+    /// How far the tool is from where it was promised to be, mm.
+    fn off_mm(&self, group: &Group<'_>, course: &Course<'_>, at: At, seen: &Seen) -> f64 {
+        let (step, piece) = (group.step, course.piece);
+        if at.stands && !at.is_last {
+            return seen.end.norm();
+        }
+        if step.rapid && !at.is_last {
+            return 0.0;
+        }
+        let is_straight = step.route.arc().is_none() && piece.route.arc().is_none();
+        let is_stepped = self.promise.is_some_and(|promise| promise.is_stepped) && is_straight;
+        let ends_only = step.rapid || step.is_uncut() || is_stepped;
+        let off_mm = if ends_only { seen.end.norm() } else { seen.most_mm };
+        let may_be_left = step.rapid || step.in_machine_frame || step.is_uncut();
+        if off_mm > self.limit_of(piece) && may_be_left {
+            self.beyond_left_mm(group, course, &seen.end)
+        } else {
+            off_mm
+        }
+    }
+
+    /// What is off other than by words that were left as they are: rapid moves may be corrected in some words only.
+    fn beyond_left_mm(&self, group: &Group<'_>, course: &Course<'_>, end: &Vector) -> f64 {
+        let (step, piece, kinematics) = (group.step, course.piece, group.kinematics);
+        let place = step.route.at(course.to);
+        let [nominal, before, written] =
+            [&place, &piece.route.start, &piece.route.end].map(|command| piece.programmed(command, kinematics));
+        let tip = |words: &AxisVector| {
+            let command = piece.commanded(words, kinematics)?;
+            Some(group.model.tip_error_mm(&place, &command, &piece.tool_mm, &piece.band.state()))
+        };
+        let Some(here) = tip(&written) else { return end.norm() };
+        let mut rest = *end;
+        let mut ways: Vec<Vector> = Vec::new();
+        for axis in AXES {
+            let increment =
+                if axis.is_rotary() { self.increments.rotary_deg.to_radians() } else { self.increments.linear_mm };
+            let is_nominal = (written[axis] - nominal[axis]).abs() <= 0.5 * increment + SAME_WORD;
+            let stands = (written[axis] - before[axis]).abs() <= SAME_WORD;
+            // A rotary axis at its programmed angle leaves nothing that the linear axes do not make good, where their words turn with it.
+            let in_machine = step.in_machine_frame || piece.in_machine_frame;
+            let turns = self.promise.is_some_and(|promise| promise.corrects_rotary);
+            let is_idle = axis.is_rotary() && is_nominal && !in_machine && !turns && step.setup.transform.is_none();
+            if is_idle || !is_nominal && !stands {
+                continue;
+            }
+            let mut nudged = written;
+            nudged[axis] += NUDGE;
+            let Some(there) = tip(&nudged) else { continue };
+            let mut way = (there - here) / NUDGE;
+            for known in &ways {
+                way -= known * known.dot(&way);
+            }
+            if way.norm() > NO_WAY {
+                let way = way.normalize();
+                rest -= way * way.dot(&rest);
+                ways.push(way);
+            }
+        }
+        rest.norm()
+    }
+}

@@ -1,0 +1,39 @@
+//! Threads and probing motions of a corrected program beside those of its original.
+
+use ncfix_machine::snc::{Manner, Thread};
+
+/// Leads and their changes that differ by less are the same, mm: in inches they are written with six decimals.
+const SAME_LEAD_MM: f64 = 3e-5;
+
+/// Both in words where they are not the same; other moves are compared by where they lead.
+pub(super) fn difference(original: &Manner, corrected: &Manner) -> Option<[String; 2]> {
+    let is_kept = match (original, corrected) {
+        (Manner::Thread(one), Manner::Thread(other)) => is_same_thread(one, other),
+        (Manner::Thread(_) | Manner::Probe(_), _) | (_, Manner::Thread(_) | Manner::Probe(_)) => original == corrected,
+        _ => true,
+    };
+    (!is_kept).then(|| [shown(original), shown(corrected)])
+}
+
+fn is_same_thread(one: &Thread, other: &Thread) -> bool {
+    let is_same = |one: Option<f64>, other: Option<f64>| match (one, other) {
+        (Some(one), Some(other)) => (one - other).abs() <= SAME_LEAD_MM,
+        (None, None) => true,
+        _ => false,
+    };
+    let lead = |thread: &Thread| thread.lead.map(|(_, lead)| lead);
+    one.code == other.code && is_same(lead(one), lead(other)) && is_same(one.change, other.change)
+}
+
+fn shown(manner: &Manner) -> String {
+    let rounded = |value: f64| (value * 1e6).round() / 1e6;
+    match manner {
+        Manner::Thread(thread) => {
+            let lead = thread.lead.map_or_else(String::new, |(_, lead)| format!(" with {} mm a turn", rounded(lead)));
+            let change = thread.change.map_or_else(String::new, |change| format!(", changing by {}", rounded(change)));
+            format!("{}{lead}{change}", thread.code.word())
+        }
+        Manner::Probe(word) => (*word).to_owned(),
+        _ => "a move without a thread".to_owned(),
+    }
+}

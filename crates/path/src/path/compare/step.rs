@@ -1,0 +1,263 @@
+//! The moves of a program, one by one, with what has been stated before each.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::super::lead::Lead;
+use super::super::route::Route;
+use super::super::way::counts_turns;
+use super::super::{Feeds, lost_axes};
+use super::acts::{Act, Acts, Passing};
+use super::{CONTINUES, CONTINUES_ON_THE_SPOT, ON_THE_SPOT};
+use ncfix_base::geometry::{AXES, AxisSet, AxisVector, Vector};
+use ncfix_machine::machine::{Kinematics, Machine};
+use ncfix_machine::snc::{BlockNumber, Element, FeedUnit, Kind, Manner, Origin, Setup, WordValue};
+use ncfix_model::DeadBand;
+
+/// Share of a move over which the direction at its end is looked at.
+const NEAR_END: f64 = 1e-4;
+/// mm per rad where directions of rotary axes count beside those of linear ones.
+const TURN_ARM_MM: f64 = 100.0;
+/// The cosine of the angle up to which pieces of a curve go on in one direction: 60°; the chords of curves turn by far less, reversals and corners by more.
+const SAME_WAY: f64 = 0.5;
+
+/// A move of one of the programs.
+#[derive(Clone, Debug)]
+pub(super) struct Step {
+    pub(super) origin: Origin,
+    pub(super) route: Route,
+    pub(super) rapid: bool,
+    pub(super) feed: f64,
+    /// What it counts.
+    pub(super) unit: FeedUnit,
+    /// For which way it is.
+    pub(super) feeds: Feeds,
+    /// What the coordinates of the program mean.
+    pub(super) setup: Arc<Setup>,
+    /// Written as machine coordinates.
+    pub(super) in_machine_frame: bool,
+    pub(super) tool_mm: Vector,
+    /// The tool word that stands above it.
+    pub(super) tool: Option<Arc<WordValue>>,
+    /// Where the axes are within their dead bands before the move.
+    pub(super) band: DeadBand,
+    /// Axes that were stated before it.
+    pub(super) stated: AxisSet,
+    pub(super) is_counted: bool,
+    /// Whether it is marked as a further piece of the move above it.
+    pub(super) continues: bool,
+    /// Whether it is marked as a step on the spot.
+    pub(super) on_the_spot: bool,
+    /// How the control carries it out.
+    pub(super) manner: Manner,
+    /// How far the way that the program asks for may be off it, mm.
+    pub(super) off_curve_mm: f64,
+    /// What is done between the move before it and this one.
+    pub(super) acts: Vec<Act>,
+    /// How its end is passed.
+    pub(super) passing: Passing,
+    /// The number of its block, on the first move of that.
+    pub(super) number: Option<BlockNumber>,
+    /// The word of the five-axis transformation in force, empty where there is none.
+    pub(super) transformation: &'static str,
+}
+
+impl Step {
+    /// Where the axes are within their dead bands at a parameter.
+    pub(super) fn band_at(&self, parameter: f64, lead: &Lead<'_>) -> DeadBand {
+        let mut band = self.band;
+        lead.along(&mut band, &self.route, self.stated, [0.0, parameter]);
+        band
+    }
+
+    /// An axis command as this program would write it here: coordinates of the frame in force, of the tip in the workpiece under a transformation.
+    pub(super) fn programmed(&self, command: &AxisVector, kinematics: &Kinematics) -> AxisVector {
+        // Under a transformation the block brings a bare frame of its own, and its words are those of the tip all the same.
+        if self.in_machine_frame && self.setup.transform.is_none() {
+            let mut out = *command;
+            out.set_xyz(out.xyz() + self.setup.tool_mm);
+            return out;
+        }
+        let is_transformed = self.setup.transform.is_some();
+        let position = if is_transformed { kinematics.on_workpiece(command, &self.setup.tool_mm) } else { *command };
+        self.setup.programmed(&position)
+    }
+
+    /// Whether its end only is at its place: a thread and a positioning axis are not cut.
+    pub(super) fn is_uncut(&self) -> bool {
+        self.manner != Manner::Path
+    }
+
+    /// The axis command of what this program would write: the other way round than [`Step::programmed`]; `None` where the machine cannot go there.
+    pub(super) fn commanded(&self, words: &AxisVector, kinematics: &Kinematics) -> Option<AxisVector> {
+        if self.in_machine_frame && self.setup.transform.is_none() {
+            let mut out = *words;
+            out.set_xyz(out.xyz() - self.setup.tool_mm);
+            return Some(out);
+        }
+        let position = self.setup.command(words);
+        if self.setup.transform.is_some() {
+            kinematics.command_on_workpiece(&position, &self.setup.tool_mm)
+        } else {
+            Some(position)
+        }
+    }
+
+    /// Whether the control goes on from it into a move of the same block in its direction, as the pieces of a curve follow each other: no exact stop
+    /// stands between them.
+    pub(super) fn runs_into(&self, next: &Step) -> bool {
+        let way = |route: &Route, [from, to]: [f64; 2]| {
+            let step = route.at(to) - route.at(from);
+            AXES.map(|axis| if axis.is_rotary() { TURN_ARM_MM * step[axis] } else { step[axis] })
+        };
+        let ways = [way(&self.route, [1.0 - NEAR_END, 1.0]), way(&next.route, [0.0, NEAR_END])];
+        let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+        let sizes = ways.map(|way| dot(&way, &way).sqrt());
+        next.continues && next.rapid == self.rapid && dot(&ways[0], &ways[1]) > SAME_WAY * sizes[0] * sizes[1]
+    }
+}
+
+/// The moves of a stream of elements.
+pub(super) struct Walk<'a, I> {
+    elements: I,
+    machine: &'a Machine,
+    feeds: Feeds,
+    counts_turns: bool,
+    lead: Lead<'a>,
+    position: AxisVector,
+    tool_mm: Vector,
+    tool: Option<Arc<WordValue>>,
+    setup: Arc<Setup>,
+    band: DeadBand,
+    known: AxisSet,
+    ever_named: AxisSet,
+    continues: bool,
+    on_the_spot: bool,
+    /// The block has moved already.
+    has_moved: bool,
+    acts: Acts,
+    passing: Passing,
+    number: Option<BlockNumber>,
+    transformation: &'static str,
+    tail: Tail,
+}
+
+/// What is done behind the last move, when that has been reached.
+pub(super) type Tail = Rc<RefCell<Vec<Act>>>;
+
+impl<'a, I> Walk<'a, I> {
+    pub(super) fn new(elements: I, machine: &'a Machine, feeds: Feeds, lead: Lead<'a>) -> Self {
+        Walk {
+            elements,
+            machine,
+            feeds,
+            counts_turns: false,
+            lead,
+            position: AxisVector::ZERO,
+            tool_mm: Vector::zeros(),
+            tool: None,
+            setup: Arc::default(),
+            band: DeadBand::default(),
+            known: AxisSet::EMPTY,
+            ever_named: AxisSet::EMPTY,
+            continues: false,
+            on_the_spot: false,
+            has_moved: false,
+            acts: Acts::default(),
+            passing: Passing::default(),
+            number: None,
+            transformation: "",
+            tail: Tail::default(),
+        }
+    }
+
+    /// What is done behind the last move; complete when the walk has ended.
+    pub(super) fn tail(&self) -> Tail {
+        Rc::clone(&self.tail)
+    }
+}
+
+impl<I: Iterator<Item = Element>> Iterator for Walk<'_, I> {
+    type Item = Step;
+
+    fn next(&mut self) -> Option<Step> {
+        loop {
+            let Some(element) = self.elements.next() else {
+                self.tail.borrow_mut().append(&mut self.acts.0);
+                return None;
+            };
+            self.acts.see(&element, self.machine);
+            self.passing.see(&element);
+            if element.starts_block {
+                // A mark belongs to its own line, which may move nothing.
+                self.continues = false;
+                self.on_the_spot = false;
+                self.has_moved = false;
+                // A further line of a block has none, and is no other block.
+                self.number = element.number.or(self.number);
+            }
+            let lost = lost_axes(&element, self.machine);
+            self.known = self.known.difference(lost);
+            self.band.forget(lost);
+            let motion = match element.kind {
+                Kind::Comment(text) => {
+                    let text = text.strip_prefix(b";").or_else(|| text.strip_prefix(b"(")?.strip_suffix(b")"));
+                    let is_one_of = |marks: [&str; 2]| marks.iter().any(|mark| text == Some(mark.as_bytes()));
+                    self.continues = is_one_of([CONTINUES, CONTINUES_ON_THE_SPOT]);
+                    self.on_the_spot = is_one_of([ON_THE_SPOT, CONTINUES_ON_THE_SPOT]);
+                    continue;
+                }
+                Kind::Setup(setup) => {
+                    self.tool_mm = setup.tool_mm;
+                    self.setup = setup;
+                    continue;
+                }
+                Kind::Tool(word) => {
+                    self.tool = Some(Arc::new(word));
+                    continue;
+                }
+                Kind::Keep(word) if word.starts_with("TRA") => {
+                    self.transformation = if word.starts_with("TRAORI") { word } else { "" };
+                    continue;
+                }
+                Kind::Verbatim(text) => {
+                    self.counts_turns = counts_turns(&text, self.machine).unwrap_or(self.counts_turns);
+                    continue;
+                }
+                Kind::Move(motion) => motion,
+                _ => continue,
+            };
+            self.ever_named = self.ever_named.union(motion.named);
+            let step = Step {
+                origin: element.origin,
+                route: Route::new(self.position, motion.target, motion.arc),
+                rapid: motion.rapid,
+                setup: Arc::clone(&self.setup),
+                in_machine_frame: motion.in_machine_frame,
+                feed: if motion.rapid { 0.0 } else { motion.feed },
+                unit: motion.unit,
+                feeds: if self.counts_turns { Feeds::OfAll } else { self.feeds },
+                tool_mm: self.tool_mm,
+                tool: self.tool.clone(),
+                band: self.band,
+                stated: self.known,
+                is_counted: motion.named.difference(self.known).is_empty()
+                    && self.ever_named.difference(motion.known).is_empty(),
+                // What one block becomes when it is executed belongs together.
+                continues: std::mem::take(&mut self.continues) | std::mem::replace(&mut self.has_moved, true),
+                on_the_spot: std::mem::take(&mut self.on_the_spot),
+                manner: motion.manner,
+                off_curve_mm: motion.off_curve_mm,
+                acts: std::mem::take(&mut self.acts.0),
+                passing: self.passing.clone(),
+                number: self.number.take(),
+                transformation: self.transformation,
+            };
+            self.lead.along(&mut self.band, &step.route, self.known, [0.0, 1.0]);
+            self.position = motion.target;
+            self.known = motion.known;
+            return Some(step);
+        }
+    }
+}

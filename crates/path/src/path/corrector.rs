@@ -1,0 +1,400 @@
+//! The adapter: elements in, corrected pieces and the other elements out, in order, one move at a time.
+
+mod between;
+mod clamps;
+mod dead_band;
+mod pace;
+mod write;
+
+use std::collections::VecDeque;
+
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{AXIS_COUNT, AxisSet};
+use ncfix_machine::machine::Machine;
+use ncfix_machine::snc::{BlockNumber, Element, Manner, Move, Origin};
+use ncfix_model::Model;
+
+use super::ahead::Ahead;
+use super::check::Sampler;
+use super::cut::{fit_arc, fit_line, next_step};
+use super::extend::Reach;
+use super::findings::{Findings, placing_axes};
+use super::lead::Lead;
+use super::place::Placer;
+use super::poses::Poses;
+use super::route::Route;
+use super::standing::Standing;
+use super::treatment::{Treatment, is_pushed_out};
+use super::trial::{Bench, Trial};
+use super::{Arcs, Increments, Options, Output, Piece, PoseSample, Prediction, Rotary, Subdivision};
+use clamps::{Clamps, rotary_axes};
+
+/// Pieces shorter than this are not made, mm.
+const SHORTEST_MM: f64 = 0.01;
+
+/// Corrects a stream of elements. Findings are items of the stream too: after an error the correction goes on, so that one run shows
+/// them all.
+pub struct Corrector<'a, I> {
+    elements: Ahead<'a, I>,
+    machine: &'a Machine,
+    options: Options,
+    placer: Placer<'a>,
+    sampler: Sampler,
+    lead: Lead<'a>,
+    cut: dead_band::Cut,
+    placing: AxisSet,
+    clamps: Clamps,
+    standing: Standing,
+    ever_named: AxisSet,
+    active: Option<Box<Active>>,
+    /// Room for the next move, so that none is allocated for each.
+    idle: Option<Box<Active>>,
+    pending: VecDeque<Result<Output, Diagnostic>>,
+    findings: Findings<'a>,
+    prediction: Prediction,
+    poses: Poses,
+    pace: pace::Pace,
+    scratch: Vec<f64>,
+}
+
+/// The move that is being cut.
+#[derive(Debug)]
+struct Active {
+    origin: Origin,
+    starts_block: bool,
+    number: Option<BlockNumber>,
+    motion: Move,
+    /// Axes of the output that the program moves.
+    moving: AxisSet,
+    treatment: Treatment,
+    route: Route,
+    /// Samples that the whole route needs.
+    samples: f64,
+    /// Its time, where the correction may change for which way its feed is.
+    pacing: Option<pace::Pacing>,
+    /// Where the next piece begins.
+    parameter: f64,
+    /// Length of the last piece, as a parameter; the whole move before the first.
+    length: f64,
+    is_first: bool,
+    /// Share of the time that belongs to pieces which were not written, as they are shorter than an increment.
+    unwritten: f64,
+    /// No useful arc fits.
+    as_chords: bool,
+    /// Whether its error counts in the prediction.
+    is_counted: bool,
+    /// As in [`Bench::settled`].
+    settled: [i8; AXIS_COUNT],
+}
+
+impl<'a, I> Corrector<'a, I>
+where
+    I: Iterator<Item = Result<Element, Diagnostic>>,
+{
+    /// Starts a correction. The model must be that of the machine.
+    #[must_use]
+    pub fn new(elements: I, machine: &'a Machine, model: &'a Model, options: Options) -> Self {
+        let mut standing = Standing::default();
+        if let Some(start) = options.start {
+            // The machine stands there as the control sees it, uncorrected.
+            standing.nominal = start;
+            standing.command = start;
+            standing.known = machine.axis_set();
+            standing.written = standing.known;
+            standing.is_doubtful = true;
+        }
+        let is_looked_for = options.rotary == Rotary::Auto && !model.is_empty();
+        let rotary = if is_looked_for { rotary_axes(machine) } else { AxisSet::EMPTY };
+        Corrector {
+            elements: Ahead::new(elements, machine, rotary),
+            clamps: Clamps::new(machine),
+            machine,
+            placer: Placer::new(machine, model, &options),
+            lead: Lead::new(model, machine),
+            sampler: Sampler::new(model).with_rounding(&Increments::new(&machine.control), options.tolerance_mm),
+            cut: dead_band::Cut::default(),
+            placing: placing_axes(machine),
+            standing,
+            ever_named: AxisSet::EMPTY,
+            active: None,
+            idle: None,
+            pending: VecDeque::with_capacity(8),
+            findings: Findings::new(machine, options.max_correction_mm),
+            prediction: Prediction::default(),
+            poses: Poses::default(),
+            pace: pace::Pace::default(),
+            scratch: Vec::with_capacity(64),
+            options,
+        }
+    }
+
+    /// The error along the path so far; complete when the stream has ended.
+    #[must_use]
+    pub fn prediction(&self) -> &Prediction {
+        &self.prediction
+    }
+
+    /// Poses of the corrected moves so far, some of each part of the program.
+    #[must_use]
+    pub fn poses(&self) -> &[PoseSample] {
+        self.poses.kept()
+    }
+
+    /// The stream of elements, for what it knows beside them.
+    #[must_use]
+    pub fn elements(&self) -> &I {
+        self.elements.elements()
+    }
+
+    fn begin(&mut self, element: &Element, motion: &Move) {
+        let (named, known, unknown) = self.placer.in_output_axes(motion);
+        let is_turned_thread = matches!(motion.manner, Manner::Thread(_)) && self.placer.turns_output();
+        self.findings.in_machine_frame(&element.origin, unknown, is_turned_thread);
+        let standing = &mut self.standing;
+        let starts_at_known = named.difference(standing.known).is_empty();
+        let is_placed = self.placing.difference(known).is_empty();
+        let frame = &self.placer.setup.frame;
+        let is_parallel = self.placer.is_parallel();
+        standing.sensed = if is_parallel { standing.known } else { frame.known_across(standing.known, false) };
+        standing.written = standing.written.intersection(known);
+        self.ever_named = self.ever_named.union(named);
+        if self.pace.counts_turns && self.placer.leaves_transform() && !motion.rapid {
+            self.findings.feed_of_turns(&element.origin);
+        }
+        let treatment = Treatment::of(motion.rapid, self.options.rapids, starts_at_known && is_placed);
+        let (treatment, moving) = if motion.rapid || motion.manner == Manner::Reference {
+            let ends = [&standing.nominal, &motion.target];
+            let moving = self.placer.moving(named, standing.known.intersection(known), ends);
+            (self.treatment_of_rapid(motion, treatment, moving), moving)
+        } else {
+            (treatment, named)
+        };
+        self.fix(motion, moving);
+        self.note_cut(motion);
+        let settled = self.settling(motion, treatment, moving);
+        let route = Route::new(self.standing.nominal, motion.target, motion.arc);
+        let feed = self.placer.feed(&self.standing.nominal, motion);
+        self.prediction.moves += 1;
+        let samples = self.sampler.whole(&route);
+        let make = || Active {
+            origin: element.origin,
+            starts_block: element.starts_block,
+            number: element.number,
+            motion: Move { feed, named, known, ..*motion },
+            moving,
+            treatment,
+            samples,
+            pacing: self.placer.pacing(self.options.feeds, &route, motion, feed),
+            route,
+            parameter: 0.0,
+            length: 1.0,
+            is_first: true,
+            unwritten: 0.0,
+            as_chords: self.options.arcs == Arcs::Chords,
+            is_counted: starts_at_known && self.ever_named.difference(known).is_empty(),
+            settled,
+        };
+        self.active = Some(match self.idle.take() {
+            Some(mut idle) => {
+                *idle = make();
+                idle
+            }
+            None => Box::new(make()),
+        });
+    }
+
+    /// Makes the next piece of the move.
+    fn advance(&mut self, mut active: Box<Active>) -> Option<Piece> {
+        let mut trial = self.next_piece(&mut active);
+        self.overshoot(&active, &mut trial);
+        let piece = self.accept(&mut active, &trial);
+        if active.parameter < 1.0 {
+            self.active = Some(active);
+        } else {
+            self.standing.known = active.motion.known;
+            self.standing.is_doubtful |= active.treatment.leaves_others();
+            self.idle = Some(active);
+        }
+        piece
+    }
+
+    fn next_piece(&mut self, active: &mut Active) -> Trial {
+        let route = &active.route;
+        let bench = Bench {
+            placer: &self.placer,
+            sampler: &self.sampler,
+            lead: &self.lead,
+            control: &self.machine.control,
+            route,
+            samples: active.samples,
+            known: active.motion.known,
+            tolerance_mm: self.options.tolerance_mm,
+            takes_up: active.treatment == Treatment::Way && active.motion.manner == Manner::Path,
+            limits_turns: active.treatment == Treatment::Way,
+            settled: active.settled,
+        };
+        let (standing, scratch) = (&self.standing, &mut self.scratch);
+        let from = active.parameter;
+        match active.treatment {
+            Treatment::Programmed => return bench.as_programmed(standing, active.moving),
+            Treatment::Named => return bench.of_named(standing, active.moving),
+            Treatment::End | Treatment::Way => {}
+        }
+        // A move that a control may make either way has no way that could be cut.
+        let is_whole = active.motion.manner != Manner::Path || active.motion.turns_either_way();
+        if is_whole && active.treatment == Treatment::Way {
+            return bench.straight(standing, [from, 1.0], scratch);
+        }
+        if active.treatment == Treatment::End || self.placer.model.is_empty() {
+            if route.arc().is_none() {
+                let trial = bench.unmeasured(standing, [from, 1.0]);
+                if active.motion.rapid && is_pushed_out(self.machine, &route.end, &trial.end.command) {
+                    active.treatment = Treatment::Programmed;
+                    return bench.as_programmed(standing, active.moving);
+                }
+                return trial;
+            }
+            // Without errors only rounding bends an arc; it turns the bisector of a chord that is not much longer than an increment.
+            let whole = match active.treatment {
+                Treatment::End => bench.unmeasured_arc(standing, [from, 1.0]),
+                _ => bench.arc(standing, [from, 1.0], scratch).filter(Trial::fits),
+            };
+            if let Some(trial) = whole.filter(|_| !active.as_chords) {
+                return trial;
+            }
+        }
+        let checkable = from + self.sampler.longest_share(active.samples);
+        let turning = route.next_turning(self.sampler.backlash, from).min(checkable);
+        if let (Subdivision::Step(step_mm), None) = (self.options.subdivision, route.arc()) {
+            return bench.unmeasured(standing, [from, next_step(route, from, step_mm)]);
+        }
+        let step = match self.options.subdivision {
+            Subdivision::Adaptive => f64::INFINITY,
+            Subdivision::Step(step_mm) => step_mm / route.size_mm(),
+        };
+        if route.arc().is_some() && !active.as_chords {
+            if let Some(trial) = fit_arc(&bench, standing, [from, turning.min(from + step)], active.length, scratch) {
+                return trial;
+            }
+            active.as_chords = true;
+            active.length = 1.0;
+        }
+        let limit = turning.min(from + step);
+        let mut first = None;
+        if active.length >= limit - from {
+            // Most moves of a surface are one piece, and that is known by one trial.
+            let whole = bench.straight(standing, [from, limit], scratch);
+            if whole.fits() && !whole.end.is_held_back {
+                return whole;
+            }
+            first = Some(whole);
+        }
+        let floor = SHORTEST_MM / route.size_mm();
+        let reach = Reach { from, limit, guess: active.length, floor, order: 2.0 };
+        fit_line(&bench, standing, reach, first, scratch).unwrap_or_else(|| bench.unmeasured(standing, [from, turning]))
+    }
+
+    /// Makes a tried piece real. A step on the spot before it waits in the queue already.
+    fn accept(&mut self, active: &mut Active, trial: &Trial) -> Option<Piece> {
+        let [from, to] = trial.between;
+        let is_last = to >= 1.0;
+        let frame = &self.placer.setup.frame;
+        let known = active.motion.known;
+        let stated = if self.placer.is_parallel() { known } else { frame.known_across(known, false) };
+        let bands = self.bands(trial, stated);
+        if let Some(start) = &trial.overshoot {
+            let end = active.route.end;
+            let step = self.write(active, start, None, (0.0, &end), false);
+            self.pending.extend(step.map(|piece| Ok(Output::Piece(Piece { take_up: false, ..piece }))));
+        }
+        for start in [&trial.ready, &trial.take_up].into_iter().flatten() {
+            let way = Route::new(self.standing.command, start.command, None);
+            let piece = (&active.route, from);
+            self.findings.check(&active.origin, stated, piece, &way, &self.placer.setup.tool_mm);
+            // Such a step takes the time that its length takes on the way.
+            let share = way.size_mm() / active.route.size_mm();
+            let at = active.route.at(from);
+            let step = self.write(active, start, None, (share, &at), false);
+            self.pending.extend(step.map(|piece| Ok(Output::Piece(piece))));
+        }
+        let nominal = active.route.at(to);
+        let piece = (&active.route, to);
+        self.findings.check(&active.origin, stated, piece, &trial.emitted, &self.placer.setup.tool_mm);
+        if let Some(failure) = trial.end.failure.or(trial.take_up.and_then(|start| start.failure)) {
+            self.findings.not_converged(&active.origin, failure);
+        }
+        let is_measured = trial.deviation_mm > 0.0 && !self.placer.model.is_empty();
+        if is_measured && trial.deviation_mm > self.options.tolerance_mm {
+            let is_cut = active.motion.manner == Manner::Path;
+            self.findings.tolerance_missed(&active.origin, is_cut, trial.deviation_mm, self.options.tolerance_mm);
+        }
+        let mut piece = self.write(active, &trial.end, Some(trial), (to - from, &nominal), is_last);
+        if let Some(piece) = &mut piece {
+            piece.take_up |= trial.overshoot.is_some();
+        }
+        let has_backlash = !self.sampler.backlash.is_empty();
+        self.check_sense(active, &bands, trial);
+        if active.is_counted && self.prediction.wants(active.motion.rapid) {
+            self.predict(active, trial, &bands);
+        }
+        if has_backlash {
+            let sensed = self.standing.sensed;
+            self.lead.along(&mut self.standing.nominal_band, &active.route, sensed, [from, to]);
+            self.standing.band = bands.end;
+        }
+        self.prediction.note_correction(&nominal, &trial.end.command);
+        if active.treatment.leaves_others() {
+            let error_mm = self.placer.tip_error_mm(&nominal, &trial.end.command, &trial.state());
+            self.prediction.note_as_programmed(error_mm, active.treatment == Treatment::Programmed);
+        } else if active.is_counted {
+            let tool_mm = self.placer.setup.tool_mm;
+            let (command, turning) = (trial.end.command, self.placer.turning());
+            self.poses.offer(|| PoseSample { nominal, command, state: trial.state(), tool_mm, turning });
+        }
+        let standing = &mut self.standing;
+        standing.nominal = nominal;
+        standing.correction = trial.end.command - nominal;
+        standing.state.direction = if has_backlash { standing.band.direction() } else { trial.sense };
+        standing.is_doubtful = trial.is_torn;
+        active.parameter = to;
+        active.length = to - from;
+        piece
+    }
+}
+
+impl<I> Iterator for Corrector<'_, I>
+where
+    I: Iterator<Item = Result<Element, Diagnostic>>,
+{
+    type Item = Result<Output, Diagnostic>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some(item) = self.pending.pop_front() {
+                return Some(item);
+            }
+            if let Some(active) = self.active.take() {
+                let piece = self.advance(active);
+                if self.pending.is_empty() && self.findings.is_empty() {
+                    match piece {
+                        Some(piece) => return Some(Ok(Output::Piece(piece))),
+                        None => continue,
+                    }
+                }
+                self.pending.extend(piece.map(|piece| Ok(Output::Piece(piece))));
+                self.pending.extend(self.findings.take().map(Err));
+                continue;
+            }
+            let Some(item) = self.elements.take() else {
+                if self.end_pace() {
+                    continue;
+                }
+                return None;
+            };
+            match item {
+                Ok(element) => self.take_in(element),
+                Err(finding) => return Some(Err(finding)),
+            }
+        }
+    }
+}

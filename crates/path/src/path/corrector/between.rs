@@ -1,0 +1,58 @@
+//! What stands between moves: words, frames, tool changes.
+
+use std::sync::Arc;
+
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::AxisSet;
+use ncfix_machine::snc::{Element, Kind, Setup};
+
+use super::Corrector;
+use crate::path::{Output, lost_axes};
+
+impl<I> Corrector<'_, I>
+where
+    I: Iterator<Item = Result<Element, Diagnostic>>,
+{
+    /// Begins a move, or passes an element on.
+    pub(super) fn take_in(&mut self, element: Element) {
+        self.keep_pace(&element);
+        match &element.kind {
+            Kind::Move(motion) => {
+                self.begin(&element, motion);
+                return;
+            }
+            Kind::Setup(setup) => self.set_up(Arc::clone(setup)),
+            Kind::Keep(word) if self.placer.drops(word) => {
+                self.pending.push_back(Ok(Output::Element(Element { kind: Kind::Empty, ..element })));
+                return;
+            }
+            Kind::Before(words) | Kind::After(words) => {
+                self.clamps.note(words);
+                self.forget(lost_axes(&element, self.machine));
+            }
+            _ => self.forget(lost_axes(&element, self.machine)),
+        }
+        self.pending.push_back(Ok(Output::Element(element)));
+    }
+
+    /// A tool change, or something that is not in the stream, moves axes: where they stand is unknown behind it.
+    fn forget(&mut self, axes: AxisSet) {
+        self.standing.known = self.standing.known.difference(axes);
+        self.standing.written = self.standing.written.difference(axes);
+        self.standing.state.forget(axes);
+        self.standing.band.forget(axes);
+        self.standing.nominal_band.forget(axes);
+    }
+
+    /// From here on coordinates mean something else; the machine stands where it stood.
+    fn set_up(&mut self, setup: Arc<Setup>) {
+        let standing = &mut self.standing;
+        standing.is_doubtful |= setup.tool_mm != self.placer.setup.tool_mm;
+        let (old, new) = (&self.placer.setup.frame, &setup.frame);
+        if old.linear() != new.linear() && !self.placer.is_machine_frame() {
+            standing.known = new.known_across(old.known_across(standing.known, false), true);
+            standing.written = standing.written.intersection(standing.known);
+        }
+        self.placer.set_up(setup, &standing.command, &mut standing.counts, &mut standing.written);
+    }
+}

@@ -1,0 +1,97 @@
+//! What a move may move: axes that are clamped, rotary axes that do not take part, rapid moves that are no approach to a cut.
+
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{Axis, AxisSet};
+use ncfix_machine::machine::{Clamp, Machine};
+use ncfix_machine::snc::{Element, Manner, Move, Word, WordValue};
+
+use super::Corrector;
+use crate::path::Rotary;
+use crate::path::ahead::Next;
+use crate::path::place::SHORT_MM;
+use crate::path::treatment::Treatment;
+
+/// The clamps of the axes, and which of them are closed.
+#[derive(Clone, Debug)]
+pub(super) struct Clamps {
+    all: Vec<(Axis, Clamp, bool)>,
+    closed: AxisSet,
+}
+
+impl Clamps {
+    /// Those of a machine, all open.
+    pub(super) fn new(machine: &Machine) -> Clamps {
+        let of_axis = |data: &ncfix_machine::machine::AxisData| {
+            let axis = data.axis;
+            data.clamps.iter().map(move |&clamp| (axis, clamp, false)).collect::<Vec<_>>()
+        };
+        Clamps { all: machine.axes.iter().flatten().flat_map(of_axis).collect(), closed: AxisSet::EMPTY }
+    }
+
+    /// Takes M codes in.
+    pub(super) fn note(&mut self, words: &[Word]) {
+        if self.all.is_empty() {
+            return;
+        }
+        for word in words.iter().filter(|word| word.letter == b'M' && word.extension.is_none()) {
+            let WordValue::Number(number) = word.value else { continue };
+            for (_, clamp, is_closed) in &mut self.all {
+                if number == f64::from(clamp.close) {
+                    *is_closed = true;
+                } else if number == f64::from(clamp.open) {
+                    *is_closed = false;
+                }
+            }
+        }
+        self.closed = self.all.iter().filter(|(_, _, is_closed)| *is_closed).map(|&(axis, _, _)| axis).collect();
+    }
+}
+
+/// The rotary axes of a machine.
+pub(super) fn rotary_axes(machine: &Machine) -> AxisSet {
+    machine.axis_set().iter().filter(|axis| axis.is_rotary()).collect()
+}
+
+impl<I> Corrector<'_, I>
+where
+    I: Iterator<Item = Result<Element, Diagnostic>>,
+{
+    /// What is done with a rapid move that moves these axes of the output; `approach` where it leads to a cut.
+    pub(super) fn treatment_of_rapid(&mut self, motion: &Move, approach: Treatment, moving: AxisSet) -> Treatment {
+        if motion.in_machine_frame || motion.manner == Manner::Reference || approach == Treatment::Programmed {
+            return Treatment::Programmed;
+        }
+        let next = self.elements.next();
+        let is_along_tool = || self.placer.is_along_tool(moving, [&self.standing.nominal, &motion.target]);
+        match next {
+            next if next.is_cut() => approach,
+            Next::Change => Treatment::Programmed,
+            _ if is_along_tool() => Treatment::Programmed,
+            _ => Treatment::Named,
+        }
+    }
+
+    /// Which axes the next move must leave where they stand: those that are clamped, and rotary ones that take no part, unless the program
+    /// moves them.
+    pub(super) fn fix(&mut self, motion: &Move, moving: AxisSet) {
+        if self.placer.has_rotary {
+            let turning = match self.options.rotary {
+                Rotary::Auto => self.elements.turned(),
+                Rotary::Correct => rotary_axes(self.machine),
+                Rotary::Hold => AxisSet::EMPTY,
+            };
+            self.placer.set_turning(turning.difference(self.clamps.closed));
+        } else if self.clamps.closed.is_empty() {
+            return;
+        }
+        let standing = &self.standing;
+        let moves = |axis: Axis| (motion.target[axis] - standing.nominal[axis]).abs() > SHORT_MM;
+        let stays = |axis: &Axis| {
+            let is_clamped = self.clamps.closed.contains(*axis);
+            let takes_part = !axis.is_rotary() || self.placer.turning().contains(*axis);
+            standing.known.contains(*axis) && !moves(*axis) && (is_clamped || !takes_part && !moving.contains(*axis))
+        };
+        let fixed = self.machine.axis_set().iter().filter(stays).collect();
+        self.placer.fix(fixed, &self.standing.command);
+    }
+}

@@ -1,0 +1,240 @@
+//! Axes of whose bodies nobody knows on which side of their dead bands they are: an approach settles that where there is room.
+//!
+//! A rapid move goes beyond the place by the lost motion and a bit and comes back: along the tool away from the workpiece, across it only where
+//! the next move goes down along the tool, so that the tool is above where it cuts.
+
+use ncfix_base::diagnostic::Diagnostic;
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
+use ncfix_machine::snc::{Element, Manner, Move};
+use ncfix_model::DeadBand;
+
+use super::{Active, Corrector};
+use crate::path::Rapids;
+use crate::path::ahead::Next;
+use crate::path::lead::Lead;
+use crate::path::route::Route;
+use crate::path::treatment::Treatment;
+use crate::path::trial::Trial;
+
+/// An axis that lifts the tool by more than this share of its way goes along the tool, one that lifts it by less than the other across.
+const ALONG: f64 = 0.99;
+const ACROSS: f64 = 0.01;
+/// Steps of a piece at whose ends a side that is unknown is looked at.
+const UNKNOWN_PLACES: u32 = 8;
+
+/// Directions of the tool nearer than this are one, rad, and heights nearer than this, mm.
+const SAME: f64 = 1e-6;
+
+/// The highest place at which the tool has cut so far, along the tool: above it nothing stands that was cut free on the side of a place.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cut {
+    /// From the tip to the spindle, in the workpiece; `None` before the first cut.
+    direction: Option<Vector>,
+    /// Along it, mm; infinite where the tool has cut in several directions.
+    top_mm: f64,
+}
+
+/// Where the axes are within their dead bands on a piece.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bands {
+    pub(super) start: DeadBand,
+    pub(super) end: DeadBand,
+    /// Axes of whose motion the sense is known.
+    pub(super) sensed: AxisSet,
+    /// All axes go on the sides for which they were placed.
+    pub(super) are_led: bool,
+}
+
+impl Active {
+    /// The way on which the tool may be early or late at a parameter: at its end it must be there.
+    pub(super) fn way_at(&self, parameter: f64) -> Option<(&Route, f64)> {
+        (parameter < 1.0).then_some((&self.route, parameter))
+    }
+}
+
+impl Bands {
+    /// At a share of the piece.
+    pub(super) fn at(&self, lead: &Lead<'_>, trial: &Trial, share: f64) -> DeadBand {
+        let mut band = self.start;
+        lead.along(&mut band, &trial.emitted, self.sensed, [0.0, share]);
+        band
+    }
+}
+
+impl<I> Corrector<'_, I>
+where
+    I: Iterator<Item = Result<Element, Diagnostic>>,
+{
+    /// Where the axes are within their dead bands behind a way on which none turns.
+    pub(super) fn led(&self, mut band: DeadBand, from: &AxisVector, to: &AxisVector) -> DeadBand {
+        self.lead.along(&mut band, &Route::new(*from, *to, None), self.standing.sensed, [0.0, 1.0]);
+        band
+    }
+
+    /// What a piece does to them; `stated` are the axes whose places are known behind a step before it.
+    pub(super) fn bands(&self, trial: &Trial, stated: AxisSet) -> Bands {
+        let mut start = self.standing.band;
+        let mut sensed = self.standing.sensed;
+        if self.sampler.backlash.is_empty() {
+            return Bands { start, end: start, sensed, are_led: true };
+        }
+        let mut from = self.standing.command;
+        for step in [trial.ready, trial.take_up, trial.overshoot].into_iter().flatten() {
+            self.lead.along(&mut start, &Route::new(from, step.command, None), sensed, [0.0, 1.0]);
+            from = step.command;
+            sensed = sensed.union(stated);
+        }
+        let mut end = start;
+        self.lead.along(&mut end, &trial.emitted, sensed, [0.0, 1.0]);
+        let are_led = [start, end].iter().all(|band| band.is_on(self.sampler.backlash, &trial.sense));
+        Bands { start, end, sensed, are_led }
+    }
+
+    /// Points at axes that cut while nobody knows from which side they came to their places, if their backlash matters.
+    pub(super) fn check_sense(&mut self, active: &Active, bands: &Bands, trial: &Trial) {
+        if bands.are_led || active.motion.rapid {
+            return;
+        }
+        let tool_mm = &self.placer.setup.tool_mm;
+        let mut most_mm = [0.0_f64; AXIS_COUNT];
+        for k in 0..=UNKNOWN_PLACES {
+            let share = f64::from(k) / f64::from(UNKNOWN_PLACES);
+            let band = bands.at(&self.lead, trial, share);
+            let at = trial.parameter(share);
+            let places = (&active.route.at(at), &trial.emitted.at(share));
+            for axis in self.sampler.backlash.iter() {
+                let off_mm = self.lead.unknown_mm(&band, axis, places, tool_mm, active.way_at(at));
+                most_mm[axis.slot()] = most_mm[axis.slot()].max(off_mm);
+            }
+        }
+        for axis in self.sampler.backlash.iter() {
+            if most_mm[axis.slot()] > self.options.tolerance_mm {
+                self.findings.sense_unknown(&active.origin, axis, most_mm[axis.slot()]);
+            }
+        }
+    }
+
+    /// Notes how high a move cuts.
+    pub(super) fn note_cut(&mut self, motion: &Move) {
+        if self.sampler.backlash.is_empty() || motion.rapid {
+            return;
+        }
+        let route = Route::new(self.standing.nominal, motion.target, motion.arc);
+        for command in [route.start, route.end] {
+            let (direction, height_mm) = self.placer.height_at(&command);
+            let reach_mm = height_mm + self.rise_mm(&route, &command);
+            let top_mm = match self.cut.direction {
+                None => reach_mm,
+                Some(before) if (before - direction).norm() < SAME => reach_mm.max(self.cut.top_mm),
+                Some(_) => f64::INFINITY,
+            };
+            self.cut = Cut { direction: Some(direction), top_mm };
+        }
+    }
+
+    /// By how much an arc may rise along the tool beside its ends, mm: by its diameter, as far as its plane leans.
+    fn rise_mm(&self, route: &Route, command: &AxisVector) -> f64 {
+        let Some(arc) = route.arc() else { return 0.0 };
+        let [abscissa, ordinate, _] = arc.plane.axes();
+        let [one, other] = [abscissa, ordinate].map(|axis| self.rise_of(axis, command));
+        2.0 * route.radius_mm() * one.hypot(other)
+    }
+
+    /// By how much a millimeter of an axis lifts the tool, mm.
+    fn rise_of(&self, axis: Axis, command: &AxisVector) -> f64 {
+        let mut further = *command;
+        further[axis] += 1.0;
+        self.placer.height_mm(command, &further)
+    }
+
+    /// Whether the tool is at least as high as at all places where it has cut so far.
+    fn is_above_cuts(&self, command: &AxisVector) -> bool {
+        let (direction, height_mm) = self.placer.height_at(command);
+        self.cut.direction.is_none_or(|before| (before - direction).norm() < SAME && height_mm > self.cut.top_mm - SAME)
+    }
+
+    /// In which sense axes shall come to the end of a rapid move, by slot; 0 for those that are known, or for which there is no room. `moving`
+    /// are the axes that the move moves.
+    pub(super) fn settling(&mut self, motion: &Move, treatment: Treatment, moving: AxisSet) -> [i8; AXIS_COUNT] {
+        let mut settled = [0; AXIS_COUNT];
+        let is_end = matches!(treatment, Treatment::Named | Treatment::End);
+        let is_plain = motion.rapid && motion.manner == Manner::Path && self.options.rapids == Rapids::Ends;
+        if self.sampler.backlash.is_empty() || !is_end || !is_plain || !self.placer.is_parallel() {
+            return settled;
+        }
+        let band = self.led(self.standing.band, &self.standing.nominal, &motion.target);
+        let is_open = |axis: &Axis| !axis.is_rotary() && band.direction()[axis.slot()] == 0;
+        let lost = |axis: Axis| self.placer.model.lost_motion(axis, &motion.target);
+        let open = moving.intersection(self.sampler.backlash).iter().filter(is_open);
+        let open: AxisSet = open.filter(|&axis| lost(axis) > self.options.tolerance_mm).collect();
+        if open.is_empty() {
+            return settled;
+        }
+        // A way across at a height that nobody has stated leads from a place where the tool was changed, or from where a person left it; if the next one
+        // goes along the tool, it goes to the work.
+        let is_height_known = AxisSet::XYZ
+            .iter()
+            .all(|axis| motion.known.contains(axis) || self.rise_of(axis, &motion.target).abs() < ACROSS);
+        let goes_down = match self.elements.next() {
+            Next::Move(next) if !is_height_known || self.is_above_cuts(&motion.target) => {
+                (!is_height_known || self.placer.height_mm(&motion.target, &next.target) < 0.0) && {
+                    let ends = [&motion.target, &next.target];
+                    let moving = self.placer.moving(next.named, motion.known, ends);
+                    self.placer.is_along_tool(moving, ends)
+                }
+            }
+            Next::Move(_) => false,
+            Next::Change | Next::Nothing => return settled,
+        };
+        for axis in open.iter() {
+            let height_mm = self.rise_of(axis, &motion.target);
+            settled[axis.slot()] = match () {
+                () if height_mm > ALONG => -1,
+                () if height_mm < -ALONG => 1,
+                () if height_mm.abs() > ACROSS => 0,
+                () if !goes_down => 0,
+                () if self.has_room(axis, motion.target[axis], -self.beyond_mm(axis, &motion.target)) => 1,
+                () => -1,
+            };
+            let back_mm = -f64::from(settled[axis.slot()]) * self.beyond_mm(axis, &motion.target);
+            if !self.has_room(axis, motion.target[axis], back_mm) {
+                settled[axis.slot()] = 0;
+            }
+        }
+        settled
+    }
+
+    /// How far an overshoot leads, mm.
+    fn beyond_mm(&self, axis: Axis, command: &AxisVector) -> f64 {
+        self.lead.beyond_mm(axis, command, self.placer.increments.linear_mm)
+    }
+
+    /// Whether the travel of an axis allows a step beyond a place, its correction included.
+    fn has_room(&self, axis: Axis, command: f64, step_mm: f64) -> bool {
+        let reach = command + step_mm + self.options.max_correction_mm * step_mm.signum();
+        let travel = self.machine.axis(axis).and_then(|data| data.travel);
+        step_mm.abs() <= self.options.max_correction_mm
+            && travel.is_none_or(|[low, high]| (low..=high).contains(&reach))
+    }
+
+    /// Puts the place beyond the end before it, where axes shall come to it in a known sense.
+    pub(super) fn overshoot(&self, active: &Active, trial: &mut Trial) {
+        if active.settled == [0; AXIS_COUNT] || trial.between[1] < 1.0 || trial.end.failure.is_some() {
+            return;
+        }
+        let mut beyond = trial.end.command;
+        for axis in AXES {
+            let back = -f64::from(active.settled[axis.slot()]);
+            if back != 0.0 {
+                beyond[axis] += back * self.beyond_mm(axis, &beyond);
+            }
+        }
+        let mut placed = self.placer.round(&beyond, active.motion.known);
+        for axis in AXES.into_iter().filter(|axis| active.settled[axis.slot()] == 0) {
+            placed.counts[axis.slot()] = trial.end.counts[axis.slot()];
+            placed.command[axis] = trial.end.command[axis];
+        }
+        trial.emitted = Route::new(placed.command, trial.end.command, None);
+        trial.overshoot = Some(placed);
+    }
+}

@@ -1,0 +1,238 @@
+//! What the correction finds out about a program: positions outside the travel, corrections that are too large or do not exist.
+//!
+//! Each kind once per source line; after a hundred, no more.
+
+use std::collections::HashSet;
+
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_base::geometry::{AXES, Axis, AxisSet, Vector};
+use ncfix_base::source::FileId;
+use ncfix_machine::machine::{Kinematics, Machine};
+use ncfix_machine::snc::Origin;
+use ncfix_model::NotConverged;
+
+use super::route::Route;
+
+/// More findings than this help nobody.
+const MOST_FINDINGS: usize = 100;
+/// A command this much beyond its limit is on it: the noise of the arithmetic, mm or rad.
+pub(super) const ON_LIMIT: f64 = 1e-9;
+
+/// Collects findings.
+#[derive(Debug)]
+pub(super) struct Findings<'a> {
+    machine: &'a Machine,
+    kinematics: Kinematics,
+    max_correction_mm: f64,
+    reported: HashSet<(FileId, u32, Code)>,
+    new: Vec<Diagnostic>,
+    tolerance_was_missed: bool,
+    /// Axes whose sense was pointed at.
+    unsensed: AxisSet,
+}
+
+impl<'a> Findings<'a> {
+    pub(super) fn new(machine: &'a Machine, max_correction_mm: f64) -> Findings<'a> {
+        Findings {
+            machine,
+            kinematics: Kinematics::new(machine),
+            max_correction_mm,
+            reported: HashSet::new(),
+            new: Vec::new(),
+            tolerance_was_missed: false,
+            unsensed: AxisSet::EMPTY,
+        }
+    }
+
+    /// Takes the findings that have come up.
+    pub(super) fn take(&mut self) -> impl Iterator<Item = Diagnostic> + '_ {
+        self.new.drain(..)
+    }
+
+    /// Whether there are any to take.
+    pub(super) fn is_empty(&self) -> bool {
+        self.new.is_empty()
+    }
+
+    /// Checks travel and correction of a piece along `emitted`, which ends at this parameter of the programmed move.
+    pub(super) fn check(
+        &mut self,
+        origin: &Origin,
+        known: AxisSet,
+        (whole, parameter): (&Route, f64),
+        emitted: &Route,
+        tool_mm: &Vector,
+    ) {
+        let machine = self.machine;
+        let nominal = &whole.at(parameter);
+        for data in machine.axes.iter().flatten().filter(|data| known.contains(data.axis)) {
+            let end = emitted.end[data.axis];
+            if let Some([low, high]) = data.travel {
+                let [least, most] = span_of(emitted, data.axis);
+                // The end of the whole move, corrected where this is its last piece.
+                let whole_end = if parameter >= 1.0 { end } else { whole.end[data.axis] };
+                // Ranges, so that a position that is no number is outside.
+                let is_below = |position: f64| !(low - ON_LIMIT..).contains(&position);
+                if is_below(least) {
+                    let on_the_way = [span_of(whole, data.axis)[0], least];
+                    let (position, place) = place_outside(whole_end, on_the_way, is_below);
+                    self.out_of_travel(origin, data.axis, position, place, ("below", low));
+                }
+                let is_above = |position: f64| !(..=high + ON_LIMIT).contains(&position);
+                if is_above(most) {
+                    let on_the_way = [span_of(whole, data.axis)[1], most];
+                    let (position, place) = place_outside(whole_end, on_the_way, is_above);
+                    self.out_of_travel(origin, data.axis, position, place, ("above", high));
+                }
+            }
+            let correction = end - nominal[data.axis];
+            let at_tip_mm = if data.axis.is_rotary() && correction != 0.0 {
+                self.kinematics.arc_mm(data.axis, (nominal, end), tool_mm)
+            } else {
+                correction
+            };
+            if !(..=self.max_correction_mm).contains(&at_tip_mm.abs()) {
+                let message = format!(
+                    "the correction of {} is {} at the tool, more than {}",
+                    data.axis,
+                    micrometers(at_tip_mm),
+                    micrometers(self.max_correction_mm)
+                );
+                let help = "check the units in the machine file before raising --max-correction";
+                self.report(origin, Code::CORRECTION_TOO_LARGE, message, help.into());
+            }
+        }
+    }
+
+    /// What output in machine coordinates cannot say: the place of an axis, a thread whose lead belongs to an axis of the frame.
+    pub(super) fn in_machine_frame(&mut self, origin: &Origin, unknown: Option<Axis>, is_turned_thread: bool) {
+        if let Some(axis) = unknown {
+            let message = format!("the frame moves {axis}, and the program has not stated where {axis} is");
+            let help = "begin with a block that names X, Y and Z, or leave out --frame machine";
+            self.report(origin, Code::UNKNOWN_START, message, help.into());
+        }
+        if is_turned_thread {
+            let message = "a thread in a frame that turns, scales or mirrors, and --frame machine";
+            let help = "leave out --frame machine: the lead belongs to an axis of the frame";
+            self.report(origin, Code::NOT_SUPPORTED, message.into(), help.into());
+        }
+    }
+
+    pub(super) fn not_converged(&mut self, origin: &Origin, failure: NotConverged) {
+        let message = if failure.residual_mm.is_finite() {
+            format!("no correction was found here; {} are left", micrometers(failure.residual_mm))
+        } else {
+            "no correction was found here: the errors of the machine file have no finite value".into()
+        };
+        let help = "check the error model, and that the machine can move the tool in all directions";
+        self.report(origin, Code::NOT_CONVERGED, message, help.into());
+    }
+
+    /// Says once that a piece deviates by more than asked for; of moves that are not cut, each time.
+    pub(super) fn tolerance_missed(&mut self, origin: &Origin, is_cut: bool, deviation_mm: f64, tolerance_mm: f64) {
+        if !is_cut {
+            let message = format!(
+                "this move must stay in one piece and is up to {} off the path, more than {}",
+                micrometers(deviation_mm),
+                micrometers(tolerance_mm)
+            );
+            let help = "program it in several blocks where the control allows it, or allow a larger --tolerance";
+            self.report(origin, Code::ONE_PIECE, message, help.into());
+        } else if !std::mem::replace(&mut self.tolerance_was_missed, true) {
+            let message = format!("here the emitted path cannot stay within {}", micrometers(tolerance_mm));
+            let help = "allow a larger --tolerance, or a finer control.increment_mm";
+            self.report(origin, Code::TOLERANCE_NOT_REACHED, message, help.into());
+        }
+    }
+
+    /// Says once for each axis that nobody knows from which side it came to its place.
+    pub(super) fn sense_unknown(&mut self, origin: &Origin, axis: Axis, half_mm: f64) {
+        if self.unsensed.contains(axis) {
+            return;
+        }
+        self.unsensed.insert(axis);
+        let message = format!(
+            "from which side {axis} came to where it cuts here is unknown: its backlash leaves up to {}",
+            micrometers(half_mm)
+        );
+        let help = format!("let the program move {axis} by more than that before it cuts, or give --start");
+        // One for each axis, also where they are in the same line.
+        let place = Place { file: origin.file, span: origin.span };
+        self.new.push(Diagnostic::at(Code::SENSE_UNKNOWN, place, message, help));
+    }
+
+    /// Says that a feed would be that of the correction.
+    pub(super) fn feed_of_another_way(&mut self, origin: &Origin) {
+        let message =
+            "rotary axes turn here, and with the correction the feed would be that of X, Y, Z beside them".to_owned();
+        let help = "the axes would turn as fast as they can, and this program cannot say here how long a block takes (G93): turn \
+                    the axes in rapid, or with a feed in G94 on a control that has G93";
+        self.report(origin, Code::FEED_OF_ANOTHER_WAY, message, help.into());
+    }
+
+    /// Says that a feed of the tip and of rotary axes together cannot be said for axes.
+    pub(super) fn feed_of_turns(&mut self, origin: &Origin) {
+        let message = "the feed is that of rotary axes too (FGROUP), under a transformation that the output leaves out"
+            .to_owned();
+        let help = "leave out --five-axis axes, or take the rotary axes out of FGROUP".into();
+        self.report(origin, Code::FEED_OF_ANOTHER_WAY, message, help);
+    }
+
+    fn out_of_travel(&mut self, origin: &Origin, axis: Axis, position: f64, place: &str, (side, limit): (&str, f64)) {
+        let unit = if axis.is_rotary() { "deg" } else { "mm" };
+        let shown = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+        let message =
+            format!("{axis} {:.4} {unit}{place} is {side} the limit of {} {unit}", shown(position), shown(limit));
+        let help = format!("check zero offset and tool length, or axis.{axis}.travel_{unit} in the machine file");
+        self.report(origin, Code::OUT_OF_TRAVEL, message, help);
+    }
+
+    fn report(&mut self, origin: &Origin, code: Code, message: String, help: String) {
+        let key = (origin.file, origin.line, code);
+        if self.reported.len() < MOST_FINDINGS && self.reported.insert(key) {
+            let place = Place { file: origin.file, span: origin.span };
+            self.new.push(Diagnostic::at(code, place, message, help));
+        }
+    }
+}
+
+/// Least and greatest position of an axis at the end of a way and where the axis turns on it.
+fn span_of(way: &Route, axis: Axis) -> [f64; 2] {
+    let end = way.end[axis];
+    let (mut least, mut most) = (end, end);
+    if way.arc().is_some() {
+        let mut at = 0.0;
+        loop {
+            at = way.next_turning([axis].into_iter().collect(), at);
+            if at >= 1.0 {
+                break;
+            }
+            let turning = way.at(at)[axis];
+            (least, most) = (least.min(turning), most.max(turning));
+        }
+    }
+    [least, most]
+}
+
+/// Which position of a move that leads outside a person looks for: the end, which the program states; else the farthest one on the way,
+/// programmed if that is outside, or corrected.
+fn place_outside(end: f64, on_the_way: [f64; 2], is_outside: impl Fn(f64) -> bool) -> (f64, &'static str) {
+    if is_outside(end) {
+        return (end, "");
+    }
+    let [programmed, corrected] = on_the_way;
+    (if is_outside(programmed) { programmed } else { corrected }, " on the way")
+}
+
+/// A length for a sentence.
+fn micrometers(mm: f64) -> String {
+    let um = mm * 1e3;
+    if um.abs() < 1.0 { format!("{um:.3} µm") } else { format!("{um:.1} µm") }
+}
+
+/// The linear axes that place the tip in space: X Y Z, and U V W where the machine lacks the primary letter.
+pub(super) fn placing_axes(machine: &Machine) -> AxisSet {
+    let of_dimension =
+        |dimension| AXES.into_iter().filter(move |axis| !axis.is_rotary() && axis.dimension() == dimension);
+    (0..3).filter_map(|dimension| of_dimension(dimension).find(|&axis| machine.axis(axis).is_some())).collect()
+}

@@ -1,0 +1,66 @@
+//! Axes at rest whose backlash the errors of other axes would turn to and fro.
+
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
+use ncfix_machine::machine::State;
+
+use super::place::Placed;
+use super::route::distance_mm;
+use super::standing::Standing;
+use super::trial::{Bench, Ends, SAME_PLACE_MM, SAMPLED_SHARE};
+
+impl Bench<'_, '_> {
+    /// The ends where an axis that the program does not move is asked to go one way by the errors of the other: it stays through the piece,
+    /// and is off by what its correction changes along it instead of by its backlash. It stays where a step on the spot leads it, to the
+    /// one side or the other, or else where it is. `None` where the program moves all such axes.
+    pub(super) fn held(&self, standing: &Standing, between: [f64; 2], state: &State, sense: &State) -> Option<Ends> {
+        let nominal = between.map(|parameter| self.route.at(parameter));
+        let undecided = self.sampler.backlash.iter().filter(|&axis| state.direction(axis) != sense.direction(axis));
+        let held: AxisSet = undecided.filter(|&axis| nominal[0][axis] == nominal[1][axis]).collect();
+        if held.is_empty() {
+            return None;
+        }
+        let hold = |placed: Placed, at: &AxisVector, nominal: &AxisVector, sense: &State| {
+            let mut command = placed.command;
+            let Placed { mut failure, is_held_back, .. } = placed;
+            if held.iter().any(Axis::is_rotary) {
+                // What a rotary axis is off by, the linear ones make up for.
+                held.iter().filter(|axis| axis.is_rotary()).for_each(|axis| command[axis] = at[axis]);
+                match self.placer.around(nominal, self.known, sense, &command) {
+                    Ok(around) => command = around,
+                    Err(found) => failure = Some(found),
+                }
+            }
+            held.iter().for_each(|axis| command[axis] = at[axis]);
+            self.unmoved(standing, Placed { failure, is_held_back, ..self.placer.round(&command, self.known) })
+        };
+        let mut at_rest = *state;
+        held.iter().for_each(|axis| at_rest.direction[axis.slot()] = standing.state.direction(axis));
+        let mut ends = None;
+        for (sense, moves) in [(sense, true), (state, true), (&at_rest, false)] {
+            let place = |nominal, correction: &AxisVector| self.place(between, nominal, sense, correction);
+            let mut take_up = None;
+            if self.takes_up
+                && (standing.is_doubtful || !self.same_sense(sense, &standing.state))
+                && self.turning_mm(standing, &nominal[0], sense) > SAMPLED_SHARE * self.tolerance_mm
+            {
+                let free = place(&nominal[0], &standing.correction);
+                let start = if moves { free } else { hold(free, &standing.command, &nominal[0], sense) };
+                take_up = Some(start).filter(|start| distance_mm(&start.command, &standing.command) > SAME_PLACE_MM);
+            }
+            let ready = take_up.and_then(|start| self.ready(standing, &start, sense));
+            let start = take_up.map_or(standing.command, |placed| placed.command);
+            let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal[0]);
+            let end = hold(place(&nominal[1], &correction), &start, &nominal[1], sense);
+            let first = ready.map_or(standing.command, |placed| placed.command);
+            let state = self.led(standing, &[standing.command, first, start, end.command]);
+            let is_found = self.same_sense(&state, sense);
+            let begins_off = take_up.is_none() && (standing.is_doubtful || !self.same_sense(&state, &standing.state));
+            let sense = state.direction;
+            ends = Some(Ends { ready, take_up, start, end, sense, is_torn: true, begins_off });
+            if is_found {
+                break;
+            }
+        }
+        ends
+    }
+}

@@ -1,0 +1,359 @@
+//! Puts a nominal position onto the grid of increments so that the tool is where it should be: correction and rounding.
+//!
+//! Rotary axes are rounded first; the linear axes are then solved for the rounded rotary commands and rounded last. So the tip is
+//! off by the rounding of the linear axes only, whatever the lever of the rotary ones.
+
+mod partly;
+
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, LINEAR_AXES, ROTARY_AXES};
+use ncfix_machine::machine::{Kinematics, Machine, State};
+use ncfix_machine::snc::{Move, Setup};
+use ncfix_model::{Model, NotConverged, Solve};
+
+use super::cut::MOST_FEED;
+use super::slope::Slope;
+use super::way::turned_deg;
+use super::{Centers, FiveAxis, Increments, Options, OutputFrame, Rotary, Turns};
+
+/// Feeds of axes are written to this many parts of a mm/min.
+const FEED_PARTS: f64 = 1e3;
+/// A count this near to a whole number is one: the noise of the arithmetic.
+const WHOLE_COUNT: f64 = 1e-4;
+/// Ways shorter than this are the noise of the arithmetic, mm.
+pub(super) const SHORT_MM: f64 = 1e-7;
+
+/// A position that can be written: counts in the emitted frame, and the axis command that they stand for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Placed {
+    pub(super) counts: [i64; AXIS_COUNT],
+    pub(super) command: AxisVector,
+    /// Why the position is not corrected.
+    pub(super) failure: Option<NotConverged>,
+    /// Whether a rotary axis is not where its full correction would have it ([`super::singularity`]).
+    pub(super) is_held_back: bool,
+}
+
+/// Corrects and rounds positions.
+#[derive(Clone, Debug)]
+pub(super) struct Placer<'a> {
+    pub(super) model: &'a Model,
+    pub(super) setup: Arc<Setup>,
+    pub(super) increments: Increments,
+    pub(super) turns: Turns,
+    pub(super) centers: Centers,
+    kinematics: Kinematics,
+    frame: OutputFrame,
+    keeps_transform: bool,
+    /// The axes that the machine has.
+    axes: AxisSet,
+    pub(super) has_rotary: bool,
+    /// The rotary axes that take part in the correction.
+    turning: AxisSet,
+    /// Axes that stay where they stand while a move is made, and where that is.
+    fixed: AxisSet,
+    fixed_at: AxisVector,
+    is_empty: bool,
+    /// Better guesses on a machine without rotary axes.
+    slope: Option<RefCell<Slope>>,
+}
+
+impl<'a> Placer<'a> {
+    pub(super) fn new(machine: &Machine, model: &'a Model, options: &Options) -> Placer<'a> {
+        let axes = machine.axis_set();
+        let has_rotary = axes.iter().any(Axis::is_rotary);
+        Placer {
+            model,
+            axes,
+            setup: Arc::default(),
+            increments: Increments::new(&machine.control),
+            turns: options.turns,
+            centers: options.centers,
+            kinematics: Kinematics::new(machine),
+            frame: options.frame,
+            keeps_transform: options.five_axis == FiveAxis::Tcp,
+            has_rotary,
+            turning: match options.rotary {
+                Rotary::Correct => axes.iter().filter(|axis| axis.is_rotary()).collect(),
+                Rotary::Auto | Rotary::Hold => AxisSet::EMPTY,
+            },
+            fixed: AxisSet::EMPTY,
+            fixed_at: AxisVector::ZERO,
+            is_empty: model.is_empty(),
+            slope: model.straight_axes().map(|axes| RefCell::new(Slope::new(axes))),
+        }
+    }
+
+    /// From here on coordinates mean something else. The axes stay where they are: `counts` becomes what would be written for that, and axes for
+    /// which there is nothing such leave `written`.
+    pub(super) fn set_up(
+        &mut self,
+        setup: Arc<Setup>,
+        command: &AxisVector,
+        counts: &mut [i64; AXIS_COUNT],
+        written: &mut AxisSet,
+    ) {
+        self.setup = setup;
+        let programmed = self.programmed(command);
+        for axis in written.iter() {
+            let ratio = self.increments.ratio(axis, programmed[axis]);
+            if (ratio - ratio.round()).abs() < WHOLE_COUNT {
+                counts[axis.slot()] = self.increments.count(axis, programmed[axis]);
+            } else {
+                written.remove(axis);
+            }
+        }
+    }
+
+    /// From here on these rotary axes take part in the correction.
+    pub(super) fn set_turning(&mut self, turning: AxisSet) {
+        self.turning = turning;
+    }
+
+    /// The rotary axes that take part.
+    pub(super) fn turning(&self) -> AxisSet {
+        self.turning
+    }
+
+    /// In the next move these axes stay where `command` has them.
+    pub(super) fn fix(&mut self, fixed: AxisSet, command: &AxisVector) {
+        self.fixed = fixed;
+        self.fixed_at = *command;
+    }
+
+    /// Puts the axes that stay where they are.
+    fn at_rest(&self, mut command: AxisVector) -> AxisVector {
+        if !self.fixed.is_empty() {
+            self.fixed.iter().for_each(|axis| command[axis] = self.fixed_at[axis]);
+        }
+        command
+    }
+
+    /// Coordinates in the emitted frame.
+    pub(super) fn programmed(&self, command: &AxisVector) -> AxisVector {
+        let mut position = *command;
+        if self.is_transformed() {
+            position = self.kinematics.on_workpiece(command, &self.setup.tool_mm);
+        }
+        match self.frame {
+            OutputFrame::Work => self.setup.programmed(&position),
+            OutputFrame::Machine => {
+                let mut out = position;
+                out.set_xyz(out.xyz() + self.setup.tool_mm);
+                out
+            }
+        }
+    }
+
+    fn command(&self, programmed: &AxisVector) -> AxisVector {
+        let position = match self.frame {
+            OutputFrame::Work => self.setup.command(programmed),
+            OutputFrame::Machine => {
+                let mut out = *programmed;
+                out.set_xyz(out.xyz() - self.setup.tool_mm);
+                out
+            }
+        };
+        if !self.is_transformed() {
+            return position;
+        }
+        // The execution has refused machines that cannot be transformed.
+        self.kinematics.command_on_workpiece(&position, &self.setup.tool_mm).unwrap_or(position)
+    }
+
+    /// Whether the emitted coordinates are those of the tip in the workpiece.
+    pub(super) fn is_transformed(&self) -> bool {
+        self.keeps_transform && self.setup.transform.is_some()
+    }
+
+    /// Whether the program has a transformation here, and the output has none.
+    pub(super) fn leaves_transform(&self) -> bool {
+        !self.keeps_transform && self.setup.transform.is_some()
+    }
+
+    /// Feed of the axes for one of the tip, where the output has no transformation any more: the path feed of a control is that of X, Y, Z,
+    /// or of the rotary axes, in degrees, where only these move, or where the tip stays.
+    pub(super) fn feed(&self, start: &AxisVector, motion: &Move) -> f64 {
+        if self.keeps_transform || self.setup.transform.is_none() || motion.is_inverse_time() {
+            return motion.feed;
+        }
+        let end = &motion.target;
+        let tip = |command: &AxisVector| self.kinematics.tip_mm(command, &self.setup.tool_mm);
+        let tip_mm = (tip(end) - tip(start)).norm();
+        let linear_mm = (end.xyz() - start.xyz()).norm();
+        let turned_deg = turned_deg(start, end);
+        let [way, of_tip] = [linear_mm, tip_mm].map(|way| if way > SHORT_MM { way } else { turned_deg });
+        let ratio = if way > 0.0 && of_tip > 0.0 { way / of_tip } else { 1.0 };
+        ((motion.feed * ratio * FEED_PARTS).round() / FEED_PARTS).min(motion.feed.max(MOST_FEED))
+    }
+
+    /// Whether a word is about the transformation, and not for an output without one.
+    pub(super) fn drops(&self, word: &str) -> bool {
+        !self.keeps_transform && ["TRA", "ORI"].iter().any(|start| word.starts_with(start))
+    }
+
+    /// Whether directions in the emitted frame are those of the axes.
+    pub(super) fn is_parallel(&self) -> bool {
+        !self.is_transformed() && (self.frame == OutputFrame::Machine || self.setup.frame.is_translation())
+    }
+
+    /// The command on the grid that brings the tip to where it is nominally at `nominal`. Axes outside `known` stay there.
+    /// `guess` is a correction nearby; those of rotary axes differ from it by at most `most_turn_rad`.
+    pub(super) fn place(
+        &self,
+        nominal: &AxisVector,
+        known: AxisSet,
+        state: &State,
+        guess: &AxisVector,
+        most_turn_rad: f64,
+    ) -> Placed {
+        match self.exact(nominal, known, state, guess, most_turn_rad) {
+            Ok(exact) => self.round(&exact, known),
+            Err(failure) => Placed { failure: Some(failure), ..self.round(&self.at_rest(*nominal), known) },
+        }
+    }
+
+    /// The same before the linear axes are rounded.
+    pub(super) fn exact(
+        &self,
+        nominal: &AxisVector,
+        known: AxisSet,
+        state: &State,
+        guess: &AxisVector,
+        most_turn_rad: f64,
+    ) -> Result<AxisVector, NotConverged> {
+        if self.is_empty && !self.has_rotary {
+            return Ok(self.at_rest(*nominal));
+        }
+        let tool_mm = &self.setup.tool_mm;
+        if let Some(learnt) = &self.slope {
+            let mut slope = learnt.borrow_mut();
+            let guess = slope.guess(nominal);
+            let exact = self.model.solve(nominal, tool_mm, state, &guess, Solve::PositionOnly)?;
+            slope.learn(nominal, &exact, &guess);
+            return Ok(self.at_rest(self.keep_unknown(exact, nominal, known)));
+        }
+        let mut start = *nominal + *guess;
+        if !self.turning.is_empty() && !self.is_empty {
+            let mut turned = self.model.solve(nominal, tool_mm, state, &start, Solve::Full)?;
+            for axis in ROTARY_AXES {
+                let near = nominal[axis] + guess[axis];
+                turned[axis] = if self.turning.contains(axis) {
+                    turned[axis].max(near - most_turn_rad).min(near + most_turn_rad)
+                } else {
+                    nominal[axis]
+                };
+            }
+            start = self.round_axes(&self.keep_unknown(turned, nominal, known), &ROTARY_AXES, known);
+        } else if self.has_rotary {
+            for axis in ROTARY_AXES {
+                start[axis] = nominal[axis];
+            }
+            start = self.round_axes(&start, &ROTARY_AXES, known);
+        }
+        let exact = self.model.solve(nominal, tool_mm, state, &self.at_rest(start), Solve::PositionOnly)?;
+        Ok(self.at_rest(self.keep_unknown(exact, nominal, known)))
+    }
+
+    /// The linear axes for a command whose rotary axes stay where they are.
+    pub(super) fn around(
+        &self,
+        nominal: &AxisVector,
+        known: AxisSet,
+        state: &State,
+        command: &AxisVector,
+    ) -> Result<AxisVector, NotConverged> {
+        let exact = self.model.solve(nominal, &self.setup.tool_mm, state, command, Solve::PositionOnly)?;
+        Ok(self.at_rest(self.keep_unknown(exact, nominal, known)))
+    }
+
+    /// The nearest position on the grid.
+    pub(super) fn round(&self, command: &AxisVector, known: AxisSet) -> Placed {
+        let mut programmed = self.programmed(command);
+        let mut counts = [0; AXIS_COUNT];
+        let axes: &[Axis] = if self.has_rotary { &AXES } else { &LINEAR_AXES };
+        for &axis in axes {
+            if known.contains(axis) {
+                let count = self.increments.count(axis, programmed[axis]);
+                counts[axis.slot()] = count;
+                programmed[axis] = self.increments.position(axis, count);
+            }
+        }
+        Placed {
+            counts,
+            command: self.keep_unknown(self.command(&programmed), command, known),
+            failure: None,
+            is_held_back: false,
+        }
+    }
+
+    fn round_axes(&self, command: &AxisVector, axes: &[Axis], known: AxisSet) -> AxisVector {
+        let programmed = self.programmed(command);
+        let mut rounded = programmed;
+        for &axis in axes {
+            if known.contains(axis) {
+                rounded[axis] = self.increments.position(axis, self.increments.count(axis, programmed[axis]));
+            }
+        }
+        let rounded = self.command(&rounded);
+        let mut out = *command;
+        for &axis in axes {
+            out[axis] = rounded[axis];
+        }
+        out
+    }
+
+    /// Whether programs are written in machine coordinates.
+    pub(super) fn is_machine_frame(&self) -> bool {
+        self.frame == OutputFrame::Machine
+    }
+
+    /// Whether the axes of the output are others than those of the program.
+    pub(super) fn turns_output(&self) -> bool {
+        self.is_machine_frame() && !self.setup.frame.is_translation()
+    }
+
+    /// The axes of the output that a move names, those that are known behind it, and the first that has to be written and is not known.
+    pub(super) fn in_output_axes(&self, motion: &Move) -> (AxisSet, AxisSet, Option<Axis>) {
+        let frame = &self.setup.frame;
+        if !self.is_machine_frame() || frame.is_translation() {
+            return (motion.named, motion.known, None);
+        }
+        let (named, known) = (frame.mixed_with(motion.named), frame.known_across(motion.known, false));
+        let unknown = named.difference(known).iter().next();
+        (named.intersection(known), known, unknown)
+    }
+
+    fn keep_unknown(&self, mut command: AxisVector, nominal: &AxisVector, known: AxisSet) -> AxisVector {
+        if !self.is_parallel() {
+            // What is not known is an axis of the program here.
+            if !AxisSet::XYZ.difference(known).is_empty() {
+                let (mut programmed, stays) = (self.programmed(&command), self.programmed(nominal));
+                for axis in AxisSet::XYZ.difference(known).iter() {
+                    programmed[axis] = stays[axis];
+                }
+                command = self.command(&programmed);
+            }
+            for axis in unknown_others(known) {
+                command[axis] = nominal[axis];
+            }
+            return command;
+        }
+        for axis in self.axes.difference(known).iter() {
+            command[axis] = nominal[axis];
+        }
+        command
+    }
+
+    /// Distance of the tip at `command` with errors from the nominal tip at `nominal`, mm.
+    pub(super) fn tip_error_mm(&self, nominal: &AxisVector, command: &AxisVector, state: &State) -> f64 {
+        self.model.tip_error_mm(nominal, command, &self.setup.tool_mm, state).norm()
+    }
+}
+
+/// Axes beside X Y Z that are not known.
+fn unknown_others(known: AxisSet) -> impl Iterator<Item = Axis> {
+    AXES.into_iter().skip(3).filter(move |&axis| !known.contains(axis))
+}

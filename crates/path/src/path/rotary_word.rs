@@ -1,0 +1,63 @@
+//! How the positions of axes that turn without end are written, so that the control goes the way that was meant.
+
+use std::f64::consts::{PI, TAU};
+
+use ncfix_base::geometry::ROTARY_AXES;
+use ncfix_machine::machine::{Machine, Rollover};
+use ncfix_machine::snc::{Move, Way};
+
+use super::RotaryWord;
+use super::place::{Placed, Placer};
+use super::standing::Standing;
+
+/// Steps this near to half a turn leave the shortest way open, rad.
+const HALF_TURN_ROOM: f64 = 1e-3;
+
+/// The words of A, B and C at the end of a piece.
+pub(super) fn words(
+    placer: &Placer<'_>,
+    machine: &Machine,
+    standing: &Standing,
+    motion: &Move,
+    placed: &Placed,
+) -> [RotaryWord; 3] {
+    let mut out = [RotaryWord::Plain; 3];
+    if !machine.axes.iter().flatten().any(|data| data.modulo) {
+        return out;
+    }
+    let programmed = [&standing.command, &placed.command].map(|command| placer.programmed(command));
+    for (axis, word) in ROTARY_AXES.into_iter().zip(&mut out) {
+        // Where positions count their turns they are written with them.
+        let counts_turns = machine.control.rollover == Some(Rollover::None);
+        if counts_turns || !machine.axis(axis).is_some_and(|data| data.modulo) {
+            continue;
+        }
+        if !standing.known.contains(axis) {
+            // Nobody knows which way it is: as the program says.
+            *word = RotaryWord::Within(motion.ways.get(axis.dimension()).copied().unwrap_or_default());
+            continue;
+        }
+        if motion.ways.get(axis.dimension()) == Some(&Way::Either) {
+            // The control decides, as it does in the program.
+            *word = RotaryWord::Within(Way::Either);
+            continue;
+        }
+        let [from, to] = [programmed[0][axis], programmed[1][axis]];
+        let step = to - from;
+        let is_shortest = machine.control.modulo_shortest || machine.control.rollover == Some(Rollover::Shortest);
+        let is_plain =
+            if is_shortest { step.abs() < PI - HALF_TURN_ROOM } else { (from / TAU).floor() == (to / TAU).floor() };
+        *word = if is_plain {
+            RotaryWord::Within(Way::Plain)
+        } else if step.abs() < PI - HALF_TURN_ROOM {
+            RotaryWord::Within(Way::Shortest)
+        } else if step.abs() >= TAU - HALF_TURN_ROOM {
+            let slot = axis.slot();
+            let last = standing.counts.get(slot).copied().unwrap_or_default();
+            RotaryWord::Step(placed.counts.get(slot).copied().unwrap_or_default() - last)
+        } else {
+            RotaryWord::Within(if step > 0.0 { Way::Positive } else { Way::Negative })
+        };
+    }
+    out
+}

@@ -1,0 +1,95 @@
+//! On which sides of their dead bands a piece finds and leaves the bodies of the axes.
+
+use ncfix_base::geometry::{Axis, AxisSet, AxisVector};
+use ncfix_machine::machine::State;
+
+use super::place::Placed;
+use super::route::Route;
+use super::standing::Standing;
+use super::trial::Bench;
+
+impl Bench<'_, '_> {
+    /// How far the tip is off a place while the axes go over to these senses, mm: bodies leave their dead bands one after the other, in any order.
+    pub(super) fn turning_mm(&self, standing: &Standing, nominal: &AxisVector, sense: &State) -> f64 {
+        let error_mm = |state: &State| self.placer.tip_error_mm(nominal, &standing.command, state);
+        let lags = |axis: &Axis| {
+            standing.state.direction(*axis) != sense.direction(*axis) && !self.lead.is_quick(*axis, &standing.command)
+        };
+        let turning: AxisSet = self.lead.axes.iter().filter(lags).collect();
+        let mut most_mm = error_mm(sense);
+        // All of them at once are in it; where none has begun is what is there.
+        for waiting in 1..(1_u32 << turning.iter().count()).saturating_sub(1) {
+            let mut state = *sense;
+            for (_, axis) in turning.iter().enumerate().filter(|(k, _)| (waiting >> k) & 1 == 1) {
+                state.direction[axis.slot()] = standing.state.direction(axis);
+            }
+            most_mm = most_mm.max(error_mm(&state));
+        }
+        most_mm
+    }
+
+    /// Where bodies are led on the spot that a step to `start` would leave within their dead bands: from there they come to it in these senses. None
+    /// is moved beyond its place by that.
+    pub(super) fn ready(&self, standing: &Standing, start: &Placed, sense: &State) -> Option<Placed> {
+        let axes = self.lead.axes.intersection(standing.sensed);
+        let led = self.led(standing, &[standing.command, start.command]);
+        let mut ready = start.command;
+        let mut changes = false;
+        for axis in axes.iter().filter(|&axis| led.direction(axis) != sense.direction(axis)) {
+            let lost = self.lead.model.lost_motion(axis, &start.command);
+            ready[axis] -= lost * f64::from(sense.direction(axis));
+            changes |= lost > 0.0 && sense.direction(axis) != 0;
+        }
+        changes.then(|| self.placer.round(&ready, self.known))
+    }
+
+    /// On which sides the bodies of axes are behind straight ways through these commands.
+    pub(super) fn led(&self, standing: &Standing, commands: &[AxisVector]) -> State {
+        if self.lead.axes.is_empty() {
+            let mut state = standing.state;
+            for way in commands.windows(2) {
+                state.note_stated(standing.sensed, &way[0], &way[1]);
+            }
+            return state;
+        }
+        let mut band = standing.band;
+        for way in commands.windows(2) {
+            self.lead.along(&mut band, &Route::new(way[0], way[1], None), standing.sensed, [0.0, 1.0]);
+        }
+        band.state()
+    }
+
+    /// A body that would be left within its dead band has another side for which it would not, perhaps: that is tried next. `sense` is what the end was placed for.
+    pub(super) fn turn(&self, standing: &Standing, state: &mut State, sense: &State, end: &AxisVector) {
+        for axis in self.lead.axes.intersection(standing.sensed).iter() {
+            if state.direction(axis) != 0 {
+                continue;
+            }
+            let guess = sense.direction(axis);
+            let step = end[axis] - standing.command[axis];
+            let side = match guess {
+                0 if step > 0.0 => 1,
+                0 => -1,
+                guess => -guess,
+            };
+            // A step on the spot leads it to either side.
+            let is_free = self.takes_up || self.lead.is_known(&standing.band, axis, end);
+            if step != 0.0 && (is_free || self.lead.is_reached(&standing.band, (axis, side), (end, step), guess)) {
+                state.direction[axis.slot()] = side;
+            }
+        }
+    }
+
+    /// The senses that an overshoot gives.
+    pub(super) fn settle(&self, state: &mut State) {
+        for (sense, &settled) in state.direction.iter_mut().zip(&self.settled) {
+            if settled != 0 {
+                *sense = settled;
+            }
+        }
+    }
+
+    pub(super) fn same_sense(&self, a: &State, b: &State) -> bool {
+        self.sampler.backlash.iter().all(|axis| a.direction(axis) == b.direction(axis))
+    }
+}

@@ -1,0 +1,337 @@
+//! One piece tried: its ends corrected and rounded, its deviation from the nominal path measured by the forward function.
+
+use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector};
+use ncfix_machine::machine::{Control, State};
+
+use super::PieceArc;
+use super::check::Sampler;
+use super::lead::Lead;
+use super::place::{Placed, Placer, SHORT_MM};
+use super::route::{Route, distance_mm};
+use super::standing::Standing;
+
+/// Share of the tolerance that the samples may use; the rest is for what lies between them.
+pub(super) const SAMPLED_SHARE: f64 = 0.97;
+/// What a bend may add where rounding alone exceeds the tolerance, as a share of it.
+pub(super) const BEND_SHARE: f64 = 0.1;
+/// Guesses of the sense of motion before an axis that is asked to go both ways is held.
+const MOST_TRIES: u32 = 3;
+/// Share of the tolerance that an axis which was asked to go both ways may be off by before a step on the spot.
+const READY_SHARE: f64 = 0.5;
+/// Steps at whose ends a piece is looked at that begins or ends off its place. With them a bend is as well: what is left between them is
+/// 4 (1/16)², 2 % of the bend.
+const BESIDE_ENDS: u32 = 8;
+/// Commands nearer than this are the same place on the grid, mm.
+pub(super) const SAME_PLACE_MM: f64 = 1e-9;
+
+/// What is needed to try pieces of one move.
+pub(super) struct Bench<'a, 'm> {
+    pub(super) placer: &'a Placer<'m>,
+    pub(super) sampler: &'a Sampler,
+    pub(super) lead: &'a Lead<'m>,
+    pub(super) control: &'a Control,
+    pub(super) route: &'a Route,
+    /// Samples that the whole route needs.
+    pub(super) samples: f64,
+    pub(super) known: AxisSet,
+    pub(super) tolerance_mm: f64,
+    /// Whether a piece may begin with a step on the spot.
+    pub(super) takes_up: bool,
+    /// Whether rotary corrections change by little in a piece near a singularity.
+    pub(super) limits_turns: bool,
+    /// Axes that come to their end in this sense whatever was before, by slot: behind an overshoot.
+    pub(super) settled: [i8; AXIS_COUNT],
+}
+
+/// A piece that was tried.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial {
+    /// Parameters of the move at its ends.
+    pub(super) between: [f64; 2],
+    /// Where to go before that, so that bodies come to it from the right side.
+    pub(super) ready: Option<Placed>,
+    /// Where to go first, on the spot.
+    pub(super) take_up: Option<Placed>,
+    /// Where to go first so that the axes come to the end in a known sense.
+    pub(super) overshoot: Option<Placed>,
+    pub(super) end: Placed,
+    /// Sense of motion of each axis along the piece, as in [`State::direction`].
+    pub(super) sense: [i8; AXIS_COUNT],
+    /// As in [`Ends`].
+    pub(super) is_torn: bool,
+    pub(super) begins_off: bool,
+    pub(super) circle: Option<PieceArc>,
+    /// What the machine will do.
+    pub(super) emitted: Route,
+    /// Largest deviation found, mm; 0 where none was looked for.
+    pub(super) deviation_mm: f64,
+    /// Largest deviation allowed, mm.
+    pub(super) allowed_mm: f64,
+    /// What of the deviation bodies bring along that are within their dead bands at the start, mm: no length makes it smaller.
+    pub(super) brought_mm: f64,
+    /// Deviation at the middle, where it was looked for, mm.
+    pub(super) middle_mm: Option<f64>,
+}
+
+/// The ends of a piece.
+pub(super) struct Ends {
+    pub(super) ready: Option<Placed>,
+    pub(super) take_up: Option<Placed>,
+    pub(super) start: AxisVector,
+    pub(super) end: Placed,
+    pub(super) sense: [i8; AXIS_COUNT],
+    /// Whether an axis was asked to go the other way wherever it was led: the tip is off by its backlash, or, where the axis is held, by what
+    /// its correction changes.
+    pub(super) is_torn: bool,
+    /// Whether the start was placed for another sense, or not at all: what that leaves there is within the tolerance.
+    pub(super) begins_off: bool,
+}
+
+impl Trial {
+    pub(super) fn fits(&self) -> bool {
+        self.deviation_mm <= self.allowed_mm
+    }
+
+    /// The share of what its length may deviate that it does; above 1 it does not fit.
+    pub(super) fn share(&self) -> f64 {
+        if self.fits() && self.brought_mm < self.allowed_mm {
+            (self.deviation_mm - self.brought_mm).max(0.0) / (self.allowed_mm - self.brought_mm)
+        } else {
+            self.deviation_mm / self.allowed_mm
+        }
+    }
+
+    /// The parameter of the move at a share of the piece.
+    pub(super) fn parameter(&self, share: f64) -> f64 {
+        let [from, to] = self.between;
+        if share < 1.0 { from + (to - from) * share } else { to }
+    }
+
+    /// What the errors along the piece depend on besides the commands.
+    pub(super) fn state(&self) -> State {
+        state_of(self.sense)
+    }
+}
+
+/// The state of a program that nobody measures: accelerations are not known.
+pub(super) fn state_of(sense: [i8; AXIS_COUNT]) -> State {
+    State { direction: sense, ..State::default() }
+}
+
+impl Bench<'_, '_> {
+    /// The whole move of these axes of the output as programmed; the others stay where they are.
+    pub(super) fn as_programmed(&self, standing: &Standing, moving: AxisSet) -> Trial {
+        self.unplaced(standing, self.placer.partly(&self.route.end, standing, moving, self.known))
+    }
+
+    /// The whole move of these axes of the output to their corrected places; the others stay where they are. An axis that the program leaves
+    /// where it is stays too.
+    pub(super) fn of_named(&self, standing: &Standing, moving: AxisSet) -> Trial {
+        let [start, end] = [&self.route.start, &self.route.end].map(|command| self.placer.programmed(command));
+        let stands = standing.known.intersection(standing.written);
+        let rests = |axis: &Axis| stands.contains(*axis) && (end[*axis] - start[*axis]).abs() < SHORT_MM;
+        let moving = moving.iter().filter(|axis| !rests(axis)).collect();
+        let ends = self.ends(standing, [0.0, 1.0]);
+        self.unplaced(standing, self.placer.partly(&ends.end.command, standing, moving, self.known))
+    }
+
+    /// The whole move straight to an end that was not made for the whole pose.
+    fn unplaced(&self, standing: &Standing, end: Placed) -> Trial {
+        let state = self.led(standing, &[standing.command, end.command]);
+        let emitted = Route::new(standing.command, end.command, None);
+        let ends = Ends {
+            ready: None,
+            take_up: None,
+            start: standing.command,
+            end,
+            sense: state.direction,
+            is_torn: false,
+            begins_off: false,
+        };
+        self.trial([0.0, 1.0], ends, emitted, None)
+    }
+
+    /// The piece as a straight one, its deviation not measured.
+    pub(super) fn unmeasured(&self, standing: &Standing, between: [f64; 2]) -> Trial {
+        let ends = self.ends(standing, between);
+        let emitted = Route::new(ends.start, ends.end.command, None);
+        self.trial(between, ends, emitted, None)
+    }
+
+    /// The piece as a straight one.
+    pub(super) fn straight(&self, standing: &Standing, between: [f64; 2], scratch: &mut Vec<f64>) -> Trial {
+        let mut trial = self.unmeasured(standing, between);
+        self.measure(standing, &mut trial, scratch);
+        trial
+    }
+
+    /// The piece as an arc; `None` where the ends, rounded, allow none.
+    pub(super) fn arc(&self, standing: &Standing, between: [f64; 2], scratch: &mut Vec<f64>) -> Option<Trial> {
+        let mut trial = self.unmeasured_arc(standing, between)?;
+        self.measure(standing, &mut trial, scratch);
+        Some(trial)
+    }
+
+    pub(super) fn trial(&self, between: [f64; 2], ends: Ends, emitted: Route, circle: Option<PieceArc>) -> Trial {
+        Trial {
+            between,
+            ready: ends.ready,
+            take_up: ends.take_up,
+            overshoot: None,
+            end: ends.end,
+            sense: ends.sense,
+            is_torn: ends.is_torn,
+            begins_off: ends.begins_off,
+            circle,
+            emitted,
+            deviation_mm: 0.0,
+            allowed_mm: SAMPLED_SHARE * self.tolerance_mm,
+            brought_mm: 0.0,
+            middle_mm: None,
+        }
+    }
+
+    /// Corrects and rounds the ends. The sense of motion along the piece follows from the commands that follow from it, so it is
+    /// guessed from the program and tried again where the guess was wrong.
+    pub(super) fn ends(&self, standing: &Standing, between: [f64; 2]) -> Ends {
+        let nominal_end = self.route.at(between[1]);
+        let place = |nominal: &AxisVector, state: &State, correction: &AxisVector| {
+            self.unmoved(standing, self.place(between, nominal, state, correction))
+        };
+        if self.sampler.backlash.is_empty() && !standing.is_doubtful {
+            let end = place(&nominal_end, &standing.state, &standing.correction);
+            let sense = standing.state.direction;
+            return Ends {
+                ready: None,
+                take_up: None,
+                start: standing.command,
+                end,
+                sense,
+                is_torn: false,
+                begins_off: false,
+            };
+        }
+        let nominal_start = self.route.at(between[0]);
+        let mut sense = standing.state;
+        sense.note_stated(standing.sensed, &nominal_start, &nominal_end);
+        self.settle(&mut sense);
+        let mut tries = 0;
+        let mut enough_mm = SAMPLED_SHARE * self.tolerance_mm;
+        loop {
+            let mut take_up = None;
+            let turns = !self.same_sense(&sense, &standing.state);
+            if self.takes_up
+                && (standing.is_doubtful || turns)
+                && self.turning_mm(standing, &nominal_start, &sense) > enough_mm
+            {
+                let start = place(&nominal_start, &sense, &standing.correction);
+                if distance_mm(&start.command, &standing.command) > SAME_PLACE_MM {
+                    take_up = Some(start);
+                }
+            }
+            let ready = take_up.and_then(|start| self.ready(standing, &start, &sense));
+            let start = take_up.map_or(standing.command, |placed| placed.command);
+            let correction = take_up.map_or(standing.correction, |placed| placed.command - nominal_start);
+            let end = place(&nominal_end, &sense, &correction);
+            // What the machine will do: an axis that does not move keeps the sense that it has, not the one that was guessed.
+            let first = ready.map_or(standing.command, |placed| placed.command);
+            let mut led = self.led(standing, &[standing.command, first, start, end.command]);
+            self.settle(&mut led);
+            let mut state = led;
+            self.turn(standing, &mut state, &sense, &end.command);
+            tries += 1;
+            let is_torn = !self.same_sense(&state, &sense);
+            let begins_off = take_up.is_none() && (standing.is_doubtful || !self.same_sense(&state, &standing.state));
+            let ends = Ends { ready, take_up, start, end, sense: led.direction, is_torn, begins_off };
+            if !is_torn || tries == 2 * MOST_TRIES {
+                return ends;
+            }
+            if tries == MOST_TRIES {
+                if let Some(held) = self.held(standing, between, &state, &sense) {
+                    return held;
+                }
+                // The program moves the axis, by less than its backlash. A step on the spot makes room for that, though without one the
+                // tip would be off by less than the tolerance here.
+                enough_mm = READY_SHARE * self.tolerance_mm;
+            }
+            sense = state;
+        }
+    }
+
+    /// An axis whose word does not change is not written and does not move, though a new frame has another grid. Where the frame turns or
+    /// scales, a word is no axis; the grids differ by noise only then.
+    pub(super) fn unmoved(&self, standing: &Standing, mut placed: Placed) -> Placed {
+        let is_parallel = self.placer.is_parallel();
+        for axis in standing.written.iter().filter(|axis| is_parallel || axis.slot() > 2) {
+            if placed.counts[axis.slot()] == standing.counts[axis.slot()] {
+                placed.command[axis] = standing.command[axis];
+            }
+        }
+        // Nor does the noise of a frame that turns move an axis: it would turn its backlash.
+        for axis in AXES {
+            if (placed.command[axis] - standing.command[axis]).abs() < SAME_PLACE_MM {
+                placed.command[axis] = standing.command[axis];
+            }
+        }
+        placed
+    }
+
+    /// Measures the deviation at all places that matter.
+    fn measure(&self, standing: &Standing, trial: &mut Trial, scratch: &mut Vec<f64>) {
+        let [from, to] = trial.between;
+        let state = trial.state();
+        self.sampler.fractions((self.route, self.samples), trial.between, &trial.emitted, scratch);
+        if trial.is_torn || trial.begins_off {
+            // Ends are right but for their rounding where they were placed for the sense in which the axes come. Where they were not, the
+            // way between deviates most anywhere.
+            scratch.extend((0..=BESIDE_ENDS).map(|k| f64::from(k) / f64::from(BESIDE_ENDS)));
+        }
+        // Bodies go through their dead bands on the way.
+        let lags = (trial.begins_off || trial.is_torn) && !self.lead.axes.is_empty();
+        let mut first = standing.band;
+        if lags {
+            let mut last = standing.command;
+            for step in [trial.ready, trial.take_up].into_iter().flatten() {
+                let way = Route::new(last, step.command, None);
+                self.lead.along(&mut first, &way, standing.sensed, [0.0, 1.0]);
+                last = step.command;
+            }
+            self.lead.edges(&first, &trial.emitted, scratch);
+        }
+        let of_bodies = |trial: &Trial, fraction: f64| {
+            let mut band = first;
+            self.lead.along(&mut band, &trial.emitted, standing.sensed, [0.0, fraction]);
+            let at = trial.parameter(fraction);
+            let way = (at < 1.0).then_some((self.route, at));
+            let places = (&self.route.at(at), &trial.emitted.at(fraction));
+            self.lead.error_mm(&band, places, &self.placer.setup.tool_mm, way).middle.norm()
+        };
+        trial.brought_mm = if lags { of_bodies(trial, 0.0) } else { 0.0 };
+        for &fraction in &*scratch {
+            let deviation = if lags {
+                of_bodies(trial, fraction)
+            } else {
+                let nominal = self.route.at(from + (to - from) * fraction);
+                self.placer.tip_error_mm(&nominal, &trial.emitted.at(fraction), &state)
+            };
+            trial.deviation_mm = trial.deviation_mm.max(deviation);
+            if fraction == 0.5 {
+                trial.middle_mm = Some(deviation);
+            }
+        }
+        if trial.deviation_mm > trial.allowed_mm {
+            // Rounding at the ends is no reason to cut: another end is rounded as badly. Nor is what it begins with, but backlash is.
+            let at = |parameter: f64, command: &AxisVector| {
+                self.placer.tip_error_mm(&self.route.at(parameter), command, &state)
+            };
+            let mut end = at(to, &trial.emitted.end);
+            if trial.is_torn {
+                end = end.min(self.placer.increments.rounding_mm());
+            }
+            let ends = at(from, &trial.emitted.start).max(end).max(trial.brought_mm);
+            if ends > SAMPLED_SHARE * self.tolerance_mm {
+                trial.allowed_mm = SAMPLED_SHARE * (1.0 + BEND_SHARE) * ends;
+            }
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! A piece as an arc: its center and its plane in the words that are written, and the arc that these stand for.
+
+use std::f64::consts::{FRAC_PI_4, TAU};
+
+use ncfix_base::geometry::{AXES, Arc, Axis, AxisVector, Matrix, Plane, Vector};
+
+use super::route::Route;
+use super::standing::Standing;
+use super::trial::{Bench, Ends, SAME_PLACE_MM, Trial, state_of};
+use super::{Centers, PieceArc, Turns, arc_fit};
+
+/// Share of the control's tolerance for arc centers that is used, so that its own arithmetic agrees.
+const CENTER_SHARE: f64 = 0.5;
+/// A sweep this near to full turns is full turns, rad.
+const SAME_ANGLE: f64 = 1e-7;
+
+impl Bench<'_, '_> {
+    /// The piece as an arc, its deviation not measured; `None` where the ends, rounded, allow none.
+    pub(super) fn unmeasured_arc(&self, standing: &Standing, between: [f64; 2]) -> Option<Trial> {
+        let arc = *self.route.arc()?;
+        let (plane, clockwise) = self.emitted_plane(arc.plane, arc.clockwise)?;
+        let ends = self.ends(standing, between);
+        if ends.end.is_held_back {
+            return None;
+        }
+        let [abscissa, ordinate, _] = arc.plane.axes();
+        let flat = |position: &AxisVector| [position[abscissa], position[ordinate]];
+        let (start, end) = (flat(&ends.start), flat(&ends.end.command));
+        let swept = self.route.sweep_rad().abs() * (between[1] - between[0]);
+        let turns = (swept / TAU).round();
+        let is_full = turns >= 1.0 && (swept - turns * TAU).abs() < SAME_ANGLE;
+        let gap_mm = (end[0] - start[0]).hypot(end[1] - start[1]);
+        if is_full != (gap_mm < SAME_PLACE_MM) {
+            return None;
+        }
+        let extra_turns = if is_full { turns - 1.0 } else { (swept / TAU).floor() };
+        // At most the TURN of the program: a small whole number.
+        let extra_turns = extra_turns as u32;
+        let leads_aside = || {
+            let way = ends.end.command - ends.start;
+            AXES.into_iter().any(|axis| axis != abscissa && axis != ordinate && way[axis] != 0.0)
+        };
+        let is_too_far = match self.placer.turns {
+            Turns::Several => false,
+            Turns::One => extra_turns > 0,
+            Turns::OneFlat => extra_turns > 0 || is_full && leads_aside(),
+        };
+        if is_too_far {
+            return None;
+        }
+        let center = self.center(&ends, between, &arc, flat)?;
+        let mut from_start = Vector::zeros();
+        from_start[abscissa.slot()] = center[0] - start[0];
+        from_start[ordinate.slot()] = center[1] - start[1];
+        let (center_counts, rounded) = self.round_direction(from_start);
+        let center = [start[0] + rounded[abscissa.slot()], start[1] + rounded[ordinate.slot()]];
+        let tolerance = |radius_mm: f64| {
+            CENTER_SHARE * self.control.arc_tolerance_mm.max(self.control.arc_tolerance_ratio * radius_mm)
+        };
+        let (from, to) = (&ends.start, &ends.end.command);
+        let done = match self.placer.centers {
+            Centers::OnBisector => Arc::through(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
+            Centers::AsWritten => Arc::spiral(arc.plane, arc.clockwise, from, to, center, extra_turns, tolerance),
+        };
+        let done = done.ok()?;
+        let emitted = Route::new(ends.start, ends.end.command, Some(done));
+        let standing = self.placer.programmed(from);
+        let start_counts = [Axis::X, Axis::Y, Axis::Z].map(|axis| self.placer.increments.count(axis, standing[axis]));
+        let circle = PieceArc { plane, clockwise, center_counts, start_counts, extra_turns };
+        Some(self.trial(between, ends, emitted, Some(circle)))
+    }
+
+    /// The center nearest to the corrected path, in the plane of the axes, mm.
+    fn center(
+        &self,
+        ends: &Ends,
+        between: [f64; 2],
+        arc: &Arc,
+        flat: impl Fn(&AxisVector) -> [f64; 2],
+    ) -> Option<[f64; 2]> {
+        let (start, end) = (flat(&ends.start), flat(&ends.end.command));
+        if self.placer.model.is_empty() {
+            return Some(arc_fit::center(start, end, arc.center_mm, &[]));
+        }
+        let [from, to] = between;
+        let swept = self.route.sweep_rad().abs() * (to - from);
+        // The conversion is exact: between 3 and 16.
+        let count = (swept / FRAC_PI_4).ceil().clamp(3.0, 16.0) as u32;
+        let mut points = [[0.0; 2]; 16];
+        let mut shift = [0.0; 2];
+        let correction = ends.end.command - self.route.at(to);
+        let state = state_of(ends.sense);
+        for (k, point) in (1..=count).zip(&mut points) {
+            let nominal = self.route.at(from + (to - from) * f64::from(k) / f64::from(count + 1));
+            let exact = self.placer.exact(&nominal, self.known, &state, &correction, f64::INFINITY).ok()?;
+            *point = flat(&exact);
+            let straight = flat(&nominal);
+            shift[0] += (point[0] - straight[0]) / f64::from(count);
+            shift[1] += (point[1] - straight[1]) / f64::from(count);
+        }
+        let guess = [arc.center_mm[0] + shift[0], arc.center_mm[1] + shift[1]];
+        Some(arc_fit::center(start, end, guess, &points[..count as usize]))
+    }
+
+    /// Plane and sense of an arc in the emitted frame; `None` where it is no principal plane there, or not the one that is
+    /// selected.
+    ///
+    /// An arc that is counter-clockwise about n is so about sign(det L) · L · n behind the frame L.
+    fn emitted_plane(&self, plane: Plane, clockwise: bool) -> Option<(Plane, bool)> {
+        let setup = &self.placer.setup;
+        if self.placer.is_parallel() {
+            return (plane == setup.plane).then_some((plane, clockwise));
+        }
+        let linear = setup.frame.linear();
+        let square = linear * linear.transpose();
+        let scale = square.trace() / 3.0;
+        let off_scale = (square - Matrix::identity() * scale).norm() / scale;
+        let mut normal = Vector::zeros();
+        normal[plane.axes()[2].slot()] = linear.determinant().signum();
+        let normal = setup.frame.unapply_direction(normal).normalize();
+        let across = normal[setup.plane.axes()[2].slot()];
+        let is_principal = off_scale < SAME_PLACE_MM && (across.abs() - 1.0).abs() < SAME_PLACE_MM;
+        is_principal.then_some((setup.plane, clockwise == (across > 0.0)))
+    }
+
+    /// A direction of the axes in counts of the emitted frame, and the direction that these stand for.
+    fn round_direction(&self, direction: Vector) -> ([i64; 3], Vector) {
+        let is_parallel = self.placer.is_parallel();
+        let frame = &self.placer.setup.frame;
+        let programmed = if is_parallel { direction } else { frame.unapply_direction(direction) };
+        let mut counts = [0; 3];
+        let mut rounded = Vector::zeros();
+        for (slot, axis) in [Axis::X, Axis::Y, Axis::Z].into_iter().enumerate() {
+            counts[slot] = self.placer.increments.count(axis, programmed[slot]);
+            rounded[slot] = self.placer.increments.position(axis, counts[slot]);
+        }
+        (counts, if is_parallel { rounded } else { frame.apply_direction(rounded) })
+    }
+}

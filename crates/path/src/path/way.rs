@@ -1,0 +1,35 @@
+//! For which way a control takes a feed.
+//!
+//! Sources: LinuxCNC, G code overview, "Feed rate"; Sinumerik, programming manual, FGROUP; Fanuc, operator's manual, G01 with linear and
+//! rotary axes: `G91 G1 X20. C40. F300.` takes √(20² + 40²) / 300 min.
+
+use super::Feeds;
+use super::place::SHORT_MM;
+use ncfix_base::geometry::{Axis, AxisVector, ROTARY_AXES};
+use ncfix_machine::machine::Machine;
+
+/// The way of the rotary axes between two positions, degrees.
+pub(super) fn turned_deg(start: &AxisVector, end: &AxisVector) -> f64 {
+    let turned = ROTARY_AXES.map(|axis| (end[axis] - start[axis]).to_degrees());
+    turned.iter().map(|turn| turn * turn).sum::<f64>().sqrt()
+}
+
+/// The way between two programmed positions for which a control takes a feed, mm or degrees. Under a transformation it is that of the tip.
+pub(super) fn counted(feeds: Feeds, is_transformed: bool, [start, end]: [&AxisVector; 2]) -> f64 {
+    let linear_mm = (end.xyz() - start.xyz()).norm();
+    let turned_deg = turned_deg(start, end);
+    match feeds {
+        Feeds::OfAll if !is_transformed => linear_mm.hypot(turned_deg),
+        _ if linear_mm > SHORT_MM => linear_mm,
+        _ => turned_deg,
+    }
+}
+
+/// Whether words put axes that turn, or that nobody knows, among those for whose way the feed is (FGROUP); `None` where they do not say.
+pub(super) fn counts_turns(words: &[u8], machine: &Machine) -> Option<bool> {
+    let words = String::from_utf8_lossy(words).to_ascii_uppercase();
+    let (axes, _) = words.split_once("FGROUP(")?.1.split_once(')')?;
+    let by_letter = |name: &str| name.bytes().next().filter(|_| name.len() == 1).and_then(Axis::from_letter);
+    let turns = |name: &str| machine.axis_named(name).or_else(|| by_letter(name)).is_none_or(|axis| axis.is_rotary());
+    Some(axes.split(',').map(str::trim).filter(|name| !name.is_empty()).any(turns))
+}

@@ -1,0 +1,103 @@
+//! Which line of an original each line of a corrected program comes from: by the moves that were executed, and between these by what is written.
+
+use super::Row;
+
+/// For each line of the corrected program the line of the main original program, from 1; 0 for those that come from none.
+#[must_use]
+pub fn pairs<'t>(
+    rows: &[Row],
+    original: impl Iterator<Item = &'t str>,
+    corrected: impl Iterator<Item = &'t str>,
+) -> Vec<u32> {
+    let [original, corrected] = [original.collect::<Vec<&str>>(), corrected.collect()];
+    let mut out = vec![0; corrected.len()];
+    for row in rows.iter().filter(|row| row.file == 0) {
+        if let Some(own) = out.get_mut(row.corrected_line.saturating_sub(1) as usize)
+            && *own == 0
+        {
+            *own = row.line;
+        }
+    }
+    let known: Vec<(usize, usize)> = out
+        .iter()
+        .enumerate()
+        .filter(|(_, line)| **line > 0)
+        .map(|(place, line)| (place + 1, *line as usize))
+        .collect();
+    let end = (corrected.len() + 1, original.len() + 1);
+    let mut last = (0, 0);
+    for next in known.into_iter().chain([end]) {
+        let is_forward = next.1 > last.1;
+        if is_forward && next.0 > last.0 + 1 {
+            between((last, next), &original, &corrected, &mut out);
+        }
+        // Loops go back: what is behind them follows the last line that was reached.
+        if is_forward {
+            last = next;
+        } else {
+            last.0 = next.0;
+        }
+    }
+    out
+}
+
+/// Pairs the lines between two pairs, each given by its line of the corrected program and of the original.
+fn between((last, next): ((usize, usize), (usize, usize)), original: &[&str], corrected: &[&str], out: &mut [u32]) {
+    let is_same = |(after, before): (usize, usize)| {
+        let [after, before] =
+            [corrected.get(after - 1), original.get(before - 1)].map(|text| text.map(|text| text.trim()));
+        after == before
+    };
+    let (mut from, mut to) = ((last.0 + 1, last.1 + 1), (next.0 - 1, next.1.saturating_sub(1)));
+    while from.0 <= to.0 && from.1 <= to.1 && is_same(from) {
+        out[from.0 - 1] = from.1 as u32;
+        from = (from.0 + 1, from.1 + 1);
+    }
+    while from.0 <= to.0 && from.1 <= to.1 && is_same(to) {
+        out[to.0 - 1] = to.1 as u32;
+        to = (to.0 - 1, to.1 - 1);
+    }
+    // As many here as there: written anew, with evaluated values.
+    if to.0 + from.1 == to.1 + from.0 {
+        for place in 0..(to.0 + 1).saturating_sub(from.0) {
+            out[from.0 + place - 1] = (from.1 + place) as u32;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ncfix_base::geometry::AXIS_COUNT;
+
+    fn row(line: u32, corrected_line: u32) -> Row {
+        Row { file: 0, line, corrected_line, added: [0.0; AXIS_COUNT], error_mm: 0.0, flags: 0 }
+    }
+
+    fn paired(rows: &[Row], original: &str, corrected: &str) -> Vec<u32> {
+        pairs(rows, original.lines(), corrected.lines())
+    }
+
+    #[test]
+    fn lines_without_moves_go_with_those_that_are_the_same() {
+        let original = "%\nR1=3\nG54\nTRANS X=R1\nG1 X1\n; end\nG1 X2\nM30";
+        let corrected = "%\n; stamp\nG54\nTRANS X3\nG1 X1.01\nG1 X1.51 ;+\n; end\nG1 X2.01\nM30";
+        let rows = [row(5, 5), row(5, 6), row(7, 8)];
+        // `R1=3` became the stamp's neighbour: as many lines are left between the pairs on both sides.
+        assert_eq!(paired(&rows, original, corrected), [1, 2, 3, 4, 5, 5, 6, 7, 8]);
+        // Without the stamp that line is gone, and frames that were written anew are not guessed at.
+        let shorter = corrected.replace("; stamp\n", "");
+        let rows = [row(5, 4), row(5, 5), row(7, 7)];
+        assert_eq!(paired(&rows, original, &shorter), [1, 0, 0, 5, 5, 6, 7, 8]);
+    }
+
+    #[test]
+    fn loops_go_back_and_do_not_confuse_what_follows() {
+        let original = "A\nX1\nX2\nB\nM30";
+        let corrected = "A\nX1\nX2\nX1\nX2\nB\nM30";
+        let rows = [row(2, 2), row(3, 3), row(2, 4), row(3, 5)];
+        assert_eq!(paired(&rows, original, corrected), [1, 2, 3, 2, 3, 4, 5]);
+        assert_eq!(paired(&[], "A\nB", "A\nB"), [1, 2]);
+        assert!(paired(&[], "", "").is_empty());
+    }
+}

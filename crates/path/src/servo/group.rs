@@ -1,0 +1,278 @@
+//! Pieces that follow each other closely and share one highest speed in the window of the limiter.
+//!
+//! Where blocks are shorter than the memory of the axes, a speed of its own for each would make the axes tremble, and none would decide
+//! anything. A group is as long as that memory; a long piece is a group by itself.
+
+use crate::path::{Output, Piece};
+use ncfix_base::diagnostic::{Code, Diagnostic, Place};
+use ncfix_machine::snc::Manner;
+
+/// Feeds are not lowered below this share of that of the program.
+const LEAST_SHARE: f64 = 0.05;
+/// In one round a speed falls at most to this share of itself.
+const LEAST_STEP: f64 = 0.5;
+/// Speeds that differ less are not worth a trial, and errors that are nearer to the limit neither.
+const WORTH: f64 = 1.1;
+/// What is aimed at, as a share of the limit.
+const AIM: f64 = 0.98;
+/// An error that falls less than this has not followed the speed.
+const FOLLOWS: f64 = 0.98;
+/// Rounds in which an error may do so before its group is given up.
+const PATIENCE: u8 = 6;
+
+/// A piece, or what stands between, that is not certain yet.
+#[derive(Debug)]
+pub(super) struct Waiting {
+    pub(super) item: Result<Output, Diagnostic>,
+    /// Its feed as programmed.
+    programmed: f64,
+    /// Feed in the unit of the program by mm/min; `None` under G93.
+    pub(super) unit: Option<f64>,
+    /// The number of its group; `None` before the first trial, and of what is no piece.
+    pub(super) group: Option<usize>,
+    /// Cycles in which the set-points were on it in the last trial.
+    pub(super) cycles: u32,
+    /// How far the tool is off in the last trial, mm.
+    pub(super) off_mm: f64,
+}
+
+/// The worst moment on a group.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Worst {
+    pub(super) off_mm: f64,
+    /// How fast that was passed, mm/min.
+    pub(super) speed: f64,
+    /// The group that the set-points were in.
+    pub(super) until: usize,
+    /// Whether they had come to it just before.
+    pub(super) is_early: bool,
+}
+
+/// What pieces of a group have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Group {
+    /// The highest speed that the program wants, mm/min.
+    programmed: f64,
+    /// Highest speed, mm/min.
+    speed: f64,
+    /// Whether the speed may not be changed.
+    is_fixed: bool,
+    /// How far the tool was off in the last trial, mm, and the speed there.
+    last: Option<[f64; 2]>,
+    /// Rounds in which that has not followed the speed, and the speed before them.
+    futile: u8,
+    speed_before: f64,
+    /// The lowest speed that was too high.
+    too_high: f64,
+    /// The speed before it was lowered for what comes behind.
+    before_next: Option<f64>,
+}
+
+impl Waiting {
+    pub(super) fn new(item: Result<Output, Diagnostic>) -> Waiting {
+        let programmed = if let Ok(Output::Piece(piece)) = &item { piece.feed } else { 0.0 };
+        Waiting { item, programmed, unit: None, group: None, cycles: 0, off_mm: 0.0 }
+    }
+
+    pub(super) fn piece(&self) -> Option<&Piece> {
+        match &self.item {
+            Ok(Output::Piece(piece)) => Some(piece),
+            _ => None,
+        }
+    }
+
+    /// Whether its feed must stay.
+    pub(super) fn is_fixed(&self) -> bool {
+        self.unit.is_none()
+            || self.piece().is_none_or(|piece| piece.rapid || piece.manner != Manner::Path || piece.feed <= 0.0)
+    }
+
+    /// The speed that the program wants, mm/min.
+    pub(super) fn speed(&self) -> f64 {
+        self.unit.map_or(0.0, |unit| self.programmed / unit)
+    }
+
+    pub(super) fn as_programmed(&self, output: &Output) -> Output {
+        match output {
+            Output::Piece(piece) => Output::Piece(Piece { feed: self.programmed, ..*piece }),
+            Output::Element(_) => output.clone(),
+        }
+    }
+
+    pub(super) fn is_slowed(&self) -> bool {
+        self.piece().is_some_and(|piece| piece.feed < self.programmed)
+    }
+
+    /// Takes the speed of its group, mm/min, where that is lower.
+    pub(super) fn go_at(&mut self, speed: f64) {
+        let (fixed, programmed) = (self.is_fixed(), self.programmed);
+        let Some(unit) = self.unit.filter(|_| !fixed) else { return };
+        if let Ok(Output::Piece(piece)) = &mut self.item {
+            // To two digits down, if that is not below the least.
+            let least = programmed * LEAST_SHARE;
+            piece.feed = if speed * unit < programmed { two_digits(speed * unit).max(least) } else { programmed };
+        }
+    }
+
+    /// A finding about a group on which the limit is not kept, at this piece.
+    pub(super) fn exceeds(&self, group: &Group, off_mm: f64, limit_mm: f64) -> Option<Diagnostic> {
+        let piece = self.piece()?;
+        let (why, help) = if piece.manner != Manner::Path {
+            ("its motion is none of the path", "feeds of threads, positioning and probing stay as they are")
+        } else if self.unit.is_none() {
+            ("its feed is a time (G93), which stays", "program it with G94, or take longer times")
+        } else if group.is_fixed {
+            ("its feed stays as it is", "look at the moves before it, or allow more")
+        } else if group.has_given_up() {
+            (
+                "a lower feed does not help",
+                "the axes accelerate too hard for it: lower their acceleration on the control, or allow more",
+            )
+        } else if group.is_lowest() {
+            (
+                "its feed is as low as it may be made",
+                "allow more, or look at the velocity gains and feed-forwards in [servo]",
+            )
+        } else {
+            ("no feed was found in the trials that are made", "cut it into shorter pieces with --step, or allow more")
+        };
+        let message = format!(
+            "the tool will be {:.1} µm off its path and {:.1} µm are allowed: {why}",
+            off_mm * 1e3,
+            limit_mm * 1e3
+        );
+        let place = Place { file: piece.origin.file, span: piece.origin.span };
+        Some(Diagnostic::at(Code::FEED_LIMIT_MISSED, place, message, help))
+    }
+}
+
+impl Group {
+    /// A group of a piece.
+    pub(super) fn of(waiting: &Waiting) -> Group {
+        let programmed = waiting.speed();
+        Group {
+            programmed,
+            speed: programmed,
+            is_fixed: waiting.is_fixed(),
+            last: None,
+            futile: 0,
+            speed_before: programmed,
+            too_high: programmed,
+            before_next: None,
+        }
+    }
+
+    /// Takes one more piece in, if nothing has been changed yet.
+    pub(super) fn take(&mut self, waiting: &Waiting) {
+        let speed = waiting.speed().max(self.programmed);
+        (self.programmed, self.speed, self.speed_before, self.too_high) = (speed, speed, speed, speed);
+    }
+
+    /// Highest speed, mm/min.
+    pub(super) fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// Whether a lower speed has not helped.
+    pub(super) fn has_given_up(&self) -> bool {
+        self.futile > PATIENCE
+    }
+
+    fn is_lowest(&self) -> bool {
+        self.speed <= self.programmed * LEAST_SHARE
+    }
+
+    /// The speed, mm/min, at which the error would fit; `None` where it does, or where the speed does not help.
+    pub(super) fn judge(&mut self, worst: &Worst, limit_mm: f64) -> Option<f64> {
+        let before = self.last.replace([worst.off_mm, worst.speed]);
+        if worst.off_mm <= limit_mm || self.has_given_up() {
+            return None;
+        }
+        let mut power = 2.0;
+        if let Some([off_mm, speed]) = before.filter(|&[off_mm, _]| off_mm > limit_mm) {
+            if worst.off_mm > FOLLOWS * off_mm {
+                self.futile += 1;
+                if self.has_given_up() {
+                    self.speed = self.speed_before;
+                    return None;
+                }
+            } else {
+                (self.futile, self.speed_before) = (0, self.speed);
+                let shown = (worst.off_mm / off_mm).ln() / (worst.speed / speed).ln();
+                power = if shown.is_finite() { shown.clamp(1.0, 2.0) } else { 2.0 };
+            }
+        }
+        let share = (AIM * limit_mm / worst.off_mm).powf(1.0 / power);
+        Some(worst.speed * share)
+    }
+
+    /// Lowers the speed, mm/min, where it is higher; whether it was.
+    pub(super) fn lower_to(&mut self, speed: f64) -> bool {
+        if self.is_fixed || self.has_given_up() {
+            return false;
+        }
+        let lower = speed.max(LEAST_STEP * self.speed).max(LEAST_SHARE * self.programmed);
+        let is_lower = lower < self.speed;
+        if is_lower {
+            (self.too_high, self.speed) = (self.speed, lower);
+        }
+        is_lower
+    }
+
+    /// Lowers it for the sake of the next group; whether it was.
+    pub(super) fn lower_for_next(&mut self, speed: f64) -> bool {
+        let before = self.speed;
+        let is_lower = self.lower_to(speed);
+        if is_lower {
+            self.before_next.get_or_insert(before);
+        }
+        is_lower
+    }
+
+    /// Takes that back: it has not helped.
+    pub(super) fn restore(&mut self) {
+        if let Some(speed) = self.before_next.take() {
+            self.speed = speed;
+        }
+    }
+
+    /// Raises the speed half of the way to the one that was too high, where that is worth a trial; whether it was.
+    pub(super) fn raise(&mut self, off_mm: f64, limit_mm: f64) -> bool {
+        let is_worth = self.speed < self.programmed && self.too_high > WORTH * self.speed && WORTH * off_mm < limit_mm;
+        if is_worth {
+            self.speed = (self.speed * self.too_high).sqrt();
+        }
+        is_worth
+    }
+
+    /// Takes back what was raised.
+    pub(super) fn take_back(&mut self, speed: f64) {
+        if self.speed > speed {
+            (self.too_high, self.speed) = (self.speed, speed);
+        }
+    }
+}
+
+/// The number of two significant digits below: a feed that can be read.
+fn two_digits(value: f64) -> f64 {
+    if value.is_nan() || value <= 0.0 {
+        return 0.0;
+    }
+    let step = 10_f64.powi(value.log10().floor() as i32 - 1);
+    let digits = (value / step + 1e-9).floor();
+    // A division by a whole number gives the double nearest to the decimal text.
+    if step < 1.0 { digits / (1.0 / step).round() } else { digits * step.round() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::two_digits;
+
+    #[test]
+    fn feeds_are_cut_to_two_digits() {
+        let cases = [(5271.0, 5200.0), (999.9, 990.0), (0.128, 0.12), (12.0, 12.0), (0.3, 0.3), (f64::NAN, 0.0)];
+        for (value, expected) in cases {
+            assert_eq!(two_digits(value), expected, "{value}");
+        }
+    }
+}

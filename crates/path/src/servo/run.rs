@@ -1,0 +1,311 @@
+//! Drives the machine by the elements of a program, or by the pieces of a corrected one.
+//!
+//! Blocks are passed without a stop but where the program wants one: exact stop (G60, G9; G61, G61.1), a dwell, a tool or M word, between rapid moves and
+//! moves with feed, and where the axes go on their own, to a reference point, or until a probe touches.
+
+use std::sync::Arc;
+
+use super::chord::{Circle, Motion, Pace};
+use super::drive::Drive;
+use super::follow::Moment;
+use crate::path::{Increments, Options, Output, OutputFrame, Piece, PieceArc};
+use ncfix_base::geometry::{AxisSet, AxisVector, Vector};
+use ncfix_machine::machine::{Machine, Servo};
+use ncfix_machine::snc::{Dwell, Element, FeedUnit, Kind, Manner, Setup, Word, WordValue};
+use ncfix_model::Model;
+
+/// Modal words: exact stop from here on, no more, and for one block.
+const EXACT: &[&str] = &["G60", "G61", "G61.1"];
+const RUNNING: &[&str] = &["G64", "G641", "G642", "G643", "G644", "G645", "G62", "G63"];
+const ONCE: &[&str] = &["G9", "G09"];
+
+/// A program on a machine.
+#[derive(Clone, Debug)]
+pub struct Run<'a> {
+    drive: Drive<'a>,
+    increments: Increments,
+    is_work_frame: bool,
+    keeps_transform: bool,
+    setup: Arc<Setup>,
+    /// What the feed of the last move counts.
+    unit: FeedUnit,
+    /// Turns per minute, where the program has said.
+    spindle_rpm: f64,
+    stops: bool,
+    stops_once: bool,
+    /// Whether the last move was rapid.
+    is_rapid: bool,
+    known: AxisSet,
+    /// Feed of all moves with feed, mm/min, whatever the program says.
+    feed_mm_min: Option<f64>,
+}
+
+/// How a move is to be made, whoever says so.
+struct Order {
+    target: AxisVector,
+    circle: Option<Circle>,
+    rapid: bool,
+    feed: f64,
+    manner: Manner,
+    unit: FeedUnit,
+    named: AxisSet,
+    known: AxisSet,
+}
+
+impl<'a> Run<'a> {
+    /// A machine before the first block. `options` are those of the correction where pieces are to be driven.
+    #[must_use]
+    pub fn new(machine: &Machine, servo: &Servo, model: &'a Model, options: &Options) -> Run<'a> {
+        let mut drive = Drive::new(machine, servo, model);
+        let mut known = AxisSet::EMPTY;
+        if let Some(start) = options.start {
+            drive.jump(&start, &mut |_| {});
+            known = machine.axis_set();
+        }
+        Run {
+            drive,
+            increments: Increments::new(&machine.control),
+            is_work_frame: options.frame == OutputFrame::Work,
+            keeps_transform: options.five_axis == crate::path::FiveAxis::Tcp,
+            setup: Arc::default(),
+            unit: FeedUnit::default(),
+            spindle_rpm: 0.0,
+            stops: false,
+            stops_once: false,
+            is_rapid: false,
+            known,
+            feed_mm_min: None,
+        }
+    }
+
+    /// The same with one feed, mm/min, for all moves of the path that have one.
+    #[must_use]
+    pub fn with_feed(self, feed_mm_min: f64) -> Run<'a> {
+        Run { feed_mm_min: Some(feed_mm_min), ..self }
+    }
+
+    /// Takes an element of a program; `block` is what the results call it.
+    pub fn element(&mut self, element: &Element, block: u64, see: &mut dyn FnMut(&Moment)) {
+        let Kind::Move(motion) = &element.kind else {
+            self.other(&element.kind, see);
+            return;
+        };
+        let start = self.drive.standing().copied().unwrap_or(motion.target);
+        let order = Order {
+            target: motion.target,
+            circle: motion.arc.map(|arc| Circle::of_arc(&arc, &start)),
+            rapid: motion.rapid,
+            feed: motion.feed,
+            manner: motion.manner,
+            unit: motion.unit,
+            named: motion.named,
+            known: motion.known,
+        };
+        self.order(&order, block, see);
+    }
+
+    /// Takes a piece of a corrected program, or an element between.
+    pub fn output(&mut self, output: &Output, block: u64, see: &mut dyn FnMut(&Moment)) {
+        match output {
+            Output::Element(element) => self.element(element, block, see),
+            Output::Piece(piece) => {
+                let order = self.order_of(piece);
+                self.order(&order, block, see);
+            }
+        }
+    }
+
+    /// Ends the program.
+    pub fn finish(&mut self, see: &mut dyn FnMut(&Moment)) {
+        self.drive.finish(see);
+    }
+
+    /// Time so far, without what waits in the look-ahead, s.
+    #[must_use]
+    pub fn time_s(&self) -> f64 {
+        self.drive.time_s()
+    }
+
+    /// Whether a move was so slow, an hour for a chord, that it was not followed.
+    #[must_use]
+    pub fn has_left_out(&self) -> bool {
+        self.drive.has_left_out()
+    }
+
+    /// The feed of a program, in its unit, at a speed of mm/min; `None` where it has no such feed.
+    #[must_use]
+    pub fn feed_at(&self, feed_mm_min: f64) -> Option<f64> {
+        match self.unit {
+            FeedUnit::PerMinute => Some(feed_mm_min),
+            FeedUnit::PerTurn => (self.spindle_rpm > 0.0).then(|| feed_mm_min / self.spindle_rpm),
+            FeedUnit::InverseTime => None,
+        }
+    }
+
+    fn order_of(&self, piece: &Piece) -> Order {
+        let start = self.drive.standing().copied().unwrap_or(piece.command);
+        Order {
+            target: piece.command,
+            circle: piece.arc.map(|arc| self.circle_of(&arc, &start)),
+            rapid: piece.rapid,
+            feed: piece.feed,
+            manner: piece.manner,
+            unit: piece.unit,
+            named: piece.words,
+            known: piece.known,
+        }
+    }
+
+    /// The circle of a piece, whose center relates to the emitted frame.
+    fn circle_of(&self, arc: &PieceArc, start: &AxisVector) -> Circle {
+        let [_, _, across] = arc.plane.axes();
+        let mut normal = Vector::zeros();
+        normal[across.slot()] = if arc.clockwise { -1.0 } else { 1.0 };
+        let mut center = Vector::zeros();
+        for (slot, axis) in ncfix_base::geometry::LINEAR_AXES.into_iter().take(3).enumerate() {
+            center[slot] = self.increments.position(axis, arc.center_counts[slot]);
+        }
+        if self.is_work_frame {
+            let linear = self.setup.frame.linear();
+            center = linear * center;
+            // A mirrored turn goes the other way around.
+            normal = linear * normal * linear.determinant().signum();
+        }
+        let normal = normal.try_normalize(0.0).unwrap_or(normal);
+        Circle { center: start.xyz() + center, normal, extra_turns: arc.extra_turns }
+    }
+
+    fn order(&mut self, order: &Order, block: u64, see: &mut dyn FnMut(&Moment)) {
+        let starts_at_known = order.named.difference(self.known).is_empty();
+        self.known = self.known.union(order.known);
+        self.unit = order.unit;
+        if !starts_at_known {
+            self.drive.jump(&order.target, see);
+            return;
+        }
+        let is_alone = matches!(order.manner, Manner::Positioning | Manner::Reference | Manner::Probe(_));
+        if is_alone || order.rapid != self.is_rapid {
+            self.drive.stop(see);
+        }
+        self.is_rapid = order.rapid;
+        let motion = Motion {
+            target: order.target,
+            circle: order.circle,
+            pace: self.pace(order),
+            is_tip_feed: self.keeps_transform && self.setup.transform.is_some(),
+            block,
+        };
+        self.drive.go(&motion, see);
+        if is_alone || self.stops || self.stops_once {
+            self.drive.stop(see);
+        }
+        self.stops_once = false;
+    }
+
+    fn pace(&self, order: &Order) -> Pace {
+        if order.rapid || matches!(order.manner, Manner::Positioning | Manner::Reference) {
+            return Pace::Rapid;
+        }
+        if let Manner::Thread(thread) = order.manner
+            && let Some((_, lead_mm)) = thread.lead
+        {
+            return Pace::Feed(lead_mm.abs() * self.spindle_rpm / 60.0);
+        }
+        if let Some(feed_mm_min) = self.feed_mm_min {
+            return Pace::Feed(feed_mm_min / 60.0);
+        }
+        if order.unit == FeedUnit::InverseTime {
+            return Pace::Time(if order.feed > 0.0 { 60.0 / order.feed } else { 0.0 });
+        }
+        match order.unit {
+            FeedUnit::PerTurn => Pace::Feed(order.feed * self.spindle_rpm / 60.0),
+            _ => Pace::Feed(order.feed / 60.0),
+        }
+    }
+
+    fn other(&mut self, kind: &Kind, see: &mut dyn FnMut(&Moment)) {
+        match kind {
+            Kind::Setup(setup) => {
+                self.drive.change_tool(&setup.tool_mm, see);
+                self.setup = Arc::clone(setup);
+            }
+            Kind::Dwell(Dwell::Seconds(time_s)) => self.drive.wait(time_s.max(0.0), see),
+            Kind::Dwell(Dwell::Turns(turns)) => {
+                let time_s = if self.spindle_rpm > 0.0 { turns.abs() * 60.0 / self.spindle_rpm } else { 0.0 };
+                self.drive.wait(time_s, see);
+            }
+            Kind::Tool(_) => self.drive.stop(see),
+            Kind::Lost(axes) => {
+                self.drive.stop(see);
+                self.known = self.known.difference(*axes);
+            }
+            Kind::Before(words) | Kind::After(words) => {
+                words.iter().for_each(|word| self.note_spindle(word));
+                if words.iter().any(|word| word.letter == b'M') {
+                    self.drive.stop(see);
+                }
+            }
+            Kind::Keep(word) => self.mode(word),
+            Kind::Verbatim(words) => {
+                let first = words.split(|&byte| byte == b' ').next().and_then(|word| std::str::from_utf8(word).ok());
+                if let Some(word) = first {
+                    self.mode(word);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn note_spindle(&mut self, word: &Word) {
+        if let (b'S', None | Some(1), WordValue::Number(value)) = (word.letter, word.extension, &word.value) {
+            self.spindle_rpm = value.abs();
+        }
+    }
+
+    fn mode(&mut self, word: &str) {
+        let is_of = |words: &[&str]| words.contains(&word);
+        if is_of(EXACT) {
+            self.stops = true;
+        } else if is_of(RUNNING) {
+            self.stops = false;
+        } else if is_of(ONCE) {
+            self.stops_once = true;
+        }
+    }
+}
+
+/// The contouring error over a program: distances from the path, by cycles, of moves with feed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    cycles: u64,
+    squares: f64,
+    /// The largest distance, mm.
+    pub max_mm: f64,
+    /// The block of the largest distance.
+    pub max_at: u64,
+}
+
+impl Tally {
+    /// Takes a moment into account.
+    pub fn note(&mut self, moment: &Moment) {
+        let Some(on_path) = moment.on_path.filter(|on_path| !on_path.is_rapid) else { return };
+        let off_mm = on_path.off_mm.norm();
+        self.cycles += 1;
+        self.squares += off_mm * off_mm;
+        if off_mm > self.max_mm {
+            (self.max_mm, self.max_at) = (off_mm, on_path.block);
+        }
+    }
+
+    /// Root of the mean square over the cycles, mm.
+    #[must_use]
+    pub fn rms_mm(&self) -> f64 {
+        if self.cycles == 0 { 0.0 } else { (self.squares / self.cycles as f64).sqrt() }
+    }
+
+    /// Cycles that counted.
+    #[must_use]
+    pub fn cycles(&self) -> u64 {
+        self.cycles
+    }
+}

@@ -1,0 +1,72 @@
+//! Smooths set-points: two box filters, one behind the other, make a triangular kernel.
+
+use ncfix_base::geometry::{AXIS_COUNT, AxisVector};
+
+/// A kernel of two boxes of whole cycles.
+#[derive(Clone, Debug)]
+pub(super) struct Smoothing {
+    boxes: [Mean; 2],
+}
+
+impl Smoothing {
+    /// Cycles of each box for a kernel of a length; 1 smooths nothing.
+    pub(super) fn cycles(kernel_s: f64, cycle_s: f64) -> usize {
+        (0.5 * kernel_s / cycle_s).round().max(1.0) as usize
+    }
+
+    pub(super) fn new(cycles: usize) -> Smoothing {
+        Smoothing { boxes: [Mean::new(cycles), Mean::new(cycles)] }
+    }
+
+    /// As if it had stood here for long.
+    pub(super) fn reset(&mut self, position: &AxisVector) {
+        self.boxes.iter_mut().for_each(|mean| mean.reset(position));
+    }
+
+    /// What becomes of the next position: it is late by the cycles of a box less one.
+    pub(super) fn next(&mut self, position: &AxisVector) -> AxisVector {
+        let [first, second] = &mut self.boxes;
+        second.next(&first.next(position))
+    }
+}
+
+/// The mean of the last positions.
+#[derive(Clone, Debug)]
+struct Mean {
+    last: Vec<AxisVector>,
+    at: usize,
+    sum: AxisVector,
+}
+
+impl Mean {
+    fn new(cycles: usize) -> Mean {
+        Mean { last: vec![AxisVector::ZERO; cycles.max(1)], at: 0, sum: AxisVector::ZERO }
+    }
+
+    fn reset(&mut self, position: &AxisVector) {
+        self.last.fill(*position);
+        self.sum = self.total();
+    }
+
+    fn next(&mut self, position: &AxisVector) -> AxisVector {
+        let Some(oldest) = self.last.get_mut(self.at) else { return *position };
+        self.sum = self.sum + (*position - *oldest);
+        *oldest = *position;
+        self.at += 1;
+        if self.at >= self.last.len() {
+            self.at = 0;
+            // Added up anew, so that rounding does not gather over days.
+            self.sum = self.total();
+        }
+        let count = self.last.len() as f64;
+        AxisVector(self.sum.0.map(|sum| sum / count))
+    }
+
+    fn total(&self) -> AxisVector {
+        let mut sum = [0.0; AXIS_COUNT];
+        for position in &self.last {
+            sum.iter_mut().zip(position.0).for_each(|(sum, value)| *sum += value);
+        }
+        AxisVector(sum)
+    }
+}

@@ -1,0 +1,383 @@
+//! A diagnosis for people: the text on the terminal, and the sentences that it shares with the page.
+
+use std::fmt::Write as _;
+
+use super::{Cause, Diagnosis, InFile, Place};
+use crate::number::{grouped, significant};
+
+/// Rivals that are named for people.
+const RIVALS: usize = 4;
+/// A chance below this is said to be this.
+const LEAST_CHANCE: f64 = 1e-12;
+/// Places of a shape that are told.
+const PLACES: usize = 7;
+/// Causes that are told in the verdict.
+const CAUSES: usize = 4;
+/// What is in a file is so many times its expanded uncertainty.
+const SEEN: f64 = 2.0;
+/// Noise that is so many times what is stated is told.
+const TIMES: f64 = 2.5;
+/// Candidates that are told as rejected.
+const REJECTED: usize = 5;
+
+impl Diagnosis {
+    /// The text for people.
+    #[must_use]
+    pub fn page(&self) -> String {
+        let mut out = format!("{}\n", self.before_sentence());
+        if let Some(sentence) = self.expired_sentence() {
+            let _ = writeln!(out, "{sentence}");
+        }
+        if self.findings.is_empty() {
+            let _ = writeln!(out, "No cause stands; {} were tried.", grouped(self.tried as u64));
+        }
+        for (rank, one) in self.findings.iter().enumerate() {
+            self.cause(rank + 1, one, &mut out);
+        }
+        self.tail(&mut out);
+        out
+    }
+
+    /// The unit of sizes of readings, as people write it.
+    #[must_use]
+    pub fn unit_sign(&self) -> &'static str {
+        if self.unit == "urad" { "µrad" } else { "µm" }
+    }
+
+    /// What the model leaves, in a sentence.
+    #[must_use]
+    pub fn before_sentence(&self) -> String {
+        let from = match self.noise_from {
+            "repeats" => "from repeated readings",
+            "instrument" => "as the instrument says",
+            "rest" => "as what is left has no shape",
+            _ => "from neighbouring readings",
+        };
+        let unit = self.unit_sign();
+        let times = self.noise_stated_um.map_or(1.0, |stated| self.noise_um / stated);
+        let stated = if times > TIMES {
+            format!(", {} times what is stated (sigma)", significant(times))
+        } else {
+            String::new()
+        };
+        format!(
+            "{} leaves {} {unit} of {} readings (RMS), {} at most; the noise is {} {unit}, {from}{stated}.",
+            self.machine,
+            significant(self.before.rms_um),
+            grouped(self.readings as u64),
+            significant(self.before.max_um),
+            significant(self.noise_um)
+        )
+    }
+
+    /// Whether the model is still one.
+    #[must_use]
+    pub fn expired_sentence(&self) -> Option<String> {
+        let without = self.without_model.holdout_rms_um.unwrap_or(self.without_model.rms_um);
+        self.expired.then(|| {
+            let unit = self.unit_sign();
+            format!(
+                "The model has expired: without any model {} {unit} would be left. Calibrate again.",
+                significant(without)
+            )
+        })
+    }
+
+    /// What is left with all findings.
+    fn after_sentence(&self) -> Option<String> {
+        (!self.findings.is_empty()).then(|| {
+            format!(
+                "With {} {} {} are left (RMS), {} at most; efficiency {:.0} % → {:.0} %.",
+                if self.findings.len() == 1 { "it" } else { "them" },
+                significant(self.after.rms_um),
+                self.unit_sign(),
+                significant(self.after.max_um),
+                100.0 * self.before.efficiency,
+                100.0 * self.after.efficiency
+            )
+        })
+    }
+
+    fn held_out_sentence(&self) -> Option<String> {
+        let (before, after) = (self.before.holdout_rms_um?, self.after.holdout_rms_um?);
+        if self.findings.is_empty() {
+            return Some(format!("Of the data held out {} {} are left.", significant(before), self.unit_sign()));
+        }
+        let [low, high] = self.holdout_gain_95.unwrap_or_default();
+        Some(format!(
+            "Data held out: {} → {} {}, {:.0} % less ({:.0} … {:.0} %).",
+            significant(before),
+            significant(after),
+            self.unit_sign(),
+            100.0 * self.holdout_gain.unwrap_or_default() + 0.0,
+            100.0 * low + 0.0,
+            100.0 * high + 0.0
+        ))
+    }
+
+    fn unexplained_sentence(&self) -> String {
+        if !self.unexplained.structure {
+            return "Nothing with a shape is left beside the noise.".into();
+        }
+        let unit = self.unit_sign();
+        let with: Vec<String> = self
+            .unexplained
+            .with
+            .iter()
+            .map(|one| format!("{} ({} {unit})", one.driver, significant(one.rms_um)))
+            .collect();
+        format!(
+            "{} {unit} are more than noise and have no name yet{}{}.",
+            significant(self.unexplained.rms_um),
+            if with.is_empty() { "" } else { "; they go with " },
+            with.join(", ")
+        )
+    }
+
+    /// The verdict in one paragraph.
+    #[must_use]
+    pub fn verdict(&self) -> String {
+        let mut out = vec![self.before_sentence()];
+        out.extend(self.expired_sentence());
+        let named: Vec<String> = self
+            .findings
+            .iter()
+            .take(CAUSES)
+            .map(|one| {
+                let what = one.what.as_deref().and_then(|what| what.strip_prefix("unknown: "));
+                let what = what.map_or_else(|| one.name(), |what| what.trim_end_matches("; shape attached").to_owned());
+                format!("{what}, {} ({:.0} % of the squares)", one.size(), 100.0 * one.share)
+            })
+            .collect();
+        let more = self.findings.len().saturating_sub(CAUSES);
+        let rest = if more > 0 { format!("; and {more} more") } else { String::new() };
+        out.push(match self.findings.len() {
+            0 => format!("No cause stands; {} candidates were tried.", grouped(self.tried as u64)),
+            1 => format!("One cause stands: {}.", named.join("")),
+            count => format!("{count} causes stand: {}{rest}.", named.join("; ")),
+        });
+        out.extend(self.after_sentence());
+        out.extend(self.held_out_sentence());
+        out.push(self.unexplained_sentence());
+        match self.data_faults.len() {
+            0 => {}
+            1 => out.push("The data have a fault, see below.".into()),
+            count => out.push(format!("The data have {count} faults, see below.")),
+        }
+        out.join(" ")
+    }
+
+    // Writing into a String cannot fail.
+    fn tail(&self, out: &mut String) {
+        for fault in &self.data_faults {
+            let rows = match fault.rows.as_slice() {
+                // Outliers are rows one by one.
+                [first, last] if fault.kind != "outlier" => format!("rows {first} to {last}"),
+                [row] => format!("row {row}"),
+                rows => format!("{} rows", rows.len()),
+            };
+            let _ = writeln!(out, "\n{} {}: {} ({rows})", fault.kind, fault.name, fault.what);
+            if !fault.evidence.is_empty() {
+                let _ = writeln!(out, "   {}", fault.evidence);
+                let _ = writeln!(out, "   left out: {}", fault.excluded);
+            }
+        }
+        for one in &self.not_confirmed {
+            let _ = writeln!(out, "\n{one} stands in the data, but the data held out does not confirm it.");
+        }
+        let rejected: Vec<String> = self
+            .rejected
+            .iter()
+            .filter(|one| one.why != "held-out data")
+            .map(|one| format!("{} ({})", name(&one.effect, &one.parameter), one.why))
+            .collect();
+        if !rejected.is_empty() {
+            let more = rejected.len().saturating_sub(REJECTED);
+            let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+            let shown = rejected.get(..REJECTED.min(rejected.len())).unwrap_or_default().join(", ");
+            let _ = writeln!(out, "\nRejected: {shown}{rest}.");
+        }
+        for one in &self.rejected {
+            if let Some(differs) = differing(&one.by_file) {
+                let _ = writeln!(out, "{} {differs}", name(&one.effect, &one.parameter));
+            }
+        }
+        out.push('\n');
+        for sentence in [self.after_sentence(), self.held_out_sentence()].into_iter().flatten() {
+            let _ = writeln!(out, "{sentence}");
+        }
+        let _ = writeln!(out, "{}", self.unexplained_sentence());
+        if let Some(path) = &self.output {
+            let _ = writeln!(out, "\nWritten: {path}");
+            for one in self.findings.iter().filter(|one| !one.extends) {
+                let why = one.extends_why.as_deref().unwrap_or("it has no entry");
+                let _ = writeln!(out, "It does not have {}: {why}.", one.name());
+            }
+        }
+    }
+
+    fn cause(&self, rank: usize, one: &Cause, out: &mut String) {
+        let _ = writeln!(out, "\n{rank}. {}: {} (95 %)", one.name(), one.size());
+        let _ = writeln!(
+            out,
+            "   {} {} of the readings (RMS), {:.0} % of what the model leaves; {:.0} % less on unseen readings; chance {}",
+            significant(one.rms_um),
+            self.unit_sign(),
+            100.0 * one.share,
+            100.0 * one.gain_holdout,
+            chance(one.p)
+        );
+        match &one.what {
+            Some(what) => {
+                let _ = writeln!(out, "   {what}");
+            }
+            None => {
+                let depends = one.depends();
+                let goes = if depends.is_empty() { String::new() } else { format!("goes with {depends}; ") };
+                let _ = writeln!(out, "   {goes}usually {}; {}", one.made_by, one.remedy());
+            }
+        }
+        if let Some(differs) = differing(&one.by_file) {
+            let _ = writeln!(out, "   {differs}");
+        }
+        if let Some(why) = one.extends_why.as_ref().filter(|_| one.correctable == "no") {
+            let _ = writeln!(out, "   not to be corrected: {why}");
+        }
+        shape(one, out);
+        if one.class.len() > 1 {
+            let more = one.class.len().saturating_sub(1 + RIVALS);
+            let rivals: Vec<&str> = one.class.iter().skip(1).take(RIVALS).map(String::as_str).collect();
+            let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+            let _ = writeln!(out, "   may as well be {}{rest}", rivals.join(", "));
+        }
+        if let Some(how) = &one.separate_by {
+            let _ = writeln!(out, "   to tell them apart: {how}");
+        }
+    }
+}
+
+impl Cause {
+    /// Effect and parameter.
+    #[must_use]
+    pub fn name(&self) -> String {
+        name(&self.effect, &self.parameter)
+    }
+
+    /// The same with what it depends on, where it has no name.
+    #[must_use]
+    pub fn full_name(&self) -> String {
+        if self.what.is_some() { format!("{} ({})", self.name(), self.drivers.join(", ")) } else { self.name() }
+    }
+
+    /// Value, uncertainty and unit.
+    #[must_use]
+    pub fn size(&self) -> String {
+        format!("{} ± {} {}", significant(self.value), significant(self.u95), sign(&self.unit))
+    }
+
+    /// What it depends on, with period and lag.
+    #[must_use]
+    pub fn depends(&self) -> String {
+        let mut depends = self.drivers.join(", ");
+        if let Some(period) = self.period {
+            let _ = write!(depends, ", every {}", significant(period));
+        }
+        if let Some(lag) = self.lag_s.filter(|lag| *lag > 0.0) {
+            let _ = write!(depends, ", {} s behind", significant(lag));
+        }
+        depends
+    }
+
+    /// What a program can do about it.
+    #[must_use]
+    pub fn remedy(&self) -> &'static str {
+        match self.correctable.as_str() {
+            "program" => "a corrected program takes it away",
+            "live" => "only live readings can take it away",
+            _ => "no program can take it away",
+        }
+    }
+}
+
+/// What a cause is in each file, where files differ: those that have it first.
+#[must_use]
+pub(crate) fn differing(files: &[InFile]) -> Option<String> {
+    let size = |one: &&InFile| {
+        format!("{}: {} ± {} {}", one.file, significant(one.value), significant(one.u95), sign(&one.unit))
+    };
+    let (with, without): (Vec<&InFile>, Vec<&InFile>) = files.iter().partition(|one| one.value.abs() > SEEN * one.u95);
+    let list = |files: &[&InFile]| files.iter().map(size).collect::<Vec<String>>().join(", ");
+    match [with.as_slice(), without.as_slice()] {
+        [[], []] => None,
+        [all, []] | [[], all] => Some(format!("is not the same in all files: {}", list(all))),
+        [with, without] => Some(format!("is in some files only: in {}; not in {}", list(with), list(without))),
+    }
+}
+
+fn name(effect: &str, parameter: &str) -> String {
+    format!("{effect} {parameter}").trim_end().to_owned()
+}
+
+/// A unit as people write it.
+#[must_use]
+pub(crate) fn sign(unit: &str) -> String {
+    unit.replace("urad", "µrad").replace("um", "µm").replace("m/s2", "m/s²")
+}
+
+/// A chance in words.
+#[must_use]
+pub(crate) fn chance(p: f64) -> String {
+    match p {
+        p if p < LEAST_CHANCE => "next to none".to_owned(),
+        p if p < 0.01 => format!("{p:.0e}"),
+        p => format!("{p:.2}"),
+    }
+}
+
+/// The shape over one driver in a line, over two as a small table.
+fn shape(one: &Cause, out: &mut String) {
+    let unit = if one.unit == "urad" { "µrad" } else { "µm" };
+    let along = |k: usize| -> Vec<f64> {
+        let mut values: Vec<f64> = one.shape.iter().filter_map(|place| place.at.get(k).copied()).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        // The ends and some between; instead of the next of these where it is largest, which may be narrow.
+        let count = values.len();
+        let most = if k == 0 && one.drivers.len() == 1 { PLACES } else { PLACES - 2 };
+        if count > most {
+            values = (0..most).filter_map(|k| values.get(k * (count - 1) / (most - 1)).copied()).collect();
+            let peak = one.shape.iter().max_by(|a, b| a.value_um.abs().total_cmp(&b.value_um.abs()));
+            if let Some(peak) = peak.and_then(|place| place.at.get(k).copied()).filter(|peak| !values.contains(peak)) {
+                let between = values.iter_mut().take(most - 1).skip(1);
+                let next = between.min_by(|a, b| (**a - peak).abs().total_cmp(&(**b - peak).abs()));
+                next.into_iter().for_each(|value| *value = peak);
+            }
+        }
+        values
+    };
+    let at = |wanted: &[f64]| {
+        let is_there = |place: &&Place| {
+            place.at.iter().map(|value| value.to_bits()).eq(wanted.iter().map(|value| value.to_bits()))
+        };
+        one.shape.iter().find(is_there).map_or("–".to_owned(), |place| significant(place.value_um))
+    };
+    match one.drivers.as_slice() {
+        _ if one.shape.is_empty() => {}
+        [driver] => {
+            let places: Vec<String> =
+                along(0).into_iter().map(|value| format!("{} at {}", at(&[value]), significant(value))).collect();
+            let _ = writeln!(out, "   {unit} over {driver}: {}", places.join(", "));
+        }
+        [first, second] => {
+            let (across, down) = (along(0), along(1));
+            let head: String = across.iter().map(|value| format!("{:>9}", significant(*value))).collect();
+            let _ = writeln!(out, "   {unit:>18}  {first} {head}");
+            for value in down {
+                let cells: String = across.iter().map(|first| format!("{:>9}", at(&[*first, value]))).collect();
+                let label = format!("{second} {}", significant(value));
+                let _ = writeln!(out, "   {label:>18}{:width$}{cells}", "", width = first.chars().count() + 3);
+            }
+        }
+        _ => {}
+    }
+}

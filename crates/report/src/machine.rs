@@ -1,0 +1,133 @@
+//! A machine and its errors as a page for people.
+
+use std::fmt::Write as _;
+
+use ncfix_base::geometry::AXES;
+use ncfix_machine::machine::{AxisData, Machine};
+use ncfix_model::{Effect, ErrorModel, SOURCES};
+
+/// The page: chain, axes, zero offsets, tools, error functions. Lengths in mm, angles in degrees.
+#[must_use]
+pub fn table(machine: &Machine, errors: &ErrorModel) -> String {
+    let mut out = String::new();
+    // Writing into a String cannot fail.
+    let mut line = |text: &str| {
+        let _ = writeln!(out, "{}", text.trim_end());
+    };
+    line(&format!("machine     {}", machine.name));
+    line(&format!("topology    {}", machine.topology));
+    line(&format!("controller  {}", machine.controller));
+    let control = &machine.control;
+    line(&format!(
+        "increment   {} mm, {} deg",
+        decimal(control.increment_mm),
+        decimal(control.increment_rad.to_degrees())
+    ));
+    if !machine.active_tables.files.is_empty() {
+        line(&format!("tables      active in the control: {}", machine.active_tables.files.join(", ")));
+    }
+    line("");
+    line("axis  travel                 direction in F");
+    for axis in AXES.into_iter().filter_map(|axis| machine.axis(axis)) {
+        let [x, y, z] = [0, 1, 2].map(|row| decimal(axis.direction[row]));
+        line(&format!("{:<6}{:<23}{x} {y} {z}", char::from(axis.axis.letter()), travel(axis)));
+    }
+    if !machine.zero_offsets.is_empty() {
+        line("");
+        line("zero offset");
+        for (name, offset) in &machine.zero_offsets {
+            let shift = offset.shift();
+            let mut parts: Vec<String> = AXES
+                .into_iter()
+                .filter(|&axis| machine.axis(axis).is_some())
+                .map(|axis| {
+                    let value = if axis.is_rotary() { shift[axis].to_degrees() } else { shift[axis] };
+                    format!("{}{}", char::from(axis.letter()), decimal(value))
+                })
+                .collect();
+            let listed = |values: [f64; 3]| values.map(decimal).join(" ");
+            if offset.rotation != [0.0; 3] {
+                parts.push(format!("rotated {} deg", listed(offset.rotation.map(f64::to_degrees))));
+            }
+            if offset.scale != [1.0; 3] {
+                parts.push(format!("scaled {}", listed(offset.scale)));
+            }
+            for (letter, _) in ["X", "Y", "Z"].iter().zip(offset.mirror).filter(|(_, mirror)| *mirror) {
+                parts.push(format!("mirrored {letter}"));
+            }
+            line(&format!("{name:<6}{}", parts.join(" ")));
+        }
+    }
+    if !machine.tools.is_empty() {
+        line("");
+        line("tool  edge  length       radius   name");
+        for tool in &machine.tools {
+            let [length, radius] = [tool.length_mm[0], tool.radius_mm].map(decimal);
+            let name = tool.name.as_deref().unwrap_or("");
+            line(&format!("{:<6}{:<6}{length:<13}{radius:<9}{name}", tool.number, tool.edge));
+        }
+    }
+    line("");
+    line("source of error             what it has");
+    for &source in SOURCES {
+        let mut labels: Vec<String> =
+            errors.effects().filter(|effect| effect.source().name == source.name).map(Effect::label).collect();
+        if !labels.is_empty() {
+            let count = labels.len();
+            labels.sort_unstable();
+            labels.dedup();
+            line(&format!("{:<12}{:<34}{count:>3}: {}", source.name, source.title, labels.join(" ")));
+        }
+    }
+    if errors.effects().next().is_none() {
+        line("none");
+    }
+    let sensors = errors.sensors();
+    if !sensors.is_empty() {
+        line("");
+        line("sensor                      reference");
+        for sensor in sensors {
+            let reference_c =
+                machine.sensor_references_c.get(sensor).copied().unwrap_or(machine.reference_temperature_c);
+            line(&format!("{sensor:<28}{} °C", decimal(reference_c)));
+        }
+    }
+    if let Some(strain) = &machine.strain {
+        line("");
+        line(&format!("strain      a gauge along {}", strain.axis));
+    }
+    out
+}
+
+/// Lowest and highest position of an axis.
+fn travel(axis: &AxisData) -> String {
+    let unit = if axis.axis.is_rotary() { "deg" } else { "mm" };
+    match axis.travel {
+        None => "not limited".into(),
+        Some(limits) => {
+            let [low, high] =
+                limits.map(|limit| decimal(if axis.axis.is_rotary() { limit.to_degrees() } else { limit }));
+            format!("{low} … {high} {unit}")
+        }
+    }
+}
+
+/// A number with up to six decimals, trailing zeros dropped.
+fn decimal(value: f64) -> String {
+    let text = format!("{value:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::decimal;
+
+    #[test]
+    fn decimals_are_short() {
+        assert_eq!(decimal(0.0001), "0.0001");
+        assert_eq!(decimal(-1e-9), "0");
+        assert_eq!(decimal(350.0), "350");
+        assert_eq!(decimal(-0.123_456_78), "-0.123457");
+    }
+}

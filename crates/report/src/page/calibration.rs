@@ -1,0 +1,212 @@
+//! The page of a calibration: what was found, how well it holds, and what is left of every reading.
+
+mod pictures;
+
+use super::parts::{MOST_ROWS, diagnostics, origin};
+use super::{Row, columns, figure, page, pictures as side_by_side, strip, table};
+use crate::calibration::{Calibration, Data, Estimate};
+use crate::markup::Markup;
+use crate::number::{grouped, significant};
+use crate::plot::{Bar, Bars};
+
+/// The page.
+#[must_use]
+pub fn calibration(found: &Calibration) -> String {
+    let machine = if found.machine.is_empty() { "a machine" } else { &found.machine };
+    page(&format!("Calibration of {machine}"), |out| {
+        let is_refused = found.diagnostics.iter().any(|finding| finding.severity == "error");
+        summary(out, found, is_refused);
+        diagnostics(out, &found.diagnostics);
+        if !found.data.is_empty() {
+            results(out, &found.data);
+        }
+        estimates(out, found);
+        for (number, one) in found.data.iter().enumerate() {
+            let held = if one.is_held_out { ", held out" } else { "" };
+            out.leaf("h2", &[("id", &format_args!("data-{number}"))], format_args!("{}: {}{held}", one.name, one.kind));
+            pictures::draw(out, one);
+        }
+        weighted_down(out, found);
+        let by = format!("ncfix {}, model {}, machine {}", found.version, found.model, found.machine);
+        origin(out, &found.inputs, &by);
+    })
+}
+
+fn summary(out: &mut Markup, found: &Calibration, is_refused: bool) {
+    let banner = if is_refused {
+        "Refused: no machine file was written. The findings below say why.".to_owned()
+    } else {
+        match found.output.as_deref() {
+            Some("-") => "The machine file went to standard output.".to_owned(),
+            Some(output) => format!("Machine file written: {output}"),
+            None => "No machine file was written.".to_owned(),
+        }
+    };
+    let class = if is_refused { "banner bad" } else { "banner" };
+    out.leaf("p", &[("class", &class)], banner);
+    let readings = |is_held_out: bool| -> usize {
+        found.data.iter().filter(|one| one.is_held_out == is_held_out).map(|one| one.readings).sum()
+    };
+    let count = |count: usize| grouped(count as u64);
+    let mut entries = vec![("model", found.model.clone())];
+    if !found.parameters.is_empty() {
+        entries.push(("parameters", count(found.parameters.len())));
+        entries.push(("unknowns of set-ups", count(found.unknowns.len())));
+    }
+    if !found.data.is_empty() {
+        entries.push(("readings used", count(readings(false))));
+        entries.push(("readings held out", count(readings(true))));
+    }
+    if let Some(condition) = found.condition {
+        entries.push(("degrees of freedom", count(found.degrees_of_freedom)));
+        entries.push(("condition", significant(condition)));
+        entries.push(("rounds", count(found.rounds)));
+    }
+    for (unit, of) in
+        [("µm", ["efficiency, used", "efficiency, held out"]), ("µrad", ["angles, used", "angles, held out"])]
+    {
+        for (is_held_out, what) in [false, true].into_iter().zip(of) {
+            if let Some(efficiency) = found.efficiency(is_held_out, unit) {
+                entries.push((what, percent(efficiency)));
+            }
+        }
+    }
+    strip(out, &entries);
+}
+
+fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
+
+/// Measured, left, σ and efficiency as Spaan's Tables 3.2 – 3.4 have them.
+fn results(out: &mut Markup, data: &[Data]) {
+    out.leaf("h2", &[], "Result by measurement");
+    let mut rows = Vec::new();
+    for one in data {
+        let sizes = [one.measured_rms, one.measured_max, one.left_rms, one.left_max].map(significant);
+        let mut cells = vec![one.name.clone(), if one.is_held_out { "held out" } else { "used" }.into()];
+        cells.push(grouped(one.readings as u64));
+        cells.extend(sizes);
+        let dash = || "–".to_owned();
+        cells.push(dash());
+        cells.push(one.sigma.map_or_else(dash, significant));
+        cells.extend([percent(one.efficiency), one.unit.to_owned()]);
+        if let [only] = one.parts.as_slice() {
+            cells[7] = only.left_sigma.map_or_else(dash, significant);
+        }
+        rows.push(Row { class: "whole", cells });
+        for part in one.parts.iter().filter(|_| one.parts.len() > 1) {
+            let sizes = [part.measured_rms, part.measured_max, part.left_rms, part.left_max].map(significant);
+            let mut cells = vec![part.name.clone(), String::new(), grouped(part.readings as u64)];
+            cells.extend(sizes);
+            cells.push(part.left_sigma.map_or_else(dash, significant));
+            cells.extend([String::new(), percent(part.efficiency), part.unit.to_owned()]);
+            rows.push(Row { class: "part", cells });
+        }
+    }
+    let heads = columns([
+        "measurement",
+        "",
+        "#readings",
+        "#measured, RMS",
+        "#max",
+        "#left, RMS",
+        "#max",
+        "#σ left",
+        "#σ reading",
+        "#efficiency",
+        "unit",
+    ]);
+    let caption = "Measured: what a machine without errors leaves. Left: what this model leaves, both with the unknowns of the set-ups as they \
+                   fit best. σ left: standard deviation about its mean. σ reading: standard uncertainty of a reading, described or \
+                   estimated. Efficiency: 1 − Σ|left| / Σ|measured|.";
+    table(out, &heads, &rows, caption, MOST_ROWS);
+}
+
+fn estimates(out: &mut Markup, found: &Calibration) {
+    let heads = columns(["name", "#value", "#± 1σ", "unit", "#start", "#effect µm", "#variance inflation"]);
+    let row = |one: &Estimate| {
+        let [value, sigma, effect, inflation] = one.cells();
+        let told = |text: String, number: f64| if number.is_finite() { text } else { "not told".into() };
+        let start = if one.effect_um.is_some() { significant(one.start + 0.0) } else { String::new() };
+        let cells = vec![
+            one.name.clone(),
+            value,
+            told(sigma, one.sigma),
+            one.unit.clone(),
+            start,
+            effect,
+            told(inflation, one.inflation),
+        ];
+        Row { class: "", cells }
+    };
+    if !found.parameters.is_empty() {
+        out.leaf("h2", &[], "Parameters");
+        let caption = "Effect: by how much the parameter moves the tip, root of the mean square over the readings. Variance inflation: how much \
+                       the variance grows because the other numbers are unknown too; 1 where it stands alone.";
+        let rows: Vec<Row> = found.parameters.iter().map(row).collect();
+        table(out, &heads, &rows, caption, MOST_ROWS);
+        side_by_side(out, |out| {
+            let share = |one: &Estimate| if one.value == 0.0 { 0.0 } else { (one.sigma / one.value).abs() };
+            let effect = |one: &Estimate| one.effect_um.unwrap_or(f64::NAN);
+            let effects = found.parameters.iter().map(|one| Bar {
+                label: one.name.clone(),
+                value: effect(one),
+                error: effect(one) * share(one),
+            });
+            let picture = Bars {
+                title: "Effect of each parameter on the tip".into(),
+                across: "root of the mean square over the readings, ± 1σ, in µm".into(),
+                bars: effects.collect(),
+                is_logarithmic: false,
+            };
+            figure(out, &picture, "");
+            let inflations =
+                found.parameters.iter().map(|one| Bar { label: one.name.clone(), value: one.inflation, error: 0.0 });
+            let picture = Bars {
+                title: "Variance inflation".into(),
+                across: "factor on the variance, logarithmic".into(),
+                bars: inflations.collect(),
+                is_logarithmic: true,
+            };
+            figure(out, &picture, "");
+        });
+    }
+    if !found.unknowns.is_empty() {
+        out.leaf("h2", &[], "Unknowns of the set-ups");
+        let rows: Vec<Row> = found
+            .unknowns
+            .iter()
+            .map(|one| {
+                let mut row = row(one);
+                row.cells.drain(4..6);
+                row
+            })
+            .collect();
+        let heads = columns(["name", "#value", "#± 1σ", "unit", "#variance inflation"]);
+        table(out, &heads, &rows, "", MOST_ROWS);
+    }
+}
+
+fn weighted_down(out: &mut Markup, found: &Calibration) {
+    if found.weighted_down.is_empty() {
+        return;
+    }
+    out.leaf("h2", &[], "Rows that do not fit");
+    let rows: Vec<Row> = found
+        .weighted_down
+        .iter()
+        .map(|row| {
+            let place = format!("{}:{}", row.file, row.line);
+            let cells = vec![place, significant(row.residual), row.unit.into(), format!("{:.0} %", row.weight * 100.0)];
+            Row { class: "", cells }
+        })
+        .collect();
+    table(
+        out,
+        &columns(["row", "#left", "unit", "#counts"]),
+        &rows,
+        "They are kept in the file, and counted so much.",
+        MOST_ROWS,
+    );
+}

@@ -1,0 +1,281 @@
+//! The page of a trace that was divided into its sources: shares by feed, tables, what happens along the path at the slowest and the fastest feed.
+
+use super::parts::{MOST_ROWS, diagnostics, origin};
+use super::{Row, columns, figure, page, pictures, strip, table};
+use crate::decomposition::{Along, DIRECTIONS, Decomposition, Run, unit_sign};
+use crate::markup::Markup;
+use crate::number::{grouped, significant};
+use crate::plot::{Chart, Series, Shape};
+use ncfix_metrology::decompose::SOURCES;
+
+/// The page.
+#[must_use]
+pub fn decomposition(found: &Decomposition) -> String {
+    page(&format!("Errors at speed of {}", found.machine), |out| {
+        if found.runs.is_empty() {
+            out.leaf("p", &[("class", &"banner bad"), ("id", &"verdict")], "Refused: the findings below say why.");
+        } else {
+            out.leaf("p", &[("class", &"banner"), ("id", &"verdict")], found.verdict());
+            summary(out, found);
+        }
+        diagnostics(out, &found.diagnostics);
+        if !found.runs.is_empty() {
+            feeds(out, found);
+            along(out, found);
+            loops(out, found);
+            links(out, found);
+        }
+        origin(out, &found.inputs, &format!("ncfix {}, machine {}", env!("CARGO_PKG_VERSION"), found.machine));
+    })
+}
+
+fn summary(out: &mut Markup, found: &Decomposition) {
+    let delay = |ms: f64, by: f64| format!("{ms:.3} ± {by:.3} ms");
+    let mut entries = vec![
+        ("runs", found.runs.len().to_string()),
+        ("cycle of the control", format!("{} ms", significant(found.cycle_ms))),
+        ("encoders behind set-points", delay(found.record_delay.ms, found.record_delay.uncertainty_ms)),
+    ];
+    if let Some(one) = &found.reading_delay {
+        entries.push(("readings behind encoders", delay(one.ms, one.uncertainty_ms)));
+        entries.push(("what gives way", found.compliances.len().to_string()));
+    }
+    strip(out, &entries);
+}
+
+fn feed_of(run: &Run) -> String {
+    run.feed_mm_min.map_or_else(|| run.run.clone(), |feed| grouped(feed.round() as u64))
+}
+
+/// Tables 1 to 4 and the pictures over the feed.
+fn feeds(out: &mut Markup, found: &Decomposition) {
+    out.leaf("h2", &[], "By feed");
+    if found.is_measured() {
+        let row = |run: &Run| {
+            let mut cells = vec![feed_of(run)];
+            cells.extend(run.share_percent.list().map(|share| format!("{share:.1}")));
+            Row { class: "", cells }
+        };
+        let heads = columns(["F, mm/min", "#contouring", "#link", "#motion", "#thermal", "#dynamic"]);
+        let rows: Vec<Row> = found.runs.iter().map(row).collect();
+        let note =
+            "Mean share of each source in the sum of the norms of all, %, over the samples in which the machine moves.";
+        table(out, &heads, &rows, note, MOST_ROWS);
+    }
+    let over = |title: &str, up: &str, of: &dyn Fn(&Run, usize) -> f64, names: &[&str], logarithmic: bool| -> Chart {
+        let series = names.iter().enumerate().map(|(k, name)| {
+            let point = |run: &Run| {
+                let [x, y] = [run.feed_mm_min?, of(run, k)];
+                Some(if logarithmic { (x.log10(), y.log10()) } else { (x, y) })
+            };
+            let points = found.runs.iter().filter_map(point).filter(|(_, y)| y.is_finite()).collect();
+            Series { label: (*name).to_owned(), points, shape: Shape::Line, ..Series::default() }
+        });
+        let across = if logarithmic { "log10 of F in mm/min" } else { "F, mm/min" };
+        Chart {
+            title: title.to_owned(),
+            across: across.into(),
+            up: up.to_owned(),
+            series: series.collect(),
+            ..Chart::default()
+        }
+    };
+    pictures(out, |out| {
+        if found.is_measured() {
+            let share = |run: &Run, k: usize| run.share_percent.list()[k];
+            figure(out, &over("Share of each source", "share, %", &share, &SOURCES, false), "");
+        }
+        let contouring = |run: &Run, k: usize| run.rms_um.contouring[k];
+        figure(
+            out,
+            &over("RMS of contouring", "log10 of µm", &contouring, &DIRECTIONS, true),
+            "A straight line is a power law.",
+        );
+        if found.is_measured() {
+            let dynamic = |run: &Run, k: usize| run.rms_um.dynamic[k];
+            figure(
+                out,
+                &over("RMS of dynamic errors", "log10 of µm", &dynamic, &DIRECTIONS, true),
+                "A straight line is a power law.",
+            );
+        }
+    });
+    sizes(out, found);
+    laws(out, found);
+}
+
+fn sizes(out: &mut Markup, found: &Decomposition) {
+    for (title, is_max) in [("Largest", true), ("RMS", false)] {
+        let mut rows = Vec::new();
+        for run in &found.runs {
+            let all = if is_max { run.max_um } else { run.rms_um }.list();
+            let measured = if found.is_measured() { SOURCES.len() } else { 1 };
+            for (name, of) in SOURCES.iter().zip(all).take(measured) {
+                let mut cells = vec![feed_of(run), (*name).to_owned()];
+                cells.extend(of.map(significant));
+                rows.push(Row { class: "", cells });
+            }
+        }
+        out.leaf("h3", &[], format_args!("{title} along the directions of the machine"));
+        table(out, &columns(["F, mm/min", "source", "#X, µm", "#Y, µm", "#Z, µm"]), &rows, "", MOST_ROWS);
+    }
+    let row = |run: &Run| {
+        let [max, rms] = run.contouring_error_um;
+        let cells = vec![
+            feed_of(run),
+            significant(max),
+            significant(rms),
+            significant(run.path_in_workpiece_mm),
+            format!("{:.2}", run.moving_s),
+        ];
+        Row { class: "", cells }
+    };
+    out.leaf("h3", &[], "Contouring error proper");
+    let heads = columns(["F, mm/min", "#largest, µm", "#RMS, µm", "#path in the workpiece, mm", "#time, s"]);
+    let note = "Distance of the tool by the encoders from its path by the set-points, in the workpiece: a lag along the path does no harm. Where the tool \
+                stays at a ball the path in the workpiece is short, and the difference of the axes says more.";
+    table(out, &heads, &found.runs.iter().map(row).collect::<Vec<_>>(), note, MOST_ROWS);
+}
+
+fn laws(out: &mut Markup, found: &Decomposition) {
+    if found.power_laws.is_empty() {
+        return;
+    }
+    out.leaf("h3", &[], "Power laws");
+    let rows: Vec<Row> = found
+        .power_laws
+        .iter()
+        .map(|law| Row {
+            class: "",
+            cells: vec![
+                format!("{} {}", law.source, law.direction),
+                format!("{:.3e}", law.factor_um),
+                format!("{:.2}", law.exponent),
+                law.exponent_95.map_or("–".into(), |limit| format!("± {limit:.2}")),
+                format!("{:.3}", law.explained),
+                law.without_slowest.map_or("–".into(), |exponent| format!("{exponent:.2}")),
+            ],
+        })
+        .collect();
+    let note = "RMS = κ Fᴺ through the logarithms. The programmed feed is not always reached, and the noise is part of the slowest run: N says as much of the path \
+                as of the machine.";
+    table(out, &columns(["RMS of", "#κ, µm", "#N", "#95 %", "#R²", "#N without the slowest"]), &rows, note, MOST_ROWS);
+}
+
+/// The slowest and the fastest run.
+fn along(out: &mut Markup, found: &Decomposition) {
+    let mut shown: Vec<&Run> = found.runs.first().into_iter().chain(found.runs.last()).collect();
+    shown.dedup_by(|a, b| a == b);
+    for run in shown {
+        out.leaf("h2", &[], format_args!("Along the path at {} mm/min", feed_of(run)));
+        pictures(out, |out| {
+            for (k, direction) in DIRECTIONS.iter().enumerate() {
+                let series = |label: &str, of: &dyn Fn(&Along) -> f64| Series {
+                    label: label.to_owned(),
+                    points: run.along.iter().map(|one| (one.t_s, of(one))).collect(),
+                    shape: Shape::Line,
+                    ..Series::default()
+                };
+                let mut all = vec![series("contouring", &|one| one.parts_um[0][k])];
+                if found.is_measured() {
+                    all.push(series("quasi-static", &|one| (1..4).map(|source| one.parts_um[source][k]).sum()));
+                    all.push(series("dynamic", &|one| one.parts_um[4][k]));
+                }
+                let chart = Chart {
+                    title: format!("{direction}: sources over time"),
+                    across: "time, s".into(),
+                    up: "µm".into(),
+                    series: all,
+                    ..Chart::default()
+                };
+                figure(out, &chart, "");
+            }
+            if !found.compliances.is_empty() {
+                for (k, direction) in DIRECTIONS.iter().enumerate() {
+                    let series = |label: &str, of: &dyn Fn(&Along) -> f64| Series {
+                        label: label.to_owned(),
+                        points: run.along.iter().map(|one| (one.t_s, of(one))).collect(),
+                        shape: Shape::Line,
+                        ..Series::default()
+                    };
+                    let chart = Chart {
+                        title: format!("{direction}: dynamic part and what explains it"),
+                        across: "time, s".into(),
+                        up: "µm".into(),
+                        series: vec![
+                            series("dynamic", &|one| one.parts_um[4][k]),
+                            series("by the compliances", &|one| one.explained_um[k]),
+                        ],
+                        ..Chart::default()
+                    };
+                    figure(out, &chart, "");
+                }
+            }
+        });
+    }
+    if found.compliances.is_empty() {
+        return;
+    }
+    out.leaf("h2", &[], "What gives way");
+    let row = |one: &crate::decomposition::Compliance| Row {
+        class: "",
+        cells: vec![
+            one.component.clone(),
+            format!("{} of {}", one.of, one.axis),
+            format!("{:.4}", one.value),
+            format!("{:.4}", one.uncertainty),
+            one.unit.clone(),
+            format!("{:.1} %", 100.0 * one.gain),
+        ],
+    };
+    let heads = columns(["component", "with the", "#value", "#±", "unit", "#gain"]);
+    let note = "Gain: by how much the RMS of feeds that it was not fitted to falls when it is added.";
+    table(out, &heads, &found.compliances.iter().map(row).collect::<Vec<_>>(), note, MOST_ROWS);
+    let held = |run: &Run| {
+        let [before, after] = run.held_out_um?.map(significant);
+        Some(Row { class: "", cells: vec![feed_of(run), before, after] })
+    };
+    let heads = columns(["F, mm/min", "#dynamic part, RMS µm", "#left by the compliances of the other feeds"]);
+    table(out, &heads, &found.runs.iter().filter_map(held).collect::<Vec<_>>(), "", MOST_ROWS);
+}
+
+fn loops(out: &mut Markup, found: &Decomposition) {
+    out.leaf("h2", &[], "Servo loops");
+    let row = |one: &crate::decomposition::Loop| {
+        let cells = vec![
+            one.axis.clone(),
+            one.velocity_gain_per_s.map_or("no lag seen".into(), |gain| format!("{gain:.1}")),
+            format!("{:.4}", one.feed_forward),
+            format!("{:.3}", one.lag_ms),
+            format!("{} {}", significant(one.rms), unit_sign(one.unit)),
+        ];
+        Row { class: "", cells }
+    };
+    let heads = columns(["axis", "#velocity gain, 1/s", "#feed-forward", "#lag, ms", "#left, RMS"]);
+    let note =
+        "One delay of the recorder for all axes and runs, and the loop of each axis, fitted to the encoders together.";
+    table(out, &heads, &found.servo.iter().map(row).collect::<Vec<_>>(), note, MOST_ROWS);
+}
+
+fn links(out: &mut Markup, found: &Decomposition) {
+    if found.links.is_empty() {
+        return;
+    }
+    out.leaf("h2", &[], "Link errors");
+    let row = |one: &crate::decomposition::Link| {
+        let told = if one.is_told { "" } else { "not told by this path" };
+        Row {
+            class: "",
+            cells: vec![one.parameter.clone(), format!("{:.2}", one.value), unit_sign(one.unit).into(), told.into()],
+        }
+    };
+    let note = "Fitted to the slowest run, beyond those of the machine file. What motion errors look like link errors on this path is part of them: \
+                they divide this path and are no calibration.";
+    table(
+        out,
+        &columns(["parameter", "#value", "unit", ""]),
+        &found.links.iter().map(row).collect::<Vec<_>>(),
+        note,
+        MOST_ROWS,
+    );
+}

@@ -1,0 +1,296 @@
+//! A finding with its evidence and its rivals.
+
+use super::pictures::{driver_of, mean_lines, means, title_of};
+use super::{figure, polar, side_by_side};
+use crate::diagnosis::readings::{Driver, Set, Shown};
+use crate::diagnosis::{Cause, Diagnosis, chance, differing, sign};
+use crate::markup::Markup;
+use crate::number::{grouped, significant};
+use crate::plot::{Chart, Series, Shape};
+
+/// Rivals that are named.
+const MOST_RIVALS: usize = 24;
+/// Drivers that are drawn.
+const MOST_DRIVERS: usize = 3;
+/// Lines of a shape over two drivers.
+const MOST_LINES: usize = 8;
+/// A driver that is not named is worth a picture where it explains this share of what a finding does.
+const GOES_WITH: f64 = 0.3;
+/// Kinds of effects that change with time.
+const DRIFTS: [&str; 4] = ["drift", "thermal-drift", "thermal-expansion", "thermal-squareness"];
+
+/// Draws a finding by its number.
+pub(super) fn section(out: &mut Markup, found: &Diagnosis, shown: &Shown, (number, one): (usize, &Cause)) {
+    out.element("h3", &[("id", &format_args!("finding-{}", number + 1))], |out| {
+        out.leaf("span", &[("class", &"rank")], number + 1);
+        out.text(format_args!("{}: {} (95 %)", one.name(), one.size()));
+    });
+    words(out, found, one);
+    let strongest = strongest(shown, number);
+    side_by_side(out, |out| {
+        shown.sets.iter().for_each(|set| polar::alone(out, set, number, one));
+        if let Some((set, part)) = strongest {
+            let does = set.doing.get(number).map(Vec::as_slice).unwrap_or_default();
+            for driver in drivers(set, part, one, does) {
+                let caption =
+                    "What would be left if only this were not known, and what it explains. Line: means of the former.";
+                figure(out, &beside(set, part, driver, does), caption);
+            }
+            times(out, set, part, one, does);
+        }
+        shape(out, one, shown);
+    });
+}
+
+fn words(out: &mut Markup, found: &Diagnosis, one: &Cause) {
+    let unit = found.unit_sign();
+    let mut all: Vec<(&str, String)> = Vec::new();
+    match &one.what {
+        Some(what) => all.push(("what it is", what.clone())),
+        None => all.push(("usually made by", one.made_by.clone())),
+    }
+    let depends = one.depends();
+    if !depends.is_empty() {
+        all.push(("goes with", depends));
+    }
+    if !one.shown_by.is_empty() && one.what.is_none() {
+        all.push(("shown by", one.shown_by.clone()));
+    }
+    all.push((
+        "what it does",
+        format!(
+            "{} {unit} of the readings (RMS), {} {unit} from its smallest to its largest within a set-up",
+            significant(one.rms_um),
+            significant(one.alone_um)
+        ),
+    ));
+    let tried = grouped(found.tried as u64);
+    all.push(("by chance", format!("{}, over {tried} candidates and with the memory of the noise", chance(one.p))));
+    let held_out =
+        if found.before.holdout_rms_um.is_some() { "of data held out" } else { "of runs or set-ups left out in turn" };
+    all.push((
+        "on unseen readings",
+        format!("{:.1} % less is left (RMS) {held_out}, in which it was not looked for", 100.0 * one.gain_holdout),
+    ));
+    if one.class.len() > 1 {
+        let more = one.class.len().saturating_sub(1 + MOST_RIVALS);
+        let rivals: Vec<&str> = one.class.iter().skip(1).take(MOST_RIVALS).map(String::as_str).collect();
+        let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+        all.push(("may as well be", format!("{}{rest}", rivals.join(", "))));
+    } else {
+        all.push(("rivals", "none: no other candidate explains as much".into()));
+    }
+    if let Some(differs) = differing(&one.by_file) {
+        all.push(("file by file", format!("it {differs}")));
+    }
+    if let Some(how) = &one.separate_by {
+        all.push(("to tell them apart", how.clone()));
+    }
+    let held = match (&found.output, one.extends) {
+        (Some(_), true) => "; it is in the extended machine file",
+        (Some(_), false) => "; the machine file has no entry for it",
+        (None, _) => "",
+    };
+    all.push(("what can be done", format!("{}{held}", one.remedy())));
+    out.element("dl", &[("class", &"evidence")], |out| {
+        for (what, text) in all {
+            out.leaf("dt", &[], what);
+            out.leaf("dd", &[], text);
+        }
+    });
+}
+
+/// The measurement and the direction in which a finding does most.
+fn strongest(shown: &Shown, number: usize) -> Option<(&Set, usize)> {
+    let mut best: Option<(f64, &Set, usize)> = None;
+    for set in shown.sets.iter().filter(|set| !set.is_held_out) {
+        let Some(does) = set.doing.get(number) else { continue };
+        let mut sums = vec![[0.0; 2]; set.parts.len()];
+        for (reading, does) in set.readings.iter().zip(does).filter(|(reading, _)| reading.counts) {
+            if let Some(sum) = sums.get_mut(reading.part) {
+                *sum = [sum[0] + does * does, sum[1] + 1.0];
+            }
+        }
+        for (part, [squares, count]) in sums.into_iter().enumerate() {
+            let mean = if count > 0.0 { squares / count } else { 0.0 };
+            if best.is_none_or(|(most, ..)| mean > most) {
+                best = Some((mean, set, part));
+            }
+        }
+    }
+    best.filter(|(most, ..)| *most > 0.0).map(|(_, set, part)| (set, part))
+}
+
+/// What a finding depends on; where nothing is named, what it goes with.
+fn drivers<'a>(set: &'a Set, part: usize, one: &Cause, does: &[f64]) -> Vec<&'a Driver> {
+    let mut named: Vec<&Driver> = one.drivers.iter().filter_map(|name| driver_of(set, part, name)).collect();
+    // A sense says little of where it acts.
+    if named.iter().all(|driver| driver.name.ends_with("_dir")) {
+        let place = |driver: &&Driver| !driver.name.starts_with("T_") && !driver.name.ends_with("_dir");
+        let others = set.drivers.iter().filter(place).filter_map(|driver| driver_of(set, part, &driver.name));
+        let mut others: Vec<(f64, &Driver)> = others
+            .map(|driver| (goes_with(set, part, driver, does), driver))
+            .filter(|(share, _)| *share > GOES_WITH)
+            .collect();
+        others.sort_by(|a, b| b.0.total_cmp(&a.0));
+        named.extend(others.into_iter().take(MOST_DRIVERS - 1).map(|(_, driver)| driver));
+    }
+    // On a circle the picture of the cause alone says what senses do.
+    named.retain(|driver| set.circles.is_empty() || !driver.name.ends_with("_dir"));
+    named.truncate(MOST_DRIVERS);
+    named
+}
+
+/// Share of the variance of what a finding does that means along a driver explain.
+fn goes_with(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> f64 {
+    let points: Vec<(f64, f64)> = points(set, part, driver, |k| does.get(k).copied().unwrap_or(0.0)).collect();
+    let count = points.len() as f64;
+    let mean = points.iter().map(|point| point.1).sum::<f64>() / count.max(1.0);
+    let total: f64 = points.iter().map(|point| (point.1 - mean).powi(2)).sum();
+    let between: f64 = means(&points).iter().map(|line| line.2 * (line.1 - mean).powi(2)).sum();
+    if total > 0.0 { between / total } else { 0.0 }
+}
+
+/// Values of readings that count over a driver.
+fn points<'a>(
+    set: &'a Set,
+    part: usize,
+    driver: &'a Driver,
+    of: impl Fn(usize) -> f64 + 'a,
+) -> impl Iterator<Item = (f64, f64)> + 'a {
+    let own = set.readings.iter().enumerate().filter(move |(_, reading)| reading.part == part && reading.counts);
+    own.map(move |(k, _)| (driver.values.get(k).copied().unwrap_or(f64::NAN), of(k)))
+}
+
+fn beside(set: &Set, part: usize, driver: &Driver, does: &[f64]) -> Chart {
+    let effect = |k: usize| does.get(k).copied().unwrap_or(0.0);
+    let left: Vec<(f64, f64)> =
+        points(set, part, driver, |k| set.readings.get(k).map_or(f64::NAN, |one| one.after + effect(k))).collect();
+    let lines = mean_lines(&left, 0);
+    Chart {
+        title: title_of(set, part, driver, "Evidence"),
+        across: driver.title.clone(),
+        up: format!("in {}", set.unit),
+        series: [
+            Series { label: "left without it".into(), points: left, ..Series::default() },
+            Series {
+                label: "what it explains".into(),
+                points: points(set, part, driver, effect).collect(),
+                ..Series::default()
+            },
+        ]
+        .into_iter()
+        .chain(lines)
+        .collect(),
+        is_balanced: true,
+        is_sparing: true,
+        ..Chart::default()
+    }
+}
+
+/// What changes with time over time, and the temperature that it goes with.
+fn times(out: &mut Markup, set: &Set, part: usize, one: &Cause, does: &[f64]) {
+    if !(DRIFTS.contains(&one.effect.as_str()) || one.sensor.is_some()) {
+        return;
+    }
+    let rows = Driver {
+        name: "row".into(),
+        title: "row of the table".into(),
+        values: set.readings.iter().map(|reading| reading.row as f64).collect(),
+    };
+    let time = driver_of(set, part, "t_s").unwrap_or(&rows);
+    let before: Vec<(f64, f64)> =
+        points(set, part, time, |k| set.readings.get(k).map_or(f64::NAN, |one| one.before)).collect();
+    let after: Vec<(f64, f64)> =
+        points(set, part, time, |k| set.readings.get(k).map_or(f64::NAN, |one| one.after)).collect();
+    let series = |label: &str, points| Series { label: label.into(), points, ..Series::default() };
+    let effect = points(set, part, time, |k| does.get(k).copied().unwrap_or(0.0)).collect();
+    let chart = Chart {
+        title: title_of(set, part, time, "Drift"),
+        across: time.title.clone(),
+        up: format!("in {}", set.unit),
+        series: vec![series("before", before), series("with all findings", after), series("what it explains", effect)],
+        is_balanced: true,
+        is_clipped: true,
+        is_sparing: true,
+        ..Chart::default()
+    };
+    figure(out, &chart, "");
+    if let Some(sensor) = one.sensor.as_deref().and_then(|name| driver_of(set, part, name)) {
+        let points = points(set, part, time, |k| sensor.values.get(k).copied().unwrap_or(f64::NAN)).collect();
+        let chart = Chart {
+            title: format!("{} over {}", sensor.name, time.title.split(' ').next().unwrap_or_default()),
+            across: time.title.clone(),
+            up: sensor.title.clone(),
+            series: vec![Series { points, ..Series::default() }],
+            is_sparing: true,
+            ..Chart::default()
+        };
+        let lag = one.lag_s.filter(|lag| *lag > 0.0);
+        figure(
+            out,
+            &chart,
+            lag.map_or(String::new(), |lag| format!("It is followed with a time constant of {} s.", significant(lag))),
+        );
+    }
+}
+
+/// The shape of a finding, over two drivers a line for each place of one of them.
+fn shape(out: &mut Markup, one: &Cause, shown: &Shown) {
+    let with_unit = |name: &String| {
+        let mut all = shown.sets.iter().flat_map(|set| &set.drivers);
+        // Time has a unit of its own in pictures of readings.
+        let known = all.find(|driver| driver.name == *name).filter(|_| name != "t_s");
+        known.map_or(name.clone(), |driver| driver.title.clone())
+    };
+    let along = |k: usize| -> Vec<f64> {
+        let mut values: Vec<f64> = one.shape.iter().filter_map(|place| place.at.get(k).copied()).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        values
+    };
+    let up = format!("in {}", sign(if one.unit == "urad" { "urad" } else { "um" }));
+    let chart = |title: String, across: &String, series| Chart {
+        title,
+        across: with_unit(across),
+        up: up.clone(),
+        series,
+        is_sparing: true,
+        ..Chart::default()
+    };
+    match one.drivers.as_slice() {
+        _ if one.shape.is_empty() => {}
+        [driver] => {
+            let points = one.shape.iter().filter_map(|place| Some((*place.at.first()?, place.value_um))).collect();
+            let series = vec![Series { points, shape: Shape::Line, ..Series::default() }];
+            figure(out, &chart(format!("Shape over {driver}"), driver, series), "The deviation where it comes in.");
+        }
+        [first, second] => {
+            // Lines over the one with more places, one for each place of the other.
+            let (lines, other, own) = if along(0).len() > along(1).len() {
+                (along(1), (1, second), (0, first))
+            } else {
+                (along(0), (0, first), (1, second))
+            };
+            let count = lines.len();
+            let step = |k: usize| if count > MOST_LINES { k * (count - 1) / (MOST_LINES - 1) } else { k };
+            let series = (0..count.min(MOST_LINES)).filter_map(|k| lines.get(step(k))).map(|line| {
+                let on = one
+                    .shape
+                    .iter()
+                    .filter(|place| place.at.get(other.0).is_some_and(|at| at.to_bits() == line.to_bits()));
+                let points = on.filter_map(|place| Some((*place.at.get(own.0)?, place.value_um))).collect();
+                Series {
+                    label: format!("{} {}", other.1, significant(*line)),
+                    points,
+                    shape: Shape::Line,
+                    ..Series::default()
+                }
+            });
+            let series = series.collect();
+            let title = format!("Shape over {}, by {}", own.1, other.1);
+            figure(out, &chart(title, own.1, series), "The deviation where it comes in.");
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,51 @@
+//! Parts that pages share: findings about the files, and where a result comes from.
+
+use super::{Row, columns, table};
+use crate::compared::Input;
+use crate::json::Finding;
+use crate::markup::Markup;
+
+/// Rows of a table at most: nobody reads more, and a page must not grow without bound.
+pub(super) const MOST_ROWS: usize = 500;
+
+/// Findings about the files, with what to do.
+pub(super) fn diagnostics(out: &mut Markup, all: &[Finding]) {
+    if all.is_empty() {
+        return;
+    }
+    out.leaf("h2", &[], "Findings");
+    out.element("ul", &[("class", &"findings")], |out| {
+        for finding in all.iter().take(MOST_ROWS) {
+            out.element("li", &[("class", &finding.severity)], |out| {
+                out.element("p", &[], |out| {
+                    out.leaf("b", &[], format_args!("{} {}:", finding.severity, finding.code));
+                    out.text(&finding.message);
+                });
+                out.element("p", &[("class", &"soft")], |out| {
+                    if let (Some(file), Some(line)) = (&finding.file, finding.line) {
+                        let column = finding.column.map_or(String::new(), |column| format!(":{column}"));
+                        out.leaf("code", &[], format_args!("{file}:{line}{column}"));
+                        out.text(" – ");
+                    }
+                    out.text(&finding.help);
+                });
+            });
+        }
+    });
+    if all.len() > MOST_ROWS {
+        out.leaf("p", &[("class", &"soft")], format_args!("{} more findings are not shown.", all.len() - MOST_ROWS));
+    }
+}
+
+/// The files that it comes from, and `by` what.
+pub(super) fn origin(out: &mut Markup, inputs: &[Input], by: &str) {
+    const NOTE: &str = "Hash: first 12 digits of the SHA-256 of the length of the file (8 bytes, the lowest first) and its bytes, as in the head of a \
+                        machine file.";
+    out.leaf("h2", &[], "Where this comes from");
+    let rows: Vec<Row> = inputs
+        .iter()
+        .map(|input| Row { class: "", cells: vec![input.file.clone(), input.role.into(), input.hash.clone()] })
+        .collect();
+    table(out, &columns(["file", "what", "hash"]), &rows, NOTE, MOST_ROWS);
+    out.leaf("p", &[("class", &"soft")], by);
+}

@@ -1,0 +1,121 @@
+//! The page about where a correction is looked up: limit cycle and virtual hysteresis under scale compensation, what is left of them under
+//! set-point compensation (Spaan 1995, Figs. 6.4–6.8).
+
+use super::{figure, page, pictures};
+use crate::markup::Markup;
+use crate::plot::{Chart, Series, Shape};
+
+/// An axis over time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trace {
+    /// Step of the table at the grid point, µm.
+    pub step_um: f64,
+    /// How far it goes to and fro at the end, from peak to peak, µm.
+    pub unrest_um: f64,
+    /// Time, s, and measured position, µm from the grid point.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Where an axis comes to rest.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rest {
+    /// Step of the table at the grid point, µm.
+    pub step_um: f64,
+    /// Set-point and position, µm from the grid point, with set-points that rise.
+    pub up: Vec<(f64, f64)>,
+    /// The same with set-points that fall.
+    pub down: Vec<(f64, f64)>,
+}
+
+/// What is drawn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stability {
+    /// Under scale compensation.
+    pub scale: [Trace; 2],
+    /// Under set-point compensation.
+    pub set_point: [Trace; 2],
+    /// Scale compensation, a step up.
+    pub hysteresis: Rest,
+    /// Set-point compensation, a step down.
+    pub ambiguity: Rest,
+    /// Set-point compensation, a step up.
+    pub forbidden: Rest,
+}
+
+/// The page.
+#[must_use]
+pub fn stability(data: &Stability) -> String {
+    page("Scale compensation and set-point compensation", |out| {
+        out.leaf(
+            "p",
+            &[],
+            "A simulated position loop with a cycle of 15 ms, a measuring system with increments of 1 µm and a table of corrections with one step, at \
+             position 0. The correction is looked up at the measured position (scale compensation) or at the uncompensated set-point.",
+        );
+        out.leaf(
+            "p",
+            &[],
+            "On the Maho 700S a step of 2 µm made a limit cycle of 5 µm, a step of 1 µm none (Spaan 1995, ch. 6). The drive of that machine is \
+             not published; the size of the cycle is that of the simulated one.",
+        );
+        pictures(out, |out| draw(out, data));
+    })
+}
+
+fn draw(out: &mut Markup, data: &Stability) {
+    let [scale, steady] = [&data.scale, &data.set_point];
+    over_time(out, "Scale compensation: limit cycle", scale);
+    over_set_point(
+        out,
+        "Scale compensation: virtual hysteresis",
+        &data.hysteresis,
+        "Where the axis rests depends on where it came from, and it jumps in between.",
+    );
+    over_time(out, "Set-point compensation: at rest", steady);
+    over_set_point(
+        out,
+        "Set-point compensation: position ambiguity",
+        &data.ambiguity,
+        "A step down: positions before the grid point belong to two set-points.",
+    );
+    over_set_point(
+        out,
+        "Set-point compensation: forbidden zone",
+        &data.forbidden,
+        "A step up: positions behind the grid point belong to no set-point.",
+    );
+}
+
+fn over_time(out: &mut Markup, title: &str, traces: &[Trace; 2]) {
+    let series = |trace: &Trace| Series {
+        label: format!("step {} µm", trace.step_um),
+        points: trace.points.clone(),
+        shape: Shape::Line,
+        ..Series::default()
+    };
+    let chart = Chart {
+        title: title.to_owned(),
+        across: "time in s".to_owned(),
+        up: "measured position in µm".to_owned(),
+        series: traces.iter().map(series).collect(),
+        ..Chart::default()
+    };
+    let unrest = traces.iter().map(|trace| format!("{} µm with a step of {} µm", trace.unrest_um, trace.step_um));
+    figure(out, &chart, format!("From peak to peak at the end: {}.", unrest.collect::<Vec<_>>().join(", ")));
+}
+
+fn over_set_point(out: &mut Markup, title: &str, rest: &Rest, caption: &str) {
+    let series = |label: &str, points: &[(f64, f64)]| Series {
+        label: label.to_owned(),
+        points: points.to_vec(),
+        ..Series::default()
+    };
+    let chart = Chart {
+        title: format!("{title}, step {} µm", rest.step_um),
+        across: "set-point in µm".to_owned(),
+        up: "position in µm".to_owned(),
+        series: vec![series("upwards", &rest.up), series("downwards", &rest.down)],
+        ..Chart::default()
+    };
+    figure(out, &chart, caption);
+}

@@ -1,0 +1,35 @@
+//! The page about steps: how long the pieces of a move may be, and what they leave.
+
+use super::parts::{MOST_ROWS, diagnostics, origin};
+use super::{Row, columns, figure, page, pictures, strip, table};
+use crate::compared::Input;
+use crate::number::micrometers;
+use crate::residual::Residual;
+use crate::steps::{StepReport, three_digits};
+
+/// The page, and which files it comes from.
+#[must_use]
+pub fn steps(report: &StepReport, inputs: &[Input]) -> String {
+    page(&format!("Steps on {}", report.machine), |out| {
+        let entries = report.entries();
+        out.leaf("p", &[("class", &"banner")], format_args!("Largest step: {}", report.answer_text()));
+        strip(out, &entries);
+        diagnostics(out, &report.diagnostics);
+        pictures(out, |out| {
+            let caption = "Dots: the largest residual of pieces of that length; line: of pieces that are no longer.";
+            figure(out, &Residual(report), caption);
+        });
+        let rows: Vec<Row> = report
+            .steps
+            .iter()
+            .map(|row| {
+                let class = if row.largest_um > report.residual_limit_um { "bad" } else { "" };
+                let [residual, largest] = [row.residual_um, row.largest_um].map(micrometers);
+                Row { class, cells: vec![format!("{} mm", three_digits(row.step_mm)), residual, largest] }
+            })
+            .collect();
+        let titles = columns(["#step", "#residual", "#of all smaller ones too"]);
+        table(out, &titles, &rows, "The residual is the distance of the tool tip from the straight line.", MOST_ROWS);
+        origin(out, inputs, &format!("ncfix {}, machine {}", env!("CARGO_PKG_VERSION"), report.machine));
+    })
+}

@@ -1,0 +1,154 @@
+//! The page about compensation tables: what they leave over the volume, and what each of them adds.
+
+use super::parts::{MOST_ROWS, diagnostics, origin};
+use super::{Row, columns, figure, page, pictures, strip, table};
+use crate::compared::Input;
+use crate::markup::Markup;
+use crate::number::{grouped, micrometers, significant};
+use crate::plot::{Chart, Histogram};
+use crate::tables::{CheckReport, TablesReport};
+
+/// The page; `charts` are the pictures of the tables.
+#[must_use]
+pub fn tables(report: &TablesReport, charts: &[Chart], inputs: &[Input]) -> String {
+    let machine = if report.machine.is_empty() { "a control" } else { &report.machine };
+    page(&format!("Compensation tables of {machine}"), |out| {
+        let mut entries = vec![
+            ("format", report.format.clone()),
+            ("tables", grouped(report.tables as u64)),
+            ("values", grouped(report.entries as u64)),
+        ];
+        if !report.scheme.is_empty() {
+            entries.push(("scheme", report.scheme.clone()));
+        }
+        if let Some(check) = &report.check {
+            let [before, after] = [check.before.rms_um, check.tables.rms_um].map(micrometers);
+            let (class, what) =
+                if check.tables.rms_um > check.before.rms_um { ("banner bad", "grows") } else { ("banner", "goes") };
+            let text = format!("With the tables the error over the volume {what} from {before} to {after} RMS.");
+            out.leaf("p", &[("class", &class)], text);
+        }
+        strip(out, &entries);
+        if !report.ranges.is_empty() {
+            out.leaf("p", &[], format_args!("For a part of the travel: {}", report.ranges.join(", ")));
+        }
+        diagnostics(out, &report.diagnostics);
+        if let Some(check) = &report.check {
+            left(out, check);
+        }
+        differences(out, report);
+        if !charts.is_empty() {
+            out.leaf("h2", &[], "What the tables add");
+            pictures(out, |out| charts.iter().for_each(|chart| figure(out, chart, "")));
+        }
+        listed(out, report);
+        tried(out, report);
+        origin(out, inputs, &format!("ncfix {}, machine {machine}", env!("CARGO_PKG_VERSION")));
+    })
+}
+
+fn left(out: &mut Markup, check: &CheckReport) {
+    out.leaf("h2", &[], "What is left over the volume");
+    let kinds = [("without", check.before), ("with the tables", check.tables), ("corrected exactly", check.exact)];
+    let rows: Vec<Row> = kinds
+        .iter()
+        .map(|(name, one)| {
+            let sizes = [one.mean_um, one.rms_um, one.max_um, one.tilt_rms_urad, one.tilt_max_urad].map(significant);
+            Row { class: "", cells: std::iter::once((*name).to_owned()).chain(sizes).collect() }
+        })
+        .collect();
+    let [x, y, z] = check.tool_mm;
+    let senses = check.senses.join(" ");
+    let senses = if senses.is_empty() { senses } else { format!(", {senses} moving in both senses") };
+    let note = format!(
+        "{} poses{senses}; tool {x} {y} {z} mm from the gauge point to the tip; most is left with the tables at {}.",
+        grouped(check.poses as u64),
+        check.worst
+    );
+    let titles = columns([
+        "",
+        "#tip, mean µm",
+        "#tip, RMS µm",
+        "#tip, largest µm",
+        "#tool axis, RMS µrad",
+        "#tool axis, largest µrad",
+    ]);
+    table(out, &titles, &rows, &note, MOST_ROWS);
+    pictures(out, |out| {
+        let names = ["Tip errors without tables", "Tip errors with the tables"];
+        for (title, values) in names.iter().zip(&check.tips_um) {
+            let across = "distance of the tip from its place, µm".to_owned();
+            let histogram =
+                Histogram { title: (*title).to_owned(), across, values: values.clone(), counted: "poses", sigma: None };
+            figure(out, &histogram, "");
+        }
+    });
+}
+
+fn differences(out: &mut Markup, report: &TablesReport) {
+    if report.difference.is_empty() {
+        return;
+    }
+    out.leaf("h2", &[], "What the two add differs by");
+    let rows: Vec<Row> = report
+        .difference
+        .iter()
+        .map(|one| {
+            let [rms, max] = [one.rms, one.max].map(significant);
+            Row { class: "", cells: vec![one.axis.clone(), rms, max, one.unit.to_owned()] }
+        })
+        .collect();
+    table(out, &columns(["axis", "#RMS", "#largest", "unit"]), &rows, "", MOST_ROWS);
+}
+
+fn listed(out: &mut Markup, report: &TablesReport) {
+    if report.rows.is_empty() {
+        return;
+    }
+    out.leaf("h2", &[], "Tables");
+    let rows: Vec<Row> = report
+        .rows
+        .iter()
+        .map(|row| {
+            let [low, high] = row.range;
+            let times = row.times.map_or(String::new(), |times| times.to_string());
+            let more = [(row.modulo, "repeats"), (!row.enabled, "off")];
+            let more: Vec<&str> = more.into_iter().filter(|(is_so, _)| *is_so).map(|(_, what)| what).collect();
+            let cells = vec![
+                row.number.to_string(),
+                row.output.clone(),
+                row.input.clone(),
+                row.points.to_string(),
+                format!("{low} … {high}"),
+                format!("{:.6}", row.largest),
+                times,
+                row.sense.to_owned(),
+                more.join(", "),
+            ];
+            Row { class: "", cells }
+        })
+        .collect();
+    let titles = ["#no.", "corrects", "over", "#points", "#range", "#largest", "#times table", "sense", ""];
+    table(out, &columns(titles), &rows, "Positions and values in mm or degrees.", MOST_ROWS);
+}
+
+fn tried(out: &mut Markup, report: &TablesReport) {
+    if report.tried.is_empty() {
+        return;
+    }
+    out.leaf("h2", &[], "What was tried");
+    let number = |value: Option<f64>| value.map_or(String::new(), significant);
+    let rows: Vec<Row> = report
+        .tried
+        .iter()
+        .map(|one| {
+            let tables = one.tables.map_or(String::new(), |tables| tables.to_string());
+            let why = one.reason.clone().unwrap_or_default();
+            let [rms, tilt] = [one.rms_um, one.tilt_rms_urad].map(number);
+            Row { class: "wrap", cells: vec![one.scheme.clone(), one.points.to_string(), tables, rms, tilt, why] }
+        })
+        .collect();
+    let aim = report.aim.as_ref().map_or(String::new(), |aim| format!("Aimed at {aim}."));
+    let titles = ["scheme", "#points", "#tables", "#left, RMS µm", "#tilt, RMS µrad", "why not"];
+    table(out, &columns(titles), &rows, &aim, MOST_ROWS);
+}

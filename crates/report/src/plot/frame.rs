@@ -1,0 +1,122 @@
+//! The frame of a picture with two axes: grid, marks with their numbers, titles, legend.
+
+use super::ticks::Scale;
+use super::{WIDTH, color, shortened};
+use crate::markup::Markup;
+
+/// Margins.
+const LEFT: f64 = 66.0;
+const RIGHT: f64 = 40.0;
+const TOP: f64 = 54.0;
+const BOTTOM: f64 = 46.0;
+/// How far the base of a text is below its middle.
+pub(super) const HALF_LETTER: f64 = 4.0;
+/// Width of a letter, roughly.
+const LETTER: f64 = 7.2;
+/// Entries of a legend at most.
+const MOST_ENTRIES: usize = 8;
+
+/// Where values are drawn.
+#[derive(Clone, Debug)]
+pub(super) struct Frame {
+    pub(super) across: Scale,
+    pub(super) up: Scale,
+    height: f64,
+}
+
+impl Frame {
+    pub(super) fn new(across: Scale, up: Scale, height: f64) -> Frame {
+        Frame { across, up, height }
+    }
+
+    /// Place of a value across.
+    pub(super) fn x(&self, value: f64) -> f64 {
+        LEFT + self.across.share(value) * (WIDTH - LEFT - RIGHT)
+    }
+
+    /// Height of a value, within the frame.
+    pub(super) fn y(&self, value: f64) -> f64 {
+        self.height - BOTTOM - self.up.share(value).clamp(0.0, 1.0) * (self.height - TOP - BOTTOM)
+    }
+
+    /// A name beside a height, right of the frame.
+    pub(super) fn beside(&self, out: &mut Markup, value: f64, label: &str) {
+        text(out, [WIDTH - RIGHT + 4.0, self.y(value) + HALF_LETTER], "start", label);
+    }
+
+    /// On which side of the frame a value is: 1 above, −1 below, 0 inside.
+    pub(super) fn beyond(&self, value: f64) -> f64 {
+        match self.up.share(value) {
+            share if share > 1.0 + 1e-9 => 1.0,
+            share if share < -1e-9 => -1.0,
+            _ => 0.0,
+        }
+    }
+
+    /// Columns of pixels.
+    pub(super) fn columns(&self) -> usize {
+        // A small number.
+        ((WIDTH - LEFT - RIGHT) / 1.25) as usize
+    }
+
+    /// Grid, numbers and titles.
+    pub(super) fn draw(&self, out: &mut Markup, title: &str, across: &str, up: &str) {
+        let (bottom, right) = (self.height - BOTTOM, WIDTH - RIGHT);
+        let mut grid = String::new();
+        let mut add = |[x1, y1, x2, y2]: [f64; 4]| grid.push_str(&format!("M{x1:.1} {y1:.1}L{x2:.1} {y2:.1}"));
+        self.across.marks().for_each(|mark| add([self.x(mark), TOP, self.x(mark), bottom]));
+        self.up.marks().for_each(|mark| add([LEFT, self.y(mark), right, self.y(mark)]));
+        out.empty("path", &[("class", &"grid"), ("stroke", &"#dde2e7"), ("fill", &"none"), ("d", &grid)]);
+        let mut axis = format!("M{LEFT} {TOP}V{bottom}H{right}");
+        let [low, high] = self.up.ends();
+        if low < 0.0 && high > 0.0 {
+            axis.push_str(&format!("M{LEFT} {0:.1}H{right}", self.y(0.0)));
+        }
+        out.empty("path", &[("class", &"axis"), ("stroke", &"#59636e"), ("fill", &"none"), ("d", &axis)]);
+        for mark in self.across.marks() {
+            text(out, [self.x(mark), bottom + 16.0], "middle", &self.across.label(mark));
+        }
+        for mark in self.up.marks() {
+            text(out, [LEFT - 6.0, self.y(mark) + HALF_LETTER], "end", &self.up.label(mark));
+        }
+        heading(out, title);
+        text(out, [f64::midpoint(LEFT, right), self.height - 10.0], "middle", across);
+        let place = format!("translate(14 {:.1}) rotate(-90)", f64::midpoint(TOP, bottom));
+        out.leaf("text", &[("transform", &place), ("text-anchor", &"middle")], up);
+    }
+}
+
+/// The title of a picture.
+pub(super) fn heading(out: &mut Markup, title: &str) {
+    let title = shortened(title, 62);
+    out.leaf("text", &[("x", &"10"), ("y", &"18"), ("font-size", &"14"), ("font-weight", &"600")], title);
+}
+
+/// A text at a place.
+pub(super) fn text(out: &mut Markup, [x, y]: [f64; 2], anchor: &str, text: &str) {
+    out.leaf("text", &[("x", &format_args!("{x:.1}")), ("y", &format_args!("{y:.1}")), ("text-anchor", &anchor)], text);
+}
+
+/// One line with what each color means; `sample` draws what stands for an entry at a place.
+pub(super) fn legend(out: &mut Markup, labels: &[&str], sample: impl Fn(&mut Markup, usize, [f64; 2])) {
+    let named: Vec<(usize, String)> = labels
+        .iter()
+        .enumerate()
+        .filter(|(_, label)| !label.is_empty())
+        .map(|(number, label)| (number, shortened(label, 24)))
+        .collect();
+    let mut x = 10.0;
+    for (shown, (number, label)) in named.iter().enumerate() {
+        let width = 34.0 + label.chars().count() as f64 * LETTER;
+        if shown >= MOST_ENTRIES || x + width > WIDTH - 70.0 {
+            text(out, [x, 36.0 + HALF_LETTER], "start", &format!("… {} more", named.len() - shown));
+            return;
+        }
+        let (class, fallback) = color(*number);
+        out.element("g", &[("class", &class), ("fill", &fallback), ("stroke", &fallback)], |out| {
+            sample(out, *number, [x + 8.0, 36.0]);
+        });
+        text(out, [x + 20.0, 36.0 + HALF_LETTER], "start", label);
+        x += width;
+    }
+}

@@ -1,0 +1,114 @@
+//! Presets as pages for people: which there are, and what one of them means for a machine.
+
+use std::fmt::Write as _;
+
+use ncfix_base::units::{um_from_mm, urad_from_rad};
+use ncfix_machine::machine::Machine;
+use ncfix_model::preset::{PRESETS, Preset, Rest, Unsuitable, rest};
+use ncfix_model::{ErrorModel, ParameterName};
+
+/// The presets, each with what it is and its source; on a machine also how many parameters it has there, or why none.
+#[must_use]
+pub fn list(machine: Option<&Machine>) -> String {
+    let mut out = String::from(if machine.is_some() { "preset    parameters  " } else { "preset    " });
+    out.push_str("what it has\n");
+    for preset in PRESETS {
+        // Writing into a String cannot fail.
+        let _ = write!(out, "{:<10}", preset.name);
+        let indent = if machine.is_some() { 22 } else { 10 };
+        let parameters = machine.map(preset.parameters);
+        match &parameters {
+            None => {}
+            Some(Ok(parameters)) => {
+                let _ = write!(out, "{:>10}  ", parameters.len());
+            }
+            Some(Err(_)) => out.push_str("         -  "),
+        }
+        let _ = writeln!(out, "{}\n{:indent$}{}", preset.title, "", preset.source);
+        if let Some(Err(Unsuitable(reason))) = parameters {
+            let _ = writeln!(out, "{:indent$}not here: {reason}", "");
+        }
+    }
+    out
+}
+
+/// The parameters of a preset with their values in a machine file, and what the file has besides.
+#[must_use]
+pub fn page(preset: &Preset, parameters: &[ParameterName], machine: &Machine, errors: &ErrorModel) -> String {
+    let mut out = String::new();
+    let _ = writeln!(out, "preset      {}: {}", preset.name, preset.title);
+    let _ = writeln!(out, "source      {}", preset.source);
+    let _ = writeln!(out, "machine     {}, {}", machine.name, machine.topology);
+    let _ = writeln!(out, "parameters  {}\n", parameters.len());
+    let _ = writeln!(out, "parameter         value  unit");
+    for parameter in parameters {
+        line(&mut out, parameter, errors);
+    }
+    let others = rest(errors, parameters);
+    if others.is_empty() {
+        out.push_str("\nThe file has no other errors.\n");
+        return out;
+    }
+    out.push_str("\nThe file also has:\n");
+    for other in &others {
+        match other {
+            Rest::Parameter(parameter) => line(&mut out, parameter, errors),
+            Rest::Function(component, kind) => {
+                let _ = writeln!(out, "{component:<10}{:>13}  {kind}", "");
+            }
+            Rest::Source(title) => {
+                let _ = writeln!(out, "{title}");
+            }
+        }
+    }
+    out
+}
+
+/// One parameter with its value.
+fn line(out: &mut String, parameter: &ParameterName, errors: &ErrorModel) {
+    let (value, unit) = in_micro(parameter, parameter.get(errors));
+    // The name as text, so that it is padded.
+    let _ = writeln!(out, "{:<10}{:>13}  {unit}", parameter.to_string(), number(value));
+}
+
+/// A value and its unit with µm in place of mm and µrad in place of rad; positions stay in mm and rad.
+fn in_micro(parameter: &ParameterName, value: f64) -> (f64, String) {
+    let unit = parameter.unit();
+    match unit.strip_prefix("mm") {
+        Some(rest) => (um_from_mm(value), format!("µm{rest}")),
+        None => (urad_from_rad(value), format!("µ{unit}")),
+    }
+}
+
+/// Four significant digits.
+fn number(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    match value.abs() {
+        size if size >= 1e6 => format!("{value:.3e}"),
+        size if size >= 99.995 => format!("{value:.1}"),
+        size if size >= 9.9995 => format!("{value:.2}"),
+        size if size >= 0.099_995 => format!("{value:.3}"),
+        _ => format!("{value:.3e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_in_micrometers_and_microradians() {
+        let shown = |name: &str, value: f64| {
+            let (value, unit) = in_micro(&name.parse().unwrap(), value);
+            format!("{} {unit}", number(value))
+        };
+        assert_eq!(shown("EX0C", -0.0956), "-95.60 µm");
+        assert_eq!(shown("EA0C", -1.2e-5), "-12.00 µrad");
+        assert_eq!(shown("EXX1", 2.59e-5), "2.590e-2 µm/mm");
+        assert_eq!(shown("EAB3", 5.03e-5), "50.30 µrad/rad^3");
+        assert_eq!(shown("EXX2", 0.0), "0 µm/mm^2");
+        assert_eq!(shown("EXX0", 12_346.0), "1.235e7 µm");
+    }
+}

@@ -1,0 +1,4 @@
+//! Compensation tables of controls, and corrections in the cycle of a control.
+
+pub mod realtime;
+pub mod tables;

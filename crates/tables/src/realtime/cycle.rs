@@ -1,0 +1,84 @@
+//! The cycle: one set-point in, one correction out. It allocates nothing, waits for nothing and takes the same time whatever comes in.
+
+use super::dosing::Dosing;
+use super::sense::Senses;
+use super::update::Subscriber;
+use ncfix_base::geometry::AxisVector;
+
+/// What is to be known of an answer beside the correction: bits, as the ring passes them on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Signals(pub u64);
+
+impl Signals {
+    /// A set-point was no number, or an infinite one: the correction is that of the cycle before.
+    pub const HELD: Signals = Signals(1);
+    /// An axis was beyond the end of its travel: the correction is that of the end.
+    pub const BEYOND: Signals = Signals(2);
+    /// The correction has not got to the one that is wanted: it is dosed.
+    pub const DOSED: Signals = Signals(4);
+    /// No command brings the tip to its place: the correction is that of the cycle before.
+    pub const UNSOLVED: Signals = Signals(8);
+    /// A new kernel was taken over in this cycle.
+    pub const RENEWED: Signals = Signals(16);
+
+    /// Whether all bits of the other are set.
+    #[must_use]
+    pub fn has(self, other: Signals) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    fn set(&mut self, other: Signals, is_set: bool) {
+        if is_set {
+            self.0 |= other.0;
+        }
+    }
+}
+
+/// The answer to a set-point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Answer {
+    /// What is added to the set-point, mm and rad.
+    pub correction: AxisVector,
+    /// How it came about.
+    pub signals: Signals,
+}
+
+/// What a control calls once in every cycle.
+#[derive(Debug)]
+pub struct Cycle {
+    kernels: Subscriber,
+    dosing: Dosing,
+    senses: Senses,
+}
+
+impl Cycle {
+    /// A cycle. An axis that comes back by more than `band_mm` or `band_rad` has reversed: the increments of the control.
+    #[must_use]
+    pub fn new(kernels: Subscriber, dosing: Dosing, band_mm: f64, band_rad: f64) -> Cycle {
+        Cycle { kernels, dosing, senses: Senses::new(band_mm, band_rad) }
+    }
+
+    /// The correction for the uncompensated set-point of all axes, mm and rad; axes that the machine lacks do not count.
+    pub fn step(&mut self, set_point: &AxisVector) -> Answer {
+        let mut signals = Signals::default();
+        let (kernel, is_new) = self.kernels.latest();
+        signals.set(Signals::RENEWED, is_new);
+        if kernel.axes().iter().any(|axis| !set_point[axis].is_finite()) {
+            signals.set(Signals::HELD, true);
+            return Answer { correction: *self.dosing.in_force(), signals };
+        }
+        let mut within = *set_point;
+        signals.set(Signals::BEYOND, !kernel.clamp(&mut within).is_empty());
+        match kernel.correction(&within, self.senses.note(&within)) {
+            Some(wanted) => signals.set(Signals::DOSED, !self.dosing.follow(&wanted).is_empty()),
+            None => signals.set(Signals::UNSOLVED, true),
+        }
+        Answer { correction: *self.dosing.in_force(), signals }
+    }
+
+    /// Back to no correction and no sense of motion, as behind a reference run.
+    pub fn reset(&mut self) {
+        self.dosing.reset();
+        self.senses.reset();
+    }
+}

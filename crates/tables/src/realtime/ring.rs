@@ -1,0 +1,319 @@
+//! Two rings in shared memory: set-points from a control in another process, corrections back. One writer and one reader each, no lock.
+//!
+//! All is in words of 8 bytes, little endian. Layout of version 1, `n` axes, `c` records (a power of two), `w` words in each (a multiple of 8):
+//!
+//! ```text
+//! word      byte    written by  what
+//! 0         0       ncfix       magic: the bytes "NCFIXRT1", written last
+//! 1         8       ncfix       version, 1
+//! 2         16      ncfix       n
+//! 3, 4      24      ncfix       letters of the axes in ASCII, 0 behind the last
+//! 5         40      ncfix       c
+//! 6         48      ncfix       w
+//! 16        128     control     set-points written
+//! 32        256     ncfix       set-points read
+//! 48        384     ncfix       corrections written
+//! 64        512     control     corrections read
+//! 80        640     ncfix       cycles of waiting: it lives
+//! 96        768     control     not 0: ncfix shall end
+//! 128       1024    control     c records of set-points: number, n values (f64; mm, rad)
+//! 128 + cw          ncfix       c records of corrections: number of the set-point, signals, n values (f64; mm, rad)
+//! ```
+//!
+//! A writer fills the record `count mod c`, then adds one to its count (release); a reader looks at the count (acquire), copies the record and
+//! then adds one to its own. A ring is full when both counts are c apart. Every set-point gets one correction, in order.
+
+use std::fs::File;
+use std::io;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use memmap2::{MmapOptions, MmapRaw};
+
+use super::cycle::{Answer, Cycle, Signals};
+use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector};
+
+/// The first word.
+const MAGIC: u64 = u64::from_le_bytes(*b"NCFIXRT1");
+const VERSION: u64 = 1;
+/// Words of the head that are said above.
+const AXES: usize = 2;
+const LETTERS: usize = 3;
+const CAPACITY: usize = 5;
+const STRIDE: usize = 6;
+const SET_POINTS_WRITTEN: usize = 16;
+const SET_POINTS_READ: usize = 32;
+const CORRECTIONS_WRITTEN: usize = 48;
+const CORRECTIONS_READ: usize = 64;
+const ALIVE: usize = 80;
+const STOP: usize = 96;
+const RECORDS: usize = 128;
+/// Records of the largest ring.
+const MOST_RECORDS: u64 = 1 << 20;
+
+/// The words of a file that others may have mapped too.
+#[derive(Debug)]
+struct Words {
+    map: MmapRaw,
+}
+
+impl Words {
+    fn new(file: &File) -> io::Result<Words> {
+        Ok(Words { map: MmapOptions::new().map_raw(file)? })
+    }
+
+    /// All words. Every access is atomic, so that what another process writes meanwhile is a value and no fault.
+    #[allow(unsafe_code, reason = "memory that another process shares has no other type; this is the one place")]
+    fn all(&self) -> &[AtomicU64] {
+        let count = self.map.len() / size_of::<AtomicU64>();
+        // SAFETY: a map begins at a page and is therefore aligned for words of 8 bytes; `count` of them lie within it; it stays mapped, readable and
+        // writable, as long as `self`; any bits are an AtomicU64; and nothing here makes another reference to it.
+        unsafe { std::slice::from_raw_parts(self.map.as_mut_ptr().cast::<AtomicU64>(), count) }
+    }
+
+    fn get(&self, word: usize, order: Ordering) -> u64 {
+        self.all().get(word).map_or(0, |cell| u64::from_le(cell.load(order)))
+    }
+
+    fn set(&self, word: usize, value: u64, order: Ordering) {
+        if let Some(cell) = self.all().get(word) {
+            cell.store(value.to_le(), order);
+        }
+    }
+
+    fn number(&self, word: usize) -> f64 {
+        f64::from_bits(self.get(word, Ordering::Relaxed))
+    }
+}
+
+/// What both sides know of the layout.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    axes: [Axis; AXIS_COUNT],
+    count: usize,
+    capacity: u64,
+    stride: usize,
+}
+
+impl Shape {
+    fn new(set: AxisSet, capacity: u64) -> Shape {
+        let mut axes = [Axis::X; AXIS_COUNT];
+        let count = set.iter().zip(&mut axes).map(|(axis, place)| *place = axis).count();
+        Shape { axes, count, capacity, stride: (2 + count).next_multiple_of(8) }
+    }
+
+    fn axes(&self) -> &[Axis] {
+        &self.axes[..self.count]
+    }
+
+    fn words(&self) -> usize {
+        RECORDS + 2 * self.capacity as usize * self.stride
+    }
+
+    fn set_point(&self, number: u64) -> usize {
+        RECORDS + (number % self.capacity) as usize * self.stride
+    }
+
+    fn correction(&self, number: u64) -> usize {
+        self.set_point(number) + self.capacity as usize * self.stride
+    }
+}
+
+/// Counts that do not fit: more than a ring apart, or behind where they were.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overrun {
+    /// So many set-points were written and not read.
+    SetPoints(u64),
+    /// The count of set-points written is so many below that of those read: it went back.
+    WentBack(u64),
+    /// So many corrections more were read than there are.
+    CorrectionsRead(u64),
+    /// The count of corrections read went back: so many were written and, it says, not read.
+    Corrections(u64),
+}
+
+impl Overrun {
+    /// What is wrong with how far the control is ahead with its set-points, or else with the corrections that it has not read.
+    #[cold]
+    fn of(waiting: u64, open: u64, capacity: u64) -> Overrun {
+        // A difference that went below zero stands in the upper half.
+        let is_below = |difference: u64| difference > u64::MAX / 2;
+        match waiting > capacity {
+            true if is_below(waiting) => Overrun::WentBack(waiting.wrapping_neg()),
+            true => Overrun::SetPoints(waiting),
+            false if is_below(open) => Overrun::CorrectionsRead(open.wrapping_neg()),
+            false => Overrun::Corrections(open),
+        }
+    }
+}
+
+/// The side of ncfix: makes the rings and answers.
+#[derive(Debug)]
+pub struct Ring {
+    words: Words,
+    shape: Shape,
+}
+
+/// The side of the control.
+#[derive(Debug)]
+pub struct Client {
+    words: Words,
+    shape: Shape,
+}
+
+impl Ring {
+    /// Lays the rings out in an empty file that is open for reading and writing, with room for `capacity` records, a power of two.
+    ///
+    /// # Errors
+    /// Where the file cannot be made long enough or mapped, or the capacity is none.
+    pub fn create(file: &File, axes: AxisSet, capacity: u64) -> io::Result<Ring> {
+        if !capacity.is_power_of_two() || capacity > MOST_RECORDS {
+            return Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "the number of records is no power of two up to 1048576",
+            ));
+        }
+        let shape = Shape::new(axes, capacity);
+        file.set_len((shape.words() * size_of::<u64>()) as u64)?;
+        let words = Words::new(file)?;
+        let mut letters = [0; 16];
+        letters.iter_mut().zip(shape.axes()).for_each(|(letter, axis)| *letter = axis.letter());
+        let [low, high] = [0, 8].map(|start| letters[start..start + 8].try_into().map_or(0, u64::from_le_bytes));
+        let head = [
+            (1, VERSION),
+            (AXES, shape.count as u64),
+            (LETTERS, low),
+            (LETTERS + 1, high),
+            (CAPACITY, capacity),
+            (STRIDE, shape.stride as u64),
+        ];
+        head.into_iter().for_each(|(word, value)| words.set(word, value, Ordering::Relaxed));
+        words.set(0, MAGIC, Ordering::Release);
+        Ok(Ring { words, shape })
+    }
+
+    /// Answers one set-point and returns the signals of the answer; `None` where there is none, or no room for the answer. Allocates nothing and
+    /// waits for nothing.
+    ///
+    /// # Errors
+    /// [`Overrun`]: then some set-points were written over before they were answered, and no answer would belong to its set-point.
+    pub fn serve(&self, cycle: &mut Cycle) -> Result<Option<Signals>, Overrun> {
+        let read = self.words.get(SET_POINTS_READ, Ordering::Relaxed);
+        let written = self.words.get(CORRECTIONS_WRITTEN, Ordering::Relaxed);
+        let waiting = self.words.get(SET_POINTS_WRITTEN, Ordering::Acquire).wrapping_sub(read);
+        let open = written.wrapping_sub(self.words.get(CORRECTIONS_READ, Ordering::Acquire));
+        if waiting > self.shape.capacity || open > self.shape.capacity {
+            return Err(Overrun::of(waiting, open, self.shape.capacity));
+        }
+        if waiting == 0 || open == self.shape.capacity {
+            return Ok(None);
+        }
+        let from = self.shape.set_point(read);
+        let number = self.words.get(from, Ordering::Relaxed);
+        let mut set_point = AxisVector::ZERO;
+        for (index, &axis) in self.shape.axes().iter().enumerate() {
+            set_point[axis] = self.words.number(from + 1 + index);
+        }
+        self.words.set(SET_POINTS_READ, read.wrapping_add(1), Ordering::Release);
+        let answer = cycle.step(&set_point);
+        let to = self.shape.correction(written);
+        self.words.set(to, number, Ordering::Relaxed);
+        self.words.set(to + 1, answer.signals.0, Ordering::Relaxed);
+        for (index, &axis) in self.shape.axes().iter().enumerate() {
+            self.words.set(to + 2 + index, answer.correction[axis].to_bits(), Ordering::Relaxed);
+        }
+        self.words.set(CORRECTIONS_WRITTEN, written.wrapping_add(1), Ordering::Release);
+        Ok(Some(answer.signals))
+    }
+
+    /// Shows that this side lives; whether the control wants it to end.
+    pub fn beat(&self) -> bool {
+        self.words.set(ALIVE, self.words.get(ALIVE, Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+        self.words.get(STOP, Ordering::Acquire) != 0
+    }
+}
+
+impl Client {
+    /// Opens rings that ncfix has laid out.
+    ///
+    /// # Errors
+    /// Where the file cannot be mapped, or is none of this version.
+    pub fn open(file: &File) -> io::Result<Client> {
+        let none = || io::Error::new(io::ErrorKind::InvalidData, "the file holds no rings of this version");
+        let words = Words::new(file)?;
+        let word = |word| words.get(word, Ordering::Acquire);
+        if word(0) != MAGIC || word(1) != VERSION {
+            return Err(none());
+        }
+        let letters = [word(LETTERS), word(LETTERS + 1)].map(u64::to_le_bytes);
+        let set: AxisSet = letters.as_flattened().iter().filter_map(|&letter| Axis::from_letter(letter)).collect();
+        let capacity = word(CAPACITY);
+        if !capacity.is_power_of_two() || capacity > MOST_RECORDS {
+            return Err(none());
+        }
+        let shape = Shape::new(set, capacity);
+        let is_sound = word(AXES) == shape.count as u64
+            && word(STRIDE) == shape.stride as u64
+            && words.all().len() >= shape.words();
+        if is_sound { Ok(Client { words, shape }) } else { Err(none()) }
+    }
+
+    /// The axes, in the order of the records.
+    #[must_use]
+    pub fn axes(&self) -> &[Axis] {
+        self.shape.axes()
+    }
+
+    /// Gives a set-point with a number; `false` where the ring is full.
+    #[must_use]
+    pub fn put(&self, number: u64, set_point: &AxisVector) -> bool {
+        let written = self.words.get(SET_POINTS_WRITTEN, Ordering::Relaxed);
+        let read = self.words.get(SET_POINTS_READ, Ordering::Acquire);
+        if written.wrapping_sub(read) >= self.shape.capacity {
+            return false;
+        }
+        let to = self.shape.set_point(written);
+        self.words.set(to, number, Ordering::Relaxed);
+        for (index, &axis) in self.shape.axes().iter().enumerate() {
+            self.words.set(to + 1 + index, set_point[axis].to_bits(), Ordering::Relaxed);
+        }
+        self.words.set(SET_POINTS_WRITTEN, written.wrapping_add(1), Ordering::Release);
+        true
+    }
+
+    /// The next correction, with the number of its set-point; `None` where there is none yet.
+    #[must_use]
+    pub fn take(&self) -> Option<(u64, Answer)> {
+        let read = self.words.get(CORRECTIONS_READ, Ordering::Relaxed);
+        if self.words.get(CORRECTIONS_WRITTEN, Ordering::Acquire) == read {
+            return None;
+        }
+        let from = self.shape.correction(read);
+        let number = self.words.get(from, Ordering::Relaxed);
+        let mut answer = Answer { signals: Signals(self.words.get(from + 1, Ordering::Relaxed)), ..Answer::default() };
+        for (index, &axis) in self.shape.axes().iter().enumerate() {
+            answer.correction[axis] = self.words.number(from + 2 + index);
+        }
+        self.words.set(CORRECTIONS_READ, read.wrapping_add(1), Ordering::Release);
+        Some((number, answer))
+    }
+
+    /// Asks ncfix to end.
+    pub fn stop(&self) {
+        self.words.set(STOP, 1, Ordering::Release);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Overrun;
+
+    /// Counts of a ring of 16: 5 set-points are answered.
+    #[test]
+    fn a_count_that_goes_back_is_no_huge_number() {
+        let found = |written: u64, read: u64| Overrun::of(written.wrapping_sub(5), 5_u64.wrapping_sub(read), 16);
+        assert_eq!(found(22, 5), Overrun::SetPoints(17));
+        assert_eq!(found(3, 5), Overrun::WentBack(2));
+        assert_eq!(found(5, 7), Overrun::CorrectionsRead(2));
+        assert_eq!(Overrun::of(0, 40, 16), Overrun::Corrections(40));
+    }
+}

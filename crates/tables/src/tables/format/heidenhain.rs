@@ -1,0 +1,203 @@
+//! Compensation value tables of HEIDENHAIN controls: a `.COM` file for each basic axis, and the `.CMA` file that assigns them.
+//!
+//! A `.COM` table has the position of the basic axis (AXISPOS, from the machine datum), a column for each axis that it corrects, named after
+//! it, and BACKLASH for values in the negative direction of travel where they differ. The `.CMA` table has a column for each basic axis
+//! with the names of their `.COM` files, and `*` under ACTIVE in the row that holds. Axis of a column of the `.COM` = function of the axis of
+//! the column of the `.CMA`. (HEIDENHAIN, Technical Manual MANUALplus 620, 6.10.3 "Nonlinear axis error compensation", p. 716 and 718; TNC
+//! 407, p. 153 to 156.) Whether a value is added to or taken from the set-point, and whether BACKLASH holds values or differences, the
+//! manuals leave open: here it holds values and all are added. Rotary axes have positions from 0 to 360 degrees. Units are mm and degrees.
+
+use std::fmt::Write as _;
+
+use super::limits::{Holds, Limits};
+use super::plain::{find, inputs, name_points, points_of, sum, weigh};
+use super::{Format, Written, rounded};
+use crate::tables::{Lookup, Nodes, Sense, Tables, Wiring};
+use ncfix_base::geometry::{AXES, Axis};
+
+mod reader;
+
+/// Decimals of values and positions: the 0.0001 mm of which the spacings of a TNC 407 are multiples.
+const DECIMALS: usize = 4;
+/// A turn, degrees.
+const TURN: f64 = 360.0;
+/// Width of a column.
+const WIDTH: usize = 13;
+
+/// The format.
+pub(super) const FORMAT: Format = Format {
+    name: "heidenhain",
+    title: "HEIDENHAIN .COM/.CMA",
+    sign: "values are added to the set-point, BACKLASH holds those of the negative direction; the manuals leave both open: try one large value",
+    holds: &[Holds::Own, Holds::Cross, Holds::Senses, Holds::Repetition],
+    // 256 points a table (TNC 407, module 9095, error 3); no largest value is known.
+    limits: Limits { tables: 0, points: 256, value_mm: 0.0, resolution_mm: 1e-4 },
+    round,
+    faults,
+    write,
+    read: reader::read,
+    numbers: super::without_numbers,
+    beside: &[],
+    is_mine,
+};
+
+/// Whether the points of a table are one turn of a rotary axis.
+fn is_turn(axis: Axis, points: &[f64]) -> bool {
+    axis.is_rotary() && points.first() == Some(&0.0) && points.last() == Some(&TURN)
+}
+
+/// The order of columns: the basic axis, then the others.
+fn columns(input: Axis) -> impl Iterator<Item = Axis> {
+    std::iter::once(input).chain(AXES.into_iter().filter(move |&axis| axis != input))
+}
+
+/// Whether positions lie outside of 0 to 360 degrees.
+fn leaves_turn(one: &Lookup) -> bool {
+    let [start, end] = one.nodes.range();
+    start < 0.0 || end > TURN
+}
+
+/// Puts a table of a rotary axis that is no longer than a turn at the positions from 0 to 360 degrees where the control looks it up.
+fn wrap(one: &mut Lookup) {
+    let Nodes::At(before) = &one.nodes else { return };
+    let [start, end] = one.nodes.range();
+    if before.is_empty() || end - start > TURN + 1e-9 {
+        return;
+    }
+    let mut points: Vec<f64> = before.iter().map(|point| rounded(point.rem_euclid(TURN), DECIMALS)).collect();
+    points.extend([0.0, TURN]);
+    points.sort_by(f64::total_cmp);
+    points.dedup();
+    let value = |&point: &f64| {
+        let turns = [point, point - TURN, point + TURN];
+        let within = turns.into_iter().find(|at| (start..=end).contains(at));
+        // Beyond the table the nearer end holds.
+        let off = |at: &f64| (start - at).max(at - end);
+        let nearest = turns.into_iter().min_by(|one, other| off(one).total_cmp(&off(other)));
+        one.value(within.or(nearest).unwrap_or(point))
+    };
+    let values = points.iter().map(value).collect();
+    one.values = values;
+    one.nodes = Nodes::At(points);
+}
+
+/// Brings tables of one basic axis to the same points, one for each axis that they correct.
+fn round(tables: &mut Tables) {
+    weigh(tables);
+    if tables.lookups.iter().any(|one| one.factor.is_some()) {
+        return;
+    }
+    tables.lookups.iter_mut().for_each(|one| name_points(one, DECIMALS));
+    let mut summed = Vec::new();
+    for input in inputs(tables) {
+        let mut group: Vec<Lookup> = tables.lookups.iter().filter(|one| one.input == input).cloned().collect();
+        if group.iter().any(|one| input.is_rotary() && leaves_turn(one)) {
+            group.iter_mut().for_each(wrap);
+        }
+        let points = points_of(&group);
+        if group.iter().any(|one| one.modulo) && !is_turn(input, &points) {
+            summed.append(&mut group);
+            continue;
+        }
+        // Within the turn there is nothing to repeat.
+        group.iter_mut().for_each(|one| one.modulo = false);
+        for output in columns(input) {
+            let of_output: Vec<&Lookup> = group.iter().filter(|one| one.output == output).collect();
+            let modulo = is_turn(input, &points);
+            summed.extend(sum(&of_output, &points, DECIMALS).into_iter().map(|one| Lookup { modulo, ..one }));
+        }
+    }
+    tables.lookups = summed;
+}
+
+fn faults(tables: &Tables, _: &Wiring) -> Vec<String> {
+    let mut faults = Vec::new();
+    for input in inputs(tables) {
+        let group: Vec<&Lookup> = tables.lookups.iter().filter(|one| one.input == input).collect();
+        if group.windows(2).any(|pair| pair[0].nodes != pair[1].nodes) {
+            faults.push(format!("the tables over {input} have different points"));
+        }
+        let points = points_of(group.iter().copied());
+        if group.iter().any(|one| one.modulo) && !is_turn(input, &points) {
+            faults.push(format!("the table over {input} repeats, and only a turn from 0 to 360 degrees does"));
+        }
+        if input.is_rotary() && points.iter().any(|point| !(0.0..=360.0).contains(point)) {
+            faults.push(format!(
+                "the table over {input} is longer than the turn from 0 to 360 degrees: choose one with --range {input}=0..360"
+            ));
+        }
+        for output in columns(input) {
+            let senses: Vec<Sense> = group.iter().filter(|one| one.output == output).map(|one| one.sense).collect();
+            match senses[..] {
+                [] | [Sense::Both] => {}
+                [Sense::Positive, Sense::Negative] if input == output => {}
+                [Sense::Positive, Sense::Negative] => {
+                    faults.push(format!(
+                        "{output} over {input} depends on the sense, and BACKLASH is for {input} itself"
+                    ));
+                }
+                _ => faults.push(format!("{output} over {input} is not one table, or one for each sense")),
+            }
+        }
+    }
+    faults
+}
+
+fn write(tables: &Tables, _: &Wiring, notes: &[String]) -> Vec<Written> {
+    let mut files: Vec<Written> = inputs(tables).into_iter().map(|input| com(tables, input)).collect();
+    files.push(cma(tables));
+    // A table of the control has no place for remarks.
+    let text = notes.iter().fold(String::new(), |text, note| text + "; " + note + "\n");
+    if !text.is_empty() {
+        files.push(Written { suffix: "-notes.txt".to_owned(), text });
+    }
+    files
+}
+
+/// The name of a table on the control.
+fn table_name(input: Axis) -> String {
+    format!("AXIS_{input}")
+}
+
+/// The table of a basic axis.
+fn com(tables: &Tables, input: Axis) -> Written {
+    let mut columns_of: Vec<(String, &Lookup)> = Vec::new();
+    if let Some(down) = tables.lookups.iter().find(|one| one.input == input && one.sense == Sense::Negative) {
+        columns_of.push(("BACKLASH".to_owned(), down));
+    }
+    for output in columns(input) {
+        columns_of.extend(find(tables, input, output, Sense::Positive).map(|one| (output.to_string(), one)));
+    }
+    let mut text = format!("BEGIN {:<8}.COM MM\n{:<6}{:<WIDTH$}", table_name(input), "NR", "AXISPOS");
+    for (name, _) in &columns_of {
+        let _ = write!(text, "{name:<WIDTH$}");
+    }
+    let points = columns_of.first().map_or(0, |(_, one)| one.values.len());
+    for index in 0..points {
+        let position = columns_of.first().map_or(0.0, |(_, one)| one.nodes.position(index));
+        let _ = write!(text, "\n{index:<6}{position:<WIDTH$}");
+        for (_, one) in &columns_of {
+            let _ = write!(text, "{:<WIDTH$}", one.values.get(index).copied().unwrap_or(0.0));
+        }
+    }
+    text.push_str("\n[END]\n");
+    Written { suffix: format!("-{}.com", input.to_string().to_ascii_lowercase()), text }
+}
+
+/// The assignment of tables to basic axes, with one row that is active.
+fn cma(tables: &Tables) -> Written {
+    let mut head = format!("{:<6}", "NR");
+    let mut row = format!("{:<6}", 0);
+    for input in inputs(tables) {
+        let _ = write!(head, "{:<WIDTH$}", input.to_string());
+        let _ = write!(row, "{:<WIDTH$}", table_name(input) + ".COM");
+    }
+    let text = format!("BEGIN CONFIG  .CMA\n{head}ACTIVE\n{row}*\n[END]\n");
+    Written { suffix: "-config.cma".to_owned(), text }
+}
+
+fn is_mine(_: &str, bytes: &[u8]) -> bool {
+    let upper = bytes.get(..bytes.len().min(400)).unwrap_or_default().to_ascii_uppercase();
+    let has = |word: &[u8]| upper.windows(word.len()).any(|part| part == word);
+    has(b"AXISPOS") || (upper.trim_ascii_start().starts_with(b"BEGIN ") && (has(b".CMA") || has(b".COM")))
+}

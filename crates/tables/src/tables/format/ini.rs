@@ -1,0 +1,169 @@
+//! Initialisation programs of the SINUMERIK: members of an archive, units, assignments to variables with indices.
+
+use std::collections::BTreeMap;
+
+use super::scan::{Line, Report, shown};
+use ncfix_base::source::Span;
+use ncfix_base::units::MM_PER_INCH;
+
+/// What else stands in such a program and has nothing to do with the tables.
+const SILENT: [&str; 5] = ["M0", "M00", "M01", "M1", "NEWCONF"];
+/// What it ends with.
+const ENDS: [&str; 5] = ["M17", "M30", "M2", "M02", "RET"];
+
+/// What to do about a table that lacks a field.
+pub(super) const KEEPS_FIELDS: &str = "write every field as the control saves it, 0 too: the control keeps what it had there – 0 only where \
+     its memory was cleared – and nothing here tells what that is";
+
+/// The fields that a table lacks, with what their names begin with; `None` where it has all.
+pub(super) fn missing(prefix: &str, wanted: &[&str], there: &BTreeMap<String, f64>) -> Option<String> {
+    let names: Vec<String> =
+        wanted.iter().filter(|&&name| !there.contains_key(name)).map(|name| format!("{prefix}{name}")).collect();
+    (!names.is_empty()).then(|| names.join(", "))
+}
+
+/// Whether a file has a variable of this name outside of its remarks; or else a member for it, and no variable of tables at all.
+pub(super) fn has(bytes: &[u8], variable: &str, member: &str) -> bool {
+    let contains =
+        |line: &[u8], word: &str| line.windows(word.len()).any(|part| part.eq_ignore_ascii_case(word.as_bytes()));
+    let lines = || {
+        let lines = bytes.split(|&byte| byte == b'\n' || byte == b'\r');
+        lines.map(|line| line.split(|&byte| byte == b';').next().unwrap_or_default())
+    };
+    let has_variable = |variable: &str| lines().any(|line| contains(line, variable));
+    let has_member = || lines().any(|line| line.trim_ascii().starts_with(b"%") && contains(line, member));
+    has_variable(variable) || (has_member() && !["$AN_CEC", "$AA_ENC_COMP"].into_iter().any(has_variable))
+}
+
+/// `$NAME[index, index] = value`.
+#[derive(Debug)]
+pub(super) struct Assignment<'a> {
+    /// The name in capitals, with its `$`.
+    pub(super) name: String,
+    /// What stands between the brackets.
+    pub(super) indices: Vec<&'a str>,
+    /// What stands behind the equals sign.
+    pub(super) value: &'a str,
+    /// All of it.
+    pub(super) text: &'a str,
+}
+
+impl Assignment<'_> {
+    /// An index that is a whole number below a limit.
+    pub(super) fn index(&self, place: usize, limit: usize) -> Option<usize> {
+        self.indices.get(place).and_then(|index| index.parse::<usize>().ok()).filter(|&index| index < limit)
+    }
+}
+
+/// Where a reader is in an archive.
+#[derive(Debug)]
+pub(super) struct Place {
+    /// What the names of members with such tables have in them.
+    member: &'static str,
+    /// What the names of their variables have in them.
+    mark: &'static str,
+    /// Whether it is in a member for something else, of which only the assignments to tables matter.
+    is_foreign: bool,
+    /// Millimetres of a unit of length.
+    pub(super) unit_mm: f64,
+    /// The last assignment behind which no end has come yet.
+    open: Option<Span>,
+}
+
+impl Place {
+    pub(super) fn new(member: &'static str, mark: &'static str) -> Place {
+        Place { member, mark, is_foreign: false, unit_mm: 1.0, open: None }
+    }
+
+    /// What a list that breaks off is told: an end that is missing is all that tells of lines that are.
+    pub(super) fn end(&mut self, report: &mut Report<'_>) {
+        if let Some(span) = self.open.take() {
+            let help = "see that the file is whole: the control ends it with M17";
+            report.unused_at(span, "no M17 comes behind this: the list may be cut off", help);
+        }
+    }
+
+    /// Calls back for each assignment to a system variable in a line.
+    pub(super) fn line<'a>(
+        &mut self,
+        line: &Line<'a>,
+        report: &mut Report<'_>,
+        mut found: impl FnMut(f64, Assignment<'a>),
+    ) {
+        let text = line.before(';').trim();
+        if text.starts_with('%') {
+            self.end(report);
+            self.is_foreign = !text.to_ascii_uppercase().contains(self.member);
+            self.unit_mm = 1.0;
+            return;
+        }
+        for statement in statements(without_number(text)) {
+            match self.assignment(line, report, statement) {
+                Some(assignment) if !self.is_foreign || assignment.name.contains(self.mark) => {
+                    // Settings and machine data stand in other lists too, which end otherwise.
+                    if assignment.name.starts_with("$A") {
+                        self.open = Some(line.span(assignment.text));
+                    }
+                    found(self.unit_mm, assignment);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// An assignment; what is none is taken up or pointed out.
+    fn assignment<'a>(&mut self, line: &Line<'a>, report: &mut Report<'_>, text: &'a str) -> Option<Assignment<'a>> {
+        if text.eq_ignore_ascii_case("METRIC") || text.eq_ignore_ascii_case("INCH") {
+            self.unit_mm = if text.eq_ignore_ascii_case("INCH") { MM_PER_INCH } else { 1.0 };
+            return None;
+        }
+        let begins = |word: &str| text.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word));
+        if ENDS.iter().any(|word| text.eq_ignore_ascii_case(word)) {
+            self.open = None;
+            return None;
+        }
+        if SILENT.iter().any(|word| text.eq_ignore_ascii_case(word)) || begins("CHANDATA") || begins("STOPRE") {
+            return None;
+        }
+        match text.split_once('=').filter(|_| text.starts_with('$')) {
+            Some((left, value)) => {
+                let (name, indices) = left.split_once('[').unwrap_or((left, ""));
+                let indices = indices.trim().trim_end_matches(']');
+                // No variable has more than three.
+                let indices = indices.split(',').take(4).map(str::trim).collect();
+                Some(Assignment { name: name.trim().to_ascii_uppercase(), indices, value: value.trim(), text })
+            }
+            None if self.is_foreign => None,
+            None if text.starts_with('$') || text.to_ascii_uppercase().contains(self.mark) => {
+                let help = "a table is a list of assignments such as $AN_CEC[0,0]=0.005";
+                report.fault(line, text, format!("'{}' is no assignment", shown(text)), help);
+                None
+            }
+            None => {
+                let help = "a table is a list of assignments; see that nothing of it is lost";
+                report.unused(line, text, format!("'{}' says nothing of tables", shown(text)), help);
+                None
+            }
+        }
+    }
+}
+
+/// A block without its number.
+fn without_number(text: &str) -> &str {
+    let number = text.strip_prefix(['N', 'n']).filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+    number.map_or(text, |rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()).trim_start())
+}
+
+/// The statements of a block: each variable begins one.
+fn statements(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = text;
+    std::iter::from_fn(move || {
+        let first = rest.chars().next()?;
+        let behind = rest.get(first.len_utf8()..)?;
+        let length = first.len_utf8() + behind.find('$').unwrap_or(behind.len());
+        let statement = rest.get(..length)?;
+        rest = rest.get(length..)?;
+        Some(statement.trim())
+    })
+    .filter(|statement| !statement.is_empty())
+}

@@ -1,0 +1,215 @@
+//! A compensation table of one axis: linear between its points, the end values outside (SINUMERIK 840D sl, Extended Functions K3 4.4).
+
+use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_machine::machine::State;
+
+/// A function of one axis that corrects an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lookup {
+    /// The axis whose position is looked up: the basic axis.
+    pub input: Axis,
+    /// The axis that is corrected: the compensation axis.
+    pub output: Axis,
+    /// Where the points are.
+    pub nodes: Nodes,
+    /// What is added to the command of the output at each point, mm or degrees; for the factor of a product what the control multiplies.
+    pub values: Vec<f64>,
+    /// In which sense of motion of the basic axis the table holds.
+    pub sense: Sense,
+    /// Whether the table repeats behind its end: the value there is followed by that at the start.
+    pub modulo: bool,
+    /// The index of the table that it is multiplied by.
+    pub factor: Option<usize>,
+    /// What the values count.
+    pub weight: f64,
+    /// Whether the control evaluates it.
+    pub is_enabled: bool,
+}
+
+/// Positions of the points of a table, mm or degrees.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Nodes {
+    /// In equal steps from a start. The last step may be shorter: the end need not be a multiple of it.
+    Even {
+        /// The first.
+        start: f64,
+        /// Distance of two.
+        step: f64,
+        /// The last.
+        end: f64,
+    },
+    /// Anywhere, strictly increasing.
+    At(Vec<f64>),
+}
+
+/// Senses of motion in which a table holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sense {
+    /// Both.
+    #[default]
+    Both,
+    /// Towards larger positions.
+    Positive,
+    /// Towards smaller positions.
+    Negative,
+}
+
+impl Sense {
+    /// What a table counts in a sense of motion; half of both where it is not known.
+    fn share(self, direction: i8) -> f64 {
+        match (self, direction) {
+            (Sense::Both, _) => 1.0,
+            (_, 0) => 0.5,
+            (Sense::Positive, 1) | (Sense::Negative, -1) => 1.0,
+            _ => 0.0,
+        }
+    }
+}
+
+/// Whole steps in a range, where a rest that only rounding makes is no step; no more than any memory could hold points of.
+fn whole_steps(range: f64, step: f64) -> f64 {
+    (range / step + 1e-9).floor().min(1e12)
+}
+
+impl Nodes {
+    /// How many points a table with these nodes uses: those from the start to the end.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        match self {
+            Nodes::Even { start, step, end } if *step > 0.0 && end > start => {
+                let whole = whole_steps(end - start, *step);
+                // A rest behind the last whole step has a point of its own at the end.
+                let rest = (end - start) - whole * step > 1e-9 * step;
+                whole as usize + 1 + usize::from(rest)
+            }
+            Nodes::Even { .. } => 1,
+            Nodes::At(positions) => positions.len(),
+        }
+    }
+
+    /// The position of a point.
+    #[must_use]
+    pub fn position(&self, index: usize) -> f64 {
+        match self {
+            Nodes::Even { start, step, end } => (start + step * index as f64).min(end.max(*start)),
+            Nodes::At(positions) => positions.get(index).copied().unwrap_or(f64::NAN),
+        }
+    }
+
+    /// First and last position.
+    #[must_use]
+    pub fn range(&self) -> [f64; 2] {
+        match self {
+            Nodes::Even { start, end, .. } => [*start, *end],
+            Nodes::At(positions) => {
+                [positions.first().copied().unwrap_or(0.0), positions.last().copied().unwrap_or(0.0)]
+            }
+        }
+    }
+
+    /// The points around a position, and the share of the way from the lower to the upper one.
+    fn around(&self, position: f64) -> (usize, usize, f64) {
+        let last = self.count().saturating_sub(1);
+        let lower = match self {
+            Nodes::Even { start, step, .. } if *step > 0.0 => ((position - start) / step).floor().max(0.0) as usize,
+            Nodes::Even { .. } => 0,
+            Nodes::At(positions) => positions.partition_point(|&one| one <= position).saturating_sub(1),
+        };
+        let lower = lower.min(last);
+        let upper = (lower + 1).min(last);
+        let (left, right) = (self.position(lower), self.position(upper));
+        let share = if right > left { ((position - left) / (right - left)).clamp(0.0, 1.0) } else { 0.0 };
+        (lower, upper, share)
+    }
+}
+
+impl Lookup {
+    /// A table that is added, in both senses.
+    #[must_use]
+    pub fn added(input: Axis, output: Axis, nodes: Nodes, values: Vec<f64>) -> Lookup {
+        Lookup {
+            input,
+            output,
+            nodes,
+            values,
+            sense: Sense::Both,
+            modulo: false,
+            factor: None,
+            weight: 1.0,
+            is_enabled: true,
+        }
+    }
+
+    /// Its value times its weight at a position of its axis, mm or degrees of the output.
+    #[must_use]
+    pub fn value(&self, position: f64) -> f64 {
+        let [start, end] = self.nodes.range();
+        let position =
+            if self.modulo && end > start { start + (position - start).rem_euclid(end - start) } else { position };
+        let (lower, upper, share) = self.nodes.around(position);
+        let value = |index: usize| self.values.get(index).copied().unwrap_or(0.0);
+        let low = value(lower);
+        self.weight * if share == 0.0 { low } else { low + (value(upper) - low) * share }
+    }
+
+    /// The value at commands in mm and rad, and the sense in which the axis moves; 0 where the control does not evaluate it.
+    #[must_use]
+    pub fn at(&self, command: &AxisVector, state: &State) -> f64 {
+        if !self.is_enabled {
+            return 0.0;
+        }
+        let position = command[self.input];
+        let position = if self.input.is_rotary() { position.to_degrees() } else { position };
+        self.sense.share(state.direction(self.input)) * self.value(position)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sag() -> Lookup {
+        let nodes = Nodes::Even { start: -400.0, step: 200.0, end: 400.0 };
+        Lookup::added(Axis::Y, Axis::Z, nodes, vec![0.0, 0.010, 0.012, 0.006, -0.004])
+    }
+
+    #[test]
+    fn between_points_it_is_linear_and_outside_the_end_value_holds() {
+        let sag = sag();
+        for (position, value) in
+            [(-500.0, 0.0), (-400.0, 0.0), (-300.0, 0.005), (100.0, 0.009), (350.0, -0.0015), (900.0, -0.004)]
+        {
+            assert!((sag.value(position) - value).abs() < 1e-15, "{position}: {}", sag.value(position));
+        }
+    }
+
+    #[test]
+    fn the_end_need_not_be_a_multiple_of_the_step() {
+        let nodes = Nodes::Even { start: 0.0, step: 40.0, end: 100.0 };
+        assert_eq!(nodes.count(), 4);
+        let table = Lookup::added(Axis::X, Axis::X, nodes, vec![0.0, 4.0, 8.0, 10.0]);
+        assert_eq!((table.value(60.0), table.value(90.0), table.value(200.0)), (6.0, 9.0, 10.0));
+    }
+
+    #[test]
+    fn a_modulo_table_repeats() {
+        let nodes = Nodes::Even { start: 0.0, step: 90.0, end: 360.0 };
+        let mut table = Lookup::added(Axis::C, Axis::C, nodes, vec![0.0, 1.0, 2.0, 1.0, 0.0]);
+        table.modulo = true;
+        assert_eq!((table.value(405.0), table.value(-45.0), table.value(720.0)), (0.5, 0.5, 0.0));
+    }
+
+    #[test]
+    fn a_table_of_one_sense_counts_half_where_the_sense_is_unknown() {
+        let mut table = sag();
+        table.sense = Sense::Positive;
+        let mut command = AxisVector::default();
+        command[Axis::Y] = -200.0;
+        let mut state = State::default();
+        assert_eq!(table.at(&command, &state), 0.005);
+        state.direction[Axis::Y.slot()] = 1;
+        assert_eq!(table.at(&command, &state), 0.010);
+        state.direction[Axis::Y.slot()] = -1;
+        assert_eq!(table.at(&command, &state), 0.0);
+    }
+}

@@ -1,0 +1,140 @@
+//! Compensation tables of a control: what they do, how they are made from the error model, and how each control writes and reads them.
+//!
+//! ```text
+//! Model ──scheme──▶ Tables ──format: round, check limits, write──▶ text of the control
+//!                     │ ▲                                             │
+//!                     │ └──────────────── format: read ───────────────┘
+//!                     └──▶ Control::correction, as the control interpolates ──▶ check: the error that is left
+//! ```
+//!
+//! [`Tables`] is what a control is told, whatever its file looks like: functions of one axis that are added or multiplied in pairs
+//! ([`Lookup`]), a grid of corrections ([`Grid`]), or error functions that the control puts through its own kinematics
+//! ([`ErrorTables`]). A [`Scheme`] fills them, a [`Format`] writes and reads them. [`Control`] does what the control does with them. A format is a
+//! file in `format/` and a line in [`FORMATS`], a scheme a file in `scheme/` and a line in [`SCHEMES`].
+//!
+//! Positions and values are kept in mm and degrees, the units of the controls: a table that was read is written again digit by digit.
+
+pub mod check;
+mod control;
+mod errors;
+pub mod format;
+mod grid;
+mod lookup;
+pub mod region;
+pub mod scheme;
+mod target;
+mod wiring;
+
+pub use control::Control;
+pub use errors::{AxisErrors, ErrorTables};
+pub use format::{FORMATS, Format, Written};
+pub use grid::Grid;
+pub use lookup::{Lookup, Nodes, Sense};
+pub use scheme::{SCHEMES, Scheme};
+pub use target::{Orientation, Target};
+pub use wiring::Wiring;
+
+use ncfix_base::geometry::Axis;
+use ncfix_machine::machine::TableProducts;
+
+/// What a control is told. Kinds that a format does not have stay empty.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tables {
+    /// Functions of one axis, in the order of their numbers; products name each other by their index.
+    pub lookups: Vec<Lookup>,
+    /// What a table with a factor adds.
+    pub multiplication: Multiplication,
+    /// Corrections of three axes on a grid of their positions.
+    pub grid: Option<Grid>,
+    /// Error functions for the control's own kinematic model.
+    pub errors: Option<ErrorTables>,
+    /// Commands times a matrix (LinuxCNC matrixkins): rows are the motors of X, Y, Z.
+    pub matrix: Option<[[f64; 3]; 3]>,
+}
+
+/// What a table adds that is multiplied by another one. The manuals can be read in two ways (SINUMERIK 840D sl, Extended Functions K3:
+/// "the product is added"; Esmaeili 2021, 2.4.5.3: the table is multiplied instead of added).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Multiplication {
+    /// The product in place of its own value. A table without a factor of its own that others name is added too.
+    #[default]
+    Instead,
+    /// The product beside its own value.
+    Beside,
+}
+
+impl From<TableProducts> for Multiplication {
+    fn from(products: TableProducts) -> Multiplication {
+        match products {
+            TableProducts::Instead => Multiplication::Instead,
+            TableProducts::Beside => Multiplication::Beside,
+        }
+    }
+}
+
+impl Tables {
+    /// How many tables a control must hold: functions of one axis, or one for each grid, matrix and axis with error functions.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        let axes = self.errors.as_ref().map_or(0, |errors| errors.axes.len());
+        self.lookups.len() + usize::from(self.grid.is_some()) + axes + usize::from(self.matrix.is_some())
+    }
+
+    /// Takes what others hold beside its own: a control with both adds both. `false` where both have what a control has once.
+    #[must_use]
+    pub fn add(&mut self, others: Tables) -> bool {
+        let first = self.lookups.len();
+        self.lookups.extend(others.lookups.into_iter().map(|mut lookup| {
+            lookup.factor = lookup.factor.map(|factor| factor + first);
+            lookup
+        }));
+        let is_once = (self.grid.is_none() || others.grid.is_none())
+            && (self.matrix.is_none() || others.matrix.is_none())
+            && (self.errors.is_none() || others.errors.is_none());
+        self.grid = self.grid.take().or(others.grid);
+        self.matrix = self.matrix.or(others.matrix);
+        self.errors = self.errors.take().or(others.errors);
+        is_once
+    }
+
+    /// Whether a table depends on an axis or corrects it.
+    #[must_use]
+    pub fn names(&self, axis: Axis) -> bool {
+        self.lookups.iter().any(|one| one.input == axis || one.output == axis)
+            || self.grid.as_ref().is_some_and(|grid| grid.axes.contains(&axis))
+            || self.errors.iter().flat_map(|errors| &errors.axes).any(|one| one.axis == axis)
+            || self.errors.iter().flat_map(|errors| &errors.location).any(|(name, _)| name.axis() == Some(axis))
+    }
+
+    /// How many values they hold.
+    #[must_use]
+    pub fn entries(&self) -> usize {
+        let lookups: usize = self.lookups.iter().map(|lookup| lookup.values.len()).sum();
+        let grid = self.grid.as_ref().map_or(0, |grid| grid.values.len() * 3);
+        let axes = self.errors.as_ref().map_or(0, |errors| errors.axes.iter().map(|axis| axis.values.len() * 6).sum());
+        lookups + grid + axes + self.matrix.map_or(0, |_| 9)
+    }
+
+    /// Whether every value is one that corrects nothing.
+    #[must_use]
+    pub fn are_zeros(&self) -> bool {
+        let is_identity = |matrix: &[[f64; 3]; 3]| {
+            let apart = |(row, values): (usize, &[f64; 3])| {
+                values.iter().enumerate().any(|(column, &value)| value != f64::from(u8::from(row == column)))
+            };
+            !matrix.iter().enumerate().any(apart)
+        };
+        let errors = || self.errors.iter().flat_map(|errors| &errors.axes).flat_map(|one| one.values.iter().flatten());
+        self.lookups.iter().flat_map(|one| &one.values).all(|&value| value == 0.0)
+            && self.grid.iter().flat_map(|grid| grid.values.iter().flatten()).all(|&value| value == 0.0)
+            && errors().all(|&value| value == 0.0)
+            && self.errors.iter().flat_map(|errors| &errors.location).all(|&(_, value)| value == 0.0)
+            && self.matrix.as_ref().is_none_or(is_identity)
+    }
+
+    /// Whether nothing would be corrected.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count() == 0
+    }
+}

@@ -1,0 +1,196 @@
+//! From functions of one axis, and products of two, to numbered tables.
+
+use std::collections::BTreeMap;
+
+use super::{Holds, Task};
+use crate::tables::format::rounded;
+use crate::tables::region::Region;
+use crate::tables::{Lookup, Multiplication, Nodes, Tables};
+use ncfix_base::geometry::Axis;
+
+/// Decimals of positions, mm or degrees.
+const POSITION_DECIMALS: usize = 6;
+/// What is smaller everywhere is no correction: a tenth of a nanometre, mm or rad.
+const NOTHING: f64 = 1e-7;
+
+/// Ends that are no farther apart differ by the noise of a fit, mm or degrees.
+const ENDS: f64 = 1e-5;
+
+/// Functions on their way to tables; values in mm or rad of the output.
+pub(super) struct Assembly<'a> {
+    task: &'a Task<'a>,
+    /// What is added to an output for the position of an input.
+    added: BTreeMap<(Axis, Axis), Vec<f64>>,
+    constants: BTreeMap<Axis, f64>,
+    products: Vec<Product>,
+}
+
+/// The product of two functions.
+struct Product {
+    output: Axis,
+    sides: [Side; 2],
+}
+
+/// A function of one axis at its nodes.
+pub(super) struct Side {
+    pub(super) axis: Axis,
+    /// Two of them make a straight line.
+    pub(super) values: Vec<f64>,
+}
+
+/// Equal steps over a range, mm or rad, with decimals that a file can hold: the nodes in mm or degrees.
+pub(super) fn nodes(axis: Axis, [low, high]: [f64; 2], points: usize) -> Nodes {
+    let unit = |value: f64| if axis.is_rotary() { value.to_degrees() } else { value };
+    let steps = points.max(2) - 1;
+    let start = rounded(unit(low), POSITION_DECIMALS);
+    let step = rounded((unit(high) - start) / steps as f64, POSITION_DECIMALS);
+    Nodes::Even { start, step, end: rounded(start + step * steps as f64, POSITION_DECIMALS) }
+}
+
+/// The positions of nodes, mm or rad.
+pub(super) fn positions(axis: Axis, region: &Region, points: usize) -> Vec<f64> {
+    let nodes = nodes(axis, region.range(axis), points);
+    let unit = |value: f64| if axis.is_rotary() { value.to_radians() } else { value };
+    (0..nodes.count()).map(|index| unit(nodes.position(index))).collect()
+}
+
+impl<'a> Assembly<'a> {
+    pub(super) fn new(task: &'a Task<'a>) -> Assembly<'a> {
+        Assembly { task, added: BTreeMap::new(), constants: BTreeMap::new(), products: Vec::new() }
+    }
+
+    /// Positions of the nodes of an axis, mm or rad.
+    pub(super) fn positions(&self, axis: Axis) -> Vec<f64> {
+        positions(axis, self.task.region, self.task.points)
+    }
+
+    /// Adds the same everywhere.
+    pub(super) fn add_constant(&mut self, output: Axis, value: f64) {
+        *self.constants.entry(output).or_default() += value;
+    }
+
+    /// Adds a function of an axis, at its nodes.
+    pub(super) fn add(&mut self, output: Axis, input: Axis, values: &[f64]) {
+        let sum = self.added.entry((output, input)).or_insert_with(|| vec![0.0; values.len()]);
+        sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+    }
+
+    /// Adds the product of two functions.
+    pub(super) fn add_product(&mut self, output: Axis, sides: [Side; 2]) {
+        self.products.push(Product { output, sides });
+    }
+
+    /// The tables. A product is written as two tables that each name the other, each with half of it: whether a control adds a
+    /// table that only serves as a factor does then not matter.
+    pub(super) fn finish(mut self) -> Tables {
+        let mut products = Vec::new();
+        for product in std::mem::take(&mut self.products) {
+            products.extend(self.balanced(product));
+        }
+        self.spread_constants();
+        let mut tables = Tables { multiplication: self.task.multiplication, ..Tables::default() };
+        for ((output, input), values) in &self.added {
+            if largest(values) > NOTHING {
+                tables.lookups.push(self.lookup(*output, *input, values));
+            }
+        }
+        for pair in products {
+            let first = tables.lookups.len();
+            for (index, mut lookup) in pair.into_iter().enumerate() {
+                lookup.factor = Some(first + 1 - index);
+                tables.lookups.push(lookup);
+            }
+        }
+        tables
+    }
+
+    /// The two tables of a product, as large as each other; none where it is nothing.
+    fn balanced(&mut self, product: Product) -> Option<[Lookup; 2]> {
+        let [one, other] = product.sides.map(|side| {
+            let mut lookup = self.lookup(product.output, side.axis, &side.values);
+            // Degrees times degrees are no degrees: the conversion of the output counts once.
+            if product.output.is_rotary() {
+                lookup.values = side.values.clone();
+            }
+            lookup
+        });
+        let unit = if product.output.is_rotary() { 1_f64.to_degrees() } else { 1.0 };
+        let sizes = [largest(&one.values), largest(&other.values)];
+        let size = sizes[0] * sizes[1];
+        if size < NOTHING || !size.is_finite() {
+            return None;
+        }
+        // Two tables that each add half of the product.
+        let common = (0.5 * unit * size).sqrt();
+        let mut pair = [one, other];
+        for (lookup, size) in pair.iter_mut().zip(sizes) {
+            lookup.values.iter_mut().for_each(|value| *value *= common / size);
+        }
+        if self.task.multiplication == Multiplication::Beside {
+            // What the control adds of each table alone is taken away again.
+            for lookup in &pair {
+                let alone: Vec<f64> = self.positions(lookup.input).iter().map(|&at| -at_position(lookup, at)).collect();
+                self.add(product.output, lookup.input, &alone);
+            }
+        }
+        Some(pair)
+    }
+
+    /// A table of values in mm or rad.
+    fn lookup(&self, output: Axis, input: Axis, values: &[f64]) -> Lookup {
+        let range = self.task.region.range(input);
+        let unit = |value: f64| if output.is_rotary() { value.to_degrees() } else { value };
+        let values: Vec<f64> = values.iter().map(|&value| unit(value)).collect();
+        let mut lookup = Lookup::added(input, output, nodes(input, range, values.len()), values);
+        repeat(self.task, &mut lookup);
+        lookup
+    }
+
+    /// Puts what is the same everywhere into a table that is there, or one of the output itself.
+    fn spread_constants(&mut self) {
+        for (output, value) in std::mem::take(&mut self.constants) {
+            if value.abs() < NOTHING {
+                continue;
+            }
+            let is_used = |values: &Vec<f64>| largest(values) > NOTHING;
+            let there = self.added.iter().find(|&(&(one, _), values)| one == output && is_used(values));
+            let input = there.map(|(&(_, input), _)| input);
+            let own = self.task.region.axes().any(|axis| axis == output);
+            let input = input.or(own.then_some(output)).or_else(|| self.task.region.axes().next());
+            let Some(input) = input else { continue };
+            let count = self.added.get(&(output, input)).map_or(2, Vec::len);
+            self.add(output, input, &vec![value; count]);
+        }
+    }
+}
+
+/// Makes a table of an axis that turns further than once repeat, where it covers a turn and ends as it begins. An axis without end is at both
+/// ends in the same place: what differs there is noise of a fit, or what its terms cannot hold, and their mean stands at both. An
+/// axis with a longer travel may have errors that do not repeat.
+pub(super) fn repeat(task: &Task<'_>, lookup: &mut Lookup) {
+    let Some(data) = task.target.machine.axis(lookup.input).filter(|data| data.axis.is_rotary()) else { return };
+    let is_endless = data.modulo;
+    let turns = is_endless || data.travel.is_none_or(|[low, high]| high - low > std::f64::consts::TAU + 1e-9);
+    let [start, end] = lookup.nodes.range();
+    let (Some(&first), Some(&last)) = (lookup.values.first(), lookup.values.last()) else { return };
+    let is_turn = turns && (end - start - 360.0).abs() < 1e-3;
+    let is_same = (first - last).abs() <= f64::max(1e-3 * largest(&lookup.values), ENDS);
+    if is_turn && (is_endless || is_same) && task.format.can_hold(Holds::Repetition) {
+        lookup.modulo = true;
+        let both = f64::midpoint(first, last);
+        let count = lookup.values.len();
+        lookup.values[0] = both;
+        lookup.values[count - 1] = both;
+    }
+}
+
+/// The value of a table at a position in mm or rad, mm or rad.
+fn at_position(lookup: &Lookup, at: f64) -> f64 {
+    let value = lookup.value(if lookup.input.is_rotary() { at.to_degrees() } else { at });
+    if lookup.output.is_rotary() { value.to_radians() } else { value }
+}
+
+/// The largest value without its sign.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| value.abs().max(most))
+}

@@ -1,0 +1,203 @@
+//! Fits terms of a scheme to the exact corrections over the region, by least squares.
+//!
+//! The rotary axes come first. The linear axes are then fitted to what brings the tip to its place with the rotary corrections that the
+//! tables really give: position goes before direction.
+
+use super::Task;
+use super::assembly::{Assembly, Side};
+use crate::tables::{Control, Orientation, Tables};
+use ncfix_base::geometry::{Axis, AxisVector};
+use ncfix_base::numeric::System;
+use ncfix_machine::machine::State;
+use ncfix_model::Solve;
+
+/// Poses to which a scheme is fitted for each of its terms, and at least.
+const POSES_A_TERM: usize = 25;
+const LEAST_POSES: usize = 2000;
+/// Unknowns of a correction at most: the work goes with their third power.
+const MOST_TERMS: usize = 600;
+/// Start of the generator of these poses; those of a check have another.
+const SEED: u64 = 0x4649_5454_4544;
+/// Directions of terms that the poses tell less are left at zero.
+const RANK_LIMIT: f64 = 1e-9;
+
+/// A function of the commands with an unknown coefficient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Term {
+    /// 1.
+    One,
+    /// A power of an axis in units of half its range from its middle.
+    Power(Axis, i32),
+    /// 1 at a node, 0 at the others, linear between.
+    Hat(Axis, usize),
+    /// A trigonometric function of a rotary axis, times a linear axis or alone.
+    Wave(Option<Axis>, Axis, Wave),
+}
+
+/// The trigonometric functions of Esmaeili 2021, eq. 44, as far as they are independent: sin² + cos² is 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Wave {
+    One,
+    Cos,
+    Sin,
+    CosSin,
+    SinSquared,
+}
+
+impl Wave {
+    pub(super) const ALL: [Wave; 5] = [Wave::One, Wave::Cos, Wave::Sin, Wave::CosSin, Wave::SinSquared];
+
+    fn value(self, angle: f64) -> f64 {
+        let (sin, cos) = angle.sin_cos();
+        match self {
+            Wave::One => 1.0,
+            Wave::Cos => cos,
+            Wave::Sin => sin,
+            Wave::CosSin => cos * sin,
+            Wave::SinSquared => sin * sin,
+        }
+    }
+}
+
+/// The terms of a scheme with the nodes that they have.
+struct Basis<'a> {
+    task: &'a Task<'a>,
+    /// By slot of the axis.
+    nodes: Vec<Vec<f64>>,
+}
+
+impl Basis<'_> {
+    /// A position in units of half the range from the middle of it.
+    fn scaled(&self, axis: Axis, at: f64) -> f64 {
+        let [low, high] = self.task.region.range(axis);
+        if high > low { (2.0 * at - low - high) / (high - low) } else { 0.0 }
+    }
+
+    /// The part of a term that depends on an axis.
+    fn part(&self, term: Term, axis: Axis, at: f64) -> f64 {
+        match term {
+            Term::Power(own, power) if own == axis => self.scaled(axis, at).powi(power),
+            Term::Hat(own, node) if own == axis => hat(&self.nodes[axis.slot()], node, at),
+            Term::Wave(_, turned, wave) if turned == axis => wave.value(at),
+            Term::Wave(Some(lever), _, _) if lever == axis => self.scaled(axis, at),
+            _ => 1.0,
+        }
+    }
+
+    fn value(&self, term: Term, pose: &AxisVector) -> f64 {
+        match term {
+            Term::One => 1.0,
+            Term::Power(axis, _) | Term::Hat(axis, _) | Term::Wave(None, axis, _) => self.part(term, axis, pose[axis]),
+            Term::Wave(Some(lever), axis, _) => self.part(term, lever, pose[lever]) * self.part(term, axis, pose[axis]),
+        }
+    }
+
+    /// The tables of some axes for corrections at poses.
+    fn fitted(
+        &self,
+        outputs: impl IntoIterator<Item = Axis>,
+        terms_of: &dyn Fn(Axis) -> Vec<Term>,
+        poses: &[AxisVector],
+        wanted: &[AxisVector],
+    ) -> Result<Tables, String> {
+        let mut assembly = Assembly::new(self.task);
+        for axis in outputs {
+            let terms = terms_of(axis);
+            let values: Vec<f64> = wanted.iter().map(|correction| correction[axis]).collect();
+            let coefficients = self.coefficients(&terms, poses, &values)?;
+            self.put(&mut assembly, axis, &terms, &coefficients);
+        }
+        Ok(assembly.finish())
+    }
+
+    /// The coefficients of a correction at poses.
+    fn coefficients(&self, terms: &[Term], poses: &[AxisVector], wanted: &[f64]) -> Result<Vec<f64>, String> {
+        let mut system = System::new(terms.len());
+        let mut row = vec![0.0; terms.len()];
+        for (pose, &value) in poses.iter().zip(wanted) {
+            row.iter_mut().zip(terms).for_each(|(factor, &term)| *factor = self.value(term, pose));
+            system.add(&row, value, 1.0);
+        }
+        let solution = system.solve_to(RANK_LIMIT).ok_or("the corrections are no numbers")?;
+        Ok(solution.unknowns.iter().copied().collect())
+    }
+
+    /// Adds terms with their coefficients to an output.
+    fn put(&self, assembly: &mut Assembly<'_>, output: Axis, terms: &[Term], coefficients: &[f64]) {
+        for (&term, &coefficient) in terms.iter().zip(coefficients) {
+            let at_nodes = |axis: Axis| -> Vec<f64> {
+                self.nodes[axis.slot()].iter().map(|&at| coefficient * self.part(term, axis, at)).collect()
+            };
+            match term {
+                Term::One => assembly.add_constant(output, coefficient),
+                Term::Power(axis, _) | Term::Hat(axis, _) => assembly.add(output, axis, &at_nodes(axis)),
+                Term::Wave(None, axis, _) => assembly.add(output, axis, &at_nodes(axis)),
+                // Straight in the linear axis: gathered below.
+                Term::Wave(Some(_), ..) => {}
+            }
+        }
+        for lever in self.task.region.axes().filter(|axis| !axis.is_rotary()) {
+            let mine = terms
+                .iter()
+                .zip(coefficients)
+                .filter(|(term, _)| matches!(term, Term::Wave(Some(one), ..) if *one == lever));
+            let mut sum: Option<Side> = None;
+            for (&term, coefficient) in mine {
+                let Term::Wave(_, axis, _) = term else { continue };
+                let nodes = &self.nodes[axis.slot()];
+                let side = sum.get_or_insert_with(|| Side { axis, values: vec![0.0; nodes.len()] });
+                side.values
+                    .iter_mut()
+                    .zip(nodes)
+                    .for_each(|(sum, &at)| *sum += coefficient * self.part(term, axis, at));
+            }
+            if let Some(side) = sum {
+                assembly.add_product(output, [Side { axis: lever, values: vec![-1.0, 1.0] }, side]);
+            }
+        }
+    }
+}
+
+/// A hat function.
+fn hat(nodes: &[f64], node: usize, at: f64) -> f64 {
+    let Some(&here) = nodes.get(node) else { return 0.0 };
+    let next = if at >= here { nodes.get(node + 1) } else { node.checked_sub(1).and_then(|before| nodes.get(before)) };
+    match next {
+        Some(next) => (1.0 - (at - here) / (next - here)).max(0.0),
+        None => 1.0,
+    }
+}
+
+/// The tables of terms that are fitted to the corrections of all axes; each axis has its own.
+pub(super) fn fill(task: &Task<'_>, terms_of: &dyn Fn(Axis) -> Vec<Term>) -> Result<Tables, String> {
+    let mut nodes = vec![Vec::new(); ncfix_base::geometry::AXIS_COUNT];
+    for axis in task.region.axes() {
+        nodes[axis.slot()] = super::assembly::positions(axis, task.region, task.points);
+    }
+    let basis = Basis { task, nodes };
+    let outputs = task.linear().into_iter().chain(task.target.rotary());
+    let most = outputs.map(|axis| terms_of(axis).len()).max().unwrap_or(0);
+    if most > MOST_TERMS {
+        // The terms of an output that are free at every point grow with the points, the others do not.
+        let points = MOST_TERMS * task.points / most;
+        return Err(format!(
+            "{most} values of one axis would be fitted at once, and {MOST_TERMS} are the most that can be (the time goes with their third power): \
+             choose --points {points} or fewer; the schemes polynomial, trigonometric and fik take more"
+        ));
+    }
+    let poses = task.region.poses((most * POSES_A_TERM).max(LEAST_POSES), SEED);
+    let state = State::default();
+    let mut tables = Tables { multiplication: task.multiplication, ..Tables::default() };
+    if task.target.orientation != Orientation::Off {
+        tables = basis.fitted(task.target.rotary(), terms_of, &poses, &task.exact(&poses)?)?;
+    }
+    let control = Control::new(task.target.machine, &tables);
+    let mut wanted = Vec::with_capacity(poses.len());
+    for pose in &poses {
+        let start = *pose + control.correction(pose, &task.target.tool_mm, &state);
+        let solved = task.target.model.solve(pose, &task.target.tool_mm, &state, &start, Solve::PositionOnly);
+        wanted.push(solved.map_err(|_| "the tip cannot be brought to its place everywhere in the region")? - *pose);
+    }
+    super::append(&mut tables, basis.fitted(task.linear(), terms_of, &poses, &wanted)?);
+    Ok(tables)
+}

@@ -1,0 +1,56 @@
+//! Tables for one sense of motion: what an axis with a reversal error needs beside the mean of both senses.
+//!
+//! What a format cannot hold – a play that moves another axis, where only the axis itself has a table for each sense – is left over.
+
+use super::assembly::{nodes, positions, repeat};
+use super::{Holds, Task};
+use crate::tables::{Lookup, Sense, Tables};
+use ncfix_base::geometry::{AXES, Axis, AxisVector};
+use ncfix_machine::machine::State;
+
+/// What is smaller is no reversal, mm or rad.
+const NOTHING: f64 = 1e-6;
+
+/// Two tables, one for each sense, for every correction that depends on the sense in which an axis moves. Other axes stand in the middle.
+pub(super) fn tables(task: &Task<'_>) -> Tables {
+    let mut tables = Tables::default();
+    let moving = task.region.axes().filter(|&axis| task.target.model.features(axis).backlash);
+    for input in moving {
+        let at = positions(input, task.region, task.points);
+        let halves: Option<Vec<AxisVector>> = at.iter().map(|&at| half_difference(task, input, at)).collect();
+        let Some(halves) = halves else { continue };
+        let has_place = |output: &Axis| *output == input || task.format.can_hold(Holds::CrossSenses);
+        for output in AXES.into_iter().filter(has_place) {
+            let mut values: Vec<f64> = halves.iter().map(|half| half[output]).collect();
+            if values.iter().all(|value| value.abs() < NOTHING) {
+                continue;
+            }
+            if values.iter().all(|value| (value - values[0]).abs() < NOTHING / 10.0) {
+                values.truncate(2);
+            }
+            for (sense, sign) in [(Sense::Positive, 1.0), (Sense::Negative, -1.0)] {
+                let unit = |value: f64| sign * if output.is_rotary() { value.to_degrees() } else { value };
+                let nodes = nodes(input, task.region.range(input), values.len());
+                let mut one = Lookup::added(input, output, nodes, values.iter().map(|&value| unit(value)).collect());
+                one.sense = sense;
+                repeat(task, &mut one);
+                tables.lookups.push(one);
+            }
+        }
+    }
+    tables
+}
+
+/// Half of what the correction differs between both senses of an axis at a position.
+fn half_difference(task: &Task<'_>, axis: Axis, at: f64) -> Option<AxisVector> {
+    let mut pose = task.region.middle();
+    pose[axis] = at;
+    let in_sense = |sense: i8| {
+        let mut state = State::default();
+        state.direction[axis.slot()] = sense;
+        task.target.correction(&pose, &state)
+    };
+    let mut difference = in_sense(1)? - in_sense(-1)?;
+    difference.0.iter_mut().for_each(|value| *value /= 2.0);
+    Some(difference)
+}

@@ -1,0 +1,100 @@
+//! Which axis of the machine a control's name for an axis is: `AX1`, `X1`, `X`.
+
+use ncfix_base::geometry::{AXES, Axis};
+use ncfix_machine::machine::Machine;
+
+/// The machine axes of a control in the order of their numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wiring {
+    axes: Vec<Named>,
+}
+
+/// An axis and its names.
+#[derive(Clone, Debug, PartialEq)]
+struct Named {
+    axis: Axis,
+    /// How the control writes it in tables.
+    name: String,
+    /// How programs name it beside its letter.
+    other: Option<String>,
+}
+
+/// The order in which axes are numbered where nothing else is said: linear axes first.
+const USUAL: [Axis; 6] = [Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C];
+
+impl Wiring {
+    /// The axes of a machine, numbered in the order that its file gives, else X Y Z, U V W, A B C as far as there are: `AX1`, `AX2` …
+    #[must_use]
+    pub fn of(machine: &Machine) -> Wiring {
+        let is_left = |axis: &Axis| machine.axis(*axis).is_some() && !machine.axis_order.contains(axis);
+        let axes = machine.axis_order.iter().copied().chain(AXES.into_iter().filter(is_left));
+        // An axis of the order that the machine lacks keeps its number from the others.
+        let named = axes.enumerate().filter_map(|(index, axis)| {
+            let data = machine.axis(axis)?;
+            Some(Named { axis, name: format!("AX{}", index + 1), other: data.name.clone() })
+        });
+        Wiring { axes: named.collect() }
+    }
+
+    /// The usual order, for files that are read without a machine.
+    #[must_use]
+    pub fn usual() -> Wiring {
+        let named = USUAL.into_iter().enumerate();
+        Wiring {
+            axes: named.map(|(index, axis)| Named { axis, name: format!("AX{}", index + 1), other: None }).collect(),
+        }
+    }
+
+    /// Gives an axis another name; it takes the place of one that another axis had.
+    pub fn rename(&mut self, axis: Axis, name: &str) {
+        self.axes.retain(|named| named.axis == axis || !named.name.eq_ignore_ascii_case(name));
+        match self.axes.iter_mut().find(|named| named.axis == axis) {
+            Some(named) => named.name = name.to_owned(),
+            None => self.axes.push(Named { axis, name: name.to_owned(), other: None }),
+        }
+    }
+
+    /// The axes in order.
+    pub fn axes(&self) -> impl Iterator<Item = Axis> {
+        self.axes.iter().map(|named| named.axis)
+    }
+
+    /// How the control names an axis.
+    #[must_use]
+    pub fn name(&self, axis: Axis) -> String {
+        let named = self.axes.iter().find(|named| named.axis == axis);
+        named.map_or_else(|| axis.to_string(), |named| named.name.clone())
+    }
+
+    /// The axis of a name; quotation marks, brackets and blanks around it do not matter.
+    #[must_use]
+    pub fn axis(&self, text: &str) -> Option<Axis> {
+        let bare = text.trim_matches(|c: char| c.is_whitespace() || matches!(c, '(' | ')' | '"' | '\''));
+        let is = |name: &str| name.eq_ignore_ascii_case(bare);
+        let known = self.axes.iter().find(|named| is(&named.name) || named.other.as_deref().is_some_and(is));
+        known.map(|named| named.axis).or_else(|| match bare.as_bytes() {
+            [letter] => Axis::from_letter(*letter),
+            // X1, Y1 …: the usual names of machine axes.
+            [letter, b'1'] => Axis::from_letter(*letter),
+            _ => None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_with_and_without_marks() {
+        let mut wiring = Wiring::usual();
+        for (text, axis) in
+            [("(AX2)", Axis::Y), ("AX2", Axis::Y), ("\"ax5\"", Axis::B), ("X1", Axis::X), ("C", Axis::C)]
+        {
+            assert_eq!(wiring.axis(text), Some(axis), "{text}");
+        }
+        assert_eq!(wiring.axis("AX17"), None);
+        wiring.rename(Axis::C, "AX5");
+        assert_eq!((wiring.axis("AX5"), wiring.name(Axis::C)), (Some(Axis::C), "AX5".to_owned()));
+    }
+}
