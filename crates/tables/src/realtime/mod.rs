@@ -13,11 +13,11 @@
 //! ```
 //! use std::time::Duration;
 //!
-//! use ncfix::geometry::{Axis, AxisVector, Vector};
-//! use ncfix::machine::{Condition, file::DEMO};
-//! use ncfix::model::{Model, Solve, file::load};
-//! use ncfix::realtime::{Cycle, Dosing, Kernel, Updater, handover};
-//! use ncfix::source::{FileId, Source};
+//! use ncfix_base::geometry::{Axis, AxisVector, Vector};
+//! use ncfix_machine::machine::{Condition, file::DEMO};
+//! use ncfix_model::{Model, Solve, file::load};
+//! use ncfix_tables::realtime::{Cycle, Dosing, Kernel, Updater, handover};
+//! use ncfix_base::source::{FileId, Source};
 //!
 //! let source = Source::new(FileId(0), "demo.toml", DEMO.as_bytes().to_vec()).unwrap();
 //! let (machine, errors) = load(&source).0.unwrap();
