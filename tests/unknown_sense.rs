@@ -69,6 +69,65 @@ fn what_no_cut_makes_smaller_costs_no_blocks() {
     assert!(lines < 40, "{lines} lines\n{}", shop.text("out.mpf"));
 }
 
+/// Increments of 1 µm leave bodies up to one and a half of them within their dead bands; play of the column moves the tip aside then.
+const COARSE: &str = r#"[machine]
+name = "m"
+topology = "wXYFZSt"
+controller = "fanuc"
+[axis.X]
+direction = [-1, 0, 0]
+travel_mm = [99.95, 250.05]
+[axis.Y]
+direction = [0, -1, 0]
+travel_mm = [-60.3, 89.80000000000001]
+[axis.Z]
+direction = [0, 0, 1]
+travel_mm = [-300, 600]
+[location]
+EC0X = -12.75
+EB0Z = -11.25
+EA0Z = -0.77
+[[motion]]
+component = "EXX"
+kind = "polynomial"
+coefficients = [0, -3.5207270954094614e-06, -2.4014707614836705e-08]
+[[motion]]
+component = "EYX"
+kind = "polynomial"
+coefficients = [0, 0, 1.4505332312326912e-08]
+[[motion]]
+component = "EXX"
+kind = "backlash"
+value_um = 15.000
+[[motion]]
+component = "EXZ"
+kind = "backlash"
+value_um = 2.008
+[[motion]]
+component = "EBZ"
+kind = "backlash"
+value_urad = 5.934
+[zero_offset.G54]
+X_mm = 100.0
+Y_mm = -60.25
+Z_mm = 0
+[[tool]]
+number = 1
+length_mm = 80.5
+radius_mm = 4
+"#;
+
+#[test]
+fn an_error_beyond_the_promise_has_a_warning() {
+    let program = "N40 G0 G43 Z11.000 H1\nN50 G0 X0. Y25.250\nN70 G1 Z-0.500 F800.000\nN80 G0 Z1.000\nN90 G0 X0. Y40.321\nN100 G1 Z-0.500 F800.000\n";
+    let shop = Shop::new().file("m.toml", COARSE).file("p.nc", program);
+    let run = shop.run(["p.nc", "-o", "out.nc", "--machine", "m.toml", "--json"]).exits(0);
+    let after_um = run.json()["after"]["max_um"].as_f64().unwrap();
+    // The tolerance of 1 µm, and half an increment in each of three directions: a tip further off is not what was promised.
+    assert!(after_um > 1.0 + 0.5 * 3.0_f64.sqrt() * 0.25 + 0.05, "the case is no test: {after_um}");
+    assert_eq!(run.codes(), ["W0305"]);
+}
+
 #[test]
 fn without_room_the_side_stays_unknown_and_is_told() {
     // The tool is at its depth already: nobody knows what stands beside it.

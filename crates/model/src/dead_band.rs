@@ -1,8 +1,8 @@
 //! The dead bands of the axes: behind a reversal the body of an axis follows only when the command has gone through the lost motion.
 //!
-//! For each axis it is known how far the command must still go in one sense, or the other, until the body follows for certain; at the
-//! beginning, and where something unknown has moved the axis, that is the whole lost motion either way. Where the control adds more than the
-//! axis loses, and where another component depends on the sense, the least motion counts.
+//! A band keeps, for each axis, how far the command must still go in either sense until the body follows for certain. At the beginning, and after
+//! something unknown has moved the axis, that is the whole lost motion in both senses. An axis whose control adds more than it loses has no band: the
+//! least motion turns it, and so it is for components across the axis that depend on the sense.
 
 use ncfix_base::geometry::{AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
 use ncfix_machine::machine::{Control, State};
@@ -14,17 +14,17 @@ const ROUNDED: f64 = 1.5;
 /// Share of a lost motion that corrections of other axes change of the way across it.
 const ACROSS: f64 = 0.01;
 
-/// Shares of a dead band nearer than this are one place.
+/// Two places within a dead band are the same if they differ by less than this share of it.
 const SAME_SHARE: f64 = 1e-6;
 
-/// What the tip is off, mm, as far as it is known on which sides the axes are.
+/// How far the tip is from its nominal place, mm. Where the side of an axis is unknown there are several answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Off {
-    /// With the bodies of which nobody knows where they are in the middle of what is possible: the place that a correction aims at.
+    /// With every unknown body in the middle of where it can be: a correction aims at this place.
     pub middle: Vector,
-    /// As near to the nominal place as the possible sides allow.
+    /// For the sides that bring the tip nearest to its nominal place.
     pub nearest: Vector,
-    /// The largest distance that they allow.
+    /// The largest distance that any of the sides gives.
     pub most_mm: f64,
 }
 
@@ -141,7 +141,7 @@ impl DeadBand {
         })
     }
 
-    /// Puts the body of an axis that loses so much on a side, or, for 0, in the middle.
+    /// Puts the body of an axis on the side of `sense` (−1 or 1), or in the middle for 0. `lost` is the lost motion there, mm or rad.
     pub fn put(&mut self, axis: Axis, sense: i8, lost: f64) {
         let back = 0.5 * lost * (1.0 + f64::from(sense));
         (self.ahead[axis], self.back[axis]) = (lost - back, back);
@@ -198,8 +198,8 @@ impl DeadBand {
         (within, state)
     }
 
-    /// The tip at `command` from the nominal tip at `nominal`. Where a body is within its dead band the tool waits on its way: what it is off along the direction `along` does not count then.
-    /// The one function of correction, prediction and comparison for axes whose errors depend on the sense.
+    /// How far the tip at `command` is from the nominal tip at `nominal`. A tool that waits for a body is late on its way: its distance along the
+    /// direction `along` does not count. The one function of correction, prediction and comparison for axes whose errors depend on the sense.
     #[must_use]
     pub fn error_mm(
         &self,
@@ -267,7 +267,7 @@ impl DeadBand {
     }
 }
 
-/// What an axis on the one side moves the tip from the middle. The state has it on none.
+/// How far the tip moves when an axis goes from the middle of its dead band to the positive side, mm. `state` has the axis on no side.
 fn half(
     model: &Model,
     axis: Axis,
@@ -283,7 +283,7 @@ fn half(
     (one - other) * 0.5
 }
 
-/// What of a vector is across a direction.
+/// The part of a vector that is perpendicular to a direction.
 fn across(vector: Vector, along: Option<Vector>) -> Vector {
     along.map_or(vector, |along| vector - along * along.dot(&vector))
 }

@@ -9,7 +9,8 @@ use super::standing::Standing;
 use super::trial::Bench;
 
 impl Bench<'_, '_> {
-    /// How far the tip is off a place while the axes go over to these senses, mm: bodies leave their dead bands one after the other, in any order.
+    /// The largest distance of the tip from its place while axes change to these senses, mm. Their bodies leave the dead bands one after the other,
+    /// in any order.
     pub(super) fn turning_mm(&self, standing: &Standing, nominal: &AxisVector, sense: &State) -> f64 {
         let error_mm = |state: &State| self.placer.tip_error_mm(nominal, &standing.command, state);
         let lags = |axis: &Axis| {
@@ -59,7 +60,7 @@ impl Bench<'_, '_> {
         band.state()
     }
 
-    /// A body that would be left within its dead band has another side for which it would not, perhaps: that is tried next. `sense` is what the end was placed for.
+    /// Where the end was placed for `sense` and would leave a body within its dead band, the other side may be reached: that is tried next.
     pub(super) fn turn(&self, standing: &Standing, state: &mut State, sense: &State, end: &AxisVector) {
         for axis in self.lead.axes.intersection(standing.sensed).iter() {
             if state.direction(axis) != 0 {

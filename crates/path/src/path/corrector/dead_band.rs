@@ -1,7 +1,7 @@
-//! Axes of whose bodies nobody knows on which side of their dead bands they are: an approach settles that where there is room.
+//! Approaches that settle on which side of its dead band an axis is.
 //!
-//! A rapid move goes beyond the place by the lost motion and a bit and comes back: along the tool away from the workpiece, across it only where
-//! the next move goes down along the tool, so that the tool is above where it cuts.
+//! A rapid move goes beyond its end by the lost motion and a quarter of it, and comes back. The tool axis does so away from the workpiece. An axis
+//! across the tool does so only where the next move goes down along the tool: there the tool is above the place that it cuts.
 
 use ncfix_base::diagnostic::Diagnostic;
 use ncfix_base::geometry::{AXES, AXIS_COUNT, Axis, AxisSet, AxisVector, Vector};
@@ -170,8 +170,8 @@ where
         if open.is_empty() {
             return settled;
         }
-        // A way across at a height that nobody has stated leads from a place where the tool was changed, or from where a person left it; if the next one
-        // goes along the tool, it goes to the work.
+        // Where the program has not stated the height, the tool is where it was changed or where a person left it. If the next move goes along the tool,
+        // it goes to the work.
         let is_height_known = AxisSet::XYZ
             .iter()
             .all(|axis| motion.known.contains(axis) || self.rise_of(axis, &motion.target).abs() < ACROSS);
